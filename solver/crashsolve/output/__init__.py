@@ -1,0 +1,1 @@
+"""Result files: histories, states, restart dumps, status, log and peaks."""

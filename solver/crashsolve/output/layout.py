@@ -1,0 +1,138 @@
+"""The HDF5 layout of a history, with rows reserved ahead so that appending touches no metadata.
+
+Every dataset is contiguous with `capacity` rows. A row exists once its time is not NaN, and rows
+are written values first, times last, with plain file writes at fixed offsets: whatever moment the
+process is killed, the file is a valid HDF5 file and its rows are whole.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.output.channels import FAMILIES, Family
+from crashsolve.output.errors import OutputError
+from crashsolve.output.files import HDF5_OPTIONS, write_metadata
+
+if TYPE_CHECKING:
+    import h5py
+
+FORMAT = "crashsolve history"
+FORMAT_VERSION = 1
+SLAB_BYTES = 1 << 24
+
+Offsets = dict[str, int]
+
+
+def create(
+    path: Path, families: tuple[Family, ...], metadata: dict[str, Any], capacity: int
+) -> Offsets:
+    """Write an empty history and return where in the file each dataset begins, "time" included."""
+    import h5py
+
+    offsets: Offsets = {}
+    with h5py.File(path, "w", **HDF5_OPTIONS) as file:
+        write_metadata(file, FORMAT, FORMAT_VERSION, metadata)
+        time = None
+        for family in families:
+            group = file.create_group(family.name)
+            group.attrs["meaning"] = FAMILIES[family.name]
+            group.create_dataset("ids", data=family.ids, dtype=h5py.string_dtype())
+            # all families share one time axis: one dataset under several names
+            if time is None:
+                time = _reserve(group, "time", (capacity,), fill_time="ifset", fillvalue=np.nan)
+                _describe(time, "s", "sample times, the same in every family")
+                offsets["time"] = _offset(time)
+            else:
+                group["time"] = time
+            for column in family.columns:
+                data = _reserve(group, column.path, (capacity, len(family.ids)), fill_time="never")
+                _describe(data, column.unit, column.meaning)
+                offsets[f"{family.name}/{column.path}"] = _offset(data)
+    return offsets
+
+
+def copy_rows(old: Path, new: Path, families: tuple[Family, ...], rows: int) -> None:
+    """Copy the first `rows` rows of every dataset from one history to another, times last."""
+    import h5py
+
+    with h5py.File(old, "r") as source, h5py.File(new, "r+") as target:
+        for family in families:
+            for column in family.columns:
+                name = f"{family.name}/{column.path}"
+                for part in _slabs(rows, len(family.ids)):
+                    target[name][part] = source[name][part]
+        name = f"{families[0].name}/time"
+        target[name][:rows] = source[name][:rows]
+
+
+def read_blocks(
+    path: Path, families: tuple[Family, ...], rows: int
+) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Yield (family index, times (k,), values (n_column, k, n_id)) over the first rows."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        for number, family in enumerate(families):
+            group = file[family.name]
+            for part in _slabs(rows, len(family.ids) * len(family.columns)):
+                values = np.stack([group[column.path][part] for column in family.columns])
+                yield number, group["time"][part], values
+
+
+def rows_until(path: Path, families: tuple[Family, ...], last_time: float) -> int:
+    """Number of rows not later than `last_time`; refuses a file of another model."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        if file.attrs.get("format") != FORMAT or file.attrs["format_version"] != FORMAT_VERSION:
+            raise OutputError(path, f"not a {FORMAT} of version {FORMAT_VERSION}")
+        if sorted(file) != sorted(family.name for family in families):
+            raise OutputError(path, f"holds families {sorted(file)}, not those of this run")
+        for family in families:
+            if _signature(file[family.name]) != (
+                list(family.ids),
+                sorted(column.path for column in family.columns),
+            ):
+                raise OutputError(path, f"entities or columns of '{family.name}' have changed")
+        # a reserved row has time NaN, which is not <= anything
+        return int(np.count_nonzero(file[families[0].name]["time"][:] <= last_time))
+
+
+def _reserve(group: "h5py.Group", name: str, shape: tuple[int, ...], **fill: Any) -> "h5py.Dataset":
+    """Create a contiguous float64 dataset whose place in the file is fixed at once."""
+    from h5py import h5d, h5p
+
+    properties = h5p.create(h5p.DATASET_CREATE)
+    properties.set_alloc_time(h5d.ALLOC_TIME_EARLY)
+    return group.create_dataset(name, shape, "<f8", dcpl=properties, **fill)
+
+
+def _describe(dataset: "h5py.Dataset", unit: str, meaning: str) -> None:
+    """Write the unit and the meaning beside the numbers."""
+    dataset.attrs["unit"] = unit
+    dataset.attrs["meaning"] = meaning
+
+
+def _offset(dataset: "h5py.Dataset") -> int:
+    """Byte where the dataset begins; 0 for one without rows, which is never written."""
+    return dataset.id.get_offset() or 0
+
+
+def _slabs(rows: int, width: int) -> Iterator[slice]:
+    """Cut rows of `width` doubles into pieces of bounded memory."""
+    step = max(1, SLAB_BYTES // (8 * width))
+    for start in range(0, rows, step):
+        yield slice(start, min(start + step, rows))
+
+
+def _signature(group: "h5py.Group") -> tuple[list[str], list[str]]:
+    """Entity names, and the sorted paths of all columns, of a family as written."""
+    import h5py
+
+    paths: list[str] = []
+    group.visititems(
+        lambda name, item: paths.append(name) if isinstance(item, h5py.Dataset) else None
+    )
+    return list(group["ids"].asstr()[:]), sorted(set(paths) - {"time", "ids"})

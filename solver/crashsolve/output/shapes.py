@@ -1,0 +1,73 @@
+"""Triangulated surfaces of primitives for display, in body axes about the shape's centre.
+
+Every function returns points (n, 3) and triangles (m, 3), corners counter-clockwise seen from
+outside.
+"""
+
+import numpy as np
+
+Surface = tuple[np.ndarray, np.ndarray]
+
+SEGMENTS = 24
+RINGS = 12
+
+
+def sphere(radius: float) -> Surface:
+    """Sphere with its poles on the z axis."""
+    return ellipsoid(radius, radius, radius)
+
+
+def ellipsoid(a: float, b: float, c: float) -> Surface:
+    """Ellipsoid with semi-axes a, b, c along x, y, z."""
+    latitude = np.linspace(-np.pi / 2, np.pi / 2, RINGS + 1)[1:-1]
+    # rings of circles between the two poles
+    return _revolved(np.cos(latitude), np.sin(latitude), -1.0, 1.0, scale=(a, b, c))
+
+
+def cylinder(radius: float, half_length: float) -> Surface:
+    """Capped cylinder along z."""
+    radii = np.array([radius, radius])
+    heights = np.array([-half_length, half_length])
+    return _revolved(radii, heights, -half_length, half_length)
+
+
+def box(hx: float, hy: float, hz: float) -> Surface:
+    """Box with half-lengths hx, hy, hz."""
+    corners = np.array([[x, y, z] for z in (-hz, hz) for y in (-hy, hy) for x in (-hx, hx)])
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return corners, np.array([half for i, j, k, m in sides for half in ((i, j, k), (i, k, m))])
+
+
+def plane(size: float) -> Surface:
+    """Square of the given side in the xy plane, outside being +z."""
+    half = size / 2
+    corners = np.array(
+        [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]]
+    )
+    return corners, np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def _revolved(
+    radii: np.ndarray,
+    heights: np.ndarray,
+    bottom: float,
+    top: float,
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> Surface:
+    """Surface through circles of given radii and heights, closed by a bottom and a top point."""
+    angle = 2 * np.pi * np.arange(SEGMENTS) / SEGMENTS
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(SEGMENTS)], axis=1)
+    rings = radii[:, None, None] * circle + heights[:, None, None] * np.array([0.0, 0.0, 1.0])
+    poles = np.array([[0.0, 0.0, bottom], [0.0, 0.0, top]])
+    points = np.concatenate([rings.reshape(-1, 3), poles]) * np.array(scale)
+    here = np.arange(SEGMENTS)
+    after = np.roll(here, -1)
+    last = (len(radii) - 1) * SEGMENTS
+    south, north = len(points) - 2, len(points) - 1
+    triangles = [np.stack([np.full(SEGMENTS, south), after, here], axis=1)]
+    for start in range(0, last, SEGMENTS):
+        low, low_after = start + here, start + after
+        triangles.append(np.stack([low, low_after, low_after + SEGMENTS], axis=1))
+        triangles.append(np.stack([low, low_after + SEGMENTS, low + SEGMENTS], axis=1))
+    triangles.append(np.stack([np.full(SEGMENTS, north), last + here, last + after], axis=1))
+    return points, np.concatenate(triangles)

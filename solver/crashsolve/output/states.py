@@ -1,0 +1,115 @@
+"""Writes states for ParaView and pyvista: XDMF 2 over HDF5.
+
+mesh.h5 holds the geometry once, states/000012.h5 the fields of one moment, and states.xdmf is
+the index: one temporal collection for each block, every moment referring to the same geometry.
+"""
+
+import time as clock
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crashsolve.output import xdmf
+from crashsolve.output.blocks import Block
+from crashsolve.output.errors import OutputError
+from crashsolve.output.files import HDF5_OPTIONS, replace_text, replacing, reported, write_metadata
+
+FORMAT = "crashsolve states"
+FORMAT_VERSION = 1
+# the index is rewritten whole, so it may take this share of the run at most
+INDEX_SHARE = 0.05
+
+
+class StateWriter:
+    """Writes the states of fixed blocks into a folder; raises OutputError when it cannot."""
+
+    def __init__(
+        self,
+        folder: Path | str,
+        blocks: tuple[Block, ...],
+        metadata: dict[str, Any],
+        resume_time: float | None = None,
+    ) -> None:
+        self.folder = Path(folder)
+        self.blocks = blocks
+        self.times: list[float] = []
+        self._geometry = {block.name: xdmf.geometry(block, "mesh.h5") for block in blocks}
+        self._grids: dict[str, list[str]] = {block.name: [] for block in blocks}
+        self._index_due = 0.0
+        if len(self._grids) < len(blocks):
+            raise ValueError("two blocks have the same name")
+        with reported(self.folder):
+            (self.folder / "states").mkdir(parents=True, exist_ok=True)
+        self._keep_until(-np.inf if resume_time is None else resume_time)
+        self._write_mesh(metadata)
+        self._write_index()
+
+    def write(self, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:
+        """Add one state: block name -> field name -> array, displacement (n, 3) among them."""
+        import h5py
+
+        path = self.folder / _state_file(len(self.times))
+        with replacing(path) as partial, h5py.File(partial, "w", **HDF5_OPTIONS) as file:
+            file.attrs["time"] = time
+            for block in self.blocks:
+                for field in block.all_fields:
+                    array = np.asarray(values[block.name][field.name])
+                    if array.shape != block.shape(field):
+                        raise ValueError(f"{block.name}, {field.name}: shape {array.shape}")
+                    name = f"{block.name}/{field.name}"
+                    file.create_dataset(name, data=array, dtype=field.dtype)
+                    file[name].attrs["unit"] = field.unit
+        self._add_to_index(time)
+        if clock.monotonic() >= self._index_due:
+            self._write_index()
+
+    def close(self) -> None:
+        """Bring the index up to date."""
+        self._write_index()
+
+    def _keep_until(self, last_time: float) -> None:
+        """Take over the states up to `last_time` and remove later ones."""
+        import h5py
+
+        for path in sorted((self.folder / "states").glob("*.h5")):
+            with reported(path):
+                with h5py.File(path, "r") as file:
+                    time = float(file.attrs["time"])
+                if time > last_time:
+                    path.unlink()
+                elif path == self.folder / _state_file(len(self.times)):
+                    self._add_to_index(time)
+                else:
+                    raise OutputError(path, "the state before this one is missing")
+
+    def _write_mesh(self, metadata: dict[str, Any]) -> None:
+        """Write the geometry of all blocks."""
+        import h5py
+
+        path = self.folder / "mesh.h5"
+        with replacing(path) as partial, h5py.File(partial, "w", **HDF5_OPTIONS) as file:
+            write_metadata(file, FORMAT, FORMAT_VERSION, metadata)
+            for block in self.blocks:
+                file[f"{block.name}/points"] = block.points.astype("<f8")
+                file[f"{block.name}/cells"] = block.connectivity()
+
+    def _add_to_index(self, time: float) -> None:
+        """Append the entry of a written state to every block's list."""
+        file = _state_file(len(self.times))
+        for block in self.blocks:
+            grid = xdmf.grid(block, self._geometry[block.name], time, file)
+            self._grids[block.name].append(grid)
+        self.times.append(time)
+
+    def _write_index(self) -> None:
+        """Replace states.xdmf and set when it may next be replaced."""
+        started = clock.monotonic()
+        replace_text(self.folder / "states.xdmf", xdmf.index(self._grids.items()))
+        finished = clock.monotonic()
+        self._index_due = finished + (finished - started) / INDEX_SHARE
+
+
+def _state_file(number: int) -> str:
+    """File of one state, relative to the results folder."""
+    return f"states/{number:06d}.h5"
