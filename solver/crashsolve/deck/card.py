@@ -1,0 +1,264 @@
+"""Cards: what a user may write, with units, bounds and meaning beside each word.
+
+    class LinearSpring(Card):
+        b: BodyName = word("body at the second end")
+        stiffness: float = quantity("N/m", "slope of force over elongation", gt=0)
+        normal: Card = Law("contact/normal", "law of the normal force")
+
+A card holds SI numbers whatever the deck's units are. Sequences are tuples, as cards are frozen.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_validator,
+)
+
+from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
+from crashsolve.deck.laws import UnknownType, law_class, types_in
+from crashsolve.deck.mistakes import BROKEN, already_reported, explained, refuse, shown
+from crashsolve.foundation.units import SI, Unit, UnitError, default_factor, parse_unit, to_si
+
+__all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
+__all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
+__all__ += ["SensorName", "SpringName", "SurfaceName"]
+
+Vec3 = tuple[float, float, float]
+
+
+class SiFloat(float):
+    """A number known to be in SI already, such as an expression of parameters with units."""
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a card must know of the file it stands in: units of bare numbers, and folder."""
+
+    units: Mapping[str, Unit] = field(default_factory=lambda: SI)
+    folder: Path = Path()
+
+
+class Name(str):
+    """A reference to an entry of the deck, looked up once all cards are read."""
+
+    keyword: str
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Marks text as the name of an entry under a keyword."""
+
+    keyword: str
+
+    def __call__(self, text: str) -> Name:
+        name = Name(text)
+        name.keyword = self.keyword
+        return name
+
+
+BodyName = Annotated[str, AfterValidator(Reference("bodies"))]
+JointName = Annotated[str, AfterValidator(Reference("joints"))]
+SpringName = Annotated[str, AfterValidator(Reference("springs"))]
+SurfaceName = Annotated[str, AfterValidator(Reference("surfaces"))]
+ContactName = Annotated[str, AfterValidator(Reference("contacts"))]
+LoadName = Annotated[str, AfterValidator(Reference("loads"))]
+CurveName = Annotated[str, AfterValidator(Reference("curves"))]
+SensorName = Annotated[str, AfterValidator(Reference("sensors"))]
+
+
+def _existing_file(text: str, info: ValidationInfo) -> str:
+    path = (info.context or Context()).folder / text
+    if not path.is_file():
+        refuse(f"there is no file '{path}'")
+    return str(path)
+
+
+FileName = Annotated[str, AfterValidator(_existing_file)]
+
+
+class Card(BaseModel):
+    """What a user may write in one place of a deck. A trailing "_" of a field is not written."""
+
+    model_config = ConfigDict(
+        strict=True,
+        extra="forbid",
+        frozen=True,
+        allow_inf_nan=False,
+        validate_by_name=True,
+        validate_by_alias=True,
+        alias_generator=lambda name: name.removesuffix("_"),
+    )
+
+    @field_validator("*", mode="wrap")
+    @classmethod
+    def _read(cls, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        """Bring a value to SI, or open a nested law; then check type and bounds."""
+        field = declared(cls, str(info.field_name))
+        context = info.context or Context()
+        if value is BROKEN:
+            already_reported()
+        if field.law:
+            return handler(_open_law(value, field.law, context))
+        given = _as_tuple(value)
+        if field.unit:
+            given = _to_si(given, field, _unit(field, info.data), context)
+        result = handler(given)
+        _check_bounds(result, value, field)
+        return result
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _in_plain_english(cls, value: Any, handler: ModelWrapValidatorHandler["Card"]) -> "Card":
+        try:
+            return handler(value)
+        except ValidationError as error:
+            raise explained(cls, error) from None
+
+
+def _as_tuple(value: Any) -> Any:
+    return tuple(_as_tuple(part) for part in value) if isinstance(value, list) else value
+
+
+def _open_law(value: Any, folder: str, context: Context) -> Any:
+    """Card of a nested law written `{type: word, ...}`."""
+    if value is None or isinstance(value, Card):
+        return value
+    types = ", ".join(types_in(folder)) or "none"
+    if not isinstance(value, Mapping):
+        refuse(f"must be a table of fields with a type, not {shown(value)}", f"(types: {types})")
+    if "type" not in value:
+        refuse("missing field 'type'", f"(types: {types})", within=("type",), key=True)
+    try:
+        law = law_class(folder, value["type"])
+    except UnknownType as error:
+        refuse(error.message, error.advice, within=("type",))
+    fields = {name: part for name, part in value.items() if name != "type"}
+    return law.model_validate(fields, context=context)
+
+
+def _unit(field: Declared, earlier: Mapping[str, Any]) -> str:
+    """Unit of a field, which may depend on fields declared before it."""
+    try:
+        return field.unit.format(**earlier)
+    except KeyError:
+        already_reported()
+
+
+def _to_si(
+    value: Any, field: Declared, unit: str, context: Context, at: tuple[int, ...] = ()
+) -> Any:
+    """Numbers and texts such as "54 km/h", alone or in nested tuples, as numbers in SI."""
+    if isinstance(value, tuple):
+        parts = enumerate(value)
+        return tuple(_to_si(part, field, unit, context, (*at, i)) for i, part in parts)
+    if value is BROKEN:
+        already_reported()
+    if (value is None and field.optional and not at) or value in field.words:
+        return value
+    kinds = f"a number{in_unit(unit)}" + "".join(f" or '{word}'" for word in field.words)
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        refuse(f"must be {kinds}, not {shown(value)}", within=at)
+    try:
+        return _number(value, unit, context.units)
+    except UnitError as error:
+        refuse(f"must be {kinds}", str(error), within=at)
+
+
+def _number(value: str | float, unit: str, bases: Mapping[str, Unit]) -> float:
+    """A number as it stands in a deck, in SI; raises UnitError."""
+    if isinstance(value, SiFloat):
+        return float(value)
+    if isinstance(value, str):
+        return to_si(value, unit, bases)
+    try:
+        return float(value) * default_factor(parse_unit(unit), bases)
+    except OverflowError:
+        raise UnitError("this number is too large") from None
+
+
+def _check_bounds(result: Any, written: Any, field: Declared, at: tuple[int, ...] = ()) -> None:
+    if isinstance(result, tuple) and field.bounds:
+        for i, (part, text) in enumerate(zip(result, written, strict=True)):
+            _check_bounds(part, text, field, (*at, i))
+    if isinstance(result, bool) or not isinstance(result, int | float):
+        return
+    for bound, (holds, words) in BOUNDS.items():
+        limit = field.bounds.get(bound)
+        if limit is not None and not holds(result, limit):
+            unit = "" if field.unit in ("", "1") else f" {field.unit}"
+            refuse(f"must be {words} {limit:g}{unit}, not {shown(written)}", within=at)
+
+
+class Rotation(Card):
+    """Posture of body axes in the world: an axis and angle, a quaternion, or Euler angles."""
+
+    axis: Vec3 | None = quantity("1", "direction of the axis of rotation, of any length", None)
+    angle: float | None = quantity("rad", "angle about the axis, right-handed", None)
+    quaternion_: tuple[float, float, float, float] | None = quantity(
+        "1", "unit quaternion, scalar first", None
+    )
+    euler: Vec3 | None = quantity(
+        "rad", "angles about the body's own axes, one after another", None
+    )
+    sequence: str = word("axes of the Euler angles, in order", "xyz")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "Rotation":
+        ways = [self.axis is not None, self.quaternion_ is not None, self.euler is not None]
+        if sum(ways) != 1:
+            raise ValueError("give one of: axis and angle, quaternion, euler")
+        if (self.axis is None) != (self.angle is None):
+            raise ValueError("axis and angle belong together")
+        if self.axis is not None and not any(self.axis):
+            raise ValueError("axis: has no length")
+        if self.quaternion_ is not None and abs(math.hypot(*self.quaternion_) - 1.0) > 1e-6:
+            raise ValueError("quaternion: must have length 1 within 1e-6")
+        if len(self.sequence) != 3 or not set(self.sequence) <= set("xyz"):
+            raise ValueError("sequence: must be three letters of x, y, z, such as 'zxz'")
+        if self.sequence[1] in (self.sequence[0], self.sequence[2]):
+            raise ValueError("sequence: must not name one axis twice in a row")
+        return self
+
+    def quaternion(self) -> tuple[float, float, float, float]:
+        """Unit quaternion (w, x, y, z) that takes body components to the world."""
+        if self.quaternion_ is not None:
+            q = self.quaternion_
+        elif self.euler is not None:
+            q = (1.0, 0.0, 0.0, 0.0)
+            for letter, angle in zip(self.sequence, self.euler, strict=True):
+                q = _product(q, _about(_AXES[letter], angle))
+        else:
+            assert self.axis is not None and self.angle is not None
+            q = _about(self.axis, self.angle)
+        length = math.hypot(*q)
+        return q[0] / length, q[1] / length, q[2] / length, q[3] / length
+
+
+Quaternion = tuple[float, float, float, float]
+_AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def _about(axis: Vec3, angle: float) -> Quaternion:
+    scale = math.sin(angle / 2.0) / math.hypot(*axis)
+    return math.cos(angle / 2.0), scale * axis[0], scale * axis[1], scale * axis[2]
+
+
+def _product(a: Quaternion, b: Quaternion) -> Quaternion:
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
+        a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
+    )

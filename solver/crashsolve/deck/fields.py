@@ -1,0 +1,112 @@
+"""Declaring the fields of a card, each with its unit, bounds and meaning."""
+
+import operator
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, Field
+from pydantic.fields import FieldInfo
+
+REQUIRED: Any = ...
+BOUNDS = {
+    "gt": (operator.gt, "greater than"),
+    "ge": (operator.ge, "at least"),
+    "lt": (operator.lt, "less than"),
+    "le": (operator.le, "at most"),
+}
+
+
+def quantity(
+    unit: str,
+    meaning: str,
+    default: Any = REQUIRED,
+    *,
+    gt: float | None = None,
+    ge: float | None = None,
+    lt: float | None = None,
+    le: float | None = None,
+) -> Any:
+    """Field of a number, or of nested tuples of numbers, in SI; bounds hold for each number.
+
+    A unit may depend on fields declared before: "N/m^{exponent}". "any" takes every unit.
+    """
+    return _noted(default, {"gt": gt, "ge": ge, "lt": lt, "le": le}, unit=unit, meaning=meaning)
+
+
+def word(
+    meaning: str, default: Any = REQUIRED, *, ge: float | None = None, le: float | None = None
+) -> Any:
+    """Field of anything without a unit: text, name, choice, true or false, whole number, card."""
+    return _noted(default, {"ge": ge, "le": le}, meaning=meaning)
+
+
+def Law(folder: str, meaning: str = "", default: Any = REQUIRED) -> Any:
+    """Field of a nested law, written `{type: word, ...}`; the types are the files of the folder."""
+    return _noted(default, {}, law=folder, meaning=meaning)
+
+
+def _noted(default: Any, bounds: Mapping[str, float | None], **notes: str) -> Any:
+    given = {name: bound for name, bound in bounds.items() if bound is not None}
+    return Field(default=default, json_schema_extra={**notes, "bounds": given})
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What the declaration of a field says, in the form messages and manuals need."""
+
+    field: FieldInfo
+    unit: str = ""
+    meaning: str = ""
+    law: str = ""
+    bounds: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def parts(self) -> tuple[Any, ...]:
+        """Members of the annotation, a union taken apart and without None."""
+        return tuple(part for part in _members(self.field.annotation) if part is not NoneType)
+
+    @property
+    def optional(self) -> bool:
+        """Whether the field may be left empty."""
+        return NoneType in _members(self.field.annotation)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The words a user may choose from, if any."""
+        choices = (get_args(part) for part in self.parts if get_origin(part) is Literal)
+        return tuple(word for group in choices for word in group)
+
+    @property
+    def length(self) -> int | None:
+        """Number of values of a vector; None for a scalar or a list of any length."""
+        for part in self.parts:
+            if get_origin(part) is tuple and Ellipsis not in get_args(part):
+                return len(get_args(part))
+        return None
+
+
+def _members(annotation: Any) -> tuple[Any, ...]:
+    if get_origin(annotation) in (Union, UnionType):
+        return get_args(annotation)
+    return (annotation,)
+
+
+@cache
+def declared(card: type[BaseModel], name: str) -> Declared:
+    """Declaration of a field of a card, by its name in Python."""
+    info = card.model_fields[name]
+    notes = info.json_schema_extra
+    return Declared(info, **notes) if isinstance(notes, dict) else Declared(info)
+
+
+def deck_words(card: type[BaseModel]) -> dict[str, str]:
+    """Words a user writes in a card, each with the name of its field in Python."""
+    return {info.alias or name: name for name, info in card.model_fields.items()}
+
+
+def in_unit(unit: str) -> str:
+    """ " in N/m" for messages; nothing for a pure number."""
+    return "" if unit in ("", "1", "any") or "{" in unit else f" in {unit}"

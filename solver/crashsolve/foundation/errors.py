@@ -1,0 +1,87 @@
+"""Errors a user may see, each with the exit code of the command that meets it."""
+
+from collections.abc import Iterable
+from enum import IntEnum
+
+
+class ExitCode(IntEnum):
+    """What the command line reports to the shell and to a queue."""
+
+    NORMAL = 0
+    INTERNAL = 1
+    DECK = 2
+    STOPPED = 3
+    SOLVER = 4
+    OUTPUT = 5
+
+
+class CrashsolveError(Exception):
+    """Any failure with a message for the user."""
+
+    exit_code: int = ExitCode.INTERNAL
+
+
+class DeckError(CrashsolveError):
+    """One mistake in a deck: where it stands, what is wrong and what would be right."""
+
+    exit_code = ExitCode.DECK
+
+    def __init__(
+        self,
+        file: str,
+        line: int | None,
+        column: int | None,
+        card: str,
+        message: str,
+        advice: str = "",
+    ) -> None:
+        self.file = file
+        self.line = line
+        self.column = column
+        self.card = card
+        self.message = message
+        self.advice = advice
+        super().__init__(file, line, column, card, message, advice)
+
+    def __str__(self) -> str:
+        place = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
+        card = f"{self.card}: " if self.card else ""
+        advice = f"; {self.advice}" if self.advice else ""
+        return f"{place}: error: {card}{self.message}{advice}"
+
+
+class DeckErrors(CrashsolveError):
+    """All mistakes of a deck, in the order in which they stand in it."""
+
+    exit_code = ExitCode.DECK
+
+    def __init__(self, errors: Iterable[DeckError]) -> None:
+        self.errors = list(errors)
+        super().__init__(self.errors)
+
+    def __str__(self) -> str:
+        return "\n".join(str(error) for error in self.errors)
+
+
+class SolverError(CrashsolveError):
+    """A numerical stop: when, where, the likely cause and what to try."""
+
+    exit_code = ExitCode.SOLVER
+
+    def __init__(self, time: float, cycle: int, place: str, cause: str, advice: str = "") -> None:
+        self.time = time
+        self.cycle = cycle
+        self.place = place
+        self.cause = cause
+        self.advice = advice
+        super().__init__(time, cycle, place, cause, advice)
+
+    def __str__(self) -> str:
+        advice = f"; {self.advice}" if self.advice else ""
+        return f"t = {self.time:.6g} s, cycle {self.cycle}, {self.place}: {self.cause}{advice}"
+
+
+class RunStopped(CrashsolveError):
+    """The run was asked to stop and has left a restart dump."""
+
+    exit_code = ExitCode.STOPPED
