@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from crashsolve.foundation.errors import CrashsolveError
+from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
 
 class OutputError(CrashsolveError):
     """A result file failed; names the file and the reason, and ends the run with exit code 5."""
 
-    exit_code = 5
+    exit_code = ExitCode.OUTPUT
 
     def __init__(self, path: Path | str, reason: object) -> None:
         self.path = Path(path)
