@@ -34,7 +34,7 @@ class Unit:
         return Unit(self.factor * other.factor, tuple(a + b for a, b in pairs))
 
     def __pow__(self, power: Fraction) -> "Unit":
-        return Unit(self.factor ** float(power), tuple(a * power for a in self.exponents))
+        return Unit(float(self.factor ** float(power)), tuple(a * power for a in self.exponents))
 
 
 def _named(factor: float, length: int = 0, mass: int = 0, time: int = 0, angle: int = 0) -> Unit:
@@ -200,7 +200,7 @@ def default_factor(unit: Unit, bases: Mapping[str, Unit]) -> float:
     if bases is SI:
         return 1.0
     factors = (
-        bases[name].factor ** float(p) for name, p in zip(BASES, unit.exponents, strict=True)
+        float(bases[name].factor ** float(p)) for name, p in zip(BASES, unit.exponents, strict=True)
     )
     return math.prod(factors)
 

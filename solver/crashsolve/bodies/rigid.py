@@ -1,0 +1,116 @@
+"""Rigid body: mass and inertia given, or from a primitive of uniform density.
+
+    m v_dot = f,   d/dt (J w) = tau   about the mass centre
+
+Consequence to test: the inertia of a solid sphere is 2/5 m r^2 about any axis.
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, Rotation, Vec3, quantity, word
+from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.record import Record
+
+
+class Primitive(Card):
+    """Uniform solid: its mass follows from density, its inertia from its shape."""
+
+    shape: Literal["sphere", "cylinder", "box", "rod"] = word("sphere, cylinder or rod (axis z), box")
+    density: float | None = quantity("kg/m^3", "density; or give `mass` of the body", default=None, gt=0)
+    radius: float | None = quantity("m", "of sphere or cylinder", default=None, gt=0)
+    length: float | None = quantity("m", "of cylinder or rod, along z", default=None, gt=0)
+    size: Vec3 | None = quantity("m", "edges of the box", default=None)
+
+
+class Rigid(Card):
+    """Rigid body with its posture and velocity at the start."""
+
+    mass: float | None = quantity("kg", "mass", default=None, gt=0)
+    inertia: Vec3 | None = quantity("kg m^2", "Ixx, Iyy, Izz about the mass centre", default=None)
+    products: Vec3 = quantity(
+        "kg m^2", "Ixy, Ixz, Iyz, elements of the inertia tensor", default=(0.0, 0.0, 0.0)
+    )
+    primitive: Primitive | None = word("uniform solid instead of mass and inertia", default=None)
+    mass_centre: Vec3 = quantity("m", "from the body's origin, body axes", default=(0.0, 0.0, 0.0))
+    position: Vec3 = quantity("m", "of the body's origin", default=(0.0, 0.0, 0.0))
+    rotation: Rotation = word("posture, body to world", default_factory=Rotation)
+    velocity: Vec3 = quantity("m/s", "of the body's origin", default=(0.0, 0.0, 0.0))
+    angular_velocity: Vec3 = quantity("rad/s", "world axes", default=(0.0, 0.0, 0.0))
+    angular_velocity_axes: Literal["world", "body"] = word(
+        "axes in which angular_velocity is given", default="world"
+    )
+
+    @model_validator(mode="after")
+    def _mass_or_primitive(self) -> "Rigid":
+        if self.primitive is None and (self.mass is None or self.inertia is None):
+            raise ValueError("needs mass and inertia, or a primitive")
+        if self.primitive is not None and self.inertia is not None:
+            raise ValueError("inertia: given twice; leave out inertia or primitive")
+        return self
+
+
+PARAMETERS = HISTORY = OUTPUT = Record()
+
+
+def build(card: Rigid, scene: Any) -> dict[str, Any]:
+    mass, inertia = _mass_and_inertia(card, scene)
+    quaternion = card.rotation.quaternion()
+    spin = np.asarray(card.angular_velocity)
+    if card.angular_velocity_axes == "body":
+        spin = matrix(quaternion) @ spin
+    return {
+        "mass": mass,
+        "inertia": inertia,
+        "mass_centre": card.mass_centre,
+        "position": card.position,
+        "quaternion": quaternion,
+        "velocity": card.velocity,
+        "angular_velocity": spin,
+    }
+
+
+def _mass_and_inertia(card: Rigid, scene: Any) -> tuple[float, np.ndarray]:
+    if card.primitive is not None:
+        volume, per_mass = _primitive(card.primitive, scene)
+        density = card.primitive.density
+        if card.mass is None and (density is None or volume == 0.0):
+            raise scene.fail("needs a mass, or a primitive with a density and a volume", "primitive")
+        if card.mass is not None and density is not None:
+            raise scene.fail("mass is given twice: leave out mass or primitive.density", "mass")
+        mass = card.mass if card.mass is not None else (density or 0.0) * volume
+        return mass, mass * np.diag(per_mass)
+    xy, xz, yz = card.products
+    x, y, z = card.inertia or (0.0, 0.0, 0.0)
+    inertia = np.array([[x, xy, xz], [xy, y, yz], [xz, yz, z]])
+    moments = np.linalg.eigvalsh(inertia)
+    if moments[0] <= 0.0 or moments[2] > (moments[0] + moments[1]) * (1.0 + 1e-9):
+        raise scene.fail(
+            "no solid has these moments of inertia: principal values "
+            f"{moments[0]:.4g}, {moments[1]:.4g}, {moments[2]:.4g} must be positive and the "
+            "largest at most the sum of the others",
+            "inertia",
+        )
+    return float(card.mass or 0.0), inertia
+
+
+def _primitive(p: Primitive, scene: Any) -> tuple[float, np.ndarray]:
+    """Volume [m^3] and moments of inertia per mass [m^2]."""
+    need = {"sphere": ["radius"], "cylinder": ["radius", "length"], "box": ["size"], "rod": ["length"]}
+    for field in need[p.shape]:
+        if getattr(p, field) is None:
+            raise scene.fail(f"a {p.shape} needs {field}", "primitive")
+    if p.shape == "sphere":
+        r2 = p.radius**2
+        return 4.0 / 3.0 * np.pi * p.radius**3, np.full(3, 0.4 * r2)
+    if p.shape == "box":
+        x, y, z = p.size
+        return x * y * z, np.array([y * y + z * z, x * x + z * z, x * x + y * y]) / 12.0
+    l2 = p.length**2 / 12.0
+    if p.shape == "rod":
+        # a rod has no inertia about its axis: a millionth keeps the tensor invertible
+        return 0.0, np.array([l2, l2, 1e-6 * l2])
+    r2 = p.radius**2
+    return np.pi * r2 * p.length, np.array([r2 / 4 + l2, r2 / 4 + l2, r2 / 2])

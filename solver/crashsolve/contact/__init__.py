@@ -1,0 +1,1 @@
+"""Contact between surfaces: shapes, gaps between them, and normal force laws."""

@@ -1,0 +1,1 @@
+"""Gap and normal between two shapes, one file a pair."""

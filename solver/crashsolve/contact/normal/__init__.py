@@ -1,0 +1,1 @@
+"""Normal force laws of contact."""

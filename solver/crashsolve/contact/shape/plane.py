@@ -1,0 +1,31 @@
+"""Infinite plane fixed in a body; solid behind it, free on the side of its normal."""
+
+from typing import Any
+
+from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
+from crashsolve.foundation.record import Record
+
+
+class Plane(Card):
+    """Infinite plane fixed in a body."""
+
+    body: BodyName = "ground"
+    at: Vec3 = quantity("m", "a point of the plane, body axes", default=(0.0, 0.0, 0.0))
+    normal: Vec3 = word("outward direction, body axes; any length", default=(0.0, 0.0, 1.0))
+
+
+PARAMETERS = Record(
+    node=("index", "body"),
+    point=("m", 3, "point of the plane from the mass centre, body axes"),
+    normal=("1", 3, "outward unit normal, body axes"),
+)
+
+
+def build(card: Plane, scene: Any) -> list[dict[str, Any]]:
+    node = scene.node(card.body)
+    point = scene.from_mass_centre(node, card.at)
+    return [{"node": node, "point": point, "normal": scene.unit(card.normal, "normal")}]
+
+
+def curvature_radius(card: Plane) -> float | None:
+    return None

@@ -1,0 +1,36 @@
+"""Sphere fixed in a body."""
+
+from typing import Any
+
+from crashsolve.deck.card import BodyName, Card, Vec3, quantity
+from crashsolve.foundation.record import Record
+
+
+class Sphere(Card):
+    """Sphere fixed in a body."""
+
+    body: BodyName = "ground"
+    at: Vec3 = quantity("m", "centre, body axes", default=(0.0, 0.0, 0.0))
+    radius: float = quantity("m", "radius", gt=0)
+
+
+PARAMETERS = Record(
+    node=("index", "body"),
+    point=("m", 3, "centre from the mass centre, body axes"),
+    radius=("m", "radius"),
+)
+
+
+def build(card: Sphere, scene: Any) -> list[dict[str, Any]]:
+    node = scene.node(card.body)
+    return [{"node": node, "point": scene.from_mass_centre(node, card.at), "radius": card.radius}]
+
+
+def curvature_radius(card: Sphere) -> float | None:
+    """Radius for Hertz's stiffness [m]; None where the surface is flat."""
+    return card.radius
+
+
+def bounding(element: Any) -> tuple[Any, float]:
+    """Centre in body axes and radius of the smallest enclosing sphere, for the broad phase."""
+    return element["point"], float(element["radius"])

@@ -1,0 +1,1 @@
+"""Ground floor: errors, units, records, vectors, rotations, curves and the constraint solver."""

@@ -1,0 +1,65 @@
+"""The one way to compile a function, and the folder where compiled code is kept.
+
+Numba trusts a cached caller even after a callee in another file has changed. The cache folder is
+therefore named after a hash of every source file of the package, and set before numba loads.
+"""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+PACKAGE = Path(__file__).resolve().parent.parent
+# contraction and reassociation only: NaN and infinity must keep their meaning for the guards
+FLOAT_FLAGS = {"contract", "nsz", "arcp", "reassoc"}
+
+
+@cache
+def cache_folder() -> Path:
+    """Folder for composed steps and compiled code of exactly these sources."""
+    digest = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*.py")):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode())
+        digest.update(path.read_bytes())
+    chosen = os.environ.get("CRASHSOLVE_CACHE")
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    for root in ([chosen] if chosen else [os.path.join(home, "crashsolve")]):
+        folder = Path(root) / digest.hexdigest()[:16]
+        if _is_writable(folder):
+            return folder
+    # a compute node may have a read-only home
+    fallback = Path(tempfile.gettempdir()) / f"crashsolve-{os.getuid()}" / digest.hexdigest()[:16]
+    fallback.mkdir(parents=True, exist_ok=True)
+    return fallback
+
+
+def _is_writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def kernel(function: F) -> F:
+    """Compile `function` on first call; plain Python under NUMBA_DISABLE_JIT=1."""
+    return _compile(function, cache=True)
+
+
+def inlined(function: F) -> F:
+    """A kernel that becomes part of its caller: for stages that hand on all groups of a scene."""
+    return _compile(function, forceinline=True)
+
+
+def _compile(function: F, **options: bool) -> F:
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
+    from numba import njit
+
+    compiled: F = njit(error_model="numpy", fastmath=FLOAT_FLAGS, **options)(function)
+    return compiled

@@ -1,0 +1,80 @@
+"""Curves of a deck as piecewise cubics, evaluated with two derivatives.
+
+    y(x) = c0 + c1 s + c2 s^2 + c3 s^3,   s = x - x_i,   x_i <= x < x_(i+1)
+
+A table with straight segments has c2 = c3 = 0. Consequence to test: value and slope of a cubic
+are exact, and a table is hit at its points. All curves of a scene lie end to end in one array; a
+curve is known by the index of its first point, and row 0 notes a reading outside the range.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+
+REFUSE, HOLD, LINEAR = 0, 1, 2
+
+POINT = Record(
+    x=("1", "breakpoint"),
+    c=("1", 4, "coefficients in powers of x - x_i"),
+    last=("index", "last point of the curve that starts here"),
+    beyond=("flag", "REFUSE, HOLD or LINEAR outside the range"),
+    fault=("index", "row 0: first point of the curve last read outside its range"),
+)
+
+
+def pack(curves: Sequence[tuple[Any, Any, int]]) -> tuple[np.ndarray, list[int]]:
+    """Points of all curves and the first point of each.
+
+    Each curve is given as breakpoints (n,), coefficients (n-1, 4), behaviour outside.
+    """
+    points = np.zeros(1 + sum(len(x) for x, _, _ in curves), POINT.dtype)
+    first, starts = 1, []
+    for x, coefficients, beyond in curves:
+        part = points[first : first + len(x)]
+        part["x"] = x
+        part["c"][:-1] = coefficients
+        part["last"] = first + len(x) - 1
+        part["beyond"] = beyond
+        starts.append(first)
+        first += len(x)
+    return points, starts
+
+
+@kernel
+def curve_value(curves, k, x):
+    """Value, first and second derivative at x of the curve whose first point is k.
+
+    Writes: curves[0].fault and x where the curve must not be read.
+    """
+    first, last = curves[k].x, curves[curves[k].last].x
+    outside = x < first or x > last
+    if outside and curves[k].beyond == REFUSE:
+        curves[0].fault = k
+        curves[0].x = x
+    at = min(max(x, first), last)
+    point = curves[segment(curves, k, curves[k].last, at)]
+    s = at - point.x
+    c = point.c
+    y = c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+    y1 = c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])
+    if not outside:
+        return y, y1, 2.0 * c[2] + 6.0 * s * c[3]
+    if curves[k].beyond == LINEAR:
+        return y + y1 * (x - at), y1, 0.0
+    return y, 0.0, 0.0
+
+
+@kernel
+def segment(curves, low, high, at):
+    """Index i with x[i] <= at < x[i + 1], by bisection."""
+    while high - low > 1:
+        middle = (low + high) // 2
+        if curves[middle].x <= at:
+            low = middle
+        else:
+            high = middle
+    return low

@@ -1,0 +1,53 @@
+"""Columns of a law's data, each with unit, shape and meaning beside its name.
+
+A law declares what it needs by lifetime: PARAMETERS (Model), HISTORY (State), OUTPUT (channels).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+_INTEGER_UNITS = ("index", "flag", "count")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column: `size` 1 is a scalar, 3 a vector; units "index", "flag", "count" are integers."""
+
+    name: str
+    unit: str
+    size: int
+    meaning: str
+
+    @property
+    def format(self) -> tuple[Any, ...]:
+        kind = np.int64 if self.unit in _INTEGER_UNITS else np.float64
+        return (self.name, kind) if self.size == 1 else (self.name, kind, (self.size,))
+
+
+class Record:
+    """Columns given as name=(unit, meaning) or name=(unit, size, meaning)."""
+
+    def __init__(self, **columns: tuple[Any, ...]) -> None:
+        self.columns = tuple(
+            Column(name, spec[0], spec[1] if len(spec) == 3 else 1, spec[-1])
+            for name, spec in columns.items()
+        )
+
+    def __add__(self, other: "Record") -> "Record":
+        """Both sets of columns; a name used twice is a programming error."""
+        total = Record()
+        total.columns = self.columns + other.columns
+        names = [column.name for column in total.columns]
+        repeated = {name for name in names if names.count(name) > 1}
+        if repeated:
+            raise ValueError(f"columns declared twice: {sorted(repeated)}")
+        return total
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """numpy structured dtype; an empty record keeps one unused byte for numba."""
+        if not self.columns:
+            return np.dtype([("unused", np.int64)])
+        return np.dtype([column.format for column in self.columns])

@@ -1,0 +1,83 @@
+"""Three-vectors as tuples, inside kernels (slices of arrays cost ten times as much)."""
+
+from math import sqrt
+
+from crashsolve.foundation.compile import kernel
+
+
+@kernel
+def vec(a):
+    """Vector stored in a column of length 3."""
+    return (a[0], a[1], a[2])
+
+
+@kernel
+def put(a, x):
+    """Write vector x into a column. Writes: a."""
+    a[0] = x[0]
+    a[1] = x[1]
+    a[2] = x[2]
+
+
+@kernel
+def add_to(a, x):
+    """Add vector x to a column. Writes: a."""
+    a[0] += x[0]
+    a[1] += x[1]
+    a[2] += x[2]
+
+
+@kernel
+def add(a, b):
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+@kernel
+def sub(a, b):
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+@kernel
+def scale(s, a):
+    return (s * a[0], s * a[1], s * a[2])
+
+
+@kernel
+def add_scaled(a, s, b):
+    """a + s b."""
+    return (a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2])
+
+
+@kernel
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@kernel
+def norm(a):
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+
+
+@kernel
+def matvec(m, x):
+    """Product of a 3 x 3 matrix, a column of length 9 stored by rows, with x."""
+    return (
+        m[0] * x[0] + m[1] * x[1] + m[2] * x[2],
+        m[3] * x[0] + m[4] * x[1] + m[5] * x[2],
+        m[6] * x[0] + m[7] * x[1] + m[8] * x[2],
+    )
+
+
+@kernel
+def matvec_t(m, x):
+    """Product of the transposed matrix with x."""
+    return (
+        m[0] * x[0] + m[3] * x[1] + m[6] * x[2],
+        m[1] * x[0] + m[4] * x[1] + m[7] * x[2],
+        m[2] * x[0] + m[5] * x[1] + m[8] * x[2],
+    )

@@ -1,0 +1,1 @@
+"""Friction laws of contact."""

@@ -1,0 +1,1 @@
+"""Joints: kinematic constraints between two bodies."""

@@ -1,0 +1,1 @@
+"""Loads: forces that come from outside."""

@@ -1,0 +1,46 @@
+"""Uniform gravity on every body.
+
+    f_i = m_i g,   potential energy -m_i g . r_i
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import Card, Vec3, quantity
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.motion import apply_external
+from crashsolve.foundation.vec3 import dot, put, scale, vec
+
+LEDGER = "potential"
+
+
+class Gravity(Card):
+    """Uniform gravity on every body."""
+
+    acceleration: Vec3 = quantity("m/s^2", "acceleration of free fall", default=(0.0, 0.0, -9.81))
+
+
+PARAMETERS = Record(acceleration=("m/s^2", 3, "acceleration of free fall"))
+HISTORY = Record()
+OUTPUT = Record(force=("N", 3, "total weight"))
+
+
+def build(card: Gravity, scene: Any) -> dict[str, Any]:
+    return {"acceleration": card.acceleration}
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, out."""
+    zero = (0.0, 0.0, 0.0)
+    g = vec(p.acceleration)
+    potential, mass = 0.0, 0.0
+    for i in range(1, nodes.shape[0]):
+        m = 1.0 / nodes[i].mass_inv
+        mass += m
+        potential -= m * dot(g, vec(nodes[i].r))
+        apply_external(nodes, i, scale(m, g), zero, zero)
+    put(out.force, scale(mass, g))
+    out.stored = potential
+    out.power = 0.0
+    out.loss = 0.0

@@ -1,0 +1,1 @@
+"""Model (never changes), State (all that changes) and the build from cards to both."""

@@ -1,0 +1,179 @@
+"""Build: names become indices, words become symbols, cards become Model and State. Runs once."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.foundation.curve import pack
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.saddle import plan
+from crashsolve.model.clock import CLOCK, CONTROL
+from crashsolve.model.contacts import build_contacts
+from crashsolve.model.model import Group, Joint, Model, State
+from crashsolve.model.nodes import NODE, ROW
+from crashsolve.model.scene import Scene
+from crashsolve.system import contacts as pairs
+from crashsolve.system.energy import ENTRIES
+
+if TYPE_CHECKING:
+    from crashsolve.deck.read import Deck, Entry
+
+# every law that stores or loses energy has these beside its own columns
+FORCE_HISTORY = Record(dissipated=("J", "energy lost so far"), power=("W", "its present rate"))
+FORCE_OUTPUT = Record(
+    stored=("J", "recoverable energy"),
+    power=("W", "rate of energy lost, or of work done by a load"),
+    loss=("J", "energy lost in this step without a rate"),
+)
+
+
+def build(deck: Deck) -> tuple[Model, State]:
+    """Model and initial State of a deck.
+
+    Raises: DeckErrors naming every card that cannot be built.
+    """
+    scene = Scene(deck)
+    curves, starts = pack([_module(e).build(e.card, scene) for e in deck.entries["curves"].values()])
+    scene.curves = dict(zip(deck.entries["curves"], starts, strict=True))
+    groups: list[Group] = []
+    joints = _build_joints(deck, scene, groups)
+    scene.joints = {joint.name: joint for joint in joints}
+    for keyword in ("springs", "loads", "sensors"):
+        for entries in _by_type(deck.entries[keyword]).values():
+            groups.append(_build_group(keyword, entries, scene))
+    contact_groups = build_contacts(deck, scene)
+    scene.raise_errors()
+
+    saddle = plan([j.rows for j in joints], [(j.node_a, j.node_b) for j in joints])
+    model = Model(
+        title=deck.title,
+        bodies=scene.names,
+        mass=scene.mass,
+        size=scene.size,
+        groups=groups,
+        contact_groups=contact_groups,
+        contacts=list(deck.entries["contacts"]),
+        joints=joints,
+        curves=curves,
+        saddle=saddle,
+        control=_control(deck, scene),
+        warnings=scene.warnings,
+        citations=[],
+        surfaces=scene.surfaces,
+    )
+    return model, _state(model, scene)
+
+
+def _module(entry: Entry) -> Any:
+    return import_module(entry.module_name)
+
+
+def _by_type(entries: dict[str, Entry]) -> dict[str, list[Entry]]:
+    families: dict[str, list[Entry]] = defaultdict(list)
+    for entry in entries.values():
+        families[entry.type].append(entry)
+    return families
+
+
+def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
+    """Joint groups with their rows, in the order of the groups."""
+    joints = []
+    row = 0
+    for entries in _by_type(deck.entries["joints"]).values():
+        group = _build_group("joints", entries, scene)
+        groups.append(group)
+        for entry, p in zip(entries, group.parameters, strict=True):
+            rows = group.module.ROWS
+            frame = {name: p[name] for name in p.dtype.names}
+            ends = int(p["node_a"]), int(p["node_b"])
+            angular = group.module.ANGULAR
+            joints.append(Joint(entry.name, entry.type, *ends, row, rows, angular, frame))
+            p["first_row"] = row
+            row += rows
+    return joints
+
+
+def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
+    module = _module(entries[0])
+    parameters = module.PARAMETERS
+    history = getattr(module, "HISTORY", Record())
+    output = getattr(module, "OUTPUT", Record())
+    if keyword == "joints":
+        parameters = parameters + Record(first_row=("index", "first constraint row"))
+    elif hasattr(module, "force"):
+        history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
+    table = np.zeros(len(entries), parameters.dtype)
+    rest = np.zeros((2, len(entries)), history.dtype)
+    for i, entry in enumerate(entries):
+        with scene.building(entry):
+            fill(table[i], module.build(entry.card, scene))
+            if hasattr(module, "initial_history"):
+                for side in (0, 1):
+                    fill(rest[side, i], module.initial_history(entry.card, table[i], scene))
+    names = [entry.name for entry in entries]
+    result = np.zeros(len(entries), output.dtype)
+    return Group(keyword, entries[0].type, module, names, table, rest, result)
+
+
+def fill(record: Any, values: dict[str, Any]) -> None:
+    """Write values into a record; an unknown or a missing column is a programming error."""
+    for name, value in values.items():
+        record[name] = value
+
+
+def _control(deck: Deck, scene: Scene) -> np.ndarray:
+    card = deck.control
+    control = np.zeros(1, CONTROL.dtype)
+    c = control[0]
+    fixed = 0.0 if card.step == "auto" else float(card.step)
+    span = max(card.end_time - card.start_time, 0.0)
+    c["fixed_step"] = fixed
+    c["step_max"] = card.step_max or span or 1.0
+    c["step_min"] = card.step_min or 1e-12 * (span or 1.0)
+    c["safety"] = card.safety
+    c["turn"] = 0.02
+    c["constraint_tolerance"] = card.constraint_tolerance
+    c["onset_tolerance"] = card.onset_tolerance or 0.0
+    c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
+    c["check_every"] = card.check_every
+    return control
+
+
+def _state(model: Model, scene: Scene) -> State:
+    clock = np.zeros(1, CLOCK.dtype)
+    clock[0]["time"] = scene.deck.control.start_time
+    return State(
+        clock=clock,
+        nodes=initial_nodes(scene),
+        rows=initial_rows(model),
+        cards=np.zeros(len(model.contacts), pairs.CARD_OUTPUT.dtype),
+        card_history=np.zeros((2, len(model.contacts)), pairs.CARD_HISTORY.dtype),
+        ledger=np.zeros(len(ENTRIES)),
+    )
+
+
+def initial_nodes(scene: Scene) -> np.ndarray:
+    """Node table at the start; the ground has no inverse mass and never moves."""
+    n = len(scene.names)
+    nodes = np.zeros(n, NODE.dtype)
+    for name in ("r", "q", "A", "v", "w", "J"):
+        nodes[name] = getattr(scene, name)
+    A, J = scene.A.reshape(n, 3, 3), scene.J.reshape(n, 3, 3)
+    nodes["L"] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, scene.w)
+    nodes["mass_inv"][1:] = 1.0 / scene.mass[1:]
+    nodes["J_inv"][1:] = np.linalg.inv(J[1:]).reshape(-1, 9)
+    return nodes
+
+
+def initial_rows(model: Model) -> np.ndarray:
+    """Constraint rows with their nodes and scales."""
+    rows = np.zeros(sum(joint.rows for joint in model.joints), ROW.dtype)
+    for joint in model.joints:
+        part = rows[joint.first_row : joint.first_row + joint.rows]
+        part["node_a"], part["node_b"] = joint.node_a, joint.node_b
+        part["size"] = np.where(joint.angular, 1.0, model.size)
+    return rows

@@ -1,0 +1,40 @@
+"""Time, step and running totals of a run: the scalar part of the State."""
+
+from crashsolve.foundation.record import Record
+
+# why the compiled loop gave control back
+RUNNING, REACHED, NOT_FINITE, POSITION, STEP_TOO_SMALL, CURVE_END, ENERGY, REBUILD, ONSET, STOPPED = range(
+    10
+)
+
+CLOCK = Record(
+    time=("s", "present time"),
+    step=("s", "last step taken"),
+    next_step=("s", "step wanted by stability and accuracy"),
+    cycle=("count", "accepted steps"),
+    current=("index", "which of the two history buffers is accepted"),
+    status=("flag", "why the loop stopped"),
+    place=("index", "row, node or curve the status is about"),
+    value=("1", "number the status is about"),
+    iterations=("count", "position iterations"),
+    located=("count", "contact onsets located"),
+    residual=("1", "largest position residual over model size so far"),
+    limit_node=("index", "node that sets the step"),
+    driver_work=("J", "work of prescribed motions"),
+    driver_power=("W", "its present rate"),
+    impulse=("N s", 3, "impulse from outside"),
+    angular_impulse=("N m s", 3, "angular impulse from outside about the world origin"),
+    external_before=("N", 6, "force and torque from outside at the step's start"),
+)
+
+CONTROL = Record(
+    fixed_step=("s", "step asked for by the deck; 0 for automatic"),
+    step_min=("s", "a smaller step stops the run"),
+    step_max=("s", "largest step"),
+    safety=("1", "automatic step over the stability limit"),
+    turn=("rad", "largest turn of a body in an automatic step"),
+    constraint_tolerance=("1", "largest position residual over model size"),
+    onset_tolerance=("m", "first penetration taken as it falls; 0 to locate every onset"),
+    energy_limit=("1", "imbalance over largest energy that stops the run; 0 for none"),
+    check_every=("count", "cycles between guards"),
+)

@@ -1,0 +1,98 @@
+"""Model: what never changes during a run. State: all that changes. Both are arrays with meaning."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.saddle import Saddle
+
+
+@dataclass
+class Group:
+    """All entries of one type: `module` holds the kernels, one row of each array is one entry."""
+
+    keyword: str
+    type: str
+    module: Any
+    names: list[str]
+    parameters: np.ndarray
+    history: np.ndarray  # (2, n): accepted and new, see clock.current
+    output: np.ndarray
+
+    @property
+    def word(self) -> str:
+        """Name of the group in the composed step."""
+        return f"{self.keyword}_{self.type}"
+
+
+@dataclass
+class ContactGroup:
+    """All contact pairs of one gap routine, one normal law and one friction law."""
+
+    word: str
+    narrow: Any
+    normal: Any
+    friction: Any | None
+    elements_a: np.ndarray
+    elements_b: np.ndarray
+    data: tuple[Any, ...]
+    parameters: np.ndarray
+    history: np.ndarray
+    output: np.ndarray
+    bodies_a: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Joint:
+    """Where one joint's rows are and what they join; the point and axis in body axes."""
+
+    name: str
+    type: str
+    node_a: int
+    node_b: int
+    first_row: int
+    rows: int
+    angular: tuple[bool, ...]
+    frame: dict[str, Any]
+
+
+@dataclass
+class Model:
+    """Everything a run reads and never writes."""
+
+    title: str
+    bodies: list[str]  # node names; the first is the ground
+    mass: np.ndarray
+    size: float  # model length for tolerances [m]
+    groups: list[Group]
+    contact_groups: list[ContactGroup]
+    contacts: list[str]  # contact cards
+    joints: list[Joint]
+    curves: np.ndarray
+    saddle: Saddle
+    control: np.ndarray
+    warnings: list[str]
+    citations: list[str]
+    surfaces: dict[str, Any]
+
+    def joint_groups(self) -> list[Group]:
+        return [g for g in self.groups if g.keyword == "joints"]
+
+    def force_groups(self) -> list[Group]:
+        return [g for g in self.groups if hasattr(g.module, "force")]
+
+    def sensor_groups(self) -> list[Group]:
+        return [g for g in self.groups if g.keyword == "sensors"]
+
+
+@dataclass
+class State:
+    """Everything a run writes, with the histories of the groups; a restart dump is exactly this."""
+
+    clock: np.ndarray
+    nodes: np.ndarray
+    rows: np.ndarray
+    cards: np.ndarray
+    card_history: np.ndarray
+    ledger: np.ndarray

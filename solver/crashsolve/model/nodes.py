@@ -1,0 +1,51 @@
+"""The node table and the constraint rows: what every body is, and what every joint asks of it.
+
+Every body is a node, a point with a triad; node 0 is the ground. World components unless said.
+"""
+
+from crashsolve.foundation.record import Record
+
+NODE = Record(
+    r=("m", 3, "position of the mass centre"),
+    q=("1", 4, "unit quaternion (w, x, y, z), body to world"),
+    A=("1", 9, "rotation matrix of q, by rows"),
+    v=("m/s", 3, "velocity of the mass centre"),
+    L=("kg m^2/s", 3, "angular momentum about the mass centre"),
+    w=("rad/s", 3, "angular velocity"),
+    W=("1/(kg m^2)", 9, "inverse inertia at the present posture"),
+    mass_inv=("1/kg", "inverse mass; 0 for the ground"),
+    J=("kg m^2", 9, "inertia, body axes"),
+    J_inv=("1/(kg m^2)", 9, "inverse inertia, body axes"),
+    force=("N", 3, "applied force"),
+    torque=("N m", 3, "applied torque about the mass centre"),
+    stiffness=("1/s^2", "sum of k times mobility, for the stable step"),
+    damping=("1/s", "sum of c times mobility"),
+    joint_force=("N", 3, "D^T lambda"),
+    joint_torque=("N m", 3, "D^T lambda about the mass centre"),
+    external=("N, N m", 6, "row 0: force and torque about the origin from outside"),
+    v_dot=("m/s^2", 3, "acceleration of the mass centre, at samples"),
+    w_dot=("rad/s^2", 3, "angular acceleration, at samples"),
+    start_r=("m", 3, "at the start of the step"),
+    start_q=("1", 4, "at the start of the step"),
+    start_A=("1", 9, "at the start of the step"),
+    start_v=("m/s", 3, "at the start of the step"),
+    start_L=("kg m^2/s", 3, "at the start of the step"),
+    v_half=("m/s", 3, "velocity during the drift"),
+    L_half=("kg m^2/s", 3, "angular momentum during the drift"),
+)
+
+ROW = Record(
+    phi=("m or 1", "Phi(q, t)"),
+    D=("1 or m", 12, "Jacobian; columns v_a, w_a, v_b, w_b"),
+    X=("1/kg", 12, "D M^-1"),
+    nu=("m/s", "-Phi_t: D v = nu"),
+    gamma=("m/s^2", "-D_dot v - Phi_tt: D v_dot = gamma"),
+    multiplier=("N or N m", "lambda of the last drift"),
+    before=("N or N m", "lambda of the drift before it"),
+    trial=("N or N m", "lambda of the drift being tried"),
+    delta=("N or N m", "its correction"),
+    reaction=("N or N m", "lambda of the last kick, or of the sample"),
+    size=("m or 1", "scale of phi: model length, or 1 for angles"),
+    node_a=("index", "first node"),
+    node_b=("index", "second node"),
+)

@@ -1,0 +1,173 @@
+"""Scene: what a law's `build` may ask while cards become numbers (nodes, frames, curves, errors).
+
+Frames: a body's own axes and origin are those of its card; inside, points are measured from the
+mass centre. Joints are placed at the start of the run, in world axes or in those of a body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.foundation.errors import DeckError, DeckErrors
+from crashsolve.foundation.posture import matrix, perpendicular
+
+if TYPE_CHECKING:
+    from crashsolve.deck.read import Deck, Entry
+
+Vector = np.ndarray
+
+
+class CardProblem(ValueError):
+    """A card that cannot be built; `field` names the word of the deck to point at."""
+
+    def __init__(self, message: str, field: str | None = None) -> None:
+        super().__init__(message)
+        self.field = field
+
+
+class Scene:
+    """Names, postures and helpers during the build of one deck."""
+
+    def __init__(self, deck: Deck) -> None:
+        self.deck = deck
+        self.warnings: list[str] = []
+        self.errors: list[DeckError] = []
+        self.joints: dict[str, Any] = {}
+        self.surfaces: dict[str, Any] = {}
+        self.names = ["ground", *deck.entries["bodies"]]
+        self._index = {name: i for i, name in enumerate(self.names)}
+        self.curves: dict[str, int] = {}
+        n = len(self.names)
+        self.mass = np.zeros(n)
+        self.J = np.zeros((n, 9))
+        self.r, self.v, self.w = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
+        self.q = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+        self.A = np.tile(np.eye(3).ravel(), (n, 1))
+        self.offset = np.zeros((n, 3))  # mass centre from the body's origin, body axes
+        for i, entry in enumerate(deck.entries["bodies"].values(), start=1):
+            with self.building(entry):
+                self._place_body(i, import_module(entry.module_name).build(entry.card, self))
+        self.size = self._model_size()
+
+    def _place_body(self, i: int, body: dict[str, Any]) -> None:
+        self.mass[i] = body["mass"]
+        self.J[i] = np.asarray(body["inertia"]).ravel()
+        self.q[i] = body["quaternion"]
+        self.A[i] = matrix(self.q[i]).ravel()
+        self.offset[i] = body["mass_centre"]
+        arm = matrix(self.q[i]) @ self.offset[i]
+        self.w[i] = body["angular_velocity"]
+        self.r[i] = np.asarray(body["position"]) + arm
+        self.v[i] = np.asarray(body["velocity"]) + np.cross(self.w[i], arm)
+
+    def _model_size(self) -> float:
+        """Extent of the bodies with their radii of gyration [m]."""
+        if len(self.names) < 2:
+            return 1.0
+        spread = np.ptp(self.r[1:], axis=0).max()
+        trace = self.J[1:, 0] + self.J[1:, 4] + self.J[1:, 8]
+        return float(max(spread, 2.0 * np.sqrt(0.5 * trace / self.mass[1:]).max()))
+
+    @contextmanager
+    def building(self, entry: Entry) -> Iterator[None]:
+        """Collect the problems of one card, with its place in the deck."""
+        try:
+            yield
+        except CardProblem as problem:
+            self.errors.append(self.deck.error(entry, problem.field, str(problem)))
+
+    def raise_errors(self) -> None:
+        if self.errors:
+            raise DeckErrors(self.errors)
+
+    def fail(self, message: str, field: str | None = None) -> CardProblem:
+        """The exception for a card that cannot be built: `raise scene.fail(...)`."""
+        return CardProblem(message, field)
+
+    def warn(self, message: str) -> None:
+        self.warnings.append(message)
+
+    def node(self, body: str) -> int:
+        return self._index[body]
+
+    def curve(self, name: str) -> int:
+        return self.curves[name]
+
+    def unit(self, direction: Any, field: str) -> Vector:
+        """Unit vector; a zero direction is refused at `field`."""
+        x = np.asarray(direction, float)
+        length = float(np.linalg.norm(x))
+        if not length > 0.0:
+            raise self.fail("a direction needs a length; give for instance [0, 0, 1]", field)
+        return x / length
+
+    def from_mass_centre(self, node: int, point: Any) -> Vector:
+        """Point of the body's card frame, measured from the mass centre, body axes."""
+        return np.asarray(point, float) - self.offset[node]
+
+    def matrix(self, node: int) -> np.ndarray:
+        return self.A[node].reshape(3, 3)
+
+    def world_point(self, node: int, point: Any) -> Vector:
+        """Start position of a point of the body's card frame."""
+        return self.r[node] + self.matrix(node) @ self.from_mass_centre(node, point)
+
+    def to_body(self, node: int, x: Vector) -> Vector:
+        """World point at the start, from the mass centre in body axes."""
+        return self.matrix(node).T @ (x - self.r[node])
+
+    def turn_to_body(self, node: int, u: Vector) -> Vector:
+        return self.matrix(node).T @ u
+
+    def attachments(self, card: Any) -> dict[str, Any]:
+        """Ends of a spring: `a`, `b`, `at_a`, `at_b` in each body's own axes."""
+        if card.a == card.b:
+            raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
+        a, b = self.node(card.a), self.node(card.b)
+        return {
+            "node_a": a,
+            "node_b": b,
+            "point_a": self.from_mass_centre(a, card.at_a),
+            "point_b": self.from_mass_centre(b, card.at_b),
+        }
+
+    def distance(self, ends: dict[str, Any]) -> float:
+        """Distance between two attachments at the start [m]."""
+        a, b = ends["node_a"], ends["node_b"]
+        x_a = self.r[a] + self.matrix(a) @ ends["point_a"]
+        x_b = self.r[b] + self.matrix(b) @ ends["point_b"]
+        return float(np.linalg.norm(x_b - x_a))
+
+    def joint_point(self, card: Any) -> tuple[int, int, Vector]:
+        """Both nodes and the joint's point in world components at the start."""
+        if card.a == card.b:
+            raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
+        a, b = self.node(card.a), self.node(card.b)
+        if card.frame == "world":
+            return a, b, np.asarray(card.at, float)
+        return a, b, self.world_point(self.node(card.frame), card.at)
+
+    def joint_frame(self, card: Any) -> dict[str, Any]:
+        """Point and right-handed triad (axis, side, third) of a joint in the axes of both bodies."""
+        a, b, x = self.joint_point(card)
+        frame = {
+            "node_a": a,
+            "node_b": b,
+            "point_a": self.to_body(a, x),
+            "point_b": self.to_body(b, x),
+        }
+        if not hasattr(card, "axis"):
+            return frame
+        axis = self.unit(card.axis, "axis")
+        if card.frame != "world":
+            axis = self.matrix(self.node(card.frame)) @ axis
+        side = perpendicular(axis)
+        for name, u in (("axis", axis), ("side", side), ("third", np.cross(axis, side))):
+            frame[f"{name}_a"] = self.turn_to_body(a, u)
+            frame[f"{name}_b"] = self.turn_to_body(b, u)
+        return frame

@@ -1,0 +1,1 @@
+"""Springs: forces between two bodies that follow from their relative motion."""

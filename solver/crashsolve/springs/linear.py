@@ -1,0 +1,60 @@
+"""Linear spring and damper between two points.
+
+    F = k (l - l_0) + c l_dot,   tension positive
+
+Consequence to test: a mass on it swings with omega^2 = k / m; stored energy k (l - l_0)^2 / 2,
+dissipated power c l_dot^2.
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import quantity
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.springs._between import line_of_action, pull
+from crashsolve.springs._card import PointSpringCard
+
+
+class Linear(PointSpringCard):
+    """Linear spring and damper between two points."""
+
+    stiffness: float = quantity("N/m", "slope of force over elongation", ge=0)
+    damping: float = quantity("N s/m", "force over rate of elongation", default=0.0, ge=0)
+    length: float | None = quantity(
+        "m", "length without force; that at the start when absent", default=None, ge=0
+    )
+
+
+PARAMETERS = Record(
+    node_a=("index", "first body"),
+    node_b=("index", "second body"),
+    point_a=("m", 3, "attachment from the mass centre of a, axes of a"),
+    point_b=("m", 3, "attachment from the mass centre of b, axes of b"),
+    stiffness=("N/m", "k"),
+    damping=("N s/m", "c"),
+    length=("m", "l_0"),
+)
+HISTORY = Record()
+OUTPUT = Record(
+    force=("N", "tension positive"), length=("m", "present length"), rate=("m/s", "of the length")
+)
+
+
+def build(card: Linear, scene: Any) -> dict[str, Any]:
+    ends = scene.attachments(card)
+    length = scene.distance(ends) if card.length is None else card.length
+    return ends | {"stiffness": card.stiffness, "damping": card.damping, "length": length}
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, out."""
+    u, length, rate, d_a, d_b = line_of_action(p, nodes)
+    x = length - p.length
+    out.force = p.stiffness * x + p.damping * rate
+    out.length = length
+    out.rate = rate
+    out.stored = 0.5 * p.stiffness * x * x
+    out.power = p.damping * rate * rate
+    out.loss = 0.0
+    pull(p, nodes, out.force, u, d_a, d_b, p.stiffness, p.damping)

@@ -1,0 +1,1 @@
+"""What all scenes share: kinetics, constraints, contact, energy, and the composed step."""

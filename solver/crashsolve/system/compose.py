@@ -1,0 +1,307 @@
+"""Compose: write, for this deck, the list of calls that make one step, and compile it.
+
+The composed module is a small readable file in the cache folder: the scene's functions (a loop per
+group) followed by the integrator's own text. Nothing that the scene lacks appears in it.
+`crashsolve explain` prints it.
+"""
+
+import ast
+import hashlib
+import os
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from crashsolve.foundation.compile import PACKAGE, cache_folder
+
+SIGNATURES = {
+    "residual": "current, time, nodes, rows, curves, groups",
+    "jacobian": "current, time, nodes, rows, curves, groups",
+    "convective": "current, time, nodes, rows, curves, groups",
+    "force_pass": "current, time, h, nodes, rows, curves, groups",
+    "approach": "current, nodes, groups",
+    "approach_before": "current, groups",
+    "need_rebuild": "nodes, groups",
+    "energy": "clock, nodes, groups, ledger",
+    "measure": "time, nodes, rows, curves, groups",
+}
+
+
+def compose(model: Any, integrator: str = "rattle") -> str:
+    """Text of the composed module."""
+    text = (PACKAGE / "integrators" / f"{integrator}.py").read_text("utf-8")
+    before, after = _split_at_scene_import(text)
+    return before + scene_text(model) + after
+
+
+def load(text: str) -> ModuleType:
+    """Import the composed text, under a name and file that depend on nothing but the text."""
+    name = "crashsolve_step_" + hashlib.sha256(text.encode()).hexdigest()[:16]
+    path = cache_folder() / f"{name}.py"
+    # a new time stamp would void the compiled code kept beside it
+    if not path.exists():
+        temporary = path.with_suffix(f".{os.getpid()}")
+        temporary.write_text(text, "utf-8")
+        os.replace(temporary, path)
+    return _import(name, path)
+
+
+def _import(name: str, path: Path) -> ModuleType:
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = module_from_spec(spec)
+    # before execution: numba finds the classes of a cached signature by this name
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _split_at_scene_import(text: str) -> tuple[str, str]:
+    lines = text.splitlines(keepends=True)
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.ImportFrom) and node.module == "crashsolve.system.scene":
+            assert node.end_lineno is not None
+            return "".join(lines[: node.lineno - 1]), "".join(lines[node.end_lineno :])
+    raise ValueError("the integrator does not import its scene")
+
+
+def group_arrays(model: Any, state: Any) -> dict[str, Any]:
+    """Arrays of all groups by their name in the composed module."""
+    arrays: dict[str, Any] = {}
+    for g in model.groups:
+        arrays |= {f"{g.word}_p": g.parameters, f"{g.word}_h": g.history, f"{g.word}_o": g.output}
+    for c in model.contact_groups:
+        arrays |= {
+            f"{c.word}_a": c.elements_a,
+            f"{c.word}_b": c.elements_b,
+            f"{c.word}_data": c.data,
+            f"{c.word}_p": c.parameters,
+            f"{c.word}_h": c.history,
+            f"{c.word}_o": c.output,
+        }
+    if model.contact_groups:
+        arrays |= {"cards": state.cards, "card_history": state.card_history}
+    return arrays or {"nothing": state.ledger}
+
+
+def scene_text(model: Any) -> str:
+    """The scene's own functions, as Python text."""
+    parts = [_imports(model), _groups_class(model)]
+    parts.append(
+        f"JOINTS = {bool(model.joints)}\n"
+        f"CONTACTS = {bool(model.contact_groups)}\n"
+        f"REBUILDS = False\n"
+    )
+    parts += [_contact(c) for c in model.contact_groups]
+    parts += [
+        _function("residual", _joint_calls(model, "residual")),
+        _function("jacobian", _joint_calls(model, "jacobian")),
+        _function("convective", _joint_calls(model, "convective")),
+        _function("force_pass", _force_calls(model)),
+        _function("approach", _approach_calls(model)),
+        _function("approach_before", _approach_before_calls(model)),
+        _function("need_rebuild", ["return False"]),
+        _function("energy", _energy_calls(model)),
+        _function("measure", _measure_calls(model)),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _function(name: str, body: list[str]) -> str:
+    lines = "\n".join(f"    {line}" for line in (body or ["pass"]))
+    return f"@inlined\ndef {name}({SIGNATURES[name]}):\n{lines}\n"
+
+
+def _imports(model: Any) -> str:
+    modules = {(g.module.__name__, g.word) for g in model.groups}
+    for c in model.contact_groups:
+        for module in (c.narrow, c.normal, c.friction):
+            if module is not None:
+                modules.add((module.__name__, _alias(module)))
+    lines = ["from typing import Any, NamedTuple", "", "from crashsolve.system import contacts"]
+    for name, alias in sorted(modules):
+        package, _, leaf = name.rpartition(".")
+        lines.append(f"from {package} import {leaf} as {alias}")
+    lines += [
+        "from crashsolve.system.energy import clear_ledger, close_ledger",
+        "from crashsolve.system.kinetics import kinetic_energy",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _alias(module: Any) -> str:
+    package, _, leaf = module.__name__.rpartition(".")
+    return f"{package.rpartition('.')[2]}_{leaf}"
+
+
+def _groups_class(model: Any) -> str:
+    fields = []
+    for g in model.groups:
+        fields += [f"{g.word}_p", f"{g.word}_h", f"{g.word}_o"]
+    for c in model.contact_groups:
+        fields += [f"{c.word}_{x}" for x in ("a", "b", "data", "p", "h", "o")]
+    if model.contact_groups:
+        fields += ["cards", "card_history"]
+    lines = "\n".join(f"    {name}: Any" for name in fields or ["nothing"])
+    return f"class Groups(NamedTuple):\n{lines}\n"
+
+
+def _joint_calls(model: Any, stage: str) -> list[str]:
+    lines = []
+    for g in model.joint_groups():
+        p, old = "p[i]", f"groups.{g.word}_h[current, i]"
+        lines += [f"p = groups.{g.word}_p", "for i in range(p.shape[0]):"]
+        new = f", groups.{g.word}_h[1 - current, i]" if stage == "residual" else ""
+        call = f"{p}, {old}{new}, time, nodes, rows, curves"
+        lines.append(f"    {g.word}.{stage}({call})")
+    return lines
+
+
+def _force_calls(model: Any) -> list[str]:
+    lines = []
+    for g in model.force_groups():
+        lines += [
+            f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
+            "for i in range(p.shape[0]):",
+            "    old, new, o = history[current, i], history[1 - current, i], out[i]",
+            f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
+            "    new.dissipated = old.dissipated + 0.5 * h * (old.power + o.power) + o.loss",
+            "    new.power = o.power",
+        ]
+    if model.contact_groups:
+        lines += ["contacts.open_cards(groups.cards)"]
+        lines += ["contacts.carry_onsets(current, groups.card_history)"]
+        lines += [
+            f"{c.word}(current, time, h, nodes, rows, curves, groups)" for c in model.contact_groups
+        ]
+        lines += ["contacts.close_cards(current, h, groups.cards, groups.card_history)"]
+    return lines
+
+
+def _contact(c: Any) -> str:
+    """The loop over the pairs of one contact group."""
+    g, normal = f"groups.{c.word}", _alias(c.normal)
+    lines = [
+        "@inlined",
+        f"def {c.word}(current, time, h, nodes, rows, curves, groups):",
+        f"    params, history, output = {g}_p, {g}_h, {g}_o",
+        "    counts = groups.card_history[1 - current]",
+        "    for i in range(params.shape[0]):",
+        "        p, old, new, out = params[i], history[current, i], history[1 - current, i], output[i]",
+        f"        a, b = {g}_a[p.a], {g}_b[p.b]",
+        f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {g}_data)",
+        "        if depth <= 0.0:",
+        "            contacts.separate(old, new, out, depth, x)",
+        f"            {normal}.release(p, old, new)",
+    ]
+    if c.friction:
+        lines.append(f"            {_alias(c.friction)}.release(p, old, new)")
+    lines += [
+        "            contacts.sum_losses(groups.cards[p.card], new)",
+        "            continue",
+        "        m, w = nodes[a.node], nodes[b.node]",
+        "        rate, slip, d_a, d_b = contacts.closing(m, w, x, n)",
+        "        contacts.latch(p, old, new, depth, rate, counts)",
+        "        mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)",
+        "        mass = 1.0 / (mob_a + mob_b)",
+        f"        f, out.stored, power, loss, k, c = {normal}.normal_force(",
+        "            p, old, new, h, depth, rate, mass, curves",
+        "        )",
+        "        t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0",
+        "        out.friction_stored = 0.0",
+    ]
+    if c.friction:
+        lines += [
+            f"        t, out.friction_stored, t_power, t_loss, t_k, t_c = {_alias(c.friction)}"
+            ".friction_force(",
+            "            p, old, new, h, f, slip, n, mass, curves",
+            "        )",
+            "        k, c = max(k, t_k), max(c, t_c)",
+        ]
+    lines += [
+        "        contacts.touch(m, w, d_a, d_b, f, t, n, x, out)",
+        "        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)",
+        "        contacts.dissipate(old, new, h, power, loss, t_power, t_loss)",
+        "        contacts.sum_card(groups.cards[p.card], f, t, new, out)",
+        "        contacts.sum_losses(groups.cards[p.card], new)",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _approach_calls(model: Any) -> list[str]:
+    lines = ["deepest = -1e300"]
+    for c in model.contact_groups:
+        g = f"groups.{c.word}"
+        lines += [
+            f"params, history = {g}_p, {g}_h",
+            "for i in range(params.shape[0]):",
+            "    if history[current, i].active == 0:",
+            f"        a, b = {g}_a[params[i].a], {g}_b[params[i].b]",
+            f"        depth, _, _ = {_alias(c.narrow)}.gap(a, b, nodes, {g}_data)",
+            "        deepest = max(deepest, depth)",
+        ]
+    return [*lines, "return deepest"]
+
+
+def _approach_before_calls(model: Any) -> list[str]:
+    lines = ["deepest = -1e300"]
+    for c in model.contact_groups:
+        lines += [
+            f"history = groups.{c.word}_h",
+            "for i in range(history.shape[1]):",
+            "    if history[current, i].active == 0:",
+            "        deepest = max(deepest, history[current, i].depth)",
+        ]
+    return [*lines, "return min(deepest, 0.0)"]
+
+
+STORED = {"potential": "POTENTIAL", "spring": "SPRING_STORED"}
+LOST = {
+    "spring": "SPRING_DISSIPATED",
+    "joint_friction": "JOINT_FRICTION",
+    "brake": "BRAKE",
+    "external": "EXTERNAL_WORK",
+}
+
+
+def _energy_calls(model: Any) -> list[str]:
+    from crashsolve.system import energy as e
+
+    lines = ["clear_ledger(ledger)", f"ledger[{e.KINETIC}] = kinetic_energy(nodes)"]
+    for g in model.force_groups():
+        kind = getattr(g.module, "LEDGER", "external" if g.keyword == "loads" else "spring")
+        lines += [
+            f"for i in range(groups.{g.word}_o.shape[0]):",
+            f"    ledger[{getattr(e, STORED.get(kind, 'SPRING_STORED'))}] += "
+            f"groups.{g.word}_o[i].stored",
+        ]
+        if kind in LOST:
+            lines.append(
+                f"    ledger[{getattr(e, LOST[kind])}] += "
+                f"groups.{g.word}_h[clock.current, i].dissipated"
+            )
+    for c in model.contact_groups:
+        lines += [
+            f"for i in range(groups.{c.word}_o.shape[0]):",
+            f"    o, old = groups.{c.word}_o[i], groups.{c.word}_h[clock.current, i]",
+            f"    ledger[{e.CONTACT_STORED}] += o.stored",
+            f"    ledger[{e.FRICTION_STORED}] += o.friction_stored",
+            f"    ledger[{e.CONTACT_DISSIPATED}] += old.dissipated",
+            f"    ledger[{e.FRICTION_DISSIPATED}] += old.friction_dissipated",
+        ]
+    return [*lines, f"ledger[{e.DRIVER_WORK}] = clock.driver_work", "close_ledger(ledger)"]
+
+
+def _measure_calls(model: Any) -> list[str]:
+    lines = []
+    for g in model.sensor_groups():
+        lines += [
+            f"p, out = groups.{g.word}_p, groups.{g.word}_o",
+            "for i in range(p.shape[0]):",
+            f"    {g.word}.measure(p[i], out[i], time, nodes, rows, curves)",
+        ]
+    return lines

@@ -1,0 +1,174 @@
+"""Constraint stages of the step: D M^-1, D^T lambda, and the two projections.
+
+    position   Phi(q(lambda)) = 0      simplified Newton with S = D M^-1 D^T of the step's start
+    velocity   D v = nu                one solve with S of the step's end
+
+Sign: D^T lambda is the force of the constraint on the bodies (Ambrosio (2003), Eq. 4; the chapter's
+Eq. 5 prints the opposite sign of lambda).
+"""
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.saddle import factorise
+from crashsolve.foundation.vec3 import add_scaled, add_to, cross, dot, matvec, put, scale, sub, vec
+
+
+@kernel
+def factor_constraints(rows, saddle, nodes):
+    """Ambrosio (2003), Eq. 5: X = D M^-1, and the factor of S = D X^T. Writes: rows.X, saddle."""
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        weigh(row.D, row.X, 0, nodes[row.node_a])
+        weigh(row.D, row.X, 6, nodes[row.node_b])
+    factorise(saddle, rows)
+
+
+@kernel
+def weigh(D, X, c, body):
+    """Columns c to c + 5 of D M^-1. Writes: X."""
+    X[c] = body.mass_inv * D[c]
+    X[c + 1] = body.mass_inv * D[c + 1]
+    X[c + 2] = body.mass_inv * D[c + 2]
+    x = matvec(body.W, (D[c + 3], D[c + 4], D[c + 5]))
+    X[c + 3] = x[0]
+    X[c + 4] = x[1]
+    X[c + 5] = x[2]
+
+
+@kernel
+def clear_joint_forces(nodes):
+    """Writes: nodes.joint_force, joint_torque."""
+    for i in range(nodes.shape[0]):
+        put(nodes[i].joint_force, (0.0, 0.0, 0.0))
+        put(nodes[i].joint_torque, (0.0, 0.0, 0.0))
+
+
+@kernel
+def scatter(row, multiplier, nodes):
+    """Add the constraint force D^T lambda of one row to its nodes. Writes: nodes."""
+    D = row.D
+    a, b = nodes[row.node_a], nodes[row.node_b]
+    add_to(a.joint_force, scale(multiplier, (D[0], D[1], D[2])))
+    add_to(a.joint_torque, scale(multiplier, (D[3], D[4], D[5])))
+    add_to(b.joint_force, scale(multiplier, (D[6], D[7], D[8])))
+    add_to(b.joint_torque, scale(multiplier, (D[9], D[10], D[11])))
+
+
+@kernel
+def scatter_trial(rows, nodes):
+    """Constraint forces of the drift being tried. Writes: nodes.joint_*."""
+    clear_joint_forces(nodes)
+    for k in range(rows.shape[0]):
+        scatter(rows[k], rows[k].trial, nodes)
+
+
+@kernel
+def scatter_delta(rows, nodes):
+    """Take the correction into lambda; its constraint forces. Writes: rows.trial, nodes.joint_*."""
+    clear_joint_forces(nodes)
+    for k in range(rows.shape[0]):
+        rows[k].trial += rows[k].delta
+        scatter(rows[k], rows[k].delta, nodes)
+
+
+@kernel
+def scatter_reaction(rows, nodes):
+    """Constraint forces of the velocity kick or the sample. Writes: nodes.joint_*."""
+    clear_joint_forces(nodes)
+    for k in range(rows.shape[0]):
+        scatter(rows[k], rows[k].reaction, nodes)
+
+
+@kernel
+def kick_half_by_joints(nodes, factor):
+    """Add factor * joint force to the momenta of the drift. Writes: nodes.v_half, L_half."""
+    for i in range(1, nodes.shape[0]):
+        b = nodes[i]
+        put(b.v_half, add_scaled(vec(b.v_half), factor * b.mass_inv, vec(b.joint_force)))
+        put(b.L_half, add_scaled(vec(b.L_half), factor, vec(b.joint_torque)))
+
+
+@kernel
+def kick_by_joints(nodes, factor):
+    """Add factor * joint force to the momenta. Writes: nodes.v, L, w."""
+    for i in range(1, nodes.shape[0]):
+        b = nodes[i]
+        put(b.v, add_scaled(vec(b.v), factor * b.mass_inv, vec(b.joint_force)))
+        put(b.L, add_scaled(vec(b.L), factor, vec(b.joint_torque)))
+        put(b.w, matvec(b.W, vec(b.L)))
+
+
+@kernel
+def velocity_residual(rows, nodes):
+    """D v - nu of every row. Writes: rows.reaction."""
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        a, b, D = nodes[row.node_a], nodes[row.node_b], row.D
+        x = dot((D[0], D[1], D[2]), vec(a.v)) + dot((D[3], D[4], D[5]), vec(a.w))
+        x += dot((D[6], D[7], D[8]), vec(b.v)) + dot((D[9], D[10], D[11]), vec(b.w))
+        row.reaction = x - row.nu
+
+
+@kernel
+def acceleration_right_side(rows, nodes):
+    """gamma - D M^-1 g of every row. Writes: rows.reaction."""
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        a = weighed_force(row.X, 0, nodes[row.node_a])
+        b = weighed_force(row.X, 6, nodes[row.node_b])
+        row.reaction = row.gamma - a - b
+
+
+@kernel
+def weighed_force(X, c, body):
+    """Columns c to c + 5 of X times the applied force; w_dot = W (tau - w x L)."""
+    torque = sub(vec(body.torque), cross(vec(body.w), vec(body.L)))
+    return dot((X[c], X[c + 1], X[c + 2]), vec(body.force)) + dot(
+        (X[c + 3], X[c + 4], X[c + 5]), torque
+    )
+
+
+@kernel
+def worst_residual(rows):
+    """Largest |Phi| in units of the model's size, and its row."""
+    worst, at = 0.0, 0
+    for k in range(rows.shape[0]):
+        x = abs(rows[k].phi) / rows[k].size
+        # a NaN must win the comparison
+        if not x <= worst:
+            worst, at = x, k
+    return worst, at
+
+
+@kernel
+def extrapolate_trial(rows, ratio):
+    """First guess of lambda, on the line through the last two. Writes: rows.trial."""
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        row.trial = row.multiplier + ratio * (row.multiplier - row.before)
+
+
+@kernel
+def keep_trial(rows):
+    """The drift is accepted: add up its lambda. Writes: rows.multiplier, before, reaction."""
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        row.before = row.multiplier
+        row.multiplier = row.trial
+        row.reaction = row.trial
+
+
+@kernel
+def start_multipliers(rows):
+    """Before the first step the reaction is the best guess. Writes: rows.multiplier, before."""
+    for k in range(rows.shape[0]):
+        rows[k].multiplier = rows[k].reaction
+        rows[k].before = rows[k].reaction
+
+
+@kernel
+def driver_power(rows):
+    """Power of prescribed motions, lambda . nu [W]: bodies gain D v . lambda."""
+    total = 0.0
+    for k in range(rows.shape[0]):
+        total += rows[k].reaction * rows[k].nu
+    return total

@@ -1,0 +1,178 @@
+"""Bookkeeping of contact pairs: onset, slip, application of the force, sums per contact card.
+
+The impact speed is latched at the first evaluation that touches, which the integrator has placed at
+the true onset. A pair that separates forgets it.
+"""
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import (
+    apply_force,
+    mobility,
+    point_velocity,
+    stiffen,
+)
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
+
+PARAMETERS = Record(
+    a=("index", "element on side a"),
+    b=("index", "element on side b"),
+    card=("index", "contact card"),
+    speed_floor=("m/s", "closing speed below which a touch counts as resting"),
+)
+HISTORY = Record(
+    active=("flag", "touching"),
+    depth=("m", "penetration; negative is a gap"),
+    impact_speed=("m/s", "closing speed at the onset, not below the floor"),
+    dissipated=("J", "by the normal force"),
+    power=("W", "its present rate"),
+    friction_dissipated=("J", "by friction"),
+    friction_power=("W", "its present rate"),
+)
+OUTPUT = Record(
+    force=("N", 3, "on side a"),
+    point=("m", 3, "point of contact"),
+    stored=("J", "recoverable energy of the normal force"),
+    friction_stored=("J", "recoverable energy of the friction bristle"),
+)
+CARD_OUTPUT = Record(
+    force=("N", 3, "on side a, sum of all pairs"),
+    normal=("N", "sum of normal forces"),
+    tangential=("N", "sum of friction forces"),
+    depth=("m", "deepest pair; negative is a gap"),
+    impact_speed=("m/s", "largest of the touching pairs"),
+    touching=("1", "number of touching pairs"),
+    stored=("J", "recoverable energy"),
+    dissipated=("J", "energy lost by the normal force"),
+    friction=("J", "energy lost by friction"),
+)
+CARD_HISTORY = Record(
+    force_before=("N", 3, "force on side a at the last step"),
+    impulse=("N s", 3, "impulse on side a"),
+    peak_normal=("N", "largest normal force of any step"),
+    peak_depth=("m", "largest depth of any step"),
+    onsets=("count", "number of onsets"),
+)
+
+
+@kernel
+def open_cards(cards):
+    """Zero the sums of a force pass. Writes: cards."""
+    for k in range(cards.shape[0]):
+        c = cards[k]
+        for j in range(3):
+            c.force[j] = 0.0
+        c.normal = c.tangential = c.impact_speed = c.touching = 0.0
+        c.stored = c.dissipated = c.friction = 0.0
+        c.depth = -1e300
+
+
+@kernel
+def close_cards(current, h, cards, history):
+    """Peaks and impulses per contact card. Writes: history."""
+    for k in range(cards.shape[0]):
+        c, old, new = cards[k], history[current, k], history[1 - current, k]
+        for j in range(3):
+            new.impulse[j] = old.impulse[j] + 0.5 * h * (old.force_before[j] + c.force[j])
+            new.force_before[j] = c.force[j]
+        new.peak_normal = max(old.peak_normal, c.normal)
+        new.peak_depth = max(old.peak_depth, c.depth)
+
+
+@kernel
+def closing(a, b, x, n):
+    """Closing speed, slip velocity of a over b, and arms to the point of contact."""
+    d_a = sub(x, vec(a.r))
+    d_b = sub(x, vec(b.r))
+    v = sub(point_velocity(a, d_a), point_velocity(b, d_b))
+    rate = -dot(v, n)
+    return rate, add_scaled(v, rate, n), d_a, d_b
+
+
+@kernel
+def pair_mobility(a, b, d_a, d_b, n):
+    """Mobilities of both sides along the normal [1/kg]."""
+    return mobility(a, d_a, n), mobility(b, d_b, n)
+
+
+@kernel
+def latch(p, old, new, depth, rate, cards):
+    """Impact speed of this contact. Writes: new, onset count of the card."""
+    new.active = 1
+    new.depth = depth
+    if old.active == 1:
+        new.impact_speed = old.impact_speed
+    else:
+        new.impact_speed = max(rate, p.speed_floor)
+        cards[p.card].onsets += 1
+
+
+@kernel
+def separate(old, new, out, depth, x):
+    """No contact: everything rests. Writes: new, out."""
+    new.active = 0
+    new.depth = depth
+    new.impact_speed = 0.0
+    new.dissipated = old.dissipated
+    new.friction_dissipated = old.friction_dissipated
+    new.power = new.friction_power = 0.0
+    out.stored = out.friction_stored = 0.0
+    for k in range(3):
+        out.force[k] = 0.0
+        out.point[k] = x[k]
+
+
+@kernel
+def touch(a, b, d_a, d_b, f, t, n, x, out):
+    """Normal force f along n and friction t on both sides. Writes: a, b, out."""
+    total = add_scaled(t, f, n)
+    apply_force(a, total, d_a)
+    apply_force(b, scale(-1.0, total), d_b)
+    for k in range(3):
+        out.force[k] = total[k]
+        out.point[k] = x[k]
+
+
+@kernel
+def count_stiffness(a, b, mob_a, mob_b, stiffness, damping):
+    """Contact stiffness for the step control. Writes: a, b."""
+    stiffen(a, mob_a, stiffness, damping)
+    stiffen(b, mob_b, stiffness, damping)
+
+
+@kernel
+def dissipate(old, new, h, power, loss, friction_power, friction_loss):
+    """Energy lost over the step by the trapezoidal rule. Writes: new."""
+    new.dissipated = old.dissipated + 0.5 * h * (old.power + power) + loss
+    new.power = power
+    new.friction_dissipated = (
+        old.friction_dissipated + 0.5 * h * (old.friction_power + friction_power) + friction_loss
+    )
+    new.friction_power = friction_power
+
+
+@kernel
+def sum_card(c, f, t, new, out):
+    """Add one touching pair to its contact card. Writes: c."""
+    for k in range(3):
+        c.force[k] += out.force[k]
+    c.normal += f
+    c.tangential += norm(t)
+    c.impact_speed = max(c.impact_speed, new.impact_speed)
+    c.touching += 1.0
+    c.stored += out.stored + out.friction_stored
+
+
+@kernel
+def sum_losses(c, new):
+    """Add the losses and the depth of one pair to its contact card. Writes: c."""
+    c.depth = max(c.depth, new.depth)
+    c.dissipated += new.dissipated
+    c.friction += new.friction_dissipated
+
+
+@kernel
+def carry_onsets(current, history):
+    """Onset counts start from those of the accepted state. Writes: history."""
+    for k in range(history.shape[1]):
+        history[1 - current, k].onsets = history[current, k].onsets

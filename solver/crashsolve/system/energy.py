@@ -1,0 +1,73 @@
+"""The energy ledger: where the energy is, where it went, and what is unaccounted for.
+
+    imbalance = kinetic + potential + stored + dissipated - work from outside - initial total
+
+Every law states its stored energy and the power it dissipates from its own formula; the imbalance
+is therefore a measure of the integration error and of any law that breaks its promise.
+"""
+
+from crashsolve.foundation.compile import kernel
+
+ENTRIES = (
+    "kinetic",
+    "potential",
+    "spring_stored",
+    "spring_dissipated",
+    "contact_stored",
+    "contact_dissipated",
+    "friction_stored",
+    "friction_dissipated",
+    "joint_friction",
+    "brake",
+    "external_work",
+    "driver_work",
+    "initial",
+    "largest",
+    "imbalance",
+)
+(
+    KINETIC,
+    POTENTIAL,
+    SPRING_STORED,
+    SPRING_DISSIPATED,
+    CONTACT_STORED,
+    CONTACT_DISSIPATED,
+    FRICTION_STORED,
+    FRICTION_DISSIPATED,
+    JOINT_FRICTION,
+    BRAKE,
+    EXTERNAL_WORK,
+    DRIVER_WORK,
+    INITIAL,
+    LARGEST,
+    IMBALANCE,
+) = range(len(ENTRIES))
+
+
+@kernel
+def clear_ledger(ledger):
+    """Zero what is summed anew; keep the initial and the largest energy. Writes: ledger."""
+    for k in range(INITIAL):
+        ledger[k] = 0.0
+
+
+@kernel
+def close_ledger(ledger):
+    """Imbalance and largest energy from the entries. Writes: ledger."""
+    total = ledger[KINETIC] + ledger[POTENTIAL]
+    largest = max(ledger[LARGEST], ledger[KINETIC], abs(ledger[INITIAL]))
+    for k in range(SPRING_STORED, EXTERNAL_WORK):
+        total += ledger[k]
+        largest = max(largest, abs(ledger[k]))
+    largest = max(largest, abs(ledger[EXTERNAL_WORK]), abs(ledger[DRIVER_WORK]))
+    ledger[LARGEST] = largest
+    outside = ledger[EXTERNAL_WORK] + ledger[DRIVER_WORK]
+    ledger[IMBALANCE] = total - outside - ledger[INITIAL]
+
+
+@kernel
+def balance_broken(ledger, limit):
+    """Whether the imbalance exceeds `limit` times the largest energy (0: never asked)."""
+    if limit <= 0.0:
+        return False
+    return not abs(ledger[IMBALANCE]) <= limit * ledger[LARGEST]

@@ -1,0 +1,48 @@
+"""What a scene provides to an integrator. compose writes these functions for each deck.
+
+This file only names and documents them, so that an integrator is ordinary Python to its reader
+and to the checks; none of it is ever called.
+"""
+
+JOINTS = True  # has constraint rows
+CONTACTS = True  # has contact pairs
+REBUILDS = True  # keeps a list of near pairs that must be renewed
+
+
+def residual(current, time, nodes, rows, curves, groups):
+    """Phi(q, t) of every joint. Writes: rows.phi, new histories."""
+
+
+def jacobian(current, time, nodes, rows, curves, groups):
+    """D and nu = -Phi_t of every joint. Writes: rows.D, nu."""
+
+
+def convective(current, time, nodes, rows, curves, groups):
+    """gamma = -D_dot v - Phi_tt of every joint. Writes: rows.gamma."""
+
+
+def force_pass(current, time, h, nodes, rows, curves, groups):
+    """All applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
+
+
+def approach(current, nodes, groups):
+    """Largest depth of what did not touch at the start of the step [m]; negative is a gap."""
+    return -1.0
+
+
+def approach_before(current, groups):
+    """The same at the start of the step [m]."""
+    return -1.0
+
+
+def need_rebuild(nodes, groups):
+    """Whether a body has moved so far that the list of near pairs may miss one."""
+    return False
+
+
+def energy(clock, nodes, groups, ledger):
+    """Energies of the present state. Writes: ledger."""
+
+
+def measure(time, nodes, rows, curves, groups):
+    """Readings of all sensors. Writes: outputs."""

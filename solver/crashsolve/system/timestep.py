@@ -1,0 +1,54 @@
+"""Length of the next step: stability of the stiffest node, turn of the fastest body, deck.
+
+    h_crit = 2 / ( sqrt(omega^2 + (gamma/2)^2) + gamma/2 ),
+    omega^2 = 2 max_i sum k w_i,   gamma = 2 max_i sum c w_i
+
+w_i is the mobility (inverse effective mass) of node i where each spring or contact acts, so omega
+bounds the highest frequency from above (Gershgorin). Consequence to test: an undamped spring on a
+wall is stable for safety < 1 and unstable for a fixed step above 2 / omega.
+
+Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Elements, 6.2.
+"""
+
+from math import ceil, sqrt
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.system.kinetics import fastest_turn
+
+
+@kernel
+def wanted_step(clock, control, nodes):
+    """Next step [s]. Writes: clock.limit_node."""
+    if control.fixed_step > 0.0:
+        return control.fixed_step
+    h = control.step_max
+    clock.limit_node = 0
+    for i in range(1, nodes.shape[0]):
+        half_gamma = nodes[i].damping
+        omega2 = 2.0 * nodes[i].stiffness
+        speed = sqrt(omega2 + half_gamma * half_gamma) + half_gamma
+        if speed * h > 2.0 * control.safety:
+            h = 2.0 * control.safety / speed
+            clock.limit_node = i
+    turn = fastest_turn(nodes)
+    if turn * h > control.turn:
+        h = control.turn / turn
+    return h
+
+
+@kernel
+def fit(h, remaining):
+    """Equal steps no longer than h that end on the target: (step, whether it is the last)."""
+    count = ceil(remaining / h * (1.0 - 1e-12))
+    if count <= 1:
+        return remaining, True
+    return remaining / count, False
+
+
+@kernel
+def onset_step(count, early, gap_early, late, gap_late, allowed):
+    """Next trial in search of the onset: false position, with bisection every third time."""
+    if count % 3 == 2:
+        return 0.5 * (early + late)
+    share = (0.5 * allowed - gap_early) / (gap_late - gap_early)
+    return early + min(max(share, 1e-6), 1.0 - 1e-6) * (late - early)
