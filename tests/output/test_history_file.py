@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from sample import FAMILIES, assert_is_sample, read_rows, sample_row, sample_time
+from history_sample import FAMILIES, assert_is_sample, read_rows, sample_row, sample_time
 
 from crashsolve.output import history
 from crashsolve.output.channels import Column, Family

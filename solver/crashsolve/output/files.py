@@ -4,6 +4,7 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,8 @@ def reported(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, RuntimeError) as error:
-        raise OutputError(path, error) from error
+        number = getattr(error, "errno", None)
+        raise OutputError(path, os.strerror(number) if number else error) from error
 
 
 @contextmanager
@@ -43,6 +45,46 @@ def replacing(path: Path) -> Iterator[Path]:
         except BaseException:
             partial.unlink(missing_ok=True)
             raise
+
+
+@contextmanager
+def replacing_hdf5(path: Path) -> Iterator["h5py.File"]:
+    """Yield a new HDF5 file that takes the name `path` once it is whole."""
+    import h5py
+
+    with replacing(path) as partial, _UnfailingFile(partial, "w+") as raw:
+        with h5py.File(raw, "w", **HDF5_OPTIONS) as file:
+            yield file
+        if raw.failure:
+            raise raw.failure
+
+
+class _UnfailingFile(FileIO):
+    """A file that keeps its first failure to itself, for the caller to raise after closing.
+
+    HDF5 cannot close a file once a write has failed: it holds on to it and complains at exit.
+    """
+
+    failure: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        """Write all of the data, or note why not."""
+        rest = memoryview(data).cast("B")
+        size = len(rest)
+        try:
+            while rest and not self.failure:
+                rest = rest[super().write(rest) :]
+        except OSError as error:
+            self.failure = error
+        return size
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the size, or note why not."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.failure = self.failure or error
+            return size or 0
 
 
 def replace_text(path: Path, text: str) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from crashsolve.output import layout
 from crashsolve.output.channels import Family
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import replacing, reported
+from crashsolve.output.files import replacing_hdf5, reported, write_metadata
 from crashsolve.output.peaks import Extremes
 
 FIRST_CAPACITY = 1024
@@ -137,10 +137,11 @@ class HistoryWriter:
     def _rebuild(self, capacity: int) -> None:
         """Replace the file by one of another capacity holding the rows written so far."""
         self._close_file()
-        with replacing(self.path) as partial:
-            self._offsets = layout.create(partial, self.families, self._metadata, capacity)
+        with replacing_hdf5(self.path) as file:
+            write_metadata(file, layout.FORMAT, layout.FORMAT_VERSION, self._metadata)
+            self._offsets = layout.create(file, self.families, capacity)
             if self._rows:
-                layout.copy_rows(self.path, partial, self.families, self._rows)
+                layout.copy_rows(self.path, file, self.families, self._rows)
         with reported(self.path):
             self._file = FileIO(self.path, "r+")
         self._capacity = capacity

@@ -13,7 +13,6 @@ import numpy as np
 
 from crashsolve.output.channels import FAMILIES, Family
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import HDF5_OPTIONS, write_metadata
 
 if TYPE_CHECKING:
     import h5py
@@ -25,39 +24,35 @@ SLAB_BYTES = 1 << 24
 Offsets = dict[str, int]
 
 
-def create(
-    path: Path, families: tuple[Family, ...], metadata: dict[str, Any], capacity: int
-) -> Offsets:
-    """Write an empty history and return where in the file each dataset begins, "time" included."""
+def create(file: "h5py.File", families: tuple[Family, ...], capacity: int) -> Offsets:
+    """Lay out an empty history; returns where each dataset begins in the file, "time" included."""
     import h5py
 
     offsets: Offsets = {}
-    with h5py.File(path, "w", **HDF5_OPTIONS) as file:
-        write_metadata(file, FORMAT, FORMAT_VERSION, metadata)
-        time = None
-        for family in families:
-            group = file.create_group(family.name)
-            group.attrs["meaning"] = FAMILIES[family.name]
-            group.create_dataset("ids", data=family.ids, dtype=h5py.string_dtype())
-            # all families share one time axis: one dataset under several names
-            if time is None:
-                time = _reserve(group, "time", (capacity,), fill_time="ifset", fillvalue=np.nan)
-                _describe(time, "s", "sample times, the same in every family")
-                offsets["time"] = _offset(time)
-            else:
-                group["time"] = time
-            for column in family.columns:
-                data = _reserve(group, column.path, (capacity, len(family.ids)), fill_time="never")
-                _describe(data, column.unit, column.meaning)
-                offsets[f"{family.name}/{column.path}"] = _offset(data)
+    time = None
+    for family in families:
+        group = file.create_group(family.name)
+        group.attrs["meaning"] = FAMILIES[family.name]
+        group.create_dataset("ids", data=family.ids, dtype=h5py.string_dtype())
+        # all families share one time axis: one dataset under several names
+        if time is None:
+            time = _reserve(group, "time", (capacity,), fill_time="ifset", fillvalue=np.nan)
+            _describe(time, "s", "sample times, the same in every family")
+            offsets["time"] = _offset(time)
+        else:
+            group["time"] = time
+        for column in family.columns:
+            data = _reserve(group, column.path, (capacity, len(family.ids)), fill_time="never")
+            _describe(data, column.unit, column.meaning)
+            offsets[f"{family.name}/{column.path}"] = _offset(data)
     return offsets
 
 
-def copy_rows(old: Path, new: Path, families: tuple[Family, ...], rows: int) -> None:
-    """Copy the first `rows` rows of every dataset from one history to another, times last."""
+def copy_rows(old: Path, target: "h5py.File", families: tuple[Family, ...], rows: int) -> None:
+    """Copy the first `rows` rows of every dataset of an older history."""
     import h5py
 
-    with h5py.File(old, "r") as source, h5py.File(new, "r+") as target:
+    with h5py.File(old, "r") as source:
         for family in families:
             for column in family.columns:
                 name = f"{family.name}/{column.path}"

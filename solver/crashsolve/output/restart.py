@@ -1,19 +1,21 @@
 """Restart dumps: two files in turn, so that a whole one exists at every moment.
 
 Each dump carries a serial number and a checksum over all it holds. The newest valid dump is the
-one to go on from; a broken one is passed over with a warning that says why.
+one to go on from; a broken one is passed over and the reason told.
 """
 
 import hashlib
 import json
+import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import HDF5_OPTIONS, replacing, write_metadata
+from crashsolve.output.files import replacing_hdf5, write_metadata
 
 FORMAT = "crashsolve restart"
 FORMAT_VERSION = 1
@@ -24,12 +26,10 @@ Dump = tuple[dict[str, np.ndarray], dict[str, Any]]
 
 def write_restart(folder: Path | str, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> Path:
     """Write a dump over the older slot and return its path; `info` must be JSON values."""
-    import h5py
-
-    serials = {Path(folder) / slot: _serial(Path(folder) / slot) for slot in SLOTS}
+    serials = {Path(folder) / slot: _serial(Path(folder) / slot, -1) for slot in SLOTS}
     path = min(serials, key=lambda slot: serials[slot])
     text = json.dumps(info)
-    with replacing(path) as partial, h5py.File(partial, "w", **HDF5_OPTIONS) as file:
+    with replacing_hdf5(path) as file:
         attributes = {
             "serial": max(serials.values()) + 1,
             "info": text,
@@ -41,17 +41,18 @@ def write_restart(folder: Path | str, arrays: dict[str, np.ndarray], info: dict[
     return path
 
 
-def newest_restart(folder: Path | str) -> Dump | None:
+def newest_restart(folder: Path | str, warn: Callable[[str], None] = warnings.warn) -> Dump | None:
     """Return arrays and info of the newest valid dump, None when no slot was ever written.
 
-    Raises OutputError when there are dumps but all are broken.
+    Tells `warn` why a dump is passed over; raises OutputError when all of them are broken.
     """
     slots = [Path(folder) / slot for slot in SLOTS if (Path(folder) / slot).exists()]
-    for path in sorted(slots, key=_serial, reverse=True):
+    # an unreadable dump is tried first, so that it is told of
+    for path in sorted(slots, key=lambda slot: _serial(slot, sys.maxsize), reverse=True):
         try:
             return _read(path)
         except (OSError, RuntimeError, KeyError, ValueError) as reason:
-            warnings.warn(f"{path}: dump passed over: {reason}", stacklevel=2)
+            warn(f"{path}: dump passed over: {reason}")
     if slots:
         raise OutputError(folder, "no valid restart dump: all of them are broken")
     return None
@@ -77,15 +78,15 @@ def _read(path: Path) -> Dump:
     return arrays, json.loads(text)
 
 
-def _serial(path: Path) -> int:
-    """Serial number of a dump; -1 for one that is absent or unreadable."""
+def _serial(path: Path, unreadable: int) -> int:
+    """Serial number of a dump, or the given number for one that is absent or unreadable."""
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
             return int(file.attrs["serial"])
     except (OSError, RuntimeError, KeyError, ValueError):
-        return -1
+        return unreadable
 
 
 def _checksum(arrays: dict[str, np.ndarray], text: str) -> str:

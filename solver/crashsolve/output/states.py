@@ -13,7 +13,7 @@ import numpy as np
 from crashsolve.output import xdmf
 from crashsolve.output.blocks import Block
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import HDF5_OPTIONS, replace_text, replacing, reported, write_metadata
+from crashsolve.output.files import replace_text, replacing_hdf5, reported, write_metadata
 
 FORMAT = "crashsolve states"
 FORMAT_VERSION = 1
@@ -47,10 +47,7 @@ class StateWriter:
 
     def write(self, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:
         """Add one state: block name -> field name -> array, displacement (n, 3) among them."""
-        import h5py
-
-        path = self.folder / _state_file(len(self.times))
-        with replacing(path) as partial, h5py.File(partial, "w", **HDF5_OPTIONS) as file:
+        with replacing_hdf5(self.folder / _state_file(len(self.times))) as file:
             file.attrs["time"] = time
             for block in self.blocks:
                 for field in block.all_fields:
@@ -85,10 +82,7 @@ class StateWriter:
 
     def _write_mesh(self, metadata: dict[str, Any]) -> None:
         """Write the geometry of all blocks."""
-        import h5py
-
-        path = self.folder / "mesh.h5"
-        with replacing(path) as partial, h5py.File(partial, "w", **HDF5_OPTIONS) as file:
+        with replacing_hdf5(self.folder / "mesh.h5") as file:
             write_metadata(file, FORMAT, FORMAT_VERSION, metadata)
             for block in self.blocks:
                 file[f"{block.name}/points"] = block.points.astype("<f8")
