@@ -2,19 +2,20 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 import pytest
 from history_sample import FAMILIES, assert_is_sample, read_rows, sample_row, sample_time
 
-from crashsolve.output import history
+from crashsolve.output import layout
 from crashsolve.output.channels import Column, Family
 from crashsolve.output.errors import OutputError
 from crashsolve.output.history import HistoryWriter
 
 
-def write_sample(path: Path, rows: int, **options: object) -> HistoryWriter:
+def write_sample(path: Path, rows: int, **options: Any) -> HistoryWriter:
     """Append the first rows of the sample and leave the writer open."""
     writer = HistoryWriter(path, FAMILIES, {}, **options)
     for row in range(rows):
@@ -153,12 +154,13 @@ def test_cost_of_appending_does_not_grow_with_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     copied: list[int] = []
-    real_copy = history.layout.copy_rows
-    monkeypatch.setattr(
-        history.layout,
-        "copy_rows",
-        lambda *arguments: (copied.append(arguments[-1]), real_copy(*arguments)),
-    )
+    real_copy = layout.copy_rows
+
+    def counted(old: Path, target: h5py.File, families: tuple[Family, ...], rows: int) -> None:
+        copied.append(rows)
+        real_copy(old, target, families, rows)
+
+    monkeypatch.setattr(layout, "copy_rows", counted)
     write_sample(tmp_path / "history.h5", 20_000, buffer_bytes=4000).close()
     # doubling: 1024 + 2048 + ... and the last copy, which trims
     assert sum(copied) < 3 * 20_000

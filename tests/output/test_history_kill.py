@@ -6,6 +6,7 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -77,8 +78,8 @@ def test_kill_at_every_system_call(
     def stop_at(last: int) -> Callable[[int], None]:
         calls = [0]
 
-        def counted(name: str) -> Callable[..., object]:
-            def call(*arguments: object) -> object:
+        def counted(name: str) -> Callable[..., Any]:
+            def call(*arguments: Any) -> Any:
                 calls[0] += 1
                 if calls[0] == last:
                     if torn and name == "pwrite":

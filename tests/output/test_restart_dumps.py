@@ -38,6 +38,7 @@ def test_dump_returns_the_same_bits(tmp_path: Path) -> None:
         "history/spring": history,
         "flags": np.array([True, False]),
         "none": np.empty((0, 3)),
+        "one": history[:1].reshape(()),
         "counts": np.arange(5),
     }
     info = {"time": 0.1 + 0.2, "cycle": 12, "deck": "größe"}
@@ -49,6 +50,11 @@ def test_dump_returns_the_same_bits(tmp_path: Path) -> None:
         assert found[name].dtype == array.dtype
         assert found[name].shape == array.shape
         assert found[name].tobytes() == array.tobytes()
+
+
+def test_dump_may_be_empty(tmp_path: Path) -> None:
+    write_restart(tmp_path, {}, {})
+    assert newest_restart(tmp_path) == ({}, {})
 
 
 def test_dumps_take_turns_and_the_newest_is_read(tmp_path: Path) -> None:

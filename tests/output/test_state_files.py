@@ -1,5 +1,9 @@
 """States: the index refers to what is there, and a restart takes the thread up again."""
 
+import os
+import random
+import signal
+import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -44,25 +48,29 @@ def values(time: float) -> dict[str, dict[str, np.ndarray]]:
 def written(folder: Path, times: list[float], resume_time: float | None = None) -> StateWriter:
     """Write states and close."""
     writer = StateWriter(folder, BLOCKS, {"deck_text": "a: 1"}, resume_time)
-    for time in times:
-        writer.write(time, values(time))
+    for moment in times:
+        writer.write(moment, values(moment))
     writer.close()
     return writer
+
+
+def references(folder: Path) -> list[ElementTree.Element]:
+    """All references of the index to datasets."""
+    return list(ElementTree.parse(folder / "states.xdmf").getroot().iter("DataItem"))
 
 
 def index_times(folder: Path) -> list[list[float]]:
     """Times of each block's temporal collection."""
     root = ElementTree.parse(folder / "states.xdmf").getroot()
     return [
-        [float(time.attrib["Value"]) for time in collection.iter("Time")]
+        [float(moment.attrib["Value"]) for moment in collection.iter("Time")]
         for collection in root.findall("Domain/Grid")
     ]
 
 
 def test_every_reference_of_the_index_has_the_stated_shape(tmp_path: Path) -> None:
     written(tmp_path, [0.0, 0.1, 0.2])
-    root = ElementTree.parse(tmp_path / "states.xdmf").getroot()
-    items = list(root.iter("DataItem"))
+    items = references(tmp_path)
     # three times; points, cells and displacement of each block, and four other fields
     assert len(items) == 3 * (3 * 3 + 4)
     types = {
@@ -72,7 +80,7 @@ def test_every_reference_of_the_index_has_the_stated_shape(tmp_path: Path) -> No
         ("UChar", "1"): "u1",
     }
     for item in items:
-        file, path = (item.text or "").split(":")
+        file, path = str(item.text).split(":")
         with h5py.File(tmp_path / file) as opened:
             dataset = opened[path]
             assert dataset.shape == tuple(map(int, item.attrib["Dimensions"].split()))
@@ -103,6 +111,23 @@ def test_index_is_complete_after_close_and_whole_before(tmp_path: Path) -> None:
     assert index_times(tmp_path) == [list(map(float, range(20)))] * len(BLOCKS)
 
 
+def test_kill_at_random_moments_leaves_a_true_index(tmp_path: Path) -> None:
+    dice = random.Random(7)
+    for _ in range(15):
+        child = os.fork()
+        if child == 0:
+            written(tmp_path, [0.1 * number for number in range(1000)])
+            os._exit(0)
+        time.sleep(dice.uniform(0.05, 0.1))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        for name in {str(item.text).split(":")[0] for item in references(tmp_path)}:
+            with h5py.File(tmp_path / name) as file:
+                assert "ball" in file
+    resumed = written(tmp_path, [], resume_time=1e9)
+    assert resumed.times == [0.1 * number for number in range(len(resumed.times))]
+
+
 def test_resume_keeps_earlier_states_and_drops_later_ones(tmp_path: Path) -> None:
     written(tmp_path, [0.0, 0.1, 0.2, 0.3])
     writer = written(tmp_path, [0.15], resume_time=0.1)
@@ -120,6 +145,20 @@ def test_fresh_run_drops_the_states_of_the_last_one(tmp_path: Path) -> None:
     written(tmp_path, [0.0])
     assert index_times(tmp_path)[0] == [0.0]
     assert len(list((tmp_path / "states").iterdir())) == 1
+
+
+def test_index_lets_go_of_states_before_they_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written(tmp_path, [0.0, 0.1, 0.2])
+
+    def killed(path: Path, missing_ok: bool = False) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "unlink", killed)
+    with pytest.raises(KeyboardInterrupt):
+        StateWriter(tmp_path, BLOCKS, {}, resume_time=0.1)
+    assert index_times(tmp_path)[0] == [0.0, 0.1]
 
 
 def test_gap_among_the_states_is_reported(tmp_path: Path) -> None:

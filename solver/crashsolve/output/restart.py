@@ -36,8 +36,9 @@ def write_restart(folder: Path | str, arrays: dict[str, np.ndarray], info: dict[
             "checksum": _checksum(arrays, text),
         }
         write_metadata(file, FORMAT, FORMAT_VERSION, attributes)
+        group = file.create_group("arrays")
         for name, array in arrays.items():
-            file["arrays/" + name] = array
+            group[name] = array
     return path
 
 
@@ -69,9 +70,9 @@ def _read(path: Path) -> Dump:
 
         def keep(name: str, item: Any) -> None:
             if isinstance(item, h5py.Dataset):
-                arrays[name] = item[()]
+                arrays[name] = np.asarray(item[()])
 
-        file.get("arrays", {}).visititems(keep)
+        file["arrays"].visititems(keep)
         text = file.attrs["info"]
         if file.attrs["checksum"] != _checksum(arrays, text):
             raise ValueError("wrong checksum")

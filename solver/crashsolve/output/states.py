@@ -41,9 +41,13 @@ class StateWriter:
             raise ValueError("two blocks have the same name")
         with reported(self.folder):
             (self.folder / "states").mkdir(parents=True, exist_ok=True)
-        self._keep_until(-np.inf if resume_time is None else resume_time)
-        self._write_mesh(metadata)
+        later = self._keep_until(-np.inf if resume_time is None else resume_time)
+        # the index lets go of a state before the state goes
         self._write_index()
+        with reported(self.folder / "states"):
+            for path in reversed(later):
+                path.unlink()
+        self._write_mesh(metadata)
 
     def write(self, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:
         """Add one state: block name -> field name -> array, displacement (n, 3) among them."""
@@ -65,20 +69,21 @@ class StateWriter:
         """Bring the index up to date."""
         self._write_index()
 
-    def _keep_until(self, last_time: float) -> None:
-        """Take over the states up to `last_time` and remove later ones."""
+    def _keep_until(self, last_time: float) -> list[Path]:
+        """Take over the states up to `last_time`; returns the later ones."""
         import h5py
 
+        later = []
         for path in sorted((self.folder / "states").glob("*.h5")):
-            with reported(path):
-                with h5py.File(path, "r") as file:
-                    time = float(file.attrs["time"])
-                if time > last_time:
-                    path.unlink()
-                elif path == self.folder / _state_file(len(self.times)):
-                    self._add_to_index(time)
-                else:
-                    raise OutputError(path, "the state before this one is missing")
+            with reported(path), h5py.File(path, "r") as file:
+                time = float(file.attrs["time"])
+            if time > last_time:
+                later.append(path)
+            elif path == self.folder / _state_file(len(self.times)):
+                self._add_to_index(time)
+            else:
+                raise OutputError(path, "the state before this one is missing")
+        return later
 
     def _write_mesh(self, metadata: dict[str, Any]) -> None:
         """Write the geometry of all blocks."""
