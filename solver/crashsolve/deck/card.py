@@ -11,6 +11,7 @@ A card holds SI numbers whatever the deck's units are. Sequences are tuples, as 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os.path import isfile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,7 +29,8 @@ from pydantic import (
 
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
 from crashsolve.deck.laws import UnknownType, law_class, types_in
-from crashsolve.deck.mistakes import BROKEN, already_reported, explained, refuse, shown
+from crashsolve.deck.mistakes import already_reported, explained, refuse, shown
+from crashsolve.deck.source import BROKEN
 from crashsolve.foundation.units import SI, Unit, UnitError, default_factor, parse_unit, to_si
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
@@ -36,6 +38,7 @@ __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "Lo
 __all__ += ["SensorName", "SpringName", "SurfaceName"]
 
 Vec3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
 
 
 class SiFloat(float):
@@ -80,7 +83,7 @@ SensorName = Annotated[str, AfterValidator(Reference("sensors"))]
 
 def _existing_file(text: str, info: ValidationInfo) -> str:
     path = (info.context or Context()).folder / text
-    if not path.is_file():
+    if not isfile(path):
         refuse(f"there is no file '{path}'")
     return str(path)
 
@@ -202,13 +205,11 @@ def _check_bounds(result: Any, written: Any, field: Declared, at: tuple[int, ...
 
 
 class Rotation(Card):
-    """Posture of body axes in the world: an axis and angle, a quaternion, or Euler angles."""
+    """Posture of body axes in the world: axis and angle, quaternion, or Euler angles; else none."""
 
     axis: Vec3 | None = quantity("1", "direction of the axis of rotation, of any length", None)
     angle: float | None = quantity("rad", "angle about the axis, right-handed", None)
-    quaternion_: tuple[float, float, float, float] | None = quantity(
-        "1", "unit quaternion, scalar first", None
-    )
+    quaternion_: Quaternion | None = quantity("1", "unit quaternion, scalar first", None)
     euler: Vec3 | None = quantity(
         "rad", "angles about the body's own axes, one after another", None
     )
@@ -217,8 +218,8 @@ class Rotation(Card):
     @model_validator(mode="after")
     def _one_way(self) -> "Rotation":
         ways = [self.axis is not None, self.quaternion_ is not None, self.euler is not None]
-        if sum(ways) != 1:
-            raise ValueError("give one of: axis and angle, quaternion, euler")
+        if sum(ways) > 1:
+            raise ValueError("give only one of: axis and angle, quaternion, euler")
         if (self.axis is None) != (self.angle is None):
             raise ValueError("axis and angle belong together")
         if self.axis is not None and not any(self.axis):
@@ -233,20 +234,18 @@ class Rotation(Card):
 
     def quaternion(self) -> tuple[float, float, float, float]:
         """Unit quaternion (w, x, y, z) that takes body components to the world."""
+        q: Quaternion = (1.0, 0.0, 0.0, 0.0)
         if self.quaternion_ is not None:
             q = self.quaternion_
         elif self.euler is not None:
-            q = (1.0, 0.0, 0.0, 0.0)
             for letter, angle in zip(self.sequence, self.euler, strict=True):
                 q = _product(q, _about(_AXES[letter], angle))
-        else:
-            assert self.axis is not None and self.angle is not None
+        elif self.axis is not None and self.angle is not None:
             q = _about(self.axis, self.angle)
         length = math.hypot(*q)
         return q[0] / length, q[1] / length, q[2] / length, q[3] / length
 
 
-Quaternion = tuple[float, float, float, float]
 _AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 

@@ -1,7 +1,7 @@
 """Declaring the fields of a card, each with its unit, bounds and meaning."""
 
 import operator
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from types import NoneType, UnionType
@@ -37,9 +37,15 @@ def quantity(
 
 
 def word(
-    meaning: str, default: Any = REQUIRED, *, ge: float | None = None, le: float | None = None
+    meaning: str,
+    default: Any = REQUIRED,
+    *,
+    default_factory: Callable[[], Any] | None = None,
+    ge: float | None = None,
+    le: float | None = None,
 ) -> Any:
     """Field of anything without a unit: text, name, choice, true or false, whole number, card."""
+    default = default_factory() if default_factory else default
     return _noted(default, {"ge": ge, "le": le}, meaning=meaning)
 
 
@@ -49,7 +55,7 @@ def Law(folder: str, meaning: str = "", default: Any = REQUIRED) -> Any:
 
 
 def _noted(default: Any, bounds: Mapping[str, float | None], **notes: str) -> Any:
-    given = {name: bound for name, bound in bounds.items() if bound is not None}
+    given: Any = {name: bound for name, bound in bounds.items() if bound is not None}
     return Field(default=default, json_schema_extra={**notes, "bounds": given})
 
 
@@ -57,7 +63,7 @@ def _noted(default: Any, bounds: Mapping[str, float | None], **notes: str) -> An
 class Declared:
     """What the declaration of a field says, in the form messages and manuals need."""
 
-    field: FieldInfo
+    info: FieldInfo
     unit: str = ""
     meaning: str = ""
     law: str = ""
@@ -66,12 +72,12 @@ class Declared:
     @property
     def parts(self) -> tuple[Any, ...]:
         """Members of the annotation, a union taken apart and without None."""
-        return tuple(part for part in _members(self.field.annotation) if part is not NoneType)
+        return tuple(part for part in _members(self.info.annotation) if part is not NoneType)
 
     @property
     def optional(self) -> bool:
         """Whether the field may be left empty."""
-        return NoneType in _members(self.field.annotation)
+        return NoneType in _members(self.info.annotation)
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -98,8 +104,8 @@ def _members(annotation: Any) -> tuple[Any, ...]:
 def declared(card: type[BaseModel], name: str) -> Declared:
     """Declaration of a field of a card, by its name in Python."""
     info = card.model_fields[name]
-    notes = info.json_schema_extra
-    return Declared(info, **notes) if isinstance(notes, dict) else Declared(info)
+    notes: Any = info.json_schema_extra or {}
+    return Declared(info, **notes)
 
 
 def deck_words(card: type[BaseModel]) -> dict[str, str]:

@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from crashsolve.deck.fields import Declared, deck_words, declared, in_unit
 from crashsolve.deck.laws import choices, nearest
+from crashsolve.deck.source import BROKEN
 
 Path = tuple[str | int, ...]
 
@@ -26,13 +27,6 @@ EXPECTED = {
     "model_type": "a table of fields",
     "dict_type": "a table",
 }
-
-
-class _Broken:
-    """Stands for a value whose mistake is already reported."""
-
-
-BROKEN = _Broken()
 
 
 class Mistake(NamedTuple):
@@ -80,13 +74,13 @@ def mistakes_of(card: type[BaseModel], error: ValidationError) -> list[Mistake]:
 
 def explained(card: type[BaseModel], error: ValidationError) -> ValidationError:
     """The same error with its mistakes in words."""
-    lines: list[InitErrorDetails] = []
+    lines = []
     for mistake in mistakes_of(card, error):
-        notes = mistake._asdict() | {"within": ()}
-        told = PydanticCustomError("mistake", "{message}", notes)
+        told = PydanticCustomError("mistake", "{message}", mistake._asdict() | {"within": ()})
         lines.append(InitErrorDetails(type=told, loc=mistake.path, input=None))
-    # a card whose only mistakes are known must still be refused
-    lines = lines or [InitErrorDetails(type=PydanticCustomError("reported", "already reported"))]
+    # a card whose mistakes are all known must still be refused
+    known = PydanticCustomError("reported", "already reported")
+    lines = lines or [InitErrorDetails(type=known, input=None)]
     return ValidationError.from_exception_data(card.__name__, lines)
 
 

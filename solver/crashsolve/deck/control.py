@@ -1,0 +1,39 @@
+"""How the run is controlled: its duration, its steps and when it must stop."""
+
+from typing import Literal
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, quantity, word
+
+
+class Control(Card):
+    """Duration, time step and limits of the run."""
+
+    end_time: float = quantity("s", "time at which the run ends", ge=0)
+    start_time: float = quantity("s", "time at which the run begins", 0.0)
+    integrator: Literal["rattle"] = word("method of integration", "rattle")
+    step: float | Literal["auto"] = quantity(
+        "s", "time step; auto: from the stiffest active spring and contact", "auto", gt=0
+    )
+    safety: float = quantity("1", "automatic step over the critical one", 0.1, gt=0, le=1)
+    step_max: float | None = quantity("s", "largest automatic step", None, gt=0)
+    step_min: float | None = quantity("s", "the run stops below this step", None, gt=0)
+    onset_tolerance: float | None = quantity(
+        "m", "largest first penetration of a contact; longer steps are split", None, gt=0
+    )
+    energy_limit: float | Literal["off"] = quantity(
+        "1", "the run stops beyond this energy error over the largest energy", 0.05, gt=0
+    )
+    constraint_tolerance: float = quantity(
+        "1", "error of the constraints over the size of the model", 1e-10, gt=0
+    )
+    check_every: int = word("steps between two looks at energy and constraints", 100, ge=1)
+
+    @model_validator(mode="after")
+    def _in_order(self) -> "Control":
+        if self.end_time < self.start_time:
+            raise ValueError(f"end_time: must not come before start_time, {self.start_time:g} s")
+        if self.step_min and self.step_max and self.step_min > self.step_max:
+            raise ValueError(f"step_min: must not exceed step_max, {self.step_max:g} s")
+        return self

@@ -1,0 +1,115 @@
+"""Arithmetic in decks: `${speed/3.6}` evaluated without running any code of the deck."""
+
+import ast
+import math
+import operator
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from crashsolve.deck.laws import choices
+
+MAX_LENGTH = 500
+
+FUNCTIONS: dict[str, Callable[..., float]] = {
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "asin": math.asin,
+    "acos": math.acos,
+    "atan": math.atan,
+    "atan2": math.atan2,
+    "sqrt": math.sqrt,
+    "exp": math.exp,
+    "log": math.log,
+    "abs": abs,
+    "min": min,
+    "max": max,
+    "deg": math.degrees,
+    "rad": math.radians,
+}
+CONSTANTS = {"pi": math.pi}
+OPERATORS: dict[type[ast.AST], Callable[..., float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: math.pow,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+
+
+class ExpressionError(Exception):
+    """An expression that cannot be evaluated."""
+
+    def __init__(self, message: str, advice: str = "") -> None:
+        self.message = message
+        self.advice = advice
+        super().__init__(message, advice)
+
+
+class Expression:
+    """An expression taken apart once; `names` are what it needs to be given."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text.strip()
+        if len(self.text) > MAX_LENGTH:
+            raise ExpressionError(f"the expression is longer than {MAX_LENGTH} letters")
+        try:
+            with warnings.catch_warnings(action="ignore"):
+                self.root = ast.parse(self.text, mode="eval").body
+        except (SyntaxError, ValueError, MemoryError, RecursionError):
+            raise ExpressionError(f"cannot read the expression '{self.text}'") from None
+        called = {id(node.func) for node in ast.walk(self.root) if isinstance(node, ast.Call)}
+        self.names = sorted(
+            {
+                node.id
+                for node in ast.walk(self.root)
+                if isinstance(node, ast.Name) and id(node) not in called
+            }
+            - CONSTANTS.keys()
+        )
+
+    def value(self, names: Mapping[str, float]) -> float:
+        """The number it stands for; raises ExpressionError."""
+        try:
+            result = float(self._evaluate(self.root, names))
+        except ZeroDivisionError:
+            raise ExpressionError(f"'{self.text}' divides by zero") from None
+        except (OverflowError, RecursionError):
+            raise ExpressionError(f"'{self.text}' is too large") from None
+        except (ValueError, TypeError) as error:
+            raise ExpressionError(f"'{self.text}': {error}") from None
+        if not math.isfinite(result):
+            raise ExpressionError(f"'{self.text}' is too large")
+        return result
+
+    def _evaluate(self, node: ast.AST, names: Mapping[str, float]) -> float:
+        match node:
+            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+                return float(number)
+            case ast.Name(id=name) if name in CONSTANTS:
+                return CONSTANTS[name]
+            case ast.Name(id=name) if name in names:
+                return names[name]
+            case ast.Name(id=name):
+                raise ExpressionError(
+                    f"unknown parameter '{name}'", choices(name, names, "parameters")
+                )
+            case ast.BinOp(op=op, left=left, right=right) if type(op) in OPERATORS:
+                a, b = self._evaluate(left, names), self._evaluate(right, names)
+                return OPERATORS[type(op)](a, b)
+            case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
+                return OPERATORS[type(op)](self._evaluate(operand, names))
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
+                return self._function(name)(*(self._evaluate(arg, names) for arg in args))
+        part: Any = ast.get_source_segment(self.text, node) if hasattr(node, "lineno") else None
+        advice = "an expression has numbers, parameters, + - * / ** and functions"
+        raise ExpressionError(f"'{part or self.text}' cannot stand in an expression", advice)
+
+    def _function(self, name: str) -> Callable[..., float]:
+        if name not in FUNCTIONS:
+            advice = choices(name, FUNCTIONS, "functions")
+            raise ExpressionError(f"unknown function '{name}'", advice)
+        return FUNCTIONS[name]

@@ -1,0 +1,94 @@
+"""What the files of a deck define: items under keywords, each with its places."""
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from crashsolve.deck.laws import choices
+from crashsolve.deck.mistakes import shown
+from crashsolve.deck.sections import KEYWORDS, SECTIONS
+from crashsolve.deck.source import BROKEN, Position, Rows, Table
+from crashsolve.foundation.errors import DeckError
+
+_NAME = re.compile(r"[^\W\d][\w-]*")
+_NAMED = {keyword: section.singular for keyword, section in SECTIONS.items()}
+_NAMED["parameters"] = "parameter"
+
+
+class Item(NamedTuple):
+    """Something defined under a keyword: `where` is the place of its name, `at` of its value."""
+
+    keyword: str
+    name: str
+    value: Any
+    where: Position
+    at: Position
+    file: Path
+
+    @property
+    def title(self) -> str:
+        """The item as messages call it: spring 'buffer_left'."""
+        if self.keyword == "expect":
+            return f"expect {self.name}"
+        return f"{_NAMED[self.keyword]} '{self.name}'" if self.name else self.keyword
+
+
+Items = dict[tuple[str, str], Item]
+
+
+def items_of(tables: Mapping[Path, Table], mistakes: list[DeckError]) -> Items:
+    """All items of all files by keyword and name; what is wrong goes to `mistakes`."""
+    items: Items = {}
+    for file, table in tables.items():
+        for item in _of_file(file, table, mistakes):
+            if item.keyword == "expect":
+                item = item._replace(name=str(1 + sum(key == "expect" for key, _ in items)))
+            first = items.setdefault((item.keyword, item.name), item)
+            if first is not item:
+                advice = f"first in {first.where.file}:{first.where.line}"
+                mistakes.append(DeckError(*item.where, item.title, "is given twice", advice))
+    return items
+
+
+def _of_file(file: Path, table: Table, mistakes: list[DeckError]) -> Iterator[Item]:
+    for keyword, value in table.items():
+        where, at = table.key_place(keyword), table.value_place(keyword)
+        if keyword not in KEYWORDS:
+            advice = choices(keyword, KEYWORDS, "keywords")
+            mistakes.append(DeckError(*where, "", f"unknown keyword '{keyword}'", advice))
+        elif keyword in _NAMED:
+            yield from _named(file, keyword, value, at, mistakes)
+        elif keyword == "expect":
+            yield from _listed(file, value, at, mistakes)
+        elif keyword not in ("include", "units"):
+            # includes are followed by now, and units belong to their file alone
+            yield Item(keyword, "", value, where, at, file)
+
+
+def _named(
+    file: Path, keyword: str, value: Any, at: Position, mistakes: list[DeckError]
+) -> Iterator[Item]:
+    if not isinstance(value, Table):
+        if value is not BROKEN and value is not None:
+            message = f"must be a table of names, not {shown(value)}"
+            mistakes.append(DeckError(*at, keyword, message))
+        return
+    for name, part in value.items():
+        item = Item(keyword, name, part, value.key_place(name), value.value_place(name), file)
+        if not _NAME.fullmatch(name):
+            advice = "begin with a letter, go on with letters, digits, _ and -"
+            mistakes.append(DeckError(*item.where, item.title, "is not a valid name", advice))
+        elif (keyword, name) == ("bodies", "ground"):
+            message = "the ground is always there and cannot be defined"
+            mistakes.append(DeckError(*item.where, item.title, message))
+        yield item
+
+
+def _listed(file: Path, value: Any, at: Position, mistakes: list[DeckError]) -> Iterator[Item]:
+    if not isinstance(value, Rows):
+        if value is not BROKEN and value is not None:
+            mistakes.append(DeckError(*at, "expect", f"must be a list, not {shown(value)}"))
+        return
+    for i, part in enumerate(value):
+        yield Item("expect", "", part, value.place(i), value.place(i), file)

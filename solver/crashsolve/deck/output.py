@@ -1,0 +1,111 @@
+"""What a run writes, how often, and the figures of its report."""
+
+from typing import Any, Literal
+
+from pydantic import field_validator, model_validator
+
+from crashsolve.deck.card import Card, quantity, word
+
+Pair = tuple[float, float]
+
+
+class History(Card):
+    """Time histories of all channels."""
+
+    interval: float | None = quantity("s", "time between samples; a 1000th of the run", None, gt=0)
+
+
+class States(Card):
+    """Postures of all bodies for pictures and films."""
+
+    interval: float | None = quantity("s", "time between states; a 50th of the run", None, gt=0)
+
+
+class Restart(Card):
+    """Dumps from which a run can go on."""
+
+    every: float | None = quantity("s", "time between dumps; none when absent", None, gt=0)
+
+
+class Log(Card):
+    """Lines about the progress of the run."""
+
+    interval: float | None = quantity("s", "time between lines; a 20th of the run", None, gt=0)
+
+
+class Curve(Card):
+    """One line of a figure."""
+
+    channel: str = word("channel, or arithmetic of channels")
+    label: str = word("name in the legend; the channel when empty", "")
+    x: str = word("its own abscissa; that of the figure when empty", "")
+
+
+class Reference(Card):
+    """A result known from elsewhere, drawn with the curves and compared with them."""
+
+    label: str = word("name in the legend")
+    kind: Literal["level", "band", "point", "curve"] = word("how it is drawn", "level")
+    value: float | None = quantity("1", "height of a level, in the unit of the axis", None)
+    from_: float | None = quantity("1", "lower end of a band", None)
+    to: float | None = quantity("1", "upper end of a band", None)
+    points: tuple[Pair, ...] = quantity("1", "[x, y] of a point or of a curve's points", ())
+    source: str = word("where it was published", "")
+    channel: str = word("channel to compare with it", "")
+    statistic: str = word("statistic of that channel", "")
+    during: Pair | None = quantity("s", "time window of the comparison", None)
+    over: Pair | None = quantity("1", "extent of a level or band along x", None)
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Reference":
+        has_band = self.from_ is not None and self.to is not None
+        given = {"level": self.value is not None, "band": has_band}
+        if not given.get(self.kind, len(self.points) > (self.kind == "curve")):
+            needs = {"level": "value", "band": "from and to"}.get(self.kind, "points")
+            raise ValueError(f"a {self.kind} needs {needs}")
+        if bool(self.channel) != bool(self.statistic):
+            raise ValueError("channel and statistic belong together")
+        return self
+
+
+class Figure(Card):
+    """One figure of the report; its numbers are in the units of its axes."""
+
+    title: str = word("heading")
+    y: tuple[Curve, ...] = word("channels drawn, or tables {channel, label, x}")
+    x: str = word("channel of the abscissa, or time", "time")
+    x_unit: str = word("unit shown along x; SI when empty", "")
+    y_unit: str = word("unit shown along y; SI when empty", "")
+    x_scale: Literal["linear", "log"] = word("division of the x axis", "linear")
+    y_scale: Literal["linear", "log"] = word("division of the y axis", "linear")
+    x_offset: float = quantity("1", "added to x, in the unit shown", 0.0)
+    y_offset: float = quantity("1", "added to y, in the unit shown", 0.0)
+    x_label: str = word("title of the x axis", "")
+    y_label: str = word("title of the y axis", "")
+    x_range: Pair | None = quantity("1", "ends of the x axis", None)
+    y_range: Pair | None = quantity("1", "ends of the y axis", None)
+    reference: tuple[Reference, ...] = word("results known from elsewhere", ())
+    note: str = word("text below the figure", "")
+
+    @field_validator("y", mode="before")
+    @classmethod
+    def _bare_channels(cls, value: Any) -> Any:
+        if not isinstance(value, list | tuple):
+            return value
+        return tuple({"channel": part} if isinstance(part, str) else part for part in value)
+
+
+class Report(Card):
+    """The page that `crashpost report` makes."""
+
+    figures: tuple[Figure, ...] = word("figures, in order", ())
+
+
+class Output(Card):
+    """What a run writes and how often."""
+
+    history: History = word("time histories", History())
+    states: States = word("postures", States())
+    restart: Restart = word("restart dumps", Restart())
+    log: Log = word("log lines", Log())
+    report: Report | None = word("figures of the report; a default choice when absent", None)

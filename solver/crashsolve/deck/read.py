@@ -1,0 +1,230 @@
+"""Reading a deck: files to items, items to cards, cards to a Deck; or all mistakes at once."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from crashsolve.deck.card import Card, Context, Name
+from crashsolve.deck.control import Control
+from crashsolve.deck.dump import as_data, as_text
+from crashsolve.deck.expect import Expect
+from crashsolve.deck.fields import deck_words
+from crashsolve.deck.files import Files
+from crashsolve.deck.items import Item, items_of
+from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
+from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
+from crashsolve.deck.output import Output
+from crashsolve.deck.parameters import Parameters
+from crashsolve.deck.sections import SECTIONS
+from crashsolve.deck.source import BROKEN, Position, Table, locate
+from crashsolve.deck.units import Units
+from crashsolve.foundation.errors import DeckError, DeckErrors
+from crashsolve.foundation.units import SI
+
+AnyCard = TypeVar("AnyCard", bound=Card)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A named card of the deck, the module of its law, and where it stands."""
+
+    name: str
+    type: str
+    module_name: str
+    card: Any
+    where: Position
+    item: Item
+
+
+@dataclass(frozen=True)
+class Deck:
+    """A deck without mistakes: every number in SI, every name known."""
+
+    title: str
+    path: Path
+    files: list[Path]
+    parameters: dict[str, float]
+    control: Control
+    output: Output
+    expect: list[Expect]
+    expect_at: list[Position]
+    entries: dict[str, dict[str, Entry]]
+
+    @cached_property
+    def text(self) -> str:
+        """The deck as one YAML text in SI, with includes, parameters and defaults written out."""
+        return as_text(self)
+
+    def expectations(self) -> list[dict[str, Any]]:
+        """The expect cards as plain data with their lines, as the results keep them."""
+        pairs = zip(self.expect, self.expect_at, strict=True)
+        return [as_data(card) | {"line": place.line} for card, place in pairs]
+
+    def error(self, entry: Entry, field: str | None, message: str, advice: str = "") -> DeckError:
+        """A mistake found after reading, placed at a field such as "normal.stiffness"."""
+        path = tuple(field.split(".")) if field else ()
+        return _placed(entry.item, Mistake(path, message, advice))
+
+
+def read_deck(path: Path | str, overrides: Mapping[str, str] | None = None) -> Deck:
+    """The deck in a file; `overrides` replace parameters. Raises DeckErrors with all mistakes."""
+    return _Reader(Path(path), overrides or {}).deck()
+
+
+class _Reader:
+    """Collects the mistakes of a deck while its cards are read."""
+
+    def __init__(self, path: Path, overrides: Mapping[str, str]) -> None:
+        self.path = path
+        self.mistakes: list[DeckError] = []
+        files = Files(self.mistakes)
+        self.tables = files.read(path)
+        if files.incomplete:
+            raise DeckErrors(self.mistakes)
+        self.items = items_of(self.tables, self.mistakes)
+        self.parameters = Parameters(self.items, overrides, self.mistakes)
+        self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
+
+    def deck(self) -> Deck:
+        """The whole deck; raises DeckErrors."""
+        entries = {keyword: self.section(keyword) for keyword in SECTIONS}
+        control, output = self.single("control", Control), self.single("output", Output)
+        expected = [item for (keyword, _), item in self.items.items() if keyword == "expect"]
+        expect = [self.card(item, Expect) for item in expected]
+        title = self.title()
+        for group in entries.values():
+            for entry in group.values():
+                self.check_names(entry)
+        if self.mistakes or not control or not output:
+            raise DeckErrors(self.in_order())
+        return Deck(
+            title=title,
+            path=self.path,
+            files=list(self.tables),
+            parameters={name: float(v) for name, v in self.parameters.values.items()},
+            control=control,
+            output=output,
+            expect=[card for card in expect if card],
+            expect_at=[item.where for item in expected],
+            entries=entries,
+        )
+
+    def in_order(self) -> list[DeckError]:
+        """Each mistake once, by file and line; those of the command line first."""
+        order = {str(file): i for i, file in enumerate(self.tables)}
+        unique = {str(error): error for error in self.mistakes}.values()
+        return sorted(unique, key=lambda e: (order.get(e.file, -1), e.line or 0, e.column or 0))
+
+    def context(self, file: Path, table: Table) -> Context:
+        """Folder of a file, and the units of its bare numbers."""
+        if "units" not in table:
+            return Context(folder=file.parent)
+        where = table.key_place("units")
+        item = Item("units", "", table["units"], where, table.value_place("units"), file)
+        units = self.card(item, Units)
+        return Context(units.bases() if units else SI, file.parent)
+
+    def title(self) -> str:
+        item = self.items.get(("title", ""))
+        value = self.substituted(item) if item else self.path.stem
+        if item and not isinstance(value, str) and value is not BROKEN:
+            message = f"must be text, not {shown(value)}"
+            self.mistakes.append(DeckError(*item.at, "title", message, "put it in quotes"))
+        return str(value)
+
+    def single(self, keyword: str, kind: type[AnyCard]) -> AnyCard | None:
+        """The one card of a keyword, with its defaults when absent."""
+        start = Position(str(self.path), 1, 1)
+        absent = Item(keyword, "", Table(str(self.path)), start, start, self.path)
+        return self.card(self.items.get((keyword, ""), absent), kind)
+
+    def section(self, keyword: str) -> dict[str, Entry]:
+        """The entries of a keyword; those with mistakes are left out."""
+        items = [item for (key, _), item in self.items.items() if key == keyword]
+        if items and not types_in(SECTIONS[keyword].folder):
+            message = f"keyword '{keyword}' has no types in this version"
+            self.mistakes.append(DeckError(*items[0].where, items[0].title, message))
+            return {}
+        entries = (self.entry(item) for item in items)
+        return {entry.name: entry for entry in entries if entry}
+
+    def entry(self, item: Item) -> Entry | None:
+        value = {} if item.value is None else item.value
+        if not isinstance(value, Mapping):
+            if value is not BROKEN:
+                self.refuse(item, Mistake((), f"must be a table of fields, not {shown(value)}"))
+            return None
+        section = SECTIONS[item.keyword]
+        word = value.get("type", section.default)
+        if not word and "type" not in value:
+            types = ", ".join(types_in(section.folder))
+            self.refuse(item, Mistake((), "missing field 'type'", f"(types: {types})", key=True))
+            return None
+        try:
+            kind = law_class(section.folder, word)
+        except UnknownType as error:
+            if word is not BROKEN:
+                self.refuse(item, Mistake(("type",), error.message, error.advice, key=False))
+            return None
+        card = self.card(item, kind, without="type")
+        if card is None:
+            return None
+        return Entry(item.name, word, kind.__module__, card, item.where, item)
+
+    def card(self, item: Item, kind: type[AnyCard], without: str = "") -> AnyCard | None:
+        """The card an item holds; None after reporting what is wrong with it."""
+        value = self.substituted(item)
+        if value is BROKEN:
+            return None
+        if isinstance(value, Mapping):
+            value = {word: part for word, part in value.items() if word != without}
+        context = self.contexts[item.file] if item.keyword != "units" else Context()
+        try:
+            return kind.model_validate(value, context=context)
+        except ValidationError as error:
+            for mistake in mistakes_of(kind, error):
+                self.refuse(item, mistake)
+        return None
+
+    def substituted(self, item: Item) -> Any:
+        """The value of an item with its expressions worked out; a missing one is an empty table."""
+        value = Table(str(item.file)) if item.value is None else item.value
+        return self.parameters.substitute(value, item.title, item.at)
+
+    def refuse(self, item: Item, mistake: Mistake) -> None:
+        self.mistakes.append(_placed(item, mistake))
+
+    def check_names(self, entry: Entry) -> None:
+        """Report the names in a card that nothing in the deck bears."""
+        for path, name in _names(entry.card):
+            known = [other for keyword, other in self.items if keyword == name.keyword]
+            known += ["ground"] if name.keyword == "bodies" else []
+            if name not in known:
+                singular = SECTIONS[name.keyword].singular
+                advice = choices(name, known, name.keyword)
+                self.refuse(entry.item, Mistake(path, f"unknown {singular} '{name}'", advice))
+
+
+def _placed(item: Item, mistake: Mistake) -> DeckError:
+    """A mistake of a card with its place in the deck."""
+    place = locate(item.where, item.value, mistake.path, mistake.key)
+    below = mistake.path[:-1] if mistake.key else mistake.path
+    field = ".".join(step for step in below if isinstance(step, str))
+    message = f"{field}: {mistake.message}" if field else mistake.message
+    return DeckError(*place, item.title, message, mistake.advice)
+
+
+def _names(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Name]]:
+    """References to entries within a card, each with its path."""
+    if isinstance(value, Name):
+        yield path, value
+    elif isinstance(value, tuple):
+        for i, part in enumerate(value):
+            yield from _names(part, (*path, i))
+    elif isinstance(value, Card):
+        for word, name in deck_words(type(value)).items():
+            yield from _names(getattr(value, name), (*path, word))

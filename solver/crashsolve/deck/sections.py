@@ -1,0 +1,35 @@
+"""The keywords of a deck: which folder of laws, or which single card, each one stands for."""
+
+from dataclasses import dataclass
+
+from crashsolve.deck.card import Card
+from crashsolve.deck.control import Control
+from crashsolve.deck.output import Output
+from crashsolve.deck.units import Units
+
+
+@dataclass(frozen=True)
+class Section:
+    """A keyword with named entries: the word for one, the folder of its types, the default type."""
+
+    singular: str
+    folder: str
+    default: str = ""
+
+
+SECTIONS = {
+    "materials": Section("material", "materials"),
+    "sections": Section("section", "sections"),
+    "curves": Section("curve", "curves", "table"),
+    "bodies": Section("body", "bodies", "rigid"),
+    "joints": Section("joint", "joints"),
+    "springs": Section("spring", "springs"),
+    "hinges": Section("hinge", "hinges"),
+    "parts": Section("part", "parts"),
+    "surfaces": Section("surface", "contact/shape"),
+    "contacts": Section("contact", "contact", "force"),
+    "loads": Section("load", "loads"),
+    "sensors": Section("sensor", "sensors"),
+}
+SINGLE: dict[str, type[Card]] = {"units": Units, "control": Control, "output": Output}
+KEYWORDS = ("title", "units", "parameters", "include", "control", *SECTIONS, "output", "expect")

@@ -1,0 +1,308 @@
+"""YAML text as plain tables and lists that know where each key and value stands.
+
+Scalars follow the YAML 1.2 core schema: 1e5 is a number, on and yes are text. What could be
+misread is refused: 010, .nan, .inf, doubled keys, tags, several documents, recursive aliases.
+References: YAML 1.2.2 (2021), sections 10.2 and 10.3.
+"""
+
+import math
+import re
+from pathlib import Path
+from types import NoneType
+from typing import Any, NamedTuple, NoReturn
+
+import yaml
+
+from crashsolve.foundation.errors import DeckError
+
+MAX_DEPTH = 60
+MAX_VALUES = 1_000_000
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_CORE_TAG = "tag:yaml.org,2002:"
+
+_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
+_OTHER_BASE = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_LEADING_ZERO = re.compile(r"[-+]?0[0-9]+")
+_NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+_WORDS: dict[str, bool | None] = {"": None, "~": None, "null": None, "Null": None, "NULL": None}
+_WORDS |= {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+
+
+_CORE_TYPES: dict[str, Any] = {"int": int, "float": int | float, "bool": bool, "null": NoneType}
+# what YAML calls printable
+_FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+class _Broken:
+    """Stands for a value whose mistake is already reported."""
+
+
+BROKEN = _Broken()
+
+
+class Position(NamedTuple):
+    """Place in a file; lines and columns count from 1."""
+
+    file: str
+    line: int
+    column: int
+
+
+class Table(dict[str, Any]):
+    """A mapping, with the places of each key and of its value."""
+
+    __slots__ = ("file", "keys_at", "values_at")
+
+    def __init__(self, file: str) -> None:
+        super().__init__()
+        self.file = file
+        self.keys_at: dict[str, tuple[int, int]] = {}
+        self.values_at: dict[str, tuple[int, int]] = {}
+
+    def put(self, key: str, value: Any, key_at: tuple[int, int], at: tuple[int, int]) -> None:
+        """Add a value and its places."""
+        self[key] = value
+        self.keys_at[key] = key_at
+        self.values_at[key] = at
+
+    def key_place(self, key: str) -> Position:
+        """Where a key stands."""
+        return Position(self.file, *self.keys_at[key])
+
+    def value_place(self, key: str) -> Position:
+        """Where the value of a key stands; that of the key for a table or list below it."""
+        is_block = isinstance(self[key], Table | Rows)
+        return self.key_place(key) if is_block else Position(self.file, *self.values_at[key])
+
+
+class Rows(list[Any]):
+    """A sequence, with the place of each value."""
+
+    __slots__ = ("file", "values_at")
+
+    def __init__(self, file: str) -> None:
+        super().__init__()
+        self.file = file
+        self.values_at: list[tuple[int, int]] = []
+
+    def place(self, i: int) -> Position:
+        """Where a value stands."""
+        return Position(self.file, *self.values_at[i])
+
+
+def locate(start: Position, value: object, path: tuple[str | int, ...], key: bool) -> Position:
+    """Place of the value at a path, or of its key; as far as the path can be followed."""
+    for step in path:
+        if isinstance(value, Table) and isinstance(step, str) and step in value:
+            start = value.key_place(step) if key else value.value_place(step)
+            value = value[step]
+        elif isinstance(value, Rows) and isinstance(step, int) and step < len(value):
+            start, value = value.place(step), value[step]
+        else:
+            break
+    return start
+
+
+def read_yaml(path: Path, mistakes: list[DeckError]) -> Table | None:
+    """The table a file holds, None when it cannot be read; appends what is wrong to `mistakes`."""
+    name = str(path)
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        advice = "save the file as UTF-8"
+        mistakes.append(DeckError(name, line, None, "", "this is not UTF-8 text", advice))
+        return None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        mistakes.append(DeckError(name, None, None, "", f"the file cannot be read: {reason}"))
+        return None
+    return parse_yaml(text, name, mistakes)
+
+
+def parse_yaml(text: str, name: str, mistakes: list[DeckError]) -> Table | None:
+    """The table a YAML text holds; `name` is the file in messages."""
+    bad = _FORBIDDEN.search(text)
+    if bad is not None:
+        line = text.count("\n", 0, bad.start()) + 1
+        column = bad.start() - text.rfind("\n", 0, bad.start())
+        message = f"the character U+{ord(bad[0]):04X} is not allowed"
+        mistakes.append(DeckError(name, line, column, "", message))
+        return None
+    parser = _Parser(name, text, mistakes)
+    try:
+        return parser.deck()
+    except yaml.MarkedYAMLError as error:
+        mistakes.append(_syntax_error(name, text, error))
+    except _Abandoned:
+        pass
+    return None
+
+
+def _syntax_error(name: str, text: str, error: yaml.MarkedYAMLError) -> DeckError:
+    mark = error.problem_mark or error.context_mark
+    line, column = (mark.line, mark.column) if mark else (0, 0)
+    problem = " ".join(filter(None, (error.context, error.problem)))
+    advice = ""
+    rows = text.split("\n")
+    here = rows[line][column : column + 1] if line < len(rows) else ""
+    if "cannot start any token" in problem:
+        problem = "a tab cannot indent" if here == "\t" else f"a value cannot begin with '{here}'"
+        advice = "use spaces" if here == "\t" else "put it in quotes"
+    elif "mapping values are not allowed" in problem:
+        problem = "a ':' is not expected here"
+        advice = "check the indentation, or put the text in quotes"
+    return DeckError(name, line + 1, column + 1, "", f"not valid YAML: {problem}", advice)
+
+
+class _Abandoned(Exception):
+    """The rest of the file cannot be made sense of; the reason is among the mistakes."""
+
+
+class _Parser:
+    """Builds tables and lists from the events of the YAML parser."""
+
+    def __init__(self, name: str, text: str, mistakes: list[DeckError]) -> None:
+        self.name = name
+        self.loader = _LOADER(text)
+        self.mistakes = mistakes
+        self.anchors: dict[str, tuple[Any, int]] = {}
+        self.count = 0
+
+    def refuse(self, event: Any, message: str, advice: str = "") -> Any:
+        line, column = _place(event)
+        self.mistakes.append(DeckError(self.name, line, column, "", message, advice))
+        return BROKEN
+
+    def abandon(self, event: Any, message: str, advice: str = "") -> NoReturn:
+        self.refuse(event, message, advice)
+        raise _Abandoned
+
+    def deck(self) -> Table:
+        self.loader.get_event()
+        start = self.loader.get_event()
+        if isinstance(start, yaml.StreamEndEvent):
+            self.abandon(start, "the file is empty")
+        first = self.loader.get_event()
+        value = self.node(first, 0)
+        self.loader.get_event()
+        end = self.loader.get_event()
+        if not isinstance(end, yaml.StreamEndEvent):
+            self.abandon(end, "a second document begins here", "a deck is one document")
+        if value is None:
+            self.abandon(first, "the file is empty")
+        if not isinstance(value, Table):
+            self.abandon(first, "a deck is a table of keywords", "begin with 'title: ...'")
+        return value
+
+    def node(self, event: Any, depth: int) -> Any:
+        if depth > MAX_DEPTH:
+            self.abandon(event, f"nested more than {MAX_DEPTH} deep")
+        before = self.count
+        self.count += 1
+        if isinstance(event, yaml.AliasEvent):
+            value = self.alias(event)
+        elif isinstance(event, yaml.ScalarEvent):
+            value = self.scalar(event)
+        else:
+            if event.tag not in (None, "!", _CORE_TAG + "map", _CORE_TAG + "seq"):
+                self.refuse(event, f"the tag '{event.tag}' is not allowed")
+            value = (self.table if isinstance(event, yaml.MappingStartEvent) else self.rows)(depth)
+        if self.count > MAX_VALUES:
+            advice = "long tables belong in files of their own"
+            self.abandon(event, f"the deck has more than {MAX_VALUES} values", advice)
+        if event.anchor and not isinstance(event, yaml.AliasEvent):
+            self.anchors[event.anchor] = value, self.count - before
+        return value
+
+    def alias(self, event: Any) -> Any:
+        if event.anchor not in self.anchors:
+            return self.refuse(event, f"nothing is anchored as '&{event.anchor}' before this")
+        value, size = self.anchors[event.anchor]
+        self.count += size
+        return value
+
+    def rows(self, depth: int) -> Rows:
+        rows = Rows(self.name)
+        while not isinstance(event := self.loader.get_event(), yaml.SequenceEndEvent):
+            rows.values_at.append(_place(event))
+            rows.append(self.node(event, depth + 1))
+        return rows
+
+    def table(self, depth: int) -> Table:
+        table = Table(self.name)
+        merged: list[Table] = []
+        while not isinstance(event := self.loader.get_event(), yaml.MappingEndEvent):
+            key = self.key(event, depth)
+            inner = self.loader.get_event()
+            value = self.node(inner, depth + 1)
+            if key == "<<" and event.implicit[0]:
+                merged += self.merged(event, value)
+            elif key is not None and key in table:
+                line = table.keys_at[key][0]
+                self.refuse(event, f"'{key}' is given twice", f"first in line {line}")
+            elif key is not None:
+                table.put(key, value, _place(event), _place(inner))
+        for other in merged:
+            for key in [key for key in other if key not in table]:
+                table.put(key, other[key], other.keys_at[key], other.values_at[key])
+        return table
+
+    def key(self, event: Any, depth: int) -> str | None:
+        if isinstance(event, yaml.ScalarEvent):
+            word = self.scalar(event)
+            if isinstance(word, str) and word:
+                return word
+            self.refuse(event, f"the key '{event.value}' is not a word", "put it in quotes")
+            return None
+        self.refuse(event, "a key must be a word")
+        self.node(event, depth + 1)
+        return None
+
+    def merged(self, event: Any, value: Any) -> list[Table]:
+        tables = value if isinstance(value, Rows) else [value]
+        if all(isinstance(table, Table) for table in tables):
+            return list(tables)
+        self.refuse(event, "'<<' needs a table, or a list of tables")
+        return []
+
+    def scalar(self, event: Any) -> Any:
+        tag = (event.tag or "").removeprefix(_CORE_TAG)
+        if tag in ("str", "!") or (not tag and event.style):
+            return event.value
+        if tag not in ("", *_CORE_TYPES):
+            return self.refuse(event, f"the tag '{event.tag}' is not allowed")
+        value, problem, advice = plain_scalar(event.value)
+        if problem:
+            return self.refuse(event, problem, advice)
+        if tag and not isinstance(value, _CORE_TYPES[tag]):
+            return self.refuse(event, f"'{event.value}' is not what its tag '!!{tag}' says")
+        return value
+
+
+def _place(event: Any) -> tuple[int, int]:
+    mark = event.start_mark
+    return mark.line + 1, mark.column + 1
+
+
+def plain_scalar(text: str) -> tuple[Any, str, str]:
+    """Value of an unquoted scalar, or what is wrong with it and advice."""
+    if text in _WORDS:
+        return _WORDS[text], "", ""
+    if text[0] not in "+-.0123456789":
+        return text, "", ""
+    if _INTEGER.fullmatch(text) and len(text) < 400:
+        return int(text), "", ""
+    if _OTHER_BASE.fullmatch(text) and len(text) < 300:
+        return int(text, 0), "", ""
+    if _LEADING_ZERO.fullmatch(text):
+        plain = text.lstrip("+-0") or "0"
+        return (
+            None,
+            f"'{text}' begins with a zero",
+            f"write {plain}, or put it in quotes",
+        )
+    if _NOT_FINITE.fullmatch(text) or (_FLOAT.fullmatch(text) and math.isinf(float(text))):
+        return None, f"'{text}' is not a finite number", ""
+    return (float(text) if _FLOAT.fullmatch(text) else text), "", ""
