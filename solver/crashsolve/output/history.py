@@ -1,8 +1,8 @@
 """Writes history.h5: rows gathered in memory, appended in place, whole whatever happens.
 
 Appending costs time in proportion to the new rows. When the reserved rows are used up the file is
-copied to one of twice the size, which takes its place by a rename: all copies together cost no
-more than twice the final size.
+copied to one of twice the size, which takes its place by a rename, and on closing to one that fits:
+all copies together write less than three times the final size.
 """
 
 import os
@@ -76,7 +76,7 @@ class HistoryWriter:
         """Write the gathered rows: values, wait for the disk, then the times that validate them."""
         if self._waiting:
             if self._rows + self._waiting > self._capacity:
-                self._rebuild(2 * self._capacity)
+                self._rebuild(2 * (self._rows + self._waiting))
             with reported(self.path):
                 self._write_rows()
             for number, buffer in enumerate(self._buffers):

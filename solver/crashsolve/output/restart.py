@@ -25,7 +25,10 @@ Dump = tuple[dict[str, np.ndarray], dict[str, Any]]
 
 
 def write_restart(folder: Path | str, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> Path:
-    """Write a dump over the older slot and return its path; `info` must be JSON values."""
+    """Write a dump over the older slot and return its path; `info` must be JSON values.
+
+    Flush the history first: rows before the dump that were not flushed are lost to a kill.
+    """
     serials = {Path(folder) / slot: _serial(Path(folder) / slot, -1) for slot in SLOTS}
     path = min(serials, key=lambda slot: serials[slot])
     text = json.dumps(info)

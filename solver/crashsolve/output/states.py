@@ -104,7 +104,13 @@ class StateWriter:
     def _write_index(self) -> None:
         """Replace states.xdmf and set when it may next be replaced."""
         started = clock.monotonic()
-        replace_text(self.folder / "states.xdmf", xdmf.index(self._grids.items()))
+        path = self.folder / "states.xdmf"
+        if self.times:
+            replace_text(path, xdmf.index(self._grids.items()))
+        else:
+            # ParaView 5.11 crashes on a collection without members
+            with reported(path):
+                path.unlink(missing_ok=True)
         finished = clock.monotonic()
         self._index_due = finished + (finished - started) / INDEX_SHARE
 
