@@ -1,0 +1,1 @@
+"""Post-processor of crashsolve: it reads the result files and nothing else."""

@@ -1,0 +1,73 @@
+"""Our value beside the published one, for every reference that says what to compare."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crashpost.expression import Series
+from crashpost.figure import Figure, Reference
+from crashpost.result import Result
+from crashpost.statistic import TIMES, statistic, unit_of, within
+from crashpost.units import factor
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One number of the run against a published number or range, in the unit shown."""
+
+    label: str
+    source: str
+    ours: float
+    low: float
+    high: float
+    unit: str
+
+    @property
+    def difference(self) -> float:
+        """Ours minus the nearest published value; 0 inside a range."""
+        return self.ours - min(max(self.ours, self.low), self.high)
+
+    @property
+    def percent(self) -> float | None:
+        """The difference in % of the nearest published value, None when that is 0."""
+        nearest = min(max(self.ours, self.low), self.high)
+        return 100 * self.difference / abs(nearest) if nearest else None
+
+    @property
+    def published(self) -> str:
+        """The published number or range as people write it."""
+        return f"{self.low:g}" if self.low == self.high else f"{self.low:g} to {self.high:g}"
+
+
+def comparisons(result: Result, figure: Figure) -> list[Comparison]:
+    """One comparison for every reference with a channel, in the figure's order."""
+    return [_compare(result, figure, ref) for ref in figure.reference if ref.channel]
+
+
+def _compare(result: Result, figure: Figure, reference: Reference) -> Comparison:
+    series = result.series(reference.channel)
+    if reference.during:
+        series = within(series, reference.during)
+    if reference.statistic in TIMES:
+        on_time = figure.x == "time"
+        unit = (figure.x_unit if on_time else "") or "s"
+        offset = figure.x_offset if on_time else 0.0
+        ours = statistic(series, reference.statistic) * factor("s", unit) + offset
+    else:
+        unit = figure.y_unit or series.unit
+        shown = series.values * factor(series.unit, unit) + figure.y_offset
+        ours = statistic(Series(series.time, shown, unit), reference.statistic)
+        unit = unit_of(reference.statistic, unit)
+    low, high = _published(reference)
+    return Comparison(reference.label, reference.source, ours, low, high, unit)
+
+
+def _published(reference: Reference) -> tuple[float, float]:
+    """The published value as a range; of points, the range of their ordinates."""
+    if reference.kind == "level" and reference.value is not None:
+        return reference.value, reference.value
+    if reference.from_ is not None and reference.to is not None:
+        return min(reference.from_, reference.to), max(reference.from_, reference.to)
+    axis = 0 if reference.statistic in TIMES else 1
+    numbers = np.array(reference.points)[:, axis]
+    return float(numbers.min()), float(numbers.max())

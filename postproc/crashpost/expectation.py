@@ -1,0 +1,111 @@
+"""The deck's own test: what each `expect:` entry asked for and what the run gave.
+
+passed  <=>  |found - value| <= tolerance             (absolute)
+             |found - value| <= tolerance |value|     (relative)
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from crashpost.errors import PostError
+from crashpost.result import Result
+from crashpost.statistic import statistic, unit_of
+from crashpost.table import number, text_table
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """One entry as stored in the result; value and tolerance in SI."""
+
+    channel: str
+    statistic: str
+    value: float
+    tolerance: float
+    relative: bool = False
+    because: str = ""
+    source: str = ""
+    line: int = 0
+
+    @property
+    def allowed(self) -> float:
+        """The largest deviation that passes."""
+        return self.tolerance * abs(self.value) if self.relative else self.tolerance
+
+    @property
+    def tolerance_text(self) -> str:
+        """The tolerance as people write it."""
+        return f"{100 * self.tolerance:.4g} %" if self.relative else number(self.tolerance)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """An expectation, what was found, and why nothing was where nothing was."""
+
+    expected: Expectation
+    found: float | None
+    unit: str
+    problem: str = ""
+
+    @property
+    def deviation(self) -> float | None:
+        """Found minus expected."""
+        return None if self.found is None else self.found - self.expected.value
+
+    @property
+    def passed(self) -> bool:
+        """Whether the deviation is within tolerance; never when nothing was found."""
+        return self.deviation is not None and abs(self.deviation) <= self.expected.allowed
+
+
+def expectations(result: Result) -> list[Expectation]:
+    """The entries stored with a result; raises PostError when they are not as specified."""
+    entries = result.stored_json("expect") or []
+    try:
+        return [_read(entry) for entry in entries]
+    except (TypeError, ValueError, KeyError) as error:
+        raise PostError(f"{result.file}: broken expect entry ({error})") from error
+
+
+def judge(result: Result) -> list[Verdict]:
+    """All entries evaluated; a channel that does not exist is a failure with its reason."""
+    return [_verdict(result, entry) for entry in expectations(result)]
+
+
+def verdict_table(verdicts: list[Verdict]) -> str:
+    """The verdicts as text, one line each, failures explained below."""
+    header = "channel statistic found expected tolerance deviation unit because source verdict"
+    rows = [_row(verdict) for verdict in verdicts]
+    table = text_table(header.split(), rows)
+    problems = [f"FAIL {v.expected.channel}: {v.problem}" for v in verdicts if v.problem]
+    return "\n".join([table, *problems])
+
+
+def _read(entry: dict[str, Any]) -> Expectation:
+    known = {name: entry[name] for name in Expectation.__annotations__ if name in entry}
+    known["value"], known["tolerance"] = float(known["value"]), float(known["tolerance"])
+    return Expectation(**known)
+
+
+def _verdict(result: Result, expected: Expectation) -> Verdict:
+    try:
+        series = result.series(expected.channel)
+        found = statistic(series, expected.statistic)
+        return Verdict(expected, found, unit_of(expected.statistic, series.unit))
+    except PostError as error:
+        return Verdict(expected, None, "", str(error))
+
+
+def _row(verdict: Verdict) -> list[str]:
+    expected = verdict.expected
+    return [
+        expected.channel,
+        expected.statistic,
+        "-" if verdict.found is None else f"{verdict.found:.8g}",
+        f"{expected.value:.8g}",
+        expected.tolerance_text,
+        "-" if verdict.deviation is None else f"{verdict.deviation:.2e}",
+        verdict.unit,
+        expected.because,
+        expected.source,
+        "pass" if verdict.passed else "FAIL",
+    ]

@@ -1,0 +1,93 @@
+"""Figures for a result whose deck asks for none: energies, balance, momenta, one per family."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from crashpost import ledger
+from crashpost.errors import PostError
+from crashpost.figure import AUTO, Curve, Figure
+from crashpost.result import Column, Family, Result
+
+MOST_CURVES = 8
+
+
+def energy_figures(result: Result) -> list[Figure]:
+    """Energies of the model and what is missing from their sum."""
+    figures = []
+    # a curve that never reaches a thousandth of the largest cannot be seen
+    entries = ledger.energies(result)
+    visible = max((e.largest for e in entries), default=0.0) / 1000
+    curves = tuple(Curve(e.channel.name, e.label) for e in entries if e.largest > visible)
+    if curves:
+        figures.append(_over_time("Energies", curves[:MOST_CURVES], "energy"))
+    if balance := ledger.balance_channel(result):
+        curves = (Curve(balance, "energy balance"),)
+        figures.append(_over_time("Energy balance", curves, "missing, of the largest energy", "%"))
+    return figures
+
+
+def momentum_figures(result: Result) -> list[Figure]:
+    """Momentum and angular momentum, when they are not zero throughout."""
+    figures = []
+    for title, unit in (("Momentum", "kg m/s"), ("Angular momentum", "kg m^2/s")):
+        entries = [e for e in ledger.momenta(result) if e.channel.unit == unit and e.largest > 0]
+        curves = tuple(Curve(e.channel.name) for e in entries[:MOST_CURVES])
+        if curves:
+            figures.append(_over_time(title, curves, title.lower()))
+    return figures
+
+
+def family_figures(result: Result) -> list[Figure]:
+    """For each family but glstat, the first quantity that moves, in the entities that move most."""
+    families = [family for family in result.families.values() if family.name != "glstat"]
+    figures = [_family_figure(result, family) for family in families]
+    return [figure for figure in figures if figure]
+
+
+def _over_time(
+    title: str, curves: tuple[Curve, ...], y_label: str = "", y_unit: str = AUTO
+) -> Figure:
+    return Figure(title, curves, x_unit=AUTO, y_unit=y_unit, y_label=y_label)
+
+
+def _family_figure(result: Result, family: Family) -> Figure | None:
+    for quantity in dict.fromkeys(column.path.split("/")[0] for column in family.columns):
+        columns = [c for c in family.columns if c.path.split("/")[0] == quantity]
+        columns = [c for c in columns if c.unit == columns[0].unit]
+        ranges = _ranges(result, family, columns)
+        moving = sorted((name for name in ranges if ranges[name] > 0), key=lambda n: -ranges[n])
+        if moving:
+            chosen = [name for name in ranges if name in moving[:MOST_CURVES]]
+            curves = tuple(Curve(name) for name in chosen)
+            return _over_time(f"{family.name}: {quantity.replace('_', ' ')}", curves)
+    return None
+
+
+def _ranges(result: Result, family: Family, columns: list[Column]) -> dict[str, float]:
+    """Greatest minus least value of every channel of the columns."""
+    names = [f"{family.name}.{entity}.{c.name}" for entity in family.ids for c in columns]
+    return {name: float(np.ptp(result.series(name).values)) for name in names}
+
+
+def panels(
+    result: Result, channels: Sequence[str], against: str, units: Mapping[str, str]
+) -> list[Figure]:
+    """The channels as figures, one for each unit, against time or another channel."""
+    for name in units:
+        if name not in (against, *channels):
+            raise PostError(f"--unit names '{name}', which is not drawn")
+    groups: dict[str, list[str]] = {}
+    for channel in channels:
+        groups.setdefault(units.get(channel) or result.series(channel).unit, []).append(channel)
+    x_unit = units.get(against, AUTO)
+    return [
+        Figure(
+            ", ".join(group),
+            tuple(map(Curve, group)),
+            x=against,
+            x_unit=x_unit,
+            y_unit=unit if any(channel in units for channel in group) else AUTO,
+        )
+        for unit, group in groups.items()
+    ]

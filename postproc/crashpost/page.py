@@ -1,0 +1,86 @@
+"""The few pieces of HTML the report is made of; all text is escaped here."""
+
+from collections.abc import Sequence
+from html import escape
+
+from crashpost.draw import Key
+from crashpost.style import CSS
+
+__all__ = ["block", "escape", "figure", "fold", "page", "table", "tiles"]
+
+
+def page(title: str, body: Sequence[str]) -> str:
+    """A complete document that needs nothing from anywhere else."""
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(title)}</title><style>{CSS}</style></head>\n<body>\n"
+        + "\n".join(part for part in body if part)
+        + "\n</body></html>\n"
+    )
+
+
+def block(anchor: str, title: str, *parts: str) -> str:
+    """A section with a heading; nothing when it has no content."""
+    content = "\n".join(part for part in parts if part)
+    return (
+        f'<section id="{anchor}"><h2>{escape(title)}</h2>\n{content}</section>' if content else ""
+    )
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[str]) -> str:
+    """Rows of cells; `looks` gives each column's class: "", "num" or "name"."""
+    if not rows:
+        return ""
+    heads = [f'<th class="{look}">{escape(h)}</th>' for h, look in zip(header, looks, strict=True)]
+    lines = ["".join(map(_cell, row, looks)) for row in rows]
+    body = "\n".join(f"<tr>{line}</tr>" for line in lines)
+    return (
+        f'<div class="scroll"><table><thead><tr>{"".join(heads)}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>"
+    )
+
+
+def tiles(facts: Sequence[tuple[str, str]]) -> str:
+    """Large values with a small caption each."""
+    cells = [
+        f'<div class="tile"><b>{escape(value)}</b><span>{escape(caption)}</span></div>'
+        for value, caption in facts
+    ]
+    return f'<div class="tiles">{"".join(cells)}</div>' if cells else ""
+
+
+def fold(title: str, content: str, *, unfolded: bool = False) -> str:
+    """Something long that opens on demand."""
+    state = " open" if unfolded else ""
+    return (
+        f"<details{state}><summary>{escape(title)}</summary>{content}</details>" if content else ""
+    )
+
+
+def figure(title: str, drawing: str, keys: Sequence[Key], below: str) -> str:
+    """A drawing with its title and legend above and its comparison below."""
+    legend = "".join(f"<li>{_swatch(key)}{escape(key.label)}</li>" for key in keys)
+    above = f'<figcaption><h3>{escape(title)}</h3><ul class="legend">{legend}</ul></figcaption>'
+    return f"<figure>{above}{drawing}{below}</figure>"
+
+
+def _cell(text: str, look: str) -> str:
+    look = {"pass": "pass", "FAIL": "fail"}.get(text, look)
+    return f'<td class="{look}">{escape(text)}</td>' if look else f"<td>{escape(text)}</td>"
+
+
+def _swatch(key: Key) -> str:
+    """The mark of a legend entry, drawn as in the figure."""
+    dashes = {"dash": "6 3", "dots": "1.5 3"}.get(key.mark, "none")
+    colour = key.colour
+    line = (
+        f'<line x1="0" y1="6" x2="24" y2="6" stroke="{colour}" stroke-width="2.4" '
+        f'stroke-dasharray="{dashes}"/>'
+    )
+    marks = {
+        "band": f'<rect width="24" height="12" fill="{colour}" fill-opacity=".28"/>',
+        "point": f'<circle cx="12" cy="6" r="4" fill="#fff" stroke="{colour}" stroke-width="2"/>',
+    }
+    drawn = marks.get(key.mark, line)
+    return f'<svg viewBox="0 0 24 12" aria-hidden="true">{drawn}</svg>'

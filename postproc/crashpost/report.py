@@ -1,0 +1,192 @@
+"""The report: one HTML page that holds everything and can be sent as it is.
+
+A figure that cannot be drawn leaves its reason in its place; the reasons are also returned.
+"""
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+
+from crashpost import draw, gallery, ledger, logbook
+from crashpost.comparison import Comparison, comparisons
+from crashpost.errors import PostError
+from crashpost.expectation import Verdict, judge
+from crashpost.figure import Figure, figures_of
+from crashpost.page import block, escape, figure, fold, page, table, tiles
+from crashpost.result import Result
+from crashpost.summary import peak_rows, status_line
+from crashpost.table import number
+from crashpost.units import factor, readable
+
+OPEN_PEAKS = 30
+GOOD, BAD = {"finished"}, {"failed"}
+
+
+def report(result: Result) -> tuple[str, list[str]]:
+    """The page, and what could not be shown on it; raises PostError for a broken description."""
+    return _Report(result).page()
+
+
+class _Report:
+    def __init__(self, result: Result) -> None:
+        self.result = result
+        self.verdicts = judge(result)
+        self.problems: list[str] = []
+        self.drawn = 0
+
+    def page(self) -> tuple[str, list[str]]:
+        result = self.result
+        described = result.stored_json("report")
+        chosen = figures_of(described) if described else gallery.family_figures(result)
+        sections = [
+            block("curves", "Curves", self.figures(chosen)),
+            block("expectations", "Expectations", _verdicts(self.verdicts)),
+            block(
+                "energy", "Energy", _energies(result), self.figures(gallery.energy_figures(result))
+            ),
+            block("momentum", "Momentum", self.figures(gallery.momentum_figures(result))),
+            block("warnings", "Warnings", _warnings(result)),
+            block("peaks", "Peaks", _peaks(result)),
+            block("model", "Model", _model(result)),
+            block("deck", "Deck", _deck(result)),
+        ]
+        body = [self.heading(sections), *sections, _footer(result)]
+        return page(result.title, body), self.problems
+
+    def heading(self, sections: Sequence[str]) -> str:
+        state = str(self.result.status.get("state", "unknown"))
+        look = "good" if state in GOOD else "bad" if state in BAD else ""
+        line = status_line(self.result).removeprefix(state).lstrip(", ")
+        message = self.result.status.get("message")
+        names = [s.split('"')[1] for s in sections if s]
+        links = "".join(f'<a href="#{name}">{name.capitalize()}</a>' for name in names)
+        return (
+            '<header><div class="eyebrow">crashsolve result</div>'
+            f"<h1>{escape(self.result.title)}</h1>"
+            f'<p class="facts"><span class="state {look}">{escape(state)}</span>{escape(line)}</p>'
+            + (f'<p class="problem">{escape(str(message))}</p>' if message else "")
+            + tiles(_facts(self.result, self.verdicts))
+            + f"<nav>{links}</nav></header>"
+        )
+
+    def figures(self, figures: Sequence[Figure]) -> str:
+        if not figures or not len(self.result.time):
+            return ""
+        return f'<div class="figures">{"".join(map(self.figure, figures))}</div>'
+
+    def figure(self, wanted: Figure) -> str:
+        self.drawn += 1
+        try:
+            drawing, keys = draw.svg(self.result, wanted, f"f{self.drawn}")
+            below = _comparisons(comparisons(self.result, wanted))
+        except PostError as error:
+            self.problems.append(f"figure '{wanted.title}': {error}")
+            drawing, keys, below = f'<p class="problem">{escape(str(error))}</p>', [], ""
+        note = f'<p class="note">{escape(wanted.note)}</p>' if wanted.note else ""
+        return figure(wanted.title, drawing, keys, note + below)
+
+
+def _facts(result: Result, verdicts: list[Verdict]) -> list[tuple[str, str]]:
+    """The few numbers that say whether the run can be trusted."""
+    facts = []
+    if verdicts:
+        passed = sum(verdict.passed for verdict in verdicts)
+        facts.append((f"{passed} of {len(verdicts)}", "expectations met"))
+    for caption, value in (
+        ("energy missing at most", ledger.worst_balance(result)),
+        ("change of momentum at most", ledger.momentum_drift(result)),
+    ):
+        if value is not None:
+            facts.append((f"{value:.2g} %", caption))
+    warnings = sum(count for count, _ in logbook.warnings(result.log))
+    return [*facts, (str(warnings), "warning" if warnings == 1 else "warnings")]
+
+
+def _comparisons(found: list[Comparison]) -> str:
+    rows = []
+    for c in found:
+        percent = f" ({c.percent:+.2g} %)" if c.percent is not None else ""
+        inside = c.low != c.high and not c.difference
+        difference = "in range" if inside else f"{c.difference:+.3g}{percent}"
+        rows.append([c.label, f"{c.ours:.4g}", c.published, c.unit, difference, c.source])
+    header = ("", "this run", "published", "", "difference", "source")
+    return table(header, rows, ("", "num", "num", "", "num", ""))
+
+
+def _verdicts(verdicts: list[Verdict]) -> str:
+    rows = []
+    for verdict in verdicts:
+        expected = verdict.expected
+        found = "-" if verdict.found is None else f"{verdict.found:.7g}"
+        deviation = "-" if verdict.deviation is None else f"{verdict.deviation:.1e}"
+        numbers = [found, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
+        why = verdict.problem or f"{expected.because}: {expected.source}"
+        outcome = "pass" if verdict.passed else "FAIL"
+        rows.append([outcome, expected.channel, expected.statistic, *numbers, why])
+    header = (
+        "",
+        "channel",
+        "statistic",
+        "found",
+        "expected",
+        "tolerance",
+        "deviation",
+        "",
+        "because",
+    )
+    return table(header, rows, ("", "name", "", "num", "num", "num", "num", "", ""))
+
+
+def _energies(result: Result) -> str:
+    entries = ledger.energies(result) if len(result.time) else []
+    largest = max((entry.largest for entry in entries), default=0.0)
+    unit = readable("J", largest)
+    rows = []
+    for entry in entries:
+        values = entry.series.values * factor("J", unit)
+        share = 100 * entry.largest / largest
+        numbers = [
+            f"{value:.4g}" for value in (values[0], values[-1], entry.largest * factor("J", unit))
+        ]
+        rows.append([entry.label, *numbers, f"{share:.3g} %"])
+    header = ("energy", f"initial, {unit}", f"final, {unit}", f"largest, {unit}", "share")
+    return table(header, rows, ("", "num", "num", "num", "num")) + "<p></p>" * bool(rows)
+
+
+def _warnings(result: Result) -> str:
+    rows = [[str(count), text] for count, text in logbook.warnings(result.log)]
+    return table(("times", "warning"), rows, ("num", ""))
+
+
+def _peaks(result: Result) -> str:
+    rows = [
+        [name, unit, *map(number, extremes)]
+        for name, unit, *extremes in peak_rows(result)
+        if extremes[0] != extremes[2]
+    ]
+    header = ("channel", "unit", "least", "at, s", "greatest", "at, s")
+    full = table(header, rows, ("name", "", "num", "num", "num", "num"))
+    return full if len(rows) <= OPEN_PEAKS else fold(f"{len(rows)} channels that move", full)
+
+
+def _model(result: Result) -> str:
+    rows = [
+        [
+            family.name,
+            str(len(family.ids)),
+            ", ".join(family.ids[:8]) + ", ..." * (len(family.ids) > 8),
+        ]
+        for family in result.families.values()
+    ]
+    families = table(("family", "entities", "names"), rows, ("name", "num", ""))
+    log = logbook.model_summary(result.log)
+    return families + (fold("Log of the start", f"<pre>{escape(log)}</pre>") if log else "")
+
+
+def _deck(result: Result) -> str:
+    text = result.deck_text
+    return fold("Includes and parameters resolved", f"<pre>{escape(text)}</pre>") if text else ""
+
+
+def _footer(result: Result) -> str:
+    made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    return f"<footer>Written by crashpost on {made} from {escape(result.file.name)}.</footer>"

@@ -1,0 +1,98 @@
+"""One screen about a result: status, model, energies, balances, peaks, warnings."""
+
+import numpy as np
+
+from crashpost import ledger, logbook
+from crashpost.result import Result
+from crashpost.table import number, text_table
+
+MOST_PEAKS = 40
+
+
+def summary(result: Result) -> str:
+    """The whole summary as text."""
+    parts = [_heading(result), _model(result), _energies(result), _balances(result)]
+    parts += [_peaks(result), _warnings(result)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def status_line(result: Result) -> str:
+    """State, time reached and cost of the run in one line."""
+    status = result.status
+    words = [str(status.get("state", "unknown"))]
+    if isinstance(status.get("time"), int | float):
+        words.append(f"t = {number(status['time'])} s of {number(status.get('end_time') or 0)} s")
+    if status.get("cycle") is not None:
+        words.append(f"{status['cycle']} cycles")
+    if isinstance(status.get("cpu"), int | float):
+        words.append(f"{status['cpu']:.2f} s CPU")
+    return ", ".join(words)
+
+
+def peak_rows(
+    result: Result, match: str = "*"
+) -> list[tuple[str, str, float, float, float, float]]:
+    """(channel, unit, least, its time, greatest, its time) of every channel of the history."""
+    rows = []
+    for channel in result.channels(match) if len(result.time) else ():
+        time, values, unit = result.series(channel.name)
+        low, high = int(np.argmin(values)), int(np.argmax(values))
+        extremes = (float(values[low]), float(time[low]), float(values[high]), float(time[high]))
+        rows.append((channel.name, unit, *extremes))
+    return rows
+
+
+def _heading(result: Result) -> str:
+    lines = [result.title, f"status   {status_line(result)}"]
+    if result.status.get("message"):
+        lines.append(f"message  {result.status['message']}")
+    return "\n".join(lines)
+
+
+def _model(result: Result) -> str:
+    lines = [
+        f"  {family.name:8} {len(family.ids):6} x {len(family.columns)} channels"
+        for family in result.families.values()
+    ]
+    span = (
+        f", {number(result.time[0])} s to {number(result.time[-1])} s" if len(result.time) else ""
+    )
+    return "\n".join([f"history  {len(result.time)} samples{span}", *lines])
+
+
+def _energies(result: Result) -> str:
+    rows = [
+        [
+            entry.label,
+            *map(number, (entry.series.values[0], entry.series.values[-1], entry.largest)),
+        ]
+        for entry in ledger.energies(result)
+    ]
+    return text_table(("energy", "initial J", "final J", "largest J"), rows) if rows else ""
+
+
+def _balances(result: Result) -> str:
+    names = {
+        "energy balance": ledger.worst_balance(result),
+        "momentum change": ledger.momentum_drift(result),
+        "angular momentum change": ledger.momentum_drift(result, "kg m^2/s"),
+    }
+    lines = [f"{name:24} {value:.3g} %" for name, value in names.items() if value is not None]
+    return "\n".join(lines)
+
+
+def _peaks(result: Result) -> str:
+    moving = [
+        row for row in peak_rows(result) if row[2] != row[4] and not row[0].startswith("glstat")
+    ]
+    rows = [[name, unit, *map(number, extremes)] for name, unit, *extremes in moving[:MOST_PEAKS]]
+    if not rows:
+        return ""
+    table = text_table(("channel", "unit", "min", "at s", "max", "at s"), rows)
+    rest = len(moving) - len(rows)
+    return table + (f"\n... and {rest} more; see peaks.txt" if rest else "")
+
+
+def _warnings(result: Result) -> str:
+    lines = [f"{count:6} x  {text}" for count, text in logbook.warnings(result.log)]
+    return "\n".join(["warnings", *lines]) if lines else "no warnings"
