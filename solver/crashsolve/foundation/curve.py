@@ -3,8 +3,9 @@
     y(x) = c0 + c1 s + c2 s^2 + c3 s^3,   s = x - x_i,   x_i <= x < x_(i+1)
 
 A table with straight segments has c2 = c3 = 0. Consequence to test: value and slope of a cubic
-are exact, and a table is hit at its points. All curves of a scene lie end to end in one array; a
-curve is known by the index of its first point, and row 0 notes a reading outside the range.
+are exact, a table is hit at its points, and the area under a curve is exact. All curves of a scene
+lie end to end in one array; a curve is known by the index of its first point, and row 0 notes a
+reading outside the range.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ REFUSE, HOLD, LINEAR = 0, 1, 2
 POINT = Record(
     x=("1", "breakpoint"),
     c=("1", 4, "coefficients in powers of x - x_i"),
+    area=("1", "integral of y from the first point to x_i"),
     last=("index", "last point of the curve that starts here"),
     beyond=("flag", "REFUSE, HOLD or LINEAR outside the range"),
     fault=("index", "row 0: first point of the curve last read outside its range"),
@@ -37,11 +39,17 @@ def pack(curves: Sequence[tuple[Any, Any, int]]) -> tuple[np.ndarray, list[int]]
         part = points[first : first + len(x)]
         part["x"] = x
         part["c"][:-1] = coefficients
+        part["area"][1:] = np.cumsum(_areas(np.diff(x), np.asarray(coefficients)))
         part["last"] = first + len(x) - 1
         part["beyond"] = beyond
         starts.append(first)
         first += len(x)
     return points, starts
+
+
+def _areas(s: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Integral of each cubic over its segment of length s."""
+    return s * (c[:, 0] + s * (c[:, 1] / 2 + s * (c[:, 2] / 3 + s * c[:, 3] / 4)))
 
 
 @kernel
@@ -66,6 +74,22 @@ def curve_value(curves, k, x):
     if curves[k].beyond == LINEAR:
         return y + y1 * (x - at), y1, 0.0
     return y, 0.0, 0.0
+
+
+@kernel
+def curve_area(curves, k, x):
+    """Integral of y from the first point of the curve to x, which may lie outside its range."""
+    first, last = curves[k].x, curves[curves[k].last].x
+    at = min(max(x, first), last)
+    point = curves[segment(curves, k, curves[k].last, at)]
+    s = at - point.x
+    c = point.c
+    inside = point.area + s * (c[0] + s * (c[1] / 2.0 + s * (c[2] / 3.0 + s * c[3] / 4.0)))
+    if x == at:
+        return inside
+    y, slope, _ = curve_value(curves, k, at)
+    beyond = x - at
+    return inside + beyond * (y + (0.5 * beyond * slope if curves[k].beyond == LINEAR else 0.0))
 
 
 @kernel

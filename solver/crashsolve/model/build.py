@@ -39,6 +39,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     scene = Scene(deck)
     curves, starts = pack([_module(e).build(e.card, scene) for e in deck.entries["curves"].values()])
     scene.curves = dict(zip(deck.entries["curves"], starts, strict=True))
+    scene.curve_points = curves
     groups: list[Group] = []
     joints = _build_joints(deck, scene, groups)
     scene.joints = {joint.name: joint for joint in joints}

@@ -42,6 +42,7 @@ class Scene:
         self.names = ["ground", *deck.entries["bodies"]]
         self._index = {name: i for i, name in enumerate(self.names)}
         self.curves: dict[str, int] = {}
+        self.curve_points = np.zeros(0)  # all curves, as kernels read them
         n = len(self.names)
         self.mass = np.zeros(n)
         self.J = np.zeros((n, 9))
