@@ -22,3 +22,9 @@ def perpendicular(axis: np.ndarray) -> np.ndarray:
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
     side = np.cross(axis, helper)
     return side / np.linalg.norm(side)
+
+
+def relative(q_a: Any, q_b: Any) -> np.ndarray:
+    """Unit quaternion q_a^-1 q_b: posture of b in axes of a."""
+    w_a, w_b, v_a, v_b = q_a[0], q_b[0], np.asarray(q_a[1:]), np.asarray(q_b[1:])
+    return np.array([w_a * w_b + v_a @ v_b, *(w_a * v_b - w_b * v_a - np.cross(v_a, v_b))])
