@@ -1,45 +1,59 @@
-"""How far body b has turned relative to body a since the start: rotation, and angle about an axis.
+"""Angle of body b against body a about an axis, counted over any number of turns.
 
-    q = (w, v) = q_a^-1 q_b (q_a^-1 q_b at the start)^-1,  axes of a;   t = v . n
-    theta = 2 atan2(t, w),   theta_dot = g . (w_b - w_a),   g = (w^2 n + w v x n + t v) / (w^2 + t^2)
+With the axis u and the side s fixed in a, t = u x s, and the side x fixed in b:
 
-theta is the twist of q about the axis n of a: the joint angle where n is fixed in b too, and defined
-while b tilts by less than half a turn. A moment M that works on theta is the torque M g.
+    theta = atan2(x . t, x . s) + 2 pi n      theta_dot = g . (w_b - w_a)
+    g = u - e p / (p . p),   e = x . u,   p = x - e u
 
-Reference: Dobrowolski (2015), Swing-twist decomposition in Clifford algebra, arXiv 1506.05481.
+g = u while x stays at right angles to the axis, as in a revolute joint. Consequence to test: g is
+the derivative of theta in every posture, and n follows a body that turns for ever.
 """
 
 from math import atan2, floor, pi
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import arm
-from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
+from crashsolve.foundation.vec3 import add_scaled, cross, dot, sub, vec
 
 
 @kernel
-def relative_rotation(a, b, reference):
-    """Unit quaternion (w, v) of b's turn since the start, in axes of a.
-
-    `reference` is q_a^-1 q_b at the start, see foundation.posture.relative.
-    """
-    w_a, w_b, w_0 = a.q[0], b.q[0], reference[0]
-    v_a, v_b = (a.q[1], a.q[2], a.q[3]), (b.q[1], b.q[2], b.q[3])
-    v_0 = (reference[1], reference[2], reference[3])
-    w = w_a * w_b + dot(v_a, v_b)
-    v = sub(sub(scale(w_a, v_b), scale(w_b, v_a)), cross(v_a, v_b))
-    turned = sub(sub(scale(w_0, v), scale(w, v_0)), cross(v, v_0))
-    return w * w_0 + dot(v, v_0), turned
+def angle_about(a, b, axis_a, side_a, side_b):
+    """Angle from side_a to side_b about the axis, in (-pi, pi] [rad]."""
+    u, s, x = arm(a, vec(axis_a)), arm(a, vec(side_a)), arm(b, vec(side_b))
+    return atan2(dot(x, cross(u, s)), dot(x, s))
 
 
 @kernel
-def turn_about(a, b, axis, reference, before):
-    """Angle about `axis` (axes of a) nearest to `before`, its rate, and g in world axes [rad]."""
-    n = vec(axis)
-    w, v = relative_rotation(a, b, reference)
-    t = dot(v, n)
-    angle = 2.0 * atan2(t, w)
-    # q and -q are one posture: the angle is known up to whole turns
-    angle += 2.0 * pi * floor((before - angle) / (2.0 * pi) + 0.5)
-    g = add(scale(w, add(scale(w, n), cross(v, n))), scale(t, v))
-    g = arm(a, scale(1.0 / (w * w + t * t), g))
-    return angle, dot(g, sub(vec(b.w), vec(a.w))), g
+def counted(angle, before):
+    """The angle with as many whole turns as bring it nearest to the one before [rad]."""
+    return angle + 2.0 * pi * floor((before - angle) / (2.0 * pi) + 0.5)
+
+
+@kernel
+def angle_gradient(a, b, axis_a, side_b):
+    """g with theta_dot = g . (w_b - w_a)."""
+    u, x = arm(a, vec(axis_a)), arm(b, vec(side_b))
+    e = dot(x, u)
+    p = add_scaled(x, -e, u)
+    return add_scaled(u, -e / dot(p, p), p)
+
+
+@kernel
+def angle_rate(a, b, axis_a, side_b):
+    """theta_dot [rad/s]."""
+    return dot(angle_gradient(a, b, axis_a, side_b), sub(vec(b.w), vec(a.w)))
+
+
+@kernel
+def angle_turning(a, b, axis_a, side_b):
+    """g_dot . (w_b - w_a): theta_ddot of bodies without angular acceleration [rad/s^2]."""
+    w_a, w_b = vec(a.w), vec(b.w)
+    u, x = arm(a, vec(axis_a)), arm(b, vec(side_b))
+    u_dot, x_dot = cross(w_a, u), cross(w_b, x)
+    e, e_dot = dot(x, u), dot(x_dot, u) + dot(x, u_dot)
+    p = add_scaled(x, -e, u)
+    p_dot = add_scaled(add_scaled(x_dot, -e_dot, u), -e, u_dot)
+    n = dot(p, p)
+    n_dot = 2.0 * dot(p, p_dot)
+    g_dot = add_scaled(u_dot, -e_dot / n + e * n_dot / (n * n), p)
+    return dot(add_scaled(g_dot, -e / n, p_dot), sub(w_b, w_a))
