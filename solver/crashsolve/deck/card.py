@@ -10,9 +10,8 @@ A card holds SI numbers whatever the deck's units are. Sequences are tuples, as 
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from os.path import isfile
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import (
@@ -30,8 +29,9 @@ from pydantic import (
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
 from crashsolve.deck.laws import UnknownType, law_class, types_in
 from crashsolve.deck.mistakes import already_reported, explained, refuse, shown
+from crashsolve.deck.numbers import Context, number
 from crashsolve.deck.source import BROKEN
-from crashsolve.foundation.units import SI, Unit, UnitError, default_factor, parse_unit, to_si
+from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
@@ -39,18 +39,6 @@ __all__ += ["SensorName", "SpringName", "SurfaceName"]
 
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
-
-
-class SiFloat(float):
-    """A number known to be in SI already, such as an expression of parameters with units."""
-
-
-@dataclass(frozen=True)
-class Context:
-    """What a card must know of the file it stands in: units of bare numbers, and folder."""
-
-    units: Mapping[str, Unit] = field(default_factory=lambda: SI)
-    folder: Path = Path()
 
 
 class Name(str):
@@ -174,21 +162,9 @@ def _to_si(
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         refuse(f"must be {kinds}, not {shown(value)}", within=at)
     try:
-        return _number(value, unit, context.units)
+        return number(value, unit, context.units)
     except UnitError as error:
         refuse(f"must be {kinds}", str(error), within=at)
-
-
-def _number(value: str | float, unit: str, bases: Mapping[str, Unit]) -> float:
-    """A number as it stands in a deck, in SI; raises UnitError."""
-    if isinstance(value, SiFloat):
-        return float(value)
-    if isinstance(value, str):
-        return to_si(value, unit, bases)
-    try:
-        return float(value) * default_factor(parse_unit(unit), bases)
-    except OverflowError:
-        raise UnitError("this number is too large") from None
 
 
 def _check_bounds(result: Any, written: Any, field: Declared, at: tuple[int, ...] = ()) -> None:

@@ -43,9 +43,8 @@ def as_text(deck: "Deck") -> str:
     data["output"] = as_data(deck.output)
     data["expect"] = [as_data(card) for card in deck.expect]
     filled = {keyword: value for keyword, value in data.items() if value}
-    layout = {"sort_keys": False, "allow_unicode": True, "width": 100, "default_flow_style": None}
-    text: str = yaml.dump(filled, Dumper=_Dumper, **layout)
-    return text
+    layout: Any = {"sort_keys": False, "allow_unicode": True, "default_flow_style": None}
+    return str(yaml.dump(filled, Dumper=_Dumper, width=100, **layout))
 
 
 class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]

@@ -6,11 +6,11 @@ from typing import Any, Literal
 
 from pydantic import ValidationInfo, field_validator, model_validator
 
-from crashsolve.deck.card import Card, Context, SiFloat, word
+from crashsolve.deck.card import Card, word
 from crashsolve.deck.laws import choices
-from crashsolve.deck.mistakes import already_reported, refuse, shown
-from crashsolve.deck.source import BROKEN
-from crashsolve.foundation.units import PURE, SI, Unit, UnitError, parse_unit, split_quantity
+from crashsolve.deck.mistakes import refuse
+from crashsolve.deck.numbers import Context, number_in, unit_named
+from crashsolve.foundation.units import PURE
 
 STATISTICS = ("max", "min", "abs_max", "mean", "final", "integral", "argmax", "argmin")
 _AT = re.compile(r"at:[0-9]+\.?[0-9]*([eE][-+]?[0-9]+)?")
@@ -39,20 +39,14 @@ class Expect(Card):
         fields = dict(given)
         context = info.context or Context()
         name = fields.pop("unit", None)
-        unit = None if name is None else _unit(name, "unit")
+        unit = None if name is None else unit_named(name, ("unit",))
         if "value" in fields:
-            if unit is None and context.units is not SI and _is_bare(fields["value"]):
-                advice = "write it with its unit, as this file has units of its own"
-                refuse("the unit of a bare number is not known here", advice, within=("value",))
-            fields["value"], unit = _number(fields["value"], unit or PURE, "value")
+            fields["value"], unit = number_in(fields["value"], unit, context, ("value",))
         if "tolerance" in fields:
-            percent = "%" in str(fields["tolerance"])
-            base = PURE if percent or unit is None else unit
-            fields["tolerance"], own = _number(fields["tolerance"], base, "tolerance")
-            if percent:
-                fields["relative"] = True
-            elif unit and own.exponents != unit.exponents:
-                refuse("must be in a unit like that of the value", within=("tolerance",))
+            relative = "%" in str(fields["tolerance"])
+            unit = PURE if relative else unit
+            fields["tolerance"], _ = number_in(fields["tolerance"], unit, context, ("tolerance",))
+            fields["relative"] = fields.get("relative", False) or relative
         return fields
 
     @field_validator("statistic")
@@ -72,31 +66,3 @@ class Expect(Card):
         if self.relative and self.value == 0:
             raise ValueError("tolerance: a fraction of zero is zero; give an absolute tolerance")
         return self
-
-
-def _is_bare(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, SiFloat)
-
-
-def _unit(text: object, field: str) -> Unit:
-    try:
-        return parse_unit(str(text))
-    except UnitError as error:
-        refuse(str(error), within=(field,))
-
-
-def _number(written: Any, unit: Unit, field: str) -> tuple[float, Unit]:
-    """Value in SI of a number in `unit`, or of a text with its own unit; and the unit."""
-    if written is BROKEN:
-        already_reported()
-    if isinstance(written, SiFloat):
-        return float(written), unit
-    try:
-        if isinstance(written, str):
-            written, name = split_quantity(written)
-            unit = _unit(name, field) if name else unit
-        if not isinstance(written, bool) and isinstance(written, int | float):
-            return float(written) * unit.factor, unit
-    except (UnitError, OverflowError) as error:
-        refuse("must be a number, alone or with a unit", str(error), within=(field,))
-    refuse(f"must be a number, alone or with a unit, not {shown(written)}", within=(field,))

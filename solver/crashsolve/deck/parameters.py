@@ -8,11 +8,11 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from crashsolve.deck.card import SiFloat
 from crashsolve.deck.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
 from crashsolve.deck.items import Items
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import shown
+from crashsolve.deck.numbers import SiFloat
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
 from crashsolve.foundation.errors import DeckError
 from crashsolve.foundation.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
@@ -60,22 +60,24 @@ class Parameters:
             whole = _EXPRESSION.fullmatch(text.strip())
             if whole:
                 return self._expression(whole[1])
-            new = _EXPRESSION.sub(lambda part: self._inserted(part, text), text)
-            if "${" in new:
-                raise ExpressionError(f"cannot read {shown(text)}", "write '${...}'")
-            return new
+            return self._filled_in(text)
         except ExpressionError as error:
             self.mistakes.append(DeckError(*where, card, error.message, error.advice))
         except _AlreadyReported:
             pass
         return BROKEN
 
-    def _inserted(self, part: re.Match[str], text: str) -> str:
-        number = self._expression(part[1])
-        if isinstance(number, SiFloat):
-            advice = "write the expression alone: it is in SI"
-            raise ExpressionError(f"the expression in {shown(text)} has a unit already", advice)
-        return repr(number)
+    def _filled_in(self, text: str) -> str:
+        """The text with the numbers of its expressions put in."""
+        numbers = [self._expression(part) for part in _EXPRESSION.findall(text)]
+        values = iter(numbers)
+        new = _EXPRESSION.sub(lambda _: repr(next(values)), text)
+        if "${" in new:
+            raise ExpressionError(f"cannot read {shown(text)}", "write '${...}'")
+        if any(isinstance(number, SiFloat) for number in numbers) and _unit(new):
+            advice = "the expression is in SI already; write all of it as one '${...}'"
+            raise ExpressionError(f"{shown(text)} mixes an expression with a number", advice)
+        return new
 
     def _expression(self, text: str) -> float:
         """Value in SI when a parameter with a unit takes part, else a bare number."""

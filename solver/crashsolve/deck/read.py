@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from crashsolve.deck.card import Card, Context, Name
+from crashsolve.deck.card import Card, Name
 from crashsolve.deck.control import Control
 from crashsolve.deck.dump import as_data, as_text
 from crashsolve.deck.expect import Expect
@@ -17,6 +17,7 @@ from crashsolve.deck.files import Files
 from crashsolve.deck.items import Item, items_of
 from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
 from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
+from crashsolve.deck.numbers import Context
 from crashsolve.deck.output import Output
 from crashsolve.deck.parameters import Parameters
 from crashsolve.deck.sections import SECTIONS

@@ -1,0 +1,79 @@
+"""Curve through the points of a text file with columns.
+
+    y(x_i) = y_i, as in table.py
+
+Columns are parted by commas, semicolons, tabs or spaces; lines that begin with # are skipped, and
+so are headings above the numbers. Consequence to test: the same points give the same curve as a table.
+"""
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationInfo, model_validator
+
+from crashsolve.curves._card import EXTRAPOLATE, PointsCard, check_order
+from crashsolve.curves._piecewise import Array, coefficients
+from crashsolve.deck.card import FileName, word
+from crashsolve.deck.mistakes import refuse
+from crashsolve.deck.numbers import Context, unit_named
+from crashsolve.foundation.units import PURE, SI
+
+
+class File(PointsCard):
+    """Curve through points read from a text file with columns."""
+
+    file: FileName = word("file of points, beside the deck that names it")
+    columns: tuple[int, int] = word("columns of x and y, counted from 1", (1, 2), ge=1)
+
+    @model_validator(mode="after")
+    def _readable(self, info: ValidationInfo) -> "File":
+        context = info.context or Context()
+        for name in ("x_unit", "y_unit"):
+            unit = getattr(self, name)
+            if unit is None and context.units is not SI:
+                refuse("must be given, as this deck has units of its own", within=(name,))
+            unit_named(unit or "1", (name,))
+        check_order(read_columns(self.file, self.columns), "file")
+        return self
+
+
+def read_columns(file: str, columns: tuple[int, int]) -> list[tuple[float, float]]:
+    """Points (x, y) of a file as they stand in it."""
+    try:
+        lines = Path(file).read_text("utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        refuse(f"'{file}' cannot be read", str(error), within=("file",))
+    points: list[tuple[float, float]] = []
+    for row, line in enumerate(lines, start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        cells = re.split(r"\s*[,;\t]\s*|\s+", line.strip())
+        point = tuple(_number(cells, column) for column in columns)
+        if all(map(math.isfinite, point)):
+            points.append((point[0], point[1]))
+        elif points:
+            refuse(f"line {row} of '{file}' has no two numbers in these columns", within=("file",))
+    return points
+
+
+def _number(cells: list[str], column: int) -> float:
+    """Number in a cell; NaN when there is none."""
+    try:
+        return float(cells[column - 1])
+    except (ValueError, IndexError):
+        return math.nan
+
+
+def build(card: File, scene: Any) -> tuple[Array, Array, int]:
+    """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
+    x, y = np.array(read_columns(card.file, card.columns)).T
+    x = x * _factor(card.x_unit)
+    y = y * _factor(card.y_unit)
+    return x, coefficients(x, y, card.interpolation), EXTRAPOLATE[card.extrapolate]
+
+
+def _factor(unit: str | None) -> float:
+    return PURE.factor if unit is None else unit_named(unit, ()).factor

@@ -1,0 +1,80 @@
+"""Numbers as they stand in a deck, bare or with a unit, brought to SI."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from crashsolve.deck.mistakes import already_reported, refuse, shown
+from crashsolve.deck.source import BROKEN
+from crashsolve.foundation.units import (
+    PURE,
+    SI,
+    Unit,
+    UnitError,
+    default_factor,
+    describe,
+    parse_unit,
+    split_quantity,
+    to_si,
+)
+
+
+class SiFloat(float):
+    """A number known to be in SI already, such as an expression of parameters with units."""
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a card must know of the file it stands in: units of bare numbers, and folder."""
+
+    units: Mapping[str, Unit] = field(default_factory=lambda: SI)
+    folder: Path = Path()
+
+
+def number(value: str | float, wanted: str, bases: Mapping[str, Unit]) -> float:
+    """A number of the dimension of `wanted`, bare ones in units of `bases`; raises UnitError."""
+    if isinstance(value, SiFloat):
+        return float(value)
+    if isinstance(value, str):
+        return to_si(value, wanted, bases)
+    try:
+        return float(value) * default_factor(parse_unit(wanted), bases)
+    except OverflowError:
+        raise UnitError("this number is too large") from None
+
+
+def number_in(
+    value: Any, unit: Unit | None, context: Context, within: tuple[str | int, ...]
+) -> tuple[float, Unit | None]:
+    """A number whose unit is told beside it, or in its own text; in SI, with its unit.
+
+    A bare number without any unit is in SI, and refused where the file has units of its own.
+    """
+    if value is BROKEN:
+        already_reported()
+    if isinstance(value, SiFloat):
+        return float(value), unit
+    kind = "a number, alone or with a unit"
+    try:
+        if isinstance(value, str):
+            value, name = split_quantity(value)
+            own = parse_unit(name) if name else unit
+            if unit and own and own.exponents != unit.exponents:
+                raise UnitError(f"this is in {describe(own)}, not in {describe(unit)}")
+            unit = own
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            refuse(f"must be {kind}, not {shown(value)}", within=within)
+        if unit is None and context.units is not SI:
+            raise UnitError("this file has units of its own, so give the unit of this number")
+        return float(value) * (unit or PURE).factor, unit
+    except (UnitError, OverflowError) as error:
+        refuse(f"must be {kind}", str(error), within=within)
+
+
+def unit_named(text: object, within: tuple[str | int, ...]) -> Unit:
+    """The unit a field names."""
+    try:
+        return parse_unit(str(text))
+    except UnitError as error:
+        refuse(str(error), within=within)
