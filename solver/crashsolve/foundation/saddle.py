@@ -1,8 +1,9 @@
 """Sparse block Cholesky of the constraint matrix S = D M^-1 D^T, with rank detection.
 
-Each joint is one block of up to 6 rows; two joints couple when they share a body. The order of
-elimination (minimum degree) and every address are fixed at build; the compiled loops only follow
-them. A pivot that has lost all its digits marks a redundant row: its multiplier is set to zero and
+Each joint is one block of up to 6 rows; two joints couple when they share a body. A row acts
+between two bodies; a joint of more bodies (gear) has several parts, each with all its rows, and the
+parts of a row add up and share one multiplier. The order of elimination (minimum degree) and every
+address are fixed at build; the compiled loops only follow them. A pivot that has lost all its digits marks a redundant row: its multiplier is set to zero and
 the row is satisfied by the others when the constraints agree with each other.
 
 Reference: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems.
@@ -22,7 +23,7 @@ REDUNDANT = 1e-11
 class Saddle(NamedTuple):
     """Addresses and storage of the block factor; blocks are row-major."""
 
-    row: Any  # (n_blocks + 1,) first constraint row of each block, in order of the model
+    row: Any  # (n_blocks + 1,) first entry in the table of rows of each block, in model order
     order: Any  # (n_blocks,) elimination order
     diagonal: Any  # (n_blocks,) address of the diagonal block, by elimination position
     below_start: Any  # (n_blocks + 1,) range of sub-diagonal blocks per position
@@ -30,7 +31,7 @@ class Saddle(NamedTuple):
     below_address: Any  # address of each sub-diagonal block
     update_start: Any  # (n_blocks + 1,) range of updates per position
     update: Any  # (n_updates, 5) address 1, address 2, target, rows 1, rows 2
-    pair: Any  # (n_pairs, 6) block 1, side 1, block 2, side 2, address, 1 if the diagonal
+    pair: Any  # (n_pairs, 8) entry, column, rows of block 1; of block 2; address; 1 if diagonal
     factor: Any  # blocks of S, then of L
     inverse: Any  # (n_rows,) 1 / L_ii by elimination; 0 where redundant
     work: Any  # (n_rows,) right-hand side in elimination order
@@ -38,8 +39,8 @@ class Saddle(NamedTuple):
     redundant: Any  # (1,) rows found redundant by the last factorisation
 
 
-def plan(rows: list[int], nodes: list[tuple[int, int]]) -> Saddle:
-    """Addresses for blocks of `rows[k]` rows acting between two nodes `nodes[k]` (0 is ground)."""
+def plan(rows: list[int], nodes: list[tuple[int, ...]]) -> Saddle:
+    """Addresses for blocks of `rows[k]` rows between nodes `nodes[k]`, two per part (0: ground)."""
     n = len(rows)
     touching = _blocks_by_node(nodes)
     neighbours = [
@@ -57,7 +58,7 @@ def plan(rows: list[int], nodes: list[tuple[int, int]]) -> Saddle:
     return _tables(n, rows, nodes, order, position, below, address, size, touching)
 
 
-def _blocks_by_node(nodes: list[tuple[int, int]]) -> dict[int, list[int]]:
+def _blocks_by_node(nodes: list[tuple[int, ...]]) -> dict[int, list[int]]:
     touching: dict[int, list[int]] = {}
     for k, pair in enumerate(nodes):
         for node in set(pair) - {0}:
@@ -86,7 +87,7 @@ def _eliminate(
 def _tables(
     n: int,
     rows: list[int],
-    nodes: list[tuple[int, int]],
+    nodes: list[tuple[int, ...]],
     order: list[int],
     position: dict[int, int],
     below: dict[int, set[int]],
@@ -105,22 +106,11 @@ def _tables(
             for q2 in reached:
                 if q1 >= q2:
                     m1, m2 = rows[order[q1]], rows[order[q2]]
-                    update.append(
-                        [address[q1, p], address[q2, p], address[q1, q2], m1, m2]
-                    )
+                    update.append([address[q1, p], address[q2, p], address[q1, q2], m1, m2])
         update_start.append(len(update))
 
-    pair = []
-    for node, blocks in sorted(touching.items()):
-        for k in blocks:
-            for j in blocks:
-                if position[k] < position[j]:
-                    continue
-                for side_k in (0, 1):
-                    for side_j in (0, 1):
-                        if nodes[k][side_k] == node and nodes[j][side_j] == node:
-                            target = address[position[k], position[j]]
-                            pair.append([k, side_k, j, side_j, target, int(k == j)])
+    entries = [0, *np.cumsum([m * len(ends) // 2 for m, ends in zip(rows, nodes, strict=True)])]
+    pair = _pairs(entries, rows, nodes, position, address, touching)
 
     def integers(values: Any, width: int = 0) -> np.ndarray:
         array = np.array(values, np.int64)
@@ -128,7 +118,7 @@ def _tables(
 
     total = sum(rows)
     return Saddle(
-        row=integers([0, *np.cumsum(rows)]),
+        row=integers(entries),
         order=integers(order),
         diagonal=integers([address[p, p] for p in range(n)]),
         below_start=integers(below_start),
@@ -136,7 +126,7 @@ def _tables(
         below_address=integers(below_address),
         update_start=integers(update_start),
         update=integers(update, 5),
-        pair=integers(pair, 6),
+        pair=integers(pair, 8),
         factor=np.zeros(size),
         inverse=np.zeros(total),
         work=np.zeros(total),
@@ -145,10 +135,35 @@ def _tables(
     )
 
 
+def _pairs(
+    entries: list[int],
+    rows: list[int],
+    nodes: list[tuple[int, ...]],
+    position: dict[int, int],
+    address: dict[tuple[int, int], int],
+    touching: dict[int, list[int]],
+) -> list[list[int]]:
+    """Products D X^T that make up S: each node adds one per pair of sides that lie on it."""
+
+    def sides(k: int, node: int) -> list[list[int]]:
+        """First entry, first column and rows of each side of block k that is this node."""
+        ends = [side for side, end in enumerate(nodes[k]) if end == node]
+        return [[entries[k] + side // 2 * rows[k], 6 * (side % 2), rows[k]] for side in ends]
+
+    pair = []
+    for node, blocks in sorted(touching.items()):
+        for k in blocks:
+            for j in blocks:
+                if position[k] >= position[j]:
+                    target = [address[position[k], position[j]], int(k == j)]
+                    pair += [a + b + target for a in sides(k, node) for b in sides(j, node)]
+    return pair
+
+
 @kernel
 def factorise(s, rows):
     """S = D X^T = L L^T, dropping redundant rows. Writes: s.factor, inverse, redundant."""
-    assemble(s.pair, s.row, s.factor, rows)
+    assemble(s.pair, s.factor, rows)
     save_diagonal(s.first, s.diagonal, s.factor, s.work)
     dropped = 0
     for p in range(s.order.shape[0]):
@@ -167,18 +182,17 @@ def factorise(s, rows):
 
 
 @kernel
-def assemble(pair, first_row, S, rows):
+def assemble(pair, S, rows):
     """Blocks of S = D X^T; of diagonal blocks only the lower half. Writes: S."""
     S[:] = 0.0
     for e in range(pair.shape[0]):
-        k, j = pair[e, 0], pair[e, 2]
-        a, b = 6 * pair[e, 1], 6 * pair[e, 3]
-        width = first_row[j + 1] - first_row[j]
-        for p in range(first_row[k + 1] - first_row[k]):
-            D = rows[first_row[k] + p].D
-            target = pair[e, 4] + p * width
-            for q in range(p + 1 if pair[e, 5] == 1 else width):
-                X = rows[first_row[j] + q].X
+        k, a, height = pair[e, 0], pair[e, 1], pair[e, 2]
+        j, b, width = pair[e, 3], pair[e, 4], pair[e, 5]
+        for p in range(height):
+            D = rows[k + p].D
+            target = pair[e, 6] + p * width
+            for q in range(p + 1 if pair[e, 7] == 1 else width):
+                X = rows[j + q].X
                 S[target + q] += (
                     D[a] * X[b]
                     + D[a + 1] * X[b + 1]
@@ -301,25 +315,37 @@ def backward(L, w, inverse, at, first, m):
 def solve_delta(s, rows, factor):
     """rows.delta = S^-1 (factor * phi). Writes: rows.delta, s.work."""
     for p in range(s.order.shape[0]):
-        source = s.row[s.order[p]]
-        for i in range(s.first[p + 1] - s.first[p]):
-            s.work[s.first[p] + i] = factor * rows[source + i].phi
+        start, end = s.row[s.order[p]], s.row[s.order[p] + 1]
+        m = s.first[p + 1] - s.first[p]
+        for i in range(m):
+            total = 0.0
+            for k in range(start + i, end, m):
+                total += rows[k].phi
+            s.work[s.first[p] + i] = factor * total
     solve(s)
     for p in range(s.order.shape[0]):
-        source = s.row[s.order[p]]
-        for i in range(s.first[p + 1] - s.first[p]):
-            rows[source + i].delta = s.work[s.first[p] + i]
+        start, end = s.row[s.order[p]], s.row[s.order[p] + 1]
+        m = s.first[p + 1] - s.first[p]
+        for i in range(m):
+            for k in range(start + i, end, m):
+                rows[k].delta = s.work[s.first[p] + i]
 
 
 @kernel
 def solve_reaction(s, rows, factor):
     """rows.reaction = S^-1 (factor * reaction). Writes: rows.reaction, s.work."""
     for p in range(s.order.shape[0]):
-        source = s.row[s.order[p]]
-        for i in range(s.first[p + 1] - s.first[p]):
-            s.work[s.first[p] + i] = factor * rows[source + i].reaction
+        start, end = s.row[s.order[p]], s.row[s.order[p] + 1]
+        m = s.first[p + 1] - s.first[p]
+        for i in range(m):
+            total = 0.0
+            for k in range(start + i, end, m):
+                total += rows[k].reaction
+            s.work[s.first[p] + i] = factor * total
     solve(s)
     for p in range(s.order.shape[0]):
-        source = s.row[s.order[p]]
-        for i in range(s.first[p + 1] - s.first[p]):
-            rows[source + i].reaction = s.work[s.first[p] + i]
+        start, end = s.row[s.order[p]], s.row[s.order[p] + 1]
+        m = s.first[p + 1] - s.first[p]
+        for i in range(m):
+            for k in range(start + i, end, m):
+                rows[k].reaction = s.work[s.first[p] + i]

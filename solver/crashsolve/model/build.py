@@ -49,7 +49,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     contact_groups = build_contacts(deck, scene)
     scene.raise_errors()
 
-    saddle = plan([j.rows for j in joints], [(j.node_a, j.node_b) for j in joints])
+    saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
     model = Model(
         title=deck.title,
         bodies=scene.names,
@@ -87,14 +87,15 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
     for entries in _by_type(deck.entries["joints"]).values():
         group = _build_group("joints", entries, scene)
         groups.append(group)
+        rows, angular = group.module.ROWS, group.module.ANGULAR
+        # a joint of more than two bodies has further parts, see foundation/saddle.py
+        ends = ("node_a", "node_b", *getattr(group.module, "FURTHER_NODES", ()))
         for entry, p in zip(entries, group.parameters, strict=True):
-            rows = group.module.ROWS
             frame = {name: p[name] for name in p.dtype.names}
-            ends = int(p["node_a"]), int(p["node_b"])
-            angular = group.module.ANGULAR
-            joints.append(Joint(entry.name, entry.type, *ends, row, rows, angular, frame))
+            nodes = tuple(int(p[end]) for end in ends)
+            joints.append(Joint(entry.name, entry.type, nodes, row, rows, angular, frame))
             p["first_row"] = row
-            row += rows
+            row += rows * len(nodes) // 2
     return joints
 
 
@@ -172,9 +173,11 @@ def initial_nodes(scene: Scene) -> np.ndarray:
 
 def initial_rows(model: Model) -> np.ndarray:
     """Constraint rows with their nodes and scales."""
-    rows = np.zeros(sum(joint.rows for joint in model.joints), ROW.dtype)
+    rows = np.zeros(sum(joint.rows * joint.parts for joint in model.joints), ROW.dtype)
     for joint in model.joints:
-        part = rows[joint.first_row : joint.first_row + joint.rows]
-        part["node_a"], part["node_b"] = joint.node_a, joint.node_b
-        part["size"] = np.where(joint.angular, 1.0, model.size)
+        for k in range(joint.parts):
+            start = joint.first_row + k * joint.rows
+            part = rows[start : start + joint.rows]
+            part["node_a"], part["node_b"] = joint.nodes[2 * k : 2 * k + 2]
+            part["size"] = np.where(joint.angular, 1.0, model.size)
     return rows

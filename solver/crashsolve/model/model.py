@@ -49,12 +49,23 @@ class Joint:
 
     name: str
     type: str
-    node_a: int
-    node_b: int
+    nodes: tuple[int, ...]  # a and b; and two for each further part of the rows
     first_row: int
-    rows: int
+    rows: int  # of each part
     angular: tuple[bool, ...]
     frame: dict[str, Any]
+
+    @property
+    def node_a(self) -> int:
+        return self.nodes[0]
+
+    @property
+    def node_b(self) -> int:
+        return self.nodes[1]
+
+    @property
+    def parts(self) -> int:
+        return len(self.nodes) // 2
 
 
 @dataclass
