@@ -1,8 +1,9 @@
 """A deck written out again: SI numbers, includes merged, parameters and defaults filled in."""
 
+import json
+import re
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
-
-import yaml
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.fields import deck_words, declared
@@ -42,18 +43,42 @@ def as_text(deck: "Deck") -> str:
         data[keyword] = {name: as_law(entry.card) for name, entry in entries.items()}
     data["output"] = as_data(deck.output)
     data["expect"] = [as_data(card) for card in deck.expect]
-    filled = {keyword: value for keyword, value in data.items() if value}
-    layout: Any = {"sort_keys": False, "allow_unicode": True, "default_flow_style": None}
-    return str(yaml.dump(filled, Dumper=_Dumper, width=100, **layout))
+    return "\n".join(_lines({word: value for word, value in data.items() if value})) + "\n"
 
 
-class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
-    """Puts into quotes what YAML 1.2 would take for a number."""
+_PLAIN = re.compile(r"[^\W\d][\w.-]*( [\w.-]+)*")
 
 
-def _text(dumper: Any, text: str) -> Any:
-    style = None if plain_scalar(text)[0] == text else "'"
-    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
+def _lines(data: Mapping[str, Any], indent: str = "") -> Iterator[str]:
+    """Lines of a table: tables within tables, rows of lists; all else on the line of its key."""
+    for word, value in data.items():
+        head = f"{indent}{_flow(word)}:"
+        if isinstance(value, Mapping) and len(indent) < 4:
+            yield head if value else f"{head} {{}}"
+            yield from _lines(value, indent + "  ")
+        elif isinstance(value, list) and value and not isinstance(value[0], str | float | int):
+            yield head
+            yield from (f"{indent}  - {_flow(part)}" for part in value)
+        else:
+            yield f"{head} {_flow(value)}"
 
 
-_Dumper.add_representer(str, _text)
+def _flow(value: Any) -> str:
+    """A value on one line; text in quotes where YAML could take it for anything else."""
+    if isinstance(value, str):
+        is_plain = _PLAIN.fullmatch(value) and plain_scalar(value)[0] == value
+        return value if is_plain else _quoted(value)
+    if isinstance(value, list):
+        return f"[{', '.join(map(_flow, value))}]"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{_flow(word)}: {_flow(part)}' for word, part in value.items())}}}"
+    return repr(value) if isinstance(value, float) else json.dumps(value)
+
+
+# line ends and unprintable characters of YAML which JSON would leave as they are
+_TO_ESCAPE = re.compile(r"[\x7f-\xa0\u2028\u2029\ufeff\ufffe\uffff]")
+
+
+def _quoted(text: str) -> str:
+    quoted = json.dumps(text, ensure_ascii=False)
+    return _TO_ESCAPE.sub(lambda match: f"\\u{ord(match[0]):04x}", quoted)

@@ -3,7 +3,7 @@
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -69,23 +69,23 @@ class Declared:
     law: str = ""
     bounds: Mapping[str, float] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def parts(self) -> tuple[Any, ...]:
         """Members of the annotation, a union taken apart and without None."""
         return tuple(part for part in _members(self.info.annotation) if part is not NoneType)
 
-    @property
+    @cached_property
     def optional(self) -> bool:
         """Whether the field may be left empty."""
         return NoneType in _members(self.info.annotation)
 
-    @property
+    @cached_property
     def words(self) -> tuple[str, ...]:
         """The words a user may choose from, if any."""
         choices = (get_args(part) for part in self.parts if get_origin(part) is Literal)
         return tuple(word for group in choices for word in group)
 
-    @property
+    @cached_property
     def length(self) -> int | None:
         """Number of values of a vector; None for a scalar or a list of any length."""
         for part in self.parts:
@@ -108,6 +108,7 @@ def declared(card: type[BaseModel], name: str) -> Declared:
     return Declared(info, **notes)
 
 
+@cache
 def deck_words(card: type[BaseModel]) -> dict[str, str]:
     """Words a user writes in a card, each with the name of its field in Python."""
     return {info.alias or name: name for name, info in card.model_fields.items()}

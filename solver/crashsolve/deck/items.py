@@ -34,17 +34,19 @@ class Item(NamedTuple):
         return f"{_NAMED[self.keyword]} '{self.name}'" if self.name else self.keyword
 
 
-Items = dict[tuple[str, str], Item]
+# by keyword and name
+Items = dict[str, dict[str, Item]]
 
 
 def items_of(tables: Mapping[Path, Table], mistakes: list[DeckError]) -> Items:
-    """All items of all files by keyword and name; what is wrong goes to `mistakes`."""
-    items: Items = {}
+    """All items of all files; what is wrong with them goes to `mistakes`."""
+    items: Items = {keyword: {} for keyword in KEYWORDS}
     for file, table in tables.items():
         for item in _of_file(file, table, mistakes):
+            group = items[item.keyword]
             if item.keyword == "expect":
-                item = item._replace(name=str(1 + sum(key == "expect" for key, _ in items)))
-            first = items.setdefault((item.keyword, item.name), item)
+                item = item._replace(name=str(len(group) + 1))
+            first = group.setdefault(item.name, item)
             if first is not item:
                 advice = f"first in {first.where.file}:{first.where.line}"
                 mistakes.append(DeckError(*item.where, item.title, "is given twice", advice))

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from crashsolve.deck.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
-from crashsolve.deck.items import Items
+from crashsolve.deck.items import Item
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import shown
 from crashsolve.deck.numbers import SiFloat
@@ -18,6 +18,8 @@ from crashsolve.foundation.errors import DeckError
 from crashsolve.foundation.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
 
 _EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
+# the base of a power needs brackets, or -2**2 would be -4
+_RAISED = re.compile(r"\$\{[^{}]*\}(?=\s*\*\*)")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
@@ -25,9 +27,9 @@ class Parameters:
     """Values of all parameters, each worked out when first asked for."""
 
     def __init__(
-        self, items: Items, overrides: Mapping[str, str], mistakes: list[DeckError]
+        self, items: Mapping[str, Item], overrides: Mapping[str, str], mistakes: list[DeckError]
     ) -> None:
-        self.items = {name: item for (key, name), item in items.items() if key == "parameters"}
+        self.items = items
         self.mistakes = mistakes
         self.values: dict[str, Any] = {}
         self.pending: list[str] = []
@@ -71,7 +73,7 @@ class Parameters:
         """The text with the numbers of its expressions put in."""
         numbers = [self._expression(part) for part in _EXPRESSION.findall(text)]
         values = iter(numbers)
-        new = _EXPRESSION.sub(lambda _: repr(next(values)), text)
+        new = _EXPRESSION.sub(lambda _: repr(next(values)), _RAISED.sub(r"(\g<0>)", text))
         if "${" in new:
             raise ExpressionError(f"cannot read {shown(text)}", "write '${...}'")
         if any(isinstance(number, SiFloat) for number in numbers) and _unit(new):

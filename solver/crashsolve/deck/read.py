@@ -12,7 +12,7 @@ from crashsolve.deck.card import Card, Name
 from crashsolve.deck.control import Control
 from crashsolve.deck.dump import as_data, as_text
 from crashsolve.deck.expect import Expect
-from crashsolve.deck.fields import deck_words
+from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.files import Files
 from crashsolve.deck.items import Item, items_of
 from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
@@ -87,15 +87,14 @@ class _Reader:
         if files.incomplete:
             raise DeckErrors(self.mistakes)
         self.items = items_of(self.tables, self.mistakes)
-        self.parameters = Parameters(self.items, overrides, self.mistakes)
+        self.parameters = Parameters(self.items["parameters"], overrides, self.mistakes)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
     def deck(self) -> Deck:
         """The whole deck; raises DeckErrors."""
         entries = {keyword: self.section(keyword) for keyword in SECTIONS}
         control, output = self.single("control", Control), self.single("output", Output)
-        expected = [item for (keyword, _), item in self.items.items() if keyword == "expect"]
-        expect = [self.card(item, Expect) for item in expected]
+        expect = [self.card(item, Expect) for item in self.items["expect"].values()]
         title = self.title()
         for group in entries.values():
             for entry in group.values():
@@ -110,7 +109,7 @@ class _Reader:
             control=control,
             output=output,
             expect=[card for card in expect if card],
-            expect_at=[item.where for item in expected],
+            expect_at=[item.where for item in self.items["expect"].values()],
             entries=entries,
         )
 
@@ -130,7 +129,7 @@ class _Reader:
         return Context(units.bases() if units else SI, file.parent)
 
     def title(self) -> str:
-        item = self.items.get(("title", ""))
+        item = self.items["title"].get("")
         value = self.substituted(item) if item else self.path.stem
         if item and not isinstance(value, str) and value is not BROKEN:
             message = f"must be text, not {shown(value)}"
@@ -141,11 +140,11 @@ class _Reader:
         """The one card of a keyword, with its defaults when absent."""
         start = Position(str(self.path), 1, 1)
         absent = Item(keyword, "", Table(str(self.path)), start, start, self.path)
-        return self.card(self.items.get((keyword, ""), absent), kind)
+        return self.card(self.items[keyword].get("", absent), kind)
 
     def section(self, keyword: str) -> dict[str, Entry]:
         """The entries of a keyword; those with mistakes are left out."""
-        items = [item for (key, _), item in self.items.items() if key == keyword]
+        items = list(self.items[keyword].values())
         if items and not types_in(SECTIONS[keyword].folder):
             message = f"keyword '{keyword}' has no types in this version"
             self.mistakes.append(DeckError(*items[0].where, items[0].title, message))
@@ -202,9 +201,9 @@ class _Reader:
     def check_names(self, entry: Entry) -> None:
         """Report the names in a card that nothing in the deck bears."""
         for path, name in _names(entry.card):
-            known = [other for keyword, other in self.items if keyword == name.keyword]
-            known += ["ground"] if name.keyword == "bodies" else []
-            if name not in known:
+            known = self.items[name.keyword]
+            is_ground = name.keyword == "bodies" and name == "ground"
+            if name not in known and not is_ground:
                 singular = SECTIONS[name.keyword].singular
                 advice = choices(name, known, name.keyword)
                 self.refuse(entry.item, Mistake(path, f"unknown {singular} '{name}'", advice))
@@ -228,4 +227,5 @@ def _names(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, 
             yield from _names(part, (*path, i))
     elif isinstance(value, Card):
         for word, name in deck_words(type(value)).items():
-            yield from _names(getattr(value, name), (*path, word))
+            if not declared(type(value), name).unit:
+                yield from _names(getattr(value, name), (*path, word))
