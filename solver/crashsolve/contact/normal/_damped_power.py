@@ -1,0 +1,97 @@
+"""The force that most laws of restitution share; they differ only in chi(e).
+
+    f = K delta^n (1 + chi delta_dot / v_0),   never tensile
+
+v_0 is the closing speed at the onset. The stiffness reported to the step control is that at the
+depth a free impact of speed v_0 will reach, so the first step is already short.
+"""
+
+from math import inf
+from typing import Any
+
+from crashsolve.contact.normal._restitution import returned
+from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
+from crashsolve.deck.card import quantity
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+
+# how far, in shares of the restitution asked for, the one returned may be off without a warning
+SILENT = 0.02
+
+PARAMETERS = Record(
+    stiffness=("N/m^n", "K"),
+    exponent=("1", "n"),
+    chi=("1", "damping factor of the law"),
+    speed_limit=("m/s", "impact speed beyond which the law is outside its range"),
+)
+HISTORY = Record(too_fast=("flag", "an impact was faster than speed_limit"))
+# flags of HISTORY that the log reports at the end of a run, with the words for it
+WARNINGS = {"too_fast": "impact faster than 1e-5 sqrt(E/rho): outside the law's range of validity"}
+
+
+class PowerCard(Materials):
+    """Stiffness, given or from the materials by Eq. 19."""
+
+    exponent: float = quantity("1", "n of the penetration; 1.5 for Hertz", 1.5, ge=1)
+    stiffness: float | None = quantity("N/m^{exponent}", "K; or give the materials", None, gt=0)
+
+
+class DampedPowerCard(PowerCard):
+    """Stiffness and coefficient of restitution."""
+
+    restitution: float = quantity("1", "coefficient of restitution e", ge=0, le=1)
+
+
+def power_law(card: PowerCard, scene: Any, pair: Any, chi: float) -> dict[str, Any]:
+    """Parameters of the shared force; refuses two sources of stiffness."""
+    given = card.stiffness is not None
+    if given and (card.compliance() > 0.0 or card.radius is not None):
+        raise scene.fail(f"stiffness is given twice: give {SOURCES}", "normal.stiffness")
+    if not given and card.exponent != 1.5:
+        raise scene.fail("materials give the stiffness of exponent 1.5 only", "normal.exponent")
+    return {
+        "stiffness": card.stiffness if given else hertz_stiffness(card, scene, pair),
+        "exponent": card.exponent,
+        "chi": chi,
+        "speed_limit": card.speed_limit(),
+    }
+
+
+def damped_law(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> dict[str, Any]:
+    """Parameters of a law of restitution; warns where it returns another one than asked."""
+    if chi == inf:
+        raise scene.fail(
+            "this law needs a restitution above 0: its damping grows without bound; give 0.01, "
+            "or a crush_curve for an impact without rebound",
+            "normal.restitution",
+        )
+    x = returned(chi)
+    if abs(x - card.restitution) > SILENT * card.restitution:
+        law = type(card).__module__.rpartition(".")[2]
+        scene.warn(
+            f"contact '{pair.contact}': {law} with restitution {card.restitution:g} returns "
+            f"{x:.3f} in a free impact; exact_restitution returns what is asked"
+        )
+    return power_law(card, scene, pair, chi)
+
+
+@kernel
+def normal_force(p, old, new, h, depth, rate, mass, curves):
+    """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
+    new.too_fast = 1 if new.impact_speed > p.speed_limit else old.too_fast
+    n = p.exponent
+    spring = p.stiffness * depth**n
+    factor = max(0.0, 1.0 + p.chi * rate / new.impact_speed)
+    stored = spring * depth / (n + 1.0)
+    # energy that a free impact puts into the spring gives the depth to come
+    reach = (0.5 * (n + 1.0) * mass * new.impact_speed**2 / p.stiffness) ** (1.0 / (n + 1.0))
+    slope = p.stiffness * max(depth, reach) ** (n - 1.0)
+    stiffness = n * slope * max(1.0 + p.chi, factor)
+    damping = p.chi * slope * max(depth, reach) / new.impact_speed
+    return spring * factor, stored, spring * (factor - 1.0) * rate, 0.0, stiffness, damping
+
+
+@kernel
+def release(p, old, new):
+    """Writes: new."""
+    new.too_fast = old.too_fast

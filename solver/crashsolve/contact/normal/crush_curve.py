@@ -1,0 +1,94 @@
+"""Crushable end: force over penetration by a curve, elastic unloading, permanent set.
+
+    f = F(delta)                              while delta is the deepest so far, delta = d
+    f = max(0, F(d) - k (d - delta))          below d, unloading and reloading
+    stored = f^2 / (2 k),   lost so far = area of F to d - F(d)^2 / (2 k)
+
+The loss is a function of d alone, so it does not depend on the step. A dashpot may act beside it
+while the end is loaded; the sum is never tensile. Consequence to test: pushed to d and let go, the
+end keeps the set d - F(d)/k and has taken the area under the curve less the triangle F(d)^2/(2 k).
+
+References: Ambrosio (2003), 5.1, crushable ends of trains; how they unload is left open there.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.card import Card, CurveName, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.curve import curve_area, curve_value
+from crashsolve.foundation.record import Record
+
+
+class CrushCurve(Card):
+    """Crushable end: force over penetration by a curve, elastic unloading, permanent set."""
+
+    curve: CurveName = word("force [N] over penetration [m], starting at (0, 0)")
+    unloading_stiffness: float = quantity("N/m", "k, not below any slope of the curve", gt=0)
+    damping: float = quantity("N s/m", "c of the dashpot, while loaded", 0.0, ge=0)
+
+
+PARAMETERS = Record(
+    curve=("index", "force over penetration"),
+    unloading_stiffness=("N/m", "k"),
+    damping=("N s/m", "c"),
+)
+HISTORY = Record(crush=("m", "deepest loading so far, d"))
+
+
+def build(card: CrushCurve, scene: Any, pair: Any) -> dict[str, Any]:
+    curve = scene.curve(card.curve)
+    _check(curve, card, scene)
+    return {
+        "curve": curve,
+        "unloading_stiffness": card.unloading_stiffness,
+        "damping": card.damping,
+    }
+
+
+def _check(curve: int, card: CrushCurve, scene: Any) -> None:
+    """Refuse a curve that does not start at (0, 0), pulls, or rises faster than it unloads."""
+    points = scene.curve_points[curve : scene.curve_points[curve]["last"] + 1]
+    if points["x"][0] != 0.0 or points["c"][0, 0] != 0.0:
+        raise scene.fail(f"curve '{card.curve}' must start at (0, 0)", "normal.curve")
+    s = np.diff(points["x"])[:, None] * np.linspace(0.0, 1.0, 33)
+    c0, c1, c2, c3 = points["c"][:-1].T[:, :, None]
+    force, slope = c0 + s * (c1 + s * (c2 + s * c3)), c1 + s * (2.0 * c2 + 3.0 * s * c3)
+    if force.min() < 0.0:
+        raise scene.fail(
+            f"curve '{card.curve}' must not be negative: contact cannot pull", "normal.curve"
+        )
+    if slope.max() > card.unloading_stiffness * (1.0 + 1e-9):
+        raise scene.fail(
+            f"curve '{card.curve}' rises by {slope.max():.6g} N/m, faster than it unloads; raise "
+            "unloading_stiffness to that or more",
+            "normal.unloading_stiffness",
+        )
+
+
+@kernel
+def normal_force(p, old, new, h, depth, rate, mass, curves):
+    """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
+    k = p.unloading_stiffness
+    new.crush = max(old.crush, depth)
+    peak, _, _ = curve_value(curves, p.curve, new.crush)
+    spring = max(0.0, peak - k * (new.crush - depth))
+    loss = 0.0
+    if new.crush > old.crush:
+        loss = lost(p, new.crush, curves) - lost(p, old.crush, curves)
+    f = max(0.0, spring + p.damping * rate) if spring > 0.0 else 0.0
+    return f, 0.5 * spring * spring / k, (f - spring) * rate, loss, k, p.damping
+
+
+@kernel
+def lost(p, crush, curves):
+    """Energy that an end crushed to this depth will not give back [J]."""
+    peak, _, _ = curve_value(curves, p.curve, crush)
+    return curve_area(curves, p.curve, crush) - 0.5 * peak * peak / p.unloading_stiffness
+
+
+@kernel
+def release(p, old, new):
+    """The end stays crushed. Writes: new."""
+    new.crush = old.crush

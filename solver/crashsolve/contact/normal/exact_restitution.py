@@ -1,0 +1,28 @@
+"""Damped power-law contact force.
+
+    f = K delta^n (1 + chi delta_dot / v_0),   chi (1 + e) = ln[(1 + chi) / (1 - chi e)]
+
+v_0 is the closing speed at the onset. Consequence to test: a free central impact returns the
+restitution asked for, whatever K, n, mass and speed are.
+
+References: Gonthier, McPhee, Lange and Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233, the
+implicit form before its approximation.
+"""
+
+from math import inf
+from typing import Any
+
+from crashsolve.contact.normal import _damped_power as shared
+from crashsolve.contact.normal._restitution import damping_factor
+
+PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
+normal_force, release = shared.normal_force, shared.release
+
+
+class ExactRestitution(shared.DampedPowerCard):
+    """Damped power law that returns exactly the restitution asked for."""
+
+
+def build(card: ExactRestitution, scene: Any, pair: Any) -> dict[str, Any]:
+    e = card.restitution
+    return shared.damped_law(card, scene, pair, chi=damping_factor(e) if e > 0.0 else inf)

@@ -1,0 +1,24 @@
+"""Hunt-Crossley contact force.
+
+    f = K delta^n (1 + chi delta_dot / v_0),   chi = 3 (1 - e) / 2
+
+v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a free impact returns
+0.663, for e = 0 it returns 0.488; near 1 it is exact to first order.
+
+References: Hunt and Crossley (1975), J. Appl. Mech. 42, 440-445.
+"""
+
+from typing import Any
+
+from crashsolve.contact.normal import _damped_power as shared
+
+PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
+normal_force, release = shared.normal_force, shared.release
+
+
+class HuntCrossley(shared.DampedPowerCard):
+    """Hunt-Crossley force (usable for restitution above 0.9)."""
+
+
+def build(card: HuntCrossley, scene: Any, pair: Any) -> dict[str, Any]:
+    return shared.damped_law(card, scene, pair, chi=1.5 * (1.0 - card.restitution))
