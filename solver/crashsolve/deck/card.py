@@ -35,7 +35,7 @@ from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
-__all__ += ["SensorName", "SpringName", "SurfaceName"]
+__all__ += ["Reference", "SensorName", "SpringName", "SurfaceName", "existing_file"]
 
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -69,14 +69,15 @@ CurveName = Annotated[str, AfterValidator(Reference("curves"))]
 SensorName = Annotated[str, AfterValidator(Reference("sensors"))]
 
 
-def _existing_file(text: str, info: ValidationInfo) -> str:
+def existing_file(text: str, info: ValidationInfo) -> str:
+    """Path of a file named in a deck, beside the deck's file."""
     path = (info.context or Context()).folder / text
     if not isfile(path):
         refuse(f"there is no file '{path}'")
     return str(path)
 
 
-FileName = Annotated[str, AfterValidator(_existing_file)]
+FileName = Annotated[str, AfterValidator(existing_file)]
 
 
 class Card(BaseModel):
