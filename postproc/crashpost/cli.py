@@ -4,6 +4,7 @@ Exit codes: 0 answered, 1 an expectation failed, 2 the request cannot be met.
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,8 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"crashpost: error: {error}", file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
-        # the reader, such as `head`, has seen enough
-        sys.stdout = None  # type: ignore[assignment]
+        # the reader, such as `head`, has seen enough; what is left to flush goes nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
 
 
@@ -47,7 +48,7 @@ def _parser() -> argparse.ArgumentParser:
     sub = add("channels", _channels, "list the channels")
     sub.add_argument("--match", default="*", metavar="GLOB", help="only names that fit")
     sub = add("value", _value, "one number of a channel, for scripts")
-    sub.add_argument("channel", help="channel, or arithmetic on channels")
+    sub.add_argument("channel", help="channel, or arithmetic on channels, as in '(-a.b.c)'")
     sub.add_argument("--statistic", required=True, metavar="WORD", help=STATISTICS_HELP)
     sub.add_argument("--unit", help="unit of the channel's values; SI when absent")
     sub = add("expect", _expect, "evaluate the deck's expectations")

@@ -24,6 +24,8 @@ COLOURS = ("#1f5a99", "#c4472b", "#2e8b63", "#c98a12", "#74509e", "#3f9fc4", "#7
 REFERENCE_COLOURS = ("#93804f", "#8b6f86", "#6f7f73")
 DASHES: tuple[str, ...] = ("-", "--", ":")
 MOST_POINTS = 3000
+MINUS = "\N{MINUS SIGN}"
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "crashpost",
@@ -35,8 +37,6 @@ STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.labelcolor": MUTED,
-    "axes.formatter.limits": (-4, 5),
-    "axes.formatter.use_mathtext": True,
     "grid.color": RULE,
     "grid.linewidth": 0.7,
     "text.color": INK,
@@ -117,6 +117,13 @@ def labels(channels: Sequence[str]) -> list[str]:
     ]
 
 
+def tick(value: float) -> str:
+    """A tick label that carries its own power of ten: 0.25, 1200, 3·10⁻¹⁴."""
+    digits, _, power = f"{value:.10g}".partition("e")
+    raised = f"·10{str(int(power)).translate(SUPERSCRIPTS)}" if power else ""
+    return digits.replace("-", MINUS) + raised
+
+
 def _draw(axes: Axes, result: Result, figure: Figure) -> list[Key]:
     """Draw references, then curves, then the axes; returns the legend."""
     scaled = _scaled(result, figure)
@@ -158,6 +165,9 @@ def _draw_reference(axes: Axes, reference: Reference, colour: str) -> Key:
 def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
     axes.set_xscale(figure.x_scale)
     axes.set_yscale(figure.y_scale)
+    for axis, scale in ((axes.xaxis, figure.x_scale), (axes.yaxis, figure.y_scale)):
+        if scale == "linear":
+            axis.set_major_formatter(lambda value, _: tick(value))
     axes.margins(x=0 if figure.x == "time" and figure.x_scale == "linear" else 0.03)
     if figure.x_range:
         axes.set_xlim(figure.x_range)
@@ -235,7 +245,8 @@ def _quantity(channels: Sequence[str]) -> str:
 
 
 def _is_name(channel: str) -> bool:
-    return all(word.replace("-", "").replace("_", "").isalnum() for word in channel.split("."))
+    """Whether the text is a channel name rather than arithmetic."""
+    return re.fullmatch(r"[a-z]+\.[^.\s()*/+]+\.\w+(\.\w+)?", channel) is not None
 
 
 def _with_unit(words: str, unit: str) -> str:

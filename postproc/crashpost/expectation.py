@@ -82,7 +82,7 @@ def verdict_table(verdicts: list[Verdict]) -> str:
 
 def _read(entry: dict[str, Any]) -> Expectation:
     known = {name: entry[name] for name in Expectation.__annotations__ if name in entry}
-    known["value"], known["tolerance"] = float(known["value"]), float(known["tolerance"])
+    known["value"], known["tolerance"] = (float(known["value"]), float(known["tolerance"]))
     return Expectation(**known)
 
 

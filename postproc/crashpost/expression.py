@@ -9,6 +9,7 @@ Consequence to test: derivative(integral(x)) gives x back to second order in the
 
 import ast
 import re
+import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -67,7 +68,8 @@ class _Evaluation:
             raise PostError(f"expression longer than {_LONGEST} characters")
         try:
             text = _QUOTED_OR_NAME.sub(quote, self.expression.strip())
-            return ast.parse(text, mode="eval").body
+            with warnings.catch_warnings(action="ignore"):
+                return ast.parse(text, mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             raise PostError(f"cannot read the expression '{self.expression}'") from error
 
@@ -85,7 +87,7 @@ class _Evaluation:
             case ast.BinOp(left=left, op=op, right=right):
                 return self.binary(op, self.term(left), self.term(right))
             case ast.Call(func=ast.Name(id=function), args=arguments, keywords=[]):
-                return self.call(function, [self.term(argument) for argument in arguments])
+                return self.call(function, arguments)
         part = ast.unparse(node)
         raise PostError(f"'{part}' is not a channel, number, operator + - * / or function")
 
@@ -121,15 +123,15 @@ class _Evaluation:
                 )
         return units[0] if units else None
 
-    def call(self, function: str, terms: list[_Term]) -> _Term:
+    def call(self, function: str, arguments: list[ast.expr]) -> _Term:
         counts = {"abs": (1, 1), "norm": (1, 3), "integral": (1, 1), "derivative": (1, 1)}
         if function not in counts:
             raise unknown("function", function, counts)
         low, high = counts[function]
-        if not low <= len(terms) <= high:
-            raise PostError(
-                f"{function}() takes {low if low == high else f'{low} to {high}'} values"
-            )
+        if not low <= len(arguments) <= high:
+            wanted = "one value" if low == high else f"{low} to {high} values"
+            raise PostError(f"{function}() takes {wanted}")
+        terms = [self.term(argument) for argument in arguments]
         if function == "abs":
             return _Term(np.abs(terms[0].values), terms[0].unit)
         if function == "norm":

@@ -32,7 +32,10 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[
     """Rows of cells; `looks` gives each column's class: "", "num" or "name"."""
     if not rows:
         return ""
-    heads = [f'<th class="{look}">{escape(h)}</th>' for h, look in zip(header, looks, strict=True)]
+    heads = [
+        f'<th class="num">{escape(words)}</th>' if look == "num" else f"<th>{escape(words)}</th>"
+        for words, look in zip(header, looks, strict=True)
+    ]
     lines = ["".join(map(_cell, row, looks)) for row in rows]
     body = "\n".join(f"<tr>{line}</tr>" for line in lines)
     return (
@@ -67,7 +70,9 @@ def figure(title: str, drawing: str, keys: Sequence[Key], below: str) -> str:
 
 def _cell(text: str, look: str) -> str:
     look = {"pass": "pass", "FAIL": "fail"}.get(text, look)
-    return f'<td class="{look}">{escape(text)}</td>' if look else f"<td>{escape(text)}</td>"
+    # a long channel name may be broken after its dots, and only there
+    shown = escape(text).replace(".", ".<wbr>") if look == "name" else escape(text)
+    return f'<td class="{look}">{shown}</td>' if look else f"<td>{shown}</td>"
 
 
 def _swatch(key: Key) -> str:

@@ -5,6 +5,7 @@ A figure that cannot be drawn leaves its reason in its place; the reasons are al
 
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from itertools import islice
 
 from crashpost import draw, gallery, ledger, logbook
 from crashpost.comparison import Comparison, comparisons
@@ -13,11 +14,10 @@ from crashpost.expectation import Verdict, judge
 from crashpost.figure import Figure, figures_of
 from crashpost.page import block, escape, figure, fold, page, table, tiles
 from crashpost.result import Result
-from crashpost.summary import peak_rows, status_line
-from crashpost.table import number
+from crashpost.summary import peaks, status_line
 from crashpost.units import factor, readable
 
-OPEN_PEAKS = 30
+OPEN_PEAKS, MOST_PEAKS = 30, 1000
 GOOD, BAD = {"finished"}, {"failed"}
 
 
@@ -47,6 +47,7 @@ class _Report:
             block("warnings", "Warnings", _warnings(result)),
             block("peaks", "Peaks", _peaks(result)),
             block("model", "Model", _model(result)),
+            block("literature", "Literature of the laws used", _sources(result)),
             block("deck", "Deck", _deck(result)),
         ]
         body = [self.heading(sections), *sections, _footer(result)]
@@ -80,7 +81,7 @@ class _Report:
             below = _comparisons(comparisons(self.result, wanted))
         except PostError as error:
             self.problems.append(f"figure '{wanted.title}': {error}")
-            drawing, keys, below = f'<p class="problem">{escape(str(error))}</p>', [], ""
+            drawing, keys, below = (f'<p class="problem">{escape(str(error))}</p>', [], "")
         note = f'<p class="note">{escape(wanted.note)}</p>' if wanted.note else ""
         return figure(wanted.title, drawing, keys, note + below)
 
@@ -104,12 +105,13 @@ def _facts(result: Result, verdicts: list[Verdict]) -> list[tuple[str, str]]:
 def _comparisons(found: list[Comparison]) -> str:
     rows = []
     for c in found:
-        percent = f" ({c.percent:+.2g} %)" if c.percent is not None else ""
+        percent = f" ({c.percent:+.3g} %)" if c.percent is not None else ""
         inside = c.low != c.high and not c.difference
         difference = "in range" if inside else f"{c.difference:+.3g}{percent}"
-        rows.append([c.label, f"{c.ours:.4g}", c.published, c.unit, difference, c.source])
-    header = ("", "this run", "published", "", "difference", "source")
-    return table(header, rows, ("", "num", "num", "", "num", ""))
+        ours, published = f"{c.ours:.4g} {c.unit}", f"{c.published} {c.unit}"
+        rows.append([c.label, ours, published, difference, c.source])
+    header = ("", "this run", "published", "difference", "source")
+    return table(header, rows, ("", "num", "num", "num", ""))
 
 
 def _verdicts(verdicts: list[Verdict]) -> str:
@@ -149,7 +151,7 @@ def _energies(result: Result) -> str:
         ]
         rows.append([entry.label, *numbers, f"{share:.3g} %"])
     header = ("energy", f"initial, {unit}", f"final, {unit}", f"largest, {unit}", "share")
-    return table(header, rows, ("", "num", "num", "num", "num")) + "<p></p>" * bool(rows)
+    return table(header, rows, ("", "num", "num", "num", "num"))
 
 
 def _warnings(result: Result) -> str:
@@ -158,28 +160,36 @@ def _warnings(result: Result) -> str:
 
 
 def _peaks(result: Result) -> str:
-    rows = [
-        [name, unit, *map(number, extremes)]
-        for name, unit, *extremes in peak_rows(result)
-        if extremes[0] != extremes[2]
-    ]
+    rows = [peak.cells for peak in islice(peaks(result), MOST_PEAKS + 1)]
     header = ("channel", "unit", "least", "at, s", "greatest", "at, s")
-    full = table(header, rows, ("name", "", "num", "num", "num", "num"))
-    return full if len(rows) <= OPEN_PEAKS else fold(f"{len(rows)} channels that move", full)
+    looks = ("name", "", "num", "num", "num", "num")
+    if len(rows) <= OPEN_PEAKS:
+        return table(header, rows, looks)
+    more = len(rows) > MOST_PEAKS
+    title = (
+        f"The first {MOST_PEAKS} channels; peaks.txt has all" if more else f"{len(rows)} channels"
+    )
+    return fold(title, table(header, rows[:MOST_PEAKS], looks))
 
 
 def _model(result: Result) -> str:
     rows = [
-        [
-            family.name,
-            str(len(family.ids)),
-            ", ".join(family.ids[:8]) + ", ..." * (len(family.ids) > 8),
-        ]
+        [family.name, str(len(family.ids)), _some(family.ids), family.meaning]
         for family in result.families.values()
     ]
-    families = table(("family", "entities", "names"), rows, ("name", "num", ""))
+    families = table(("family", "entities", "names", "holds"), rows, ("name", "num", "", ""))
     log = logbook.model_summary(result.log)
     return families + (fold("Log of the start", f"<pre>{escape(log)}</pre>") if log else "")
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
+
+
+def _sources(result: Result) -> str:
+    """The literature behind the laws used."""
+    citations = result.stored_json("citations") or []
+    return "".join(f"<p>{escape(str(citation))}</p>" for citation in citations)
 
 
 def _deck(result: Result) -> str:
@@ -188,5 +198,10 @@ def _deck(result: Result) -> str:
 
 
 def _footer(result: Result) -> str:
+    versions = (result.stored_json("versions") or {}).items()
+    facts = [f"{name} {version}" for name, version in versions]
+    if "started" in result.attributes:
+        facts.append(f"started {result.attributes['started']} on {result.attributes.get('host')}")
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-    return f"<footer>Written by crashpost on {made} from {escape(result.file.name)}.</footer>"
+    origin = f"<p>Run: {escape(', '.join(facts))}.</p>" if facts else ""
+    return f"<footer>{origin}<p>Page written by crashpost on {made}.</p></footer>"

@@ -42,6 +42,7 @@ class Family:
     """A group of the history: entities sampled in the same columns."""
 
     name: str
+    meaning: str
     ids: tuple[str, ...]
     columns: tuple[Column, ...]
 
@@ -64,12 +65,14 @@ class Result:
         path = Path(path)
         self.file = path if path.suffix == ".h5" else path / "history.h5"
         self.folder = self.file.parent
-        self._blocks: dict[str, np.ndarray] = {}
-        with self._open() as file:
-            self.attributes: dict[str, Any] = dict(file.attrs)
-            self._check_format()
-            self.families = {name: _family(name, file[name]) for name in file}
-            self.time = _sample_times(file)
+        self._history = self._open()
+        self.attributes: dict[str, Any] = dict(self._history.attrs)
+        self._check_format()
+        try:
+            self.families = {name: _family(name, self._history[name]) for name in self._history}
+            self.time = _sample_times(self._history)
+        except (OSError, KeyError, TypeError, AttributeError) as error:
+            raise PostError(f"{self.file}: not as FILE_FORMAT.md has it ({error})") from error
 
     def channels(self, match: str = "*") -> Iterator[Channel]:
         """All channels whose name fits the shell pattern."""
@@ -160,18 +163,12 @@ class Result:
         found = next((c for c in family.columns if c.name == column), None)
         if found is None:
             raise self._unknown_channel(name)
-        block = self._block(f"{family.name}/{found.path}")
-        return Series(self.time, block[:, family.ids.index(entity)], found.unit)
-
-    def _block(self, path: str) -> np.ndarray:
-        """A whole dataset (n_time, n_id), read once."""
-        if path not in self._blocks:
-            with self._open() as file:
-                try:
-                    self._blocks[path] = file[path][: len(self.time)]
-                except OSError as error:
-                    raise PostError(f"{self.file}: '{path}' is damaged ({error})") from error
-        return self._blocks[path]
+        dataset = self._history[f"{group}/{found.path}"]
+        try:
+            values = dataset[: len(self.time), family.ids.index(entity)]
+        except OSError as error:
+            raise PostError(f"{self.file}: '{name}' is damaged ({error})") from error
+        return Series(self.time, values, found.unit)
 
     def _unknown_channel(self, name: str) -> PostError:
         """The error for a channel that does not exist, pointing at the first wrong word."""
@@ -200,12 +197,12 @@ def _family(name: str, group: h5py.Group) -> Family:
             columns.append(Column(path, str(unit), str(meaning)))
 
     group.visititems(visit)
-    return Family(name, tuple(group["ids"].asstr()[:]), tuple(columns))
+    meaning, ids = str(group.attrs.get("meaning", "")), tuple(group["ids"].asstr()[:])
+    return Family(name, meaning, ids, tuple(columns))
 
 
 def _sample_times(file: h5py.File) -> np.ndarray:
     """The sample times all families share, without the rows reserved for later."""
-    for name in file:
-        time = file[name]["time"][:]
-        return time[np.isfinite(time)]
-    return np.empty(0)
+    first = next(iter(file.values()), None)
+    time: np.ndarray = np.empty(0) if first is None else first["time"][:]
+    return np.extract(np.isfinite(time), time)

@@ -30,8 +30,9 @@ nav { display: flex; flex-wrap: wrap; gap: .2rem 1.2rem; margin-top: 1.4rem; }
 .tile b { display: block; font: 600 1.5rem/1.25 var(--serif); }
 .tile span { color: var(--muted); font-size: .85rem; }
 .figures { display: grid; gap: 2.8rem 2.5rem;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 28rem), 1fr)); }
-figure { margin: 0; break-inside: avoid; min-width: 0; max-width: 42rem; }
+  grid-template-columns: repeat(auto-fill, minmax(min(100%, 28rem), 1fr)); }
+.scroll + .figures { margin-top: 2.2rem; }
+figure { margin: 0; break-inside: avoid; min-width: 0; }
 figure svg { display: block; width: 100%; height: auto; margin: .3rem 0 0; }
 figure svg text { font-family: var(--sans) !important; }
 .legend { display: flex; flex-wrap: wrap; gap: .1rem 1.1rem; margin: .25rem 0 0; padding: 0;
@@ -47,7 +48,7 @@ th { text-align: left; font-weight: 500; color: var(--muted); border-bottom: 1px
 th, td { padding: .34rem 1.1rem .34rem 0; }
 td { border-bottom: 1px solid var(--rule); vertical-align: top; }
 .num { text-align: right; white-space: nowrap; }
-.name { font-family: var(--mono); font-size: .8125rem; overflow-wrap: anywhere; }
+.name { font-family: var(--mono); font-size: .93em; min-width: 11rem; }
 .pass { color: var(--good); font-weight: 600; } .fail { color: var(--bad); font-weight: 600; }
 .problem { color: var(--bad); border-left: 3px solid var(--bad); padding: .2rem 0 .2rem .8rem; }
 details { margin: .8rem 0; } summary { cursor: pointer; color: var(--accent); }
@@ -59,8 +60,9 @@ footer { margin-top: 4rem; padding-top: 1rem; border-top: 1px solid var(--rule);
   th, td { padding-right: .8rem; } }
 @page { size: A4; margin: 16mm; }
 @media print { body { padding: 0; max-width: none; font-size: 9.5pt; } nav { display: none; }
-  h2 { break-after: avoid; margin-top: 2rem; } .figures { grid-template-columns: 1fr 1fr;
-  gap: 1.6rem 1.4rem; } .scroll { overflow: visible; } table { font-size: 8pt; }
+  h2 { break-after: avoid; margin-top: 2rem; } .figures { display: block; }
+  figure { max-width: 13cm; margin-bottom: 1.8rem; }
+  .scroll { overflow: visible; } table { font-size: 8pt; }
   thead { display: table-header-group; } tr { break-inside: avoid; }
   .state, .tiles { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
   details::details-content { content-visibility: visible; height: auto; }

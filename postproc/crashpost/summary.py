@@ -1,5 +1,9 @@
 """One screen about a result: status, model, energies, balances, peaks, warnings."""
 
+from collections.abc import Iterator
+from itertools import islice
+from typing import NamedTuple
+
 import numpy as np
 
 from crashpost import ledger, logbook
@@ -29,17 +33,30 @@ def status_line(result: Result) -> str:
     return ", ".join(words)
 
 
-def peak_rows(
-    result: Result, match: str = "*"
-) -> list[tuple[str, str, float, float, float, float]]:
-    """(channel, unit, least, its time, greatest, its time) of every channel of the history."""
-    rows = []
-    for channel in result.channels(match) if len(result.time) else ():
+class Peak(NamedTuple):
+    """The extremes of a channel with the first time of each."""
+
+    channel: str
+    unit: str
+    least: float
+    least_time: float
+    greatest: float
+    greatest_time: float
+
+    @property
+    def cells(self) -> list[str]:
+        """The row of a table."""
+        return [self.channel, self.unit, *map(number, self[2:])]
+
+
+def peaks(result: Result) -> Iterator[Peak]:
+    """The peaks of every channel that moves, one by one as there may be many."""
+    for channel in result.channels() if len(result.time) else ():
         time, values, unit = result.series(channel.name)
         low, high = int(np.argmin(values)), int(np.argmax(values))
-        extremes = (float(values[low]), float(time[low]), float(values[high]), float(time[high]))
-        rows.append((channel.name, unit, *extremes))
-    return rows
+        peak = Peak(channel.name, unit, values[low], time[low], values[high], time[high])
+        if peak.least != peak.greatest:
+            yield peak
 
 
 def _heading(result: Result) -> str:
@@ -82,15 +99,12 @@ def _balances(result: Result) -> str:
 
 
 def _peaks(result: Result) -> str:
-    moving = [
-        row for row in peak_rows(result) if row[2] != row[4] and not row[0].startswith("glstat")
-    ]
-    rows = [[name, unit, *map(number, extremes)] for name, unit, *extremes in moving[:MOST_PEAKS]]
+    moving = (peak for peak in peaks(result) if not peak.channel.startswith("glstat."))
+    rows = [peak.cells for peak in islice(moving, MOST_PEAKS + 1)]
     if not rows:
         return ""
-    table = text_table(("channel", "unit", "min", "at s", "max", "at s"), rows)
-    rest = len(moving) - len(rows)
-    return table + (f"\n... and {rest} more; see peaks.txt" if rest else "")
+    table = text_table(("channel", "unit", "min", "at s", "max", "at s"), rows[:MOST_PEAKS])
+    return table + ("\n... and more; see peaks.txt" if len(rows) > MOST_PEAKS else "")
 
 
 def _warnings(result: Result) -> str:

@@ -13,8 +13,8 @@ def text_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def number(value: float) -> str:
-    """A value for people: five digits, no trailing zeros."""
-    return f"{value:.5g}"
+    """A value for people: five digits, no trailing zeros, no negative zero."""
+    return f"{value + 0.0:.5g}"
 
 
 def _is_number(cell: str) -> bool:

@@ -48,6 +48,9 @@ class Size(NamedTuple):
     powers: tuple[float, float, float]
 
 
+ONE = Size(1.0, (0.0, 0.0, 0.0))
+
+
 class Unit(dict[str, float]):
     """A product of unit symbols: symbol -> power."""
 
@@ -80,12 +83,14 @@ class Unit(dict[str, float]):
 
     def size(self) -> Size:
         """Factor to SI and dimension; raises PostError for an unknown symbol."""
-        factor, powers = 1.0, [0.0, 0.0, 0.0]
+        above, below, powers = 1.0, 1.0, [0.0, 0.0, 0.0]
         for symbol, power in self.items():
             size = _symbol_size(symbol)
-            factor *= size.factor**power
+            # one division at the end keeps 3600/1000 the 3.6 it is
+            above *= size.factor ** max(power, 0)
+            below *= size.factor ** max(-power, 0)
             powers = [p + power * q for p, q in zip(powers, size.powers, strict=True)]
-        return Size(factor, (powers[0], powers[1], powers[2]))
+        return Size(above / below, (powers[0], powers[1], powers[2]))
 
     def __str__(self) -> str:
         above = " ".join(_power(s, p) for s, p in self.items() if p > 0)
@@ -124,14 +129,13 @@ def factor(source: str, wanted: str) -> float:
 
     A force asked for in "t" comes in tonne-force.
     """
-    if source == wanted:
-        return 1.0
-    a, b = Unit.parse(source).size(), Unit.parse(wanted).size()
-    if wanted == "t" and a.powers == FORCE:
-        b = Unit.parse("tf").size()
-    if a.powers != b.powers:
+    unit, target = Unit.parse(source), Unit.parse(wanted)
+    if wanted == "t" and unit.size().powers == FORCE:
+        target = Unit.parse("tf")
+    ratio = unit.times(target, -1).size() if unit != target else ONE
+    if ratio.powers != ONE.powers:
         raise PostError(f"cannot show '{source}' in '{wanted}': they measure different things")
-    return a.factor / b.factor
+    return ratio.factor
 
 
 def readable(unit: str, largest: float) -> str:

@@ -1,0 +1,160 @@
+"""The commands as a shell sees them: standard output, standard error, exit code."""
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import SPEED, TIME, Command, two_cars, write_result, write_status
+
+
+def test_value_prints_one_number_that_reads_back_exactly(cars: Path, crashpost: Command) -> None:
+    code, out, err = crashpost("value", cars, "deforc.buffer.force", "--statistic", "min")
+    stored = two_cars()["deforc"][1]["force"][2]
+    assert (code, err) == (0, "")
+    assert float(out) == stored.min()
+    assert out == f"{stored.min()!r}".removeprefix("np.float64(").removesuffix(")") + "\n"
+
+
+def test_value_converts_and_computes(cars: Path, crashpost: Command) -> None:
+    arguments = ("--statistic", "at:0", "--unit", "km/h")
+    assert float(crashpost("value", cars, "rbdout.A.velocity.x", *arguments)[1]) == 54.0
+    code, out, _ = crashpost("value", cars, "(-rbdout.A.velocity.x / 3)", "--statistic", "min")
+    assert (code, float(out)) == (0, -SPEED / 3)
+
+
+@pytest.mark.parametrize(
+    ("channel", "statistic", "words"),
+    [
+        ("rbdout.A.velocty.x", "max", "did you mean 'velocity.x'?"),
+        ("rbdout.A.velocity.x", "mx", "did you mean 'max'?"),
+        ("rbdout.A.velocity.x", "at:99", "outside the samples"),
+        ("rbdout.A.velocity.x + deforc.buffer.force", "max", "cannot add 'm/s' and 'N'"),
+    ],
+)
+def test_value_refuses_with_code_2_and_an_empty_output(
+    cars: Path, crashpost: Command, channel: str, statistic: str, words: str
+) -> None:
+    code, out, err = crashpost("value", cars, channel, "--statistic", statistic)
+    assert (code, out) == (2, "")
+    assert words in err
+
+
+def test_summary_shows_status_energies_balances_peaks_and_warnings(
+    cars: Path, crashpost: Command
+) -> None:
+    (cars / "log.txt").write_text("warning: too fast\nwarning: too fast\n")
+    code, out, _ = crashpost("summary", cars)
+    assert code == 0
+    for words in (
+        "Two cars",
+        "status   finished, t = 0.1405 s",
+        "spring stored",
+        "momentum change",
+        "deforc.buffer.force",
+        "1 x  too fast",
+    ):
+        assert words in out
+
+
+def test_summary_of_an_empty_history_says_so(tmp_path: Path, crashpost: Command) -> None:
+    columns = {"velocity/x": ("m/s", "", np.empty((0, 1)))}
+    write_result(tmp_path, {"rbdout": (["A"], columns)}, np.empty(0), reserved=8)
+    code, out, _ = crashpost("summary", tmp_path)
+    assert code == 0
+    assert "status   unknown" in out
+    assert "history  0 samples" in out
+
+
+def test_summary_of_a_failed_run_gives_the_message(cars: Path, crashpost: Command) -> None:
+    write_status(cars, "failed", message="energy balance 7 % at t = 0.03 s", time=None)
+    assert "message  energy balance 7 %" in crashpost("summary", cars)[1]
+
+
+def test_channels_lists_and_filters(cars: Path, crashpost: Command) -> None:
+    code, out, _ = crashpost("channels", cars, "--match", "deforc.*")
+    assert code == 0
+    assert [line.split()[0] for line in out.splitlines()[2:]] == [
+        "deforc.buffer.force",
+        "deforc.buffer.length",
+    ]
+    code, out, err = crashpost("channels", cars, "--match", "tyres.*")
+    assert (code, out) == (2, "")
+    assert "no channel fits" in err
+
+
+def test_exported_numbers_read_back_exactly(cars: Path, tmp_path: Path, crashpost: Command) -> None:
+    target = tmp_path / "out.csv"
+    patterns = ("rbdout.*", "rbdout.A.*", "deforc.buffer.length")
+    assert crashpost("export", cars, "--csv", target, "--channels", *patterns)[0] == 0
+    rows = list(csv.reader(target.open()))
+    assert rows[0] == [
+        "time [s]",
+        "rbdout.A.velocity.x [m/s]",
+        "rbdout.car-b.velocity.x [m/s]",
+        "deforc.buffer.length [m]",
+    ]
+    numbers = np.array(rows[1:], float)
+    assert np.array_equal(numbers[:, 0], TIME)
+    assert np.array_equal(numbers[:, 1:3], two_cars()["rbdout"][1]["velocity/x"][2])
+
+
+@pytest.mark.parametrize(
+    "arguments", [("--csv", "no/such/folder/x.csv"), ("--csv", "x.csv", "--channels", "nothing*")]
+)
+def test_an_impossible_export_exits_with_2(
+    cars: Path,
+    crashpost: Command,
+    arguments: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert crashpost("export", cars, *arguments)[0] == 2
+    assert not list(tmp_path.glob("*.csv"))
+
+
+@pytest.mark.parametrize("command", [["summary"], ["channels"], ["expect"], ["report"]])
+def test_a_missing_result_exits_with_2(
+    tmp_path: Path, crashpost: Command, command: list[str]
+) -> None:
+    code, out, err = crashpost(*command, tmp_path / "none.results")
+    assert (code, out) == (2, "")
+    assert "no such file" in err
+
+
+@pytest.mark.parametrize("arguments", [[], ["value", "x"], ["dance", "x"]])
+def test_wrong_usage_exits_with_2(crashpost: Command, arguments: list[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        crashpost(*arguments)
+    assert stop.value.code == 2
+
+
+def test_commands_that_draw_nothing_load_no_matplotlib(cars: Path) -> None:
+    for command in (
+        ["summary"],
+        ["channels"],
+        ["expect"],
+        ["value", "time", "--statistic", "max"],
+        ["export", "--csv", str(cars / "x.csv")],
+    ):
+        line = [command[0], str(cars), *command[1:]]
+        program = (
+            f"import sys; from crashpost.cli import main; code = main({line!r}); "
+            "sys.exit(code or any(m in sys.modules for m in ('matplotlib', 'scipy', 'crashsolve')))"
+        )
+        run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+        assert run.returncode == 0, run.stderr
+
+
+def test_a_reader_who_leaves_early_is_no_error(cars: Path) -> None:
+    # far more lines than a pipe holds
+    ids = [f"body_{n}" for n in range(4000)]
+    columns = {"velocity/x": ("m/s", "of the mass centre", np.zeros((2, len(ids))))}
+    write_result(cars, {"rbdout": (ids, columns)}, np.array([0.0, 1.0]))
+    command = f"{sys.executable} -m crashpost channels {cars} | head -1"
+    run = subprocess.run(command, shell=True, capture_output=True, text=True)
+    assert run.stdout.startswith("channel")
+    assert run.stderr == ""

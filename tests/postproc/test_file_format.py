@@ -1,0 +1,47 @@
+"""What the solver's writer writes is what crashpost reads: the one test that imports both."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crashpost.result import Result
+
+channels = pytest.importorskip("crashsolve.output.channels")
+history = pytest.importorskip("crashsolve.output.history")
+status = pytest.importorskip("crashsolve.output.status")
+
+
+def write(folder: Path, *, close: bool) -> None:
+    columns = (channels.Column("velocity", "x", "m/s", ""), channels.Column("energy", "", "J", ""))
+    families = (channels.Family("rbdout", ("A", "car-b"), columns),)
+    metadata = {"title": "Two", "expect": [], "deck_text": "title: Two\n"}
+    writer = history.HistoryWriter(folder / "history.h5", families, metadata)
+    for step in range(5):
+        writer.append(0.1 * step, {"rbdout": np.array([[step, 2.0], [-step, 3.0]])})
+    writer.close() if close else writer.flush()
+
+
+@pytest.mark.parametrize("close", [True, False])
+def test_crashpost_reads_what_the_solver_writes(tmp_path: Path, close: bool) -> None:
+    write(tmp_path, close=close)
+    result = Result(tmp_path)
+    names = [channel.name for channel in result.channels()]
+    assert sorted(names) == [
+        "rbdout.A.energy",
+        "rbdout.A.velocity.x",
+        "rbdout.car-b.energy",
+        "rbdout.car-b.velocity.x",
+    ]
+    time, values, unit = result.series("rbdout.car-b.velocity.x")
+    assert unit == "m/s"
+    np.testing.assert_allclose(time, 0.1 * np.arange(5))
+    assert values.tolist() == [0.0, -1.0, -2.0, -3.0, -4.0]
+    assert (result.title, result.stored_json("expect")) == ("Two", [])
+
+
+def test_a_written_status_is_understood(tmp_path: Path) -> None:
+    write(tmp_path, close=True)
+    entry = status.Status("finished", 1.0, 100, 1.0, 1e-5, float("nan"), 0.1, 0.2, 0)
+    status.write_status(tmp_path / "status.json", entry)
+    assert Result(tmp_path).finished

@@ -1,0 +1,272 @@
+"""Figures, comparisons with published values, and the page that shows them."""
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from conftest import SPEED, TIME, Command, expectation, two_cars, write_result, write_status
+
+from crashpost import draw
+from crashpost.comparison import comparisons
+from crashpost.errors import PostError
+from crashpost.figure import figures_of
+from crashpost.report import report
+from crashpost.result import Result
+
+FORCE = "-deforc.buffer.force"
+PEAK = 6.708203932499369  # MN: speed times the root of stiffness times reduced mass
+FIGURE: dict[str, Any] = {
+    "title": "Buffer force <A>",
+    "y": [{"channel": FORCE, "label": "run & read"}, "2 * deforc.buffer.force"],
+    "x_unit": "ms",
+    "y_unit": "MN",
+    "note": "Read from a plot.",
+    "reference": [
+        {"label": "peak", "value": 7.0, "channel": FORCE, "statistic": "max", "source": "Fig. 1"},
+        {
+            "label": "range",
+            "kind": "band",
+            "from": 6,
+            "to": 7,
+            "channel": FORCE,
+            "statistic": "max",
+        },
+        {"label": "late mean", "kind": "band", "from": 0.0, "to": 1.0, "over": [100, 140]}
+        | {"channel": FORCE, "statistic": "mean", "during": [0.0, 0.14]},
+        {"label": "when", "kind": "point", "points": [[70, 6.5]]}
+        | {"channel": FORCE, "statistic": "argmax"},
+        {"label": "printed", "kind": "curve", "points": [[0, 0], [70, 6.5], [140, 0]]},
+    ],
+}
+
+
+def write(folder: Path, *figures: Any, **attributes: Any) -> Result:
+    described = {"report": json.dumps({"figures": figures})} if figures else {}
+    write_result(folder, two_cars(), title="Cars <2>", **described, **attributes)
+    write_status(folder)
+    return Result(folder)
+
+
+VOID = ("meta", "br", "wbr")
+
+
+class Page(HTMLParser):
+    """Collects what the page would fetch and whether its tags close."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.fetched: list[str] = []
+        self.ids: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        if tag not in VOID:
+            self.open.append(tag)
+        links = [values.get(key) or "" for key in ("src", "href", "xlink:href", "data")]
+        self.fetched += [link for link in links if link and not link.startswith("#")]
+        self.ids += [values["id"] or ""] if "id" in values else []
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_the_page_is_whole_and_fetches_nothing(tmp_path: Path) -> None:
+    entry = expectation("rbdout.A.velocity.x", "final", SPEED / 3, 1e-9)
+    text, problems = report(write(tmp_path, FIGURE, FIGURE, expect=json.dumps([entry])))
+    page = Page(text)
+    assert (page.open, page.fetched, problems) == ([], [], [])
+    assert not re.search(r"url\((?!#)|@import", text)
+    assert len(page.ids) == len(set(page.ids))
+
+
+def test_the_page_shows_title_deck_status_figures_and_verdicts(tmp_path: Path) -> None:
+    entry = expectation("rbdout.A.velocity.x", "final", 4.0, 1e-9)
+    result = write(tmp_path, FIGURE, deck_text="bodies: {A: <1>}", expect=json.dumps([entry]))
+    (tmp_path / "log.txt").write_text("  bodies  2\n\n     cycle   time s\nwarning: too <fast>\n")
+    text, _ = report(result)
+    for words in (
+        "Cars &lt;2&gt;",
+        "bodies: {A: &lt;1&gt;}",
+        "finished",
+        "Buffer force &lt;A&gt;",
+        "run &amp; read",
+        "Read from a plot.",
+        "0 of 1",
+        "FAIL",
+        "too &lt;fast&gt;",
+        "6.708 MN",
+        "kinetic",
+    ):
+        assert words in text
+    assert "too <fast>" not in text
+
+
+def test_without_a_description_every_family_that_moves_has_a_figure(tmp_path: Path) -> None:
+    text, problems = report(write(tmp_path))
+    titles = re.findall(r"<h3>(.*?)</h3>", text)
+    wanted = ["deforc: force", "rbdout: velocity", "Energies", "Energy balance", "Momentum"]
+    assert (titles, problems) == (wanted, [])
+
+
+def test_a_figure_that_cannot_be_drawn_leaves_its_reason(
+    tmp_path: Path, crashpost: Command
+) -> None:
+    write(tmp_path, {"title": "Wrong", "y": ["rbdout.A.speed"]}, FIGURE)
+    code, out, err = crashpost("report", tmp_path)
+    page = tmp_path / "report.html"
+    assert (code, out) == (2, f"{page}\n")
+    assert "figure 'Wrong'" in err
+    assert "unknown rbdout quantity" in page.read_text()
+    assert "Buffer force" in page.read_text()
+
+
+def test_a_report_of_a_failed_run_without_samples_is_written(tmp_path: Path) -> None:
+    columns = {"energy/kinetic": ("J", "", np.empty((0, 1)))}
+    write_result(tmp_path, {"glstat": (["model"], columns)}, np.empty(0), reserved=4)
+    write_status(tmp_path, "failed", message="the step fell below its limit")
+    text, problems = report(Result(tmp_path))
+    assert problems == []
+    assert "the step fell below its limit" in text
+
+
+def test_comparisons_have_the_values_of_the_closed_form(tmp_path: Path) -> None:
+    result = write(tmp_path, FIGURE)
+    (figure,) = figures_of(result.stored_json("report"))
+    peak, band, mean, when = comparisons(result, figure)
+    assert peak.ours == pytest.approx(PEAK, rel=1e-9)
+    assert peak.difference == pytest.approx(PEAK - 7.0, rel=1e-9)
+    assert peak.percent == pytest.approx(100 * (PEAK / 7.0 - 1), rel=1e-9)
+    assert (band.difference, band.published) == (0.0, "6 to 7")
+    assert mean.difference == pytest.approx(2 * PEAK / np.pi - 1.0, rel=1e-2)
+    assert (when.ours, when.unit) == (pytest.approx(500 * TIME[-1], rel=1e-9), "ms")
+
+
+def test_offsets_and_scales_apply_to_curve_and_comparison_alike(tmp_path: Path) -> None:
+    reference = {"label": "stroke", "value": 0, "statistic": "max"}
+    reference["channel"] = "1 - deforc.buffer.length"
+    figure = {"title": "Stroke", "y": [reference["channel"]], "y_unit": "mm", "y_offset": -100.0}
+    result = write(tmp_path, {**figure, "reference": [reference]})
+    (stroke,) = figures_of(result.stored_json("report"))
+    (compared,) = comparisons(result, stroke)
+    assert compared.ours == pytest.approx(100 * PEAK - 100, rel=1e-9)
+    assert draw.svg(result, stroke, "f")[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"titel": "x"}, "unknown field 'titel'; did you mean 'title'?"),
+        ({"y": []}, "y must list channels"),
+        ({"y": [{"label": "x"}]}, "'channel' is missing"),
+        ({"y_scale": "cubic"}, "y_scale is linear or log, not 'cubic'"),
+        ({"x_range": [1, 2, 3]}, "'x_range' cannot be [1, 2, 3]"),
+        ({"reference": [{"label": "a", "kind": "cloud"}]}, "unknown kind of reference 'cloud'"),
+        ({"reference": [{"label": "a"}]}, "a level needs value"),
+        ({"reference": [{"label": "a", "value": 1, "channel": "x"}]}, "goes with statistic"),
+        (
+            {"reference": [{"label": "a", "value": 1, "channel": "x", "statistic": "argmax"}]},
+            "a time is compared with points",
+        ),
+        ({"reference": [{"label": "a", "kind": "point", "points": [[1]]}]}, "'points' cannot be"),
+        ({"reference": ["a"]}, "expected fields, found 'a'"),
+    ],
+)
+def test_a_wrong_description_is_refused_naming_the_figure(
+    change: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(PostError) as refusal:
+        figures_of({"figures": [{**FIGURE, **change}]})
+    assert words in str(refusal.value)
+
+
+def test_an_svg_is_well_formed_scalable_and_repeats_bit_for_bit(tmp_path: Path) -> None:
+    result = write(tmp_path, FIGURE)
+    (figure,) = figures_of(result.stored_json("report"))
+    text, keys = draw.svg(result, figure, "f1")
+    root = ElementTree.fromstring(text)
+    assert "viewBox" in root.attrib
+    assert not {"width", "height"} & root.attrib.keys()
+    assert (text, keys) == draw.svg(result, figure, "f1")
+    assert [key.mark for key in keys] == ["line", "line", "dash", "band", "band", "point", "dots"]
+
+
+def test_thinning_keeps_the_peaks_and_the_ends() -> None:
+    x = np.linspace(0, 1, 100_001)
+    y = np.sin(40 * x)
+    y[54_321] = 50.0
+    thin_x, thin_y = draw._thinned(x, y)
+    assert len(thin_x) < 5000
+    assert thin_y.max() == 50.0
+    assert thin_x[[0, -1]].tolist() == [0.0, 1.0]
+    assert np.all(np.diff(thin_x) > 0)
+
+
+@pytest.mark.parametrize(
+    ("channels", "expected"),
+    [
+        (["rbdout.A.velocity.x", "rbdout.B.velocity.x"], ["A", "B"]),
+        (["rbdout.A.velocity.x", "rbdout.B.velocity.z"], ["A x", "B z"]),
+        (["glstat.model.energy.spring_stored"], ["glstat.model.energy.spring_stored"]),
+        (["-a.b.c", "a.b.c"], ["-a.b.c", "a.b.c"]),
+        (["a.b.c", "a.b.c.d"], ["a.b.c", "a.b.c.d"]),
+    ],
+)
+def test_labels_are_the_words_that_differ(channels: list[str], expected: list[str]) -> None:
+    assert draw.labels(channels) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (0.30000000000000004, "0.3"),
+        (-2.5, "\N{MINUS SIGN}2.5"),
+        (9e5, "900000"),
+        (0.0, "0"),
+        (3e-14, "3·10⁻¹⁴"),
+        (2e12, "2·10¹²"),
+    ],
+)
+def test_ticks_carry_their_own_power_of_ten(value: float, expected: str) -> None:
+    assert draw.tick(value) == expected
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_plot_writes_the_format_of_the_ending(
+    cars: Path, tmp_path: Path, crashpost: Command, ending: str
+) -> None:
+    target = tmp_path / f"x.{ending}"
+    channels = ("rbdout.A.velocity.x", "rbdout.car-b.velocity.x", "deforc.buffer.force")
+    code, out, _ = crashpost("plot", cars, *channels, "--unit", "time=ms", "-o", target)
+    assert (code, out) == (0, f"{target}\n")
+    begins = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[ending]
+    assert target.read_bytes().startswith(begins)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["-o", "x.docx"], "x.docx"),
+        (["--unit", "deforc.buffer.force=mm"], "cannot show 'N' in 'mm'"),
+        (["--unit", "rbdout.A.velocity.x=m/s"], "which is not drawn"),
+        (["--unit", "kN"], "--unit takes CHANNEL=UNIT"),
+        (["--against", "deforc.buffer.lenght"], "did you mean 'length'?"),
+    ],
+)
+def test_an_impossible_plot_exits_with_2(
+    cars: Path, crashpost: Command, arguments: list[str], words: str
+) -> None:
+    code, out, err = crashpost("plot", cars, "deforc.buffer.force", *arguments)
+    assert (code, out) == (2, "")
+    assert words in err
