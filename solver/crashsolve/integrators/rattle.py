@@ -11,7 +11,7 @@ References: Andersen (1983), J. Comput. Phys. 52, 24-34; Hairer, Lubich and Wann
 Geometric Numerical Integration, VII.1.4.
 """
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.compile import entry, inlined
 from crashsolve.foundation.saddle import solve_delta, solve_reaction
 from crashsolve.model.clock import (
     CURVE_END,
@@ -34,7 +34,6 @@ from crashsolve.system.constraints import (
     scatter_delta,
     scatter_reaction,
     scatter_trial,
-    start_multipliers,
     velocity_residual,
     worst_residual,
 )
@@ -71,172 +70,156 @@ ORDER = 2
 POSITION_ITERATIONS = 40
 
 
-@kernel
-def advance(until, clock, control, nodes, rows, saddle, curves, groups, ledger):
-    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State."""
-    clock.status = RUNNING
-    while clock.time < until:
-        h, is_last = fit(clock.next_step, until - clock.time)
-        save(nodes)
-        taken = move(h, clock, control, nodes, rows, saddle, curves, groups)
-        if clock.status != RUNNING:
-            return
-        time = until if is_last and taken == h else clock.time + taken
-        push(time, taken, clock, nodes, rows, saddle, curves, groups)
-        clock.time = time
-        clock.step = taken
-        clock.cycle += 1
-        clock.current = 1 - clock.current
-        clock.next_step = wanted_step(clock, control, nodes)
-        guard(clock, control, nodes, curves, groups, ledger)
-        if clock.status != RUNNING:
-            return
-    clock.status = REACHED
+@entry
+def advance(until, sampling, clock, control, nodes, rows, saddle, curves, groups, ledger):
+    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
 
-
-@kernel
-def prepare(clock, control, nodes, rows, saddle, curves, groups):
-    """Forces and constraints of the initial state, before the first step. Writes: the State."""
-    clear_forces(nodes)
-    refresh(nodes)
-    if JOINTS:
-        residual(clock.current, clock.time, nodes, rows, curves, groups)
-        jacobian(clock.current, clock.time, nodes, rows, curves, groups)
-        factor_constraints(rows, saddle, nodes)
-    force_pass(clock.current, clock.time, 0.0, nodes, rows, curves, groups)
-    clock.current = 1 - clock.current
-    if JOINTS:
-        find_reaction(clock, nodes, rows, saddle, curves, groups)
-        start_multipliers(rows)
-    clock.next_step = wanted_step(clock, control, nodes)
-
-
-@kernel
-def sample(clock, nodes, rows, saddle, curves, groups, ledger):
-    """Outputs, reactions and accelerations of the present state.
-
-    The caller passes copies of nodes and rows, so that the State is not changed.
-    Writes: nodes, rows, outputs of groups, the histories that are not current, ledger.
+    A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
     """
-    clear_forces(nodes)
-    force_pass(clock.current, clock.time, 0.0, nodes, rows, curves, groups)
-    if JOINTS:
-        find_reaction(clock, nodes, rows, saddle, curves, groups)
-    accelerations(nodes)
-    measure(clock.time, nodes, rows, curves, groups)
-    energy(clock, nodes, groups, ledger)
+    clock.status = RUNNING
+    while clock.status == RUNNING and (sampling or clock.time < until):
+        h, time = 0.0, clock.time
+        if not sampling:
+            h, is_last = fit(clock.next_step, until - clock.time)
+            save(nodes)
+            taken = move(h, clock, control, nodes, rows, saddle, curves, groups)
+            time = until if is_last and taken == h else clock.time + taken
+            h = taken
+            if clock.status != RUNNING:
+                return
+        push(time, h, clock, nodes, rows, saddle, curves, groups)
+        accept(time, h, clock, control, nodes)
+        if sampling:
+            accelerations(nodes)
+            measure(time, nodes, rows, curves, groups)
+        if sampling or clock.cycle % control.check_every == 0:
+            energy(clock, nodes, groups, ledger)
+            check(clock, control, nodes, curves, groups, ledger)
+        if sampling:
+            return
+        if curves[0].fault > 0:
+            clock.status = CURVE_END
+    if clock.status == RUNNING:
+        clock.status = REACHED
 
 
 @inlined
 def move(h, clock, control, nodes, rows, saddle, curves, groups):
-    """Positions at the end of the step, cut at the first contact onset. Returns the step taken."""
-    place(h, clock, control, nodes, rows, saddle, curves, groups)
-    late = h
-    if CONTACTS:
-        early, tried = 0.0, h
-        gap_early = approach_before(clock.current, groups)
-        gap_late = approach(clock.current, nodes, groups)
-        allowed = max(control.onset_tolerance, 1e-4 * (gap_late - gap_early))
-        count = 0
-        # what did not touch before may touch now by no more than `allowed`
-        while clock.status == RUNNING and gap_late > allowed and late - early > 1e-13 * h:
-            tried = onset_step(count, early, gap_early, late, gap_late, allowed)
-            place(tried, clock, control, nodes, rows, saddle, curves, groups)
-            gap = approach(clock.current, nodes, groups)
-            if gap >= 0.0:
-                late, gap_late = tried, gap
-            else:
-                early, gap_early = tried, gap
-            count += 1
-        if tried != late:
-            place(late, clock, control, nodes, rows, saddle, curves, groups)
-        clock.located += 1 if count > 0 else 0
-    return late
+    """Positions at the end of the step, cut at the first contact onset. Returns the step taken.
+
+    What did not touch at the start may touch at the end by no more than `allowed`.
+    """
+    early, late, trial, count = 0.0, h, h, 0
+    gap_early, gap_late, allowed = 0.0, 0.0, 0.0
+    while True:
+        place(trial, clock, control, nodes, rows, saddle, curves, groups)
+        if not CONTACTS or clock.status != RUNNING:
+            break
+        gap = approach(clock.current, nodes, groups)
+        if count == 0:
+            gap_early = approach_before(clock.current, groups)
+            allowed = max(control.onset_tolerance, 1e-4 * (gap - gap_early))
+        if gap >= 0.0 or count == 0:
+            late, gap_late = trial, gap
+        else:
+            early, gap_early = trial, gap
+        if trial == late and (gap_late <= allowed or late - early <= 1e-13 * h):
+            break
+        trial = onset_step(count, early, gap_early, late, gap_late, allowed)
+        if late - early <= 1e-13 * h or gap_late <= allowed:
+            trial = late
+        count += 1
+    clock.located += 1 if count > 0 else 0
+    return trial
 
 
-@kernel
+@inlined
 def place(h, clock, control, nodes, rows, saddle, curves, groups):
-    """First kick and drift over h, onto the constraints. Writes: nodes.*_half, r, q, A."""
+    """First kick and drift over h, onto the constraints by a simplified Newton on lambda.
+
+    Writes: nodes.*_half, r, q, A, rows.trial.
+    """
     kick_off(nodes, h)
     if JOINTS:
         extrapolate_trial(rows, h / clock.step if clock.step > 0.0 else 0.0)
         scatter_trial(rows, nodes)
         kick_half_by_joints(nodes, 0.5 * h)
-    drift(nodes, h)
-    if JOINTS:
-        correct(h, clock, control, nodes, rows, saddle, curves, groups)
-
-
-@inlined
-def correct(h, clock, control, nodes, rows, saddle, curves, groups):
-    """Simplified Newton on lambda until Phi(q_new) vanishes. Writes: rows.trial, nodes."""
     previous = 1e300
     for iteration in range(POSITION_ITERATIONS):
+        drift(nodes, h)
+        if not JOINTS:
+            break
         residual(clock.current, clock.time + h, nodes, rows, curves, groups)
         worst, row = worst_residual(rows)
+        tolerance = control.constraint_tolerance
         # two decimals better than asked, or as good as asked and stalled at round-off
-        if worst <= 0.01 * control.constraint_tolerance:
-            break
-        if worst <= control.constraint_tolerance and worst > 0.5 * previous:
+        if worst <= 0.01 * tolerance or (worst <= tolerance and worst > 0.5 * previous):
+            clock.residual = max(clock.residual, worst)
             break
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:
             clock.status, clock.place, clock.value = POSITION, row, worst
             break
         previous = worst
+        clock.iterations += 1
         solve_delta(saddle, rows, -2.0 / (h * h))
         scatter_delta(rows, nodes)
         kick_half_by_joints(nodes, 0.5 * h)
-        drift(nodes, h)
-        clock.iterations += 1
-    clock.residual = max(clock.residual, worst)
 
 
 @inlined
 def push(time, h, clock, nodes, rows, saddle, curves, groups):
-    """Forces at the new positions, second kick, velocities onto the constraints."""
-    if JOINTS:
-        keep_trial(rows)
-        scatter_trial(rows, nodes)
-        clock.driver_work += 0.5 * h * driver_power(rows)
-    add_impulse(clock, nodes, 0.5 * h)
-    predict(nodes, h)
+    """Forces at the new positions, second kick, velocities onto the constraints.
+
+    With h = 0 the velocities are left and the reactions are those of the accelerations
+    (Ambrosio (2003), Eq. 5).
+    """
+    if h > 0.0:
+        if JOINTS:
+            keep_trial(rows)
+            scatter_trial(rows, nodes)
+            clock.driver_work += 0.5 * h * driver_power(rows)
+        add_impulse(clock, nodes, 0.5 * h)
+        predict(nodes, h)
     refresh(nodes)
     clear_forces(nodes)
     force_pass(clock.current, time, h, nodes, rows, curves, groups)
-    kick_end(nodes, h)
+    if h > 0.0:
+        kick_end(nodes, h)
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, curves, groups)
         factor_constraints(rows, saddle, nodes)
-        velocity_residual(rows, nodes)
-        solve_reaction(saddle, rows, -2.0 / h)
+        if h > 0.0:
+            velocity_residual(rows, nodes)
+        else:
+            convective(clock.current, time, nodes, rows, curves, groups)
+            acceleration_right_side(rows, nodes)
+        solve_reaction(saddle, rows, -2.0 / h if h > 0.0 else 1.0)
         scatter_reaction(rows, nodes)
-        kick_by_joints(nodes, 0.5 * h)
-        clock.driver_work += 0.5 * h * driver_power(rows)
+        if h > 0.0:
+            kick_by_joints(nodes, 0.5 * h)
+            clock.driver_work += 0.5 * h * driver_power(rows)
     add_impulse(clock, nodes, 0.5 * h)
 
 
 @inlined
-def find_reaction(clock, nodes, rows, saddle, curves, groups):
-    """Ambrosio (2003), Eq. 5 at the present state: lambda. Writes: rows.reaction, nodes."""
-    convective(clock.current, clock.time, nodes, rows, curves, groups)
-    acceleration_right_side(rows, nodes)
-    solve_reaction(saddle, rows, 1.0)
-    scatter_reaction(rows, nodes)
+def accept(time, h, clock, control, nodes):
+    """The new state becomes the present one. Writes: clock."""
+    clock.time = time
+    clock.step = h
+    clock.current = 1 - clock.current
+    clock.next_step = wanted_step(clock, control, nodes)
+    clock.cycle += 1 if h > 0.0 else 0
+    if clock.next_step < control.step_min:
+        clock.status = STEP_TOO_SMALL
 
 
 @inlined
-def guard(clock, control, nodes, curves, groups, ledger):
-    """Stop at a bad number, a curve read past its end, a collapsed step or a broken balance."""
-    if curves[0].fault > 0:
-        clock.status = CURVE_END
-    elif clock.next_step < control.step_min:
-        clock.status = STEP_TOO_SMALL
-    elif clock.cycle % control.check_every == 0:
-        clock.place = bad_node(nodes)
-        energy(clock, nodes, groups, ledger)
-        if clock.place >= 0:
-            clock.status = NOT_FINITE
-        elif balance_broken(ledger, control.energy_limit):
-            clock.status = ENERGY
-    if REBUILDS and clock.status == RUNNING and need_rebuild(nodes, groups):
+def check(clock, control, nodes, curves, groups, ledger):
+    """Stop at a bad number or a broken balance; ask for new pairs. Writes: clock."""
+    bad = bad_node(nodes)
+    if bad >= 0:
+        clock.status, clock.place = NOT_FINITE, bad
+    elif balance_broken(ledger, control.energy_limit):
+        clock.status = ENERGY
+    elif REBUILDS and need_rebuild(nodes, groups):
         clock.status = REBUILD

@@ -158,14 +158,6 @@ def keep_trial(rows):
 
 
 @kernel
-def start_multipliers(rows):
-    """Before the first step the reaction is the best guess. Writes: rows.multiplier, before."""
-    for k in range(rows.shape[0]):
-        rows[k].multiplier = rows[k].reaction
-        rows[k].before = rows[k].reaction
-
-
-@kernel
 def driver_power(rows):
     """Power of prescribed motions, lambda . nu [W]: bodies gain D v . lambda."""
     total = 0.0
