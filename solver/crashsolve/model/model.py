@@ -96,6 +96,10 @@ class Model:
     def sensor_groups(self) -> list[Group]:
         return [g for g in self.groups if g.keyword == "sensors"]
 
+    def following_groups(self) -> list[Group]:
+        """Sensors that must look at every step."""
+        return [g for g in self.sensor_groups() if hasattr(g.module, "follow")]
+
 
 @dataclass
 class State:

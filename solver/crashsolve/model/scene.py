@@ -144,6 +144,16 @@ class Scene:
         x_b = self.r[b] + self.matrix(b) @ ends["point_b"]
         return float(np.linalg.norm(x_b - x_a))
 
+    def turning(self, card: Any) -> dict[str, Any]:
+        """Turn of b about `axis` of a, with sides that meet at the start."""
+        if card.a == card.b:
+            raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
+        a, b = self.node(card.a), self.node(card.b)
+        axis = self.unit(card.axis, "axis")
+        side = perpendicular(axis)
+        side_b = self.turn_to_body(b, self.matrix(a) @ side)
+        return {"node_a": a, "node_b": b, "axis_a": axis, "side_a": side, "side_b": side_b}
+
     def joint_point(self, card: Any) -> tuple[int, int, Vector]:
         """Both nodes and the joint's point in world components at the start."""
         if card.a == card.b:

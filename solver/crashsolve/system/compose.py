@@ -172,6 +172,12 @@ def _force_calls(model: Any) -> list[str]:
             "    new.dissipated = old.dissipated + 0.5 * h * (old.power + o.power) + o.loss",
             "    new.power = o.power",
         ]
+    for g in model.following_groups():
+        lines += [
+            f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
+            "for i in range(p.shape[0]):",
+            f"    {g.word}.follow(p[i], history[current, i], history[1 - current, i], out[i], nodes)",
+        ]
     if model.contact_groups:
         lines += ["contacts.open_cards(groups.cards)"]
         lines += ["contacts.carry_onsets(current, groups.card_history)"]
