@@ -250,7 +250,7 @@ def _is_name(channel: str) -> bool:
 
 
 def _with_unit(words: str, unit: str) -> str:
-    shown = {"": "", "deg": "°", "t": "t"}.get(unit, unit.replace("^2", "²").replace("^3", "³"))
+    shown = {"deg": "°", "g0": "g"}.get(unit, unit.replace("^2", "²").replace("^3", "³"))
     return ", ".join(part for part in (words, shown) if part)
 
 

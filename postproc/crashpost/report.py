@@ -18,7 +18,7 @@ from crashpost.summary import peaks, status_line
 from crashpost.units import factor, readable
 
 OPEN_PEAKS, MOST_PEAKS = 30, 1000
-GOOD, BAD = {"finished"}, {"failed"}
+GOOD, BAD = {"finished"}, {"failed", "killed"}
 
 
 def report(result: Result) -> tuple[str, list[str]]:

@@ -18,6 +18,7 @@ import numpy as np
 
 from crashpost.errors import PostError, unknown
 from crashpost.expression import Series, evaluate
+from crashpost.status import read_status
 
 FORMAT = "crashsolve history"
 FORMAT_VERSION = 1
@@ -97,12 +98,8 @@ class Result:
 
     @cached_property
     def status(self) -> dict[str, Any]:
-        """What status.json says; {"state": "unknown"} when there is none."""
-        try:
-            status = json.loads((self.folder / "status.json").read_text(encoding="utf-8"))
-            return status if isinstance(status, dict) else {"state": "unknown"}
-        except (OSError, ValueError):
-            return {"state": "unknown"}
+        """What status.json says, see `read_status`."""
+        return read_status(self.folder / "status.json")
 
     @property
     def finished(self) -> bool:

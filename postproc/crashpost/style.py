@@ -32,7 +32,7 @@ nav { display: flex; flex-wrap: wrap; gap: .2rem 1.2rem; margin-top: 1.4rem; }
 .figures { display: grid; gap: 2.8rem 2.5rem;
   grid-template-columns: repeat(auto-fill, minmax(min(100%, 28rem), 1fr)); }
 .scroll + .figures { margin-top: 2.2rem; }
-figure { margin: 0; break-inside: avoid; min-width: 0; }
+figure { margin: 0; break-inside: avoid; min-width: 0; max-width: 37rem; }
 figure svg { display: block; width: 100%; height: auto; margin: .3rem 0 0; }
 figure svg text { font-family: var(--sans) !important; }
 .legend { display: flex; flex-wrap: wrap; gap: .1rem 1.1rem; margin: .25rem 0 0; padding: 0;

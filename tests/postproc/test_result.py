@@ -1,6 +1,10 @@
 """Reading a results folder: whole, growing, broken or foreign."""
 
 import json
+import os
+import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import h5py
@@ -100,11 +104,22 @@ def test_a_group_without_ids_is_refused(cars: Path) -> None:
 
 
 def test_a_missing_or_broken_status_is_unknown(cars: Path) -> None:
-    for text in ("", "{", "[1]"):
+    for text in ("", "{", "[1]", "{}"):
         (cars / "status.json").write_text(text)
         assert Result(cars).status == {"state": "unknown"}
     write_status(cars, "running")
     assert not Result(cars).finished
+
+
+def test_a_running_state_without_its_process_is_a_killed_run(cars: Path) -> None:
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    write_status(cars, "running", host=socket.gethostname(), pid=gone.pid)
+    assert Result(cars).status["state"] == "killed"
+    write_status(cars, "running", host=socket.gethostname(), pid=os.getpid())
+    assert Result(cars).status["state"] == "running"
+    write_status(cars, "running", host="another", pid=gone.pid)
+    assert Result(cars).status["state"] == "running"
 
 
 def test_broken_json_in_an_attribute_is_refused(tmp_path: Path) -> None:
