@@ -1,10 +1,12 @@
 """What the solver's writer writes is what crashpost reads: the one test that imports both."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from crashpost.figure import figures_of
 from crashpost.result import Result
 
 channels = pytest.importorskip("crashsolve.output.channels")
@@ -45,3 +47,16 @@ def test_a_written_status_is_understood(tmp_path: Path) -> None:
     entry = status.Status("finished", 1.0, 100, 1.0, 1e-5, float("nan"), 0.1, 0.2, 0)
     status.write_status(tmp_path / "status.json", entry)
     assert Result(tmp_path).finished
+
+
+def test_a_figure_of_a_deck_is_understood() -> None:
+    cards = pytest.importorskip("crashsolve.deck.output")
+    dump = pytest.importorskip("crashsolve.deck.dump")
+    reference = {"label": "plateau", "kind": "band", "from": 0.8, "to": 1.2, "source": "Fig. 16"}
+    curve = {"channel": "-rcforc.left.force.normal", "label": "left"}
+    written = {"title": "Force", "y": [curve, "rcforc.right.force.normal"], "y_unit": "MN"}
+    card = cards.Report.model_validate({"figures": [{**written, "reference": [reference]}]})
+    (figure,) = figures_of(json.loads(json.dumps(dump.as_data(card))))
+    assert figure.y_unit == "MN"
+    assert [c.channel for c in figure.y] == [curve["channel"], "rcforc.right.force.normal"]
+    assert (figure.reference[0].from_, figure.reference[0].to) == (0.8, 1.2)
