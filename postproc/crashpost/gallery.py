@@ -65,9 +65,13 @@ def _family_figure(result: Result, family: Family) -> Figure | None:
 
 
 def _ranges(result: Result, family: Family, columns: list[Column]) -> dict[str, float]:
-    """Greatest minus least value of every channel of the columns."""
-    names = [f"{family.name}.{entity}.{c.name}" for entity in family.ids for c in columns]
-    return {name: float(np.ptp(result.series(name).values)) for name in names}
+    """Greatest minus least value of every channel of the columns, entity by entity."""
+    ranges = np.array([np.ptp(result.block(family, column), axis=0) for column in columns])
+    return {
+        f"{family.name}.{entity}.{column.name}": float(ranges[c, e])
+        for e, entity in enumerate(family.ids)
+        for c, column in enumerate(columns)
+    }
 
 
 def panels(

@@ -96,6 +96,10 @@ class Result:
             except RecursionError:
                 raise PostError("expression nested too deeply") from error
 
+    def block(self, family: Family, column: Column) -> np.ndarray:
+        """One quantity of all entities of a family, (n_time, n_id)."""
+        return self._read(f"{family.name}/{column.path}", slice(None))
+
     @cached_property
     def status(self) -> dict[str, Any]:
         """What status.json says, see `read_status`."""
@@ -160,12 +164,16 @@ class Result:
         found = next((c for c in family.columns if c.name == column), None)
         if found is None:
             raise self._unknown_channel(name)
-        dataset = self._history[f"{group}/{found.path}"]
-        try:
-            values = dataset[: len(self.time), family.ids.index(entity)]
-        except OSError as error:
-            raise PostError(f"{self.file}: '{name}' is damaged ({error})") from error
+        values = self._read(f"{group}/{found.path}", family.ids.index(entity))
         return Series(self.time, values, found.unit)
+
+    def _read(self, path: str, entities: int | slice) -> np.ndarray:
+        """The existing rows of a dataset (n_time, n_id), of one entity or of several."""
+        try:
+            values: np.ndarray = self._history[path][: len(self.time), entities]
+        except OSError as error:
+            raise PostError(f"{self.file}: '{path}' is damaged ({error})") from error
+        return values
 
     def _unknown_channel(self, name: str) -> PostError:
         """The error for a channel that does not exist, pointing at the first wrong word."""
