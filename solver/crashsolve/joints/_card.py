@@ -1,6 +1,26 @@
 """Words that joints share: two bodies, and where the joint is at the start of the run."""
 
+from typing import Any
+
+import numpy as np
+
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
+from crashsolve.foundation.record import Record
+
+POINTS = Record(
+    node_a=("index", "first body"),
+    node_b=("index", "second body"),
+    point_a=("m", 3, "joint point from the mass centre of a, axes of a"),
+    point_b=("m", 3, "joint point from the mass centre of b, axes of b"),
+)
+FRAME = POINTS + Record(
+    axis_a=("1", 3, "joint axis, axes of a"),
+    side_a=("1", 3, "at right angles to the axis, axes of a"),
+    third_a=("1", 3, "axis x side, axes of a"),
+    axis_b=("1", 3, "joint axis, axes of b"),
+    side_b=("1", 3, "side at the start, axes of b"),
+    third_b=("1", 3, "third at the start, axes of b"),
+)
 
 
 class JointCard(Card):
@@ -16,3 +36,19 @@ class AxisJointCard(JointCard):
     """A joint with an axis."""
 
     axis: Vec3 = word("direction of the joint axis at the start, in `frame`; any length")
+
+
+def direction(card: JointCard, scene: Any, field: str) -> np.ndarray:
+    """World components of a direction given in the frame of the card."""
+    u: np.ndarray = scene.unit(getattr(card, field), field)
+    return u if card.frame == "world" else scene.matrix(scene.node(card.frame)) @ u
+
+
+def named_frame(scene: Any, field: str, name: str, types: tuple[str, ...]) -> dict[str, Any]:
+    """Frame of a joint that another card names; only joints of these types have the motion."""
+    entry = scene.deck.entries["joints"][name]
+    if entry.type not in types:
+        wanted = " or ".join(types)
+        raise scene.fail(f"'{name}' is a {entry.type} joint; name a {wanted} joint", field)
+    frame: dict[str, Any] = scene.joint_frame(entry.card)
+    return frame

@@ -1,17 +1,21 @@
 """The constraint rows from which joints are made, each with Jacobian and convective term.
 
 With d = x_b - x_a between the joint's points, arms s_a, s_b from the mass centres, unit vectors
-u_a, u_b fixed in the bodies, and gamma the right-hand side of D v_dot = gamma:
+u_a, u_b fixed in the bodies, and theta the angle of b about an axis of a:
 
-    point      Phi = u . d  for world axes u     gamma = -u . (w_b x (w_b x s_b) - w_a x (w_a x s_a))
-    along      Phi = u_a . d  (u_a turns with a)
+    point      Phi = u . d  for world axes u
+    slide      Phi = u_a . d  (u_a turns with a)
     square     Phi = u_a . u_b
+    turn       Phi = theta  (see foundation/turn.py)
 
+gamma, the right-hand side of D v_dot = gamma, is -Phi_ddot of bodies that move on without
+accelerations.
 Reference: Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems, ch. 9.
 """
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import arm, point_at, point_velocity
+from crashsolve.foundation.turn import angle_gradient
 from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
 
 
@@ -28,10 +32,9 @@ def write_row(row, v_a, w_a, v_b, w_b):
 
 
 @kernel
-def separation(p, nodes):
+def separation(a, b, point_a, point_b):
     """d = x_b - x_a and both arms."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    s_a, s_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
+    s_a, s_b = arm(a, vec(point_a)), arm(b, vec(point_b))
     return sub(point_at(b, s_b), point_at(a, s_a)), s_a, s_b
 
 
@@ -45,7 +48,7 @@ def centripetal(body, s):
 @kernel
 def point_residual(p, nodes, rows, r):
     """Three rows: the points coincide. Writes: rows."""
-    d, _, _ = separation(p, nodes)
+    d, _, _ = separation(nodes[p.node_a], nodes[p.node_b], p.point_a, p.point_b)
     for k in range(3):
         rows[r + k].phi = d[k]
 
@@ -53,7 +56,7 @@ def point_residual(p, nodes, rows, r):
 @kernel
 def point_jacobian(p, nodes, rows, r):
     """Writes: rows."""
-    _, s_a, s_b = separation(p, nodes)
+    _, s_a, s_b = separation(nodes[p.node_a], nodes[p.node_b], p.point_a, p.point_b)
     for k in range(3):
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
         write_row(rows[r + k], scale(-1.0, e), cross(e, s_a), e, cross(s_b, e))
@@ -62,37 +65,61 @@ def point_jacobian(p, nodes, rows, r):
 @kernel
 def point_convective(p, nodes, rows, r):
     """Writes: rows."""
-    _, s_a, s_b = separation(p, nodes)
-    g = sub(centripetal(nodes[p.node_a], s_a), centripetal(nodes[p.node_b], s_b))
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    _, s_a, s_b = separation(a, b, p.point_a, p.point_b)
+    g = sub(centripetal(a, s_a), centripetal(b, s_b))
     for k in range(3):
         rows[r + k].gamma = g[k]
 
 
 @kernel
-def along_residual(p, axis_a, nodes, row):
-    """One row: no separation along an axis of body a (body components). Writes: row."""
-    d, _, _ = separation(p, nodes)
-    row.phi = dot(arm(nodes[p.node_a], vec(axis_a)), d)
+def slide_along(a, b, point_a, point_b, axis_a):
+    """Separation along an axis of body a [m]."""
+    d, _, _ = separation(a, b, point_a, point_b)
+    return dot(arm(a, vec(axis_a)), d)
 
 
 @kernel
-def along_jacobian(p, axis_a, nodes, row):
+def slide_jacobian(a, b, point_a, point_b, axis_a, row):
     """Writes: row."""
-    d, s_a, s_b = separation(p, nodes)
-    u = arm(nodes[p.node_a], vec(axis_a))
+    d, s_a, s_b = separation(a, b, point_a, point_b)
+    u = arm(a, vec(axis_a))
     write_row(row, scale(-1.0, u), cross(u, add(s_a, d)), u, cross(s_b, u))
 
 
 @kernel
-def along_convective(p, axis_a, nodes, row):
-    """-(u_ddot . d + 2 u_dot . d_dot + u . d_ddot) without accelerations. Writes: row."""
-    d, s_a, s_b = separation(p, nodes)
-    a, b = nodes[p.node_a], nodes[p.node_b]
+def slide_turning(a, b, point_a, point_b, axis_a):
+    """u_ddot . d + 2 u_dot . d_dot + u . d_ddot of bodies without accelerations [m/s^2]."""
+    d, s_a, s_b = separation(a, b, point_a, point_b)
     u = arm(a, vec(axis_a))
     u_dot = cross(vec(a.w), u)
     d_dot = sub(point_velocity(b, s_b), point_velocity(a, s_a))
     spin = sub(centripetal(b, s_b), centripetal(a, s_a))
-    row.gamma = -(dot(cross(vec(a.w), u_dot), d) + 2.0 * dot(u_dot, d_dot) + dot(u, spin))
+    return dot(cross(vec(a.w), u_dot), d) + 2.0 * dot(u_dot, d_dot) + dot(u, spin)
+
+
+@kernel
+def line_residual(p, nodes, rows, r):
+    """Two rows: the point of b lies on the joint axis of a. Writes: rows."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    rows[r].phi = slide_along(a, b, p.point_a, p.point_b, p.side_a)
+    rows[r + 1].phi = slide_along(a, b, p.point_a, p.point_b, p.third_a)
+
+
+@kernel
+def line_jacobian(p, nodes, rows, r):
+    """Writes: rows."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    slide_jacobian(a, b, p.point_a, p.point_b, p.side_a, rows[r])
+    slide_jacobian(a, b, p.point_a, p.point_b, p.third_a, rows[r + 1])
+
+
+@kernel
+def line_convective(p, nodes, rows, r):
+    """Writes: rows."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    rows[r].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.side_a)
+    rows[r + 1].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.third_a)
 
 
 @kernel
@@ -117,3 +144,39 @@ def square_convective(p, axis_a, axis_b, nodes, row):
     a_dot, b_dot = cross(vec(a.w), u_a), cross(vec(b.w), u_b)
     turn = dot(cross(vec(a.w), a_dot), u_b) + dot(u_a, cross(vec(b.w), b_dot))
     row.gamma = -(turn + 2.0 * dot(a_dot, b_dot))
+
+
+@kernel
+def parallel_residual(p, nodes, rows, r):
+    """Two rows: the joint axes of both bodies are parallel. Writes: rows."""
+    square_residual(p, p.side_a, p.axis_b, nodes, rows[r])
+    square_residual(p, p.third_a, p.axis_b, nodes, rows[r + 1])
+
+
+@kernel
+def parallel_jacobian(p, nodes, rows, r):
+    """Writes: rows."""
+    square_jacobian(p, p.side_a, p.axis_b, nodes, rows[r])
+    square_jacobian(p, p.third_a, p.axis_b, nodes, rows[r + 1])
+
+
+@kernel
+def parallel_convective(p, nodes, rows, r):
+    """Writes: rows."""
+    square_convective(p, p.side_a, p.axis_b, nodes, rows[r])
+    square_convective(p, p.third_a, p.axis_b, nodes, rows[r + 1])
+
+
+@kernel
+def turn_jacobian(a, b, axis_a, side_b, row):
+    """Writes: row."""
+    g = angle_gradient(a, b, axis_a, side_b)
+    zero = (0.0, 0.0, 0.0)
+    write_row(row, zero, scale(-1.0, g), zero, g)
+
+
+@kernel
+def scale_row(row, factor):
+    """Writes: row.D."""
+    for k in range(12):
+        row.D[k] *= factor

@@ -1,0 +1,88 @@
+"""Gear: the angles of two named joints turn in a fixed ratio.
+
+    Phi = theta_2 - ratio theta_1 = 0      (angles since the start, with all turns)
+
+The row has two parts, one per joint; its torques act between the bodies of each joint, so that a
+housing feels the difference. Consequence to test: a torque T on wheel 1 turns both wheels with
+theta_1_ddot = T / (J_1 + ratio^2 J_2).
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import Card, JointName, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import angle_about, angle_turning, counted
+from crashsolve.joints._card import named_frame
+from crashsolve.joints._rows import scale_row, turn_jacobian
+
+ROWS = 1
+ANGULAR = (True,)
+FURTHER_NODES = ("node_c", "node_d")
+PARAMETERS = Record(
+    node_a=("index", "body a of the first joint"),
+    node_b=("index", "body b of the first joint"),
+    axis_a=("1", 3, "axis of the first joint, axes of its a"),
+    side_a=("1", 3, "from which its angle counts, axes of its a"),
+    side_b=("1", 3, "to which its angle counts, axes of its b"),
+    node_c=("index", "body a of the second joint"),
+    node_d=("index", "body b of the second joint"),
+    axis_c=("1", 3, "axis of the second joint, axes of its a"),
+    side_c=("1", 3, "from which its angle counts, axes of its a"),
+    side_d=("1", 3, "to which its angle counts, axes of its b"),
+    ratio=("1", "angle of the second over angle of the first"),
+)
+HISTORY = Record(
+    first=("rad", "angle of the first joint, with all turns"),
+    second=("rad", "angle of the second joint, with all turns"),
+)
+TURNING = ("revolute", "cylindrical")
+
+
+class Gear(Card):
+    """Couples the angles of two revolute or cylindrical joints."""
+
+    first: JointName = word("revolute or cylindrical joint")
+    second: JointName = word("revolute or cylindrical joint")
+    ratio: float = quantity(
+        "1", "turns of the second per turn of the first; negative when they turn against each other"
+    )
+
+
+def build(card: Gear, scene: Any) -> dict[str, Any]:
+    if card.first == card.second:
+        raise scene.fail("couples a joint with itself; name another", "second")
+    if card.ratio == 0.0:
+        raise scene.fail("must not be 0", "ratio")
+    one = named_frame(scene, "first", card.first, TURNING)
+    two = named_frame(scene, "second", card.second, TURNING)
+    columns = {name: one[name] for name in ("node_a", "node_b", "axis_a", "side_a", "side_b")}
+    columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
+    return columns | {"side_c": two["side_a"], "side_d": two["side_b"], "ratio": card.ratio}
+
+
+@kernel
+def residual(p, old, new, t, nodes, rows, curves):
+    """Writes: rows.phi, new."""
+    first = angle_about(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_a, p.side_b)
+    second = angle_about(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_c, p.side_d)
+    new.first = counted(first, old.first)
+    new.second = counted(second, old.second)
+    rows[p.first_row].phi = new.second - p.ratio * new.first
+
+
+@kernel
+def jacobian(p, old, t, nodes, rows, curves):
+    """Writes: rows.D, nu."""
+    r = p.first_row
+    turn_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
+    scale_row(rows[r], -p.ratio)
+    turn_jacobian(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_d, rows[r + 1])
+
+
+@kernel
+def convective(p, old, t, nodes, rows, curves):
+    """Writes: rows.gamma."""
+    first = angle_turning(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
+    second = angle_turning(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_d)
+    rows[p.first_row].gamma = p.ratio * first - second

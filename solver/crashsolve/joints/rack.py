@@ -1,0 +1,85 @@
+"""Rack and pinion: the travel of one named joint is the angle of another times the radius.
+
+    Phi = x - R theta = 0      (travel and angle since the start, with all turns)
+
+The row has two parts, one per joint. Consequence to test: a rack of mass m that falls while it
+turns a pinion of inertia J accelerates with m g / (m + J / R^2).
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import Card, JointName, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import angle_about, angle_turning, counted
+from crashsolve.joints._card import named_frame
+from crashsolve.joints._rows import (
+    scale_row,
+    slide_along,
+    slide_jacobian,
+    slide_turning,
+    turn_jacobian,
+)
+
+ROWS = 1
+ANGULAR = (False,)
+FURTHER_NODES = ("node_c", "node_d")
+PARAMETERS = Record(
+    node_a=("index", "body a of the pinion's joint"),
+    node_b=("index", "body b of the pinion's joint"),
+    axis_a=("1", 3, "axis of the pinion's joint, axes of its a"),
+    side_a=("1", 3, "from which its angle counts, axes of its a"),
+    side_b=("1", 3, "to which its angle counts, axes of its b"),
+    node_c=("index", "body a of the rack's joint"),
+    node_d=("index", "body b of the rack's joint"),
+    point_c=("m", 3, "point of the rack's joint from the mass centre of its a, axes of its a"),
+    point_d=("m", 3, "point of the rack's joint from the mass centre of its b, axes of its b"),
+    axis_c=("1", 3, "axis of the rack's joint, axes of its a"),
+    radius=("m", "R"),
+)
+HISTORY = Record(angle=("rad", "angle of the pinion, with all turns"))
+
+
+class Rack(Card):
+    """Couples the travel of a prismatic or cylindrical joint to the angle of a pinion's joint."""
+
+    pinion: JointName = word("revolute or cylindrical joint of the pinion")
+    rack: JointName = word("prismatic or cylindrical joint of the rack")
+    radius: float = quantity("m", "pitch radius; negative when the rack moves the other way")
+
+
+def build(card: Rack, scene: Any) -> dict[str, Any]:
+    if card.radius == 0.0:
+        raise scene.fail("must not be 0", "radius")
+    one = named_frame(scene, "pinion", card.pinion, ("revolute", "cylindrical"))
+    two = named_frame(scene, "rack", card.rack, ("prismatic", "cylindrical"))
+    columns = {name: one[name] for name in ("node_a", "node_b", "axis_a", "side_a", "side_b")}
+    columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
+    columns |= {"point_c": two["point_a"], "point_d": two["point_b"], "radius": card.radius}
+    return columns
+
+
+@kernel
+def residual(p, old, new, t, nodes, rows, curves):
+    """Writes: rows.phi, new."""
+    angle = angle_about(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_a, p.side_b)
+    new.angle = counted(angle, old.angle)
+    travel = slide_along(nodes[p.node_c], nodes[p.node_d], p.point_c, p.point_d, p.axis_c)
+    rows[p.first_row].phi = travel - p.radius * new.angle
+
+
+@kernel
+def jacobian(p, old, t, nodes, rows, curves):
+    """Writes: rows.D, nu."""
+    r, c, d = p.first_row, nodes[p.node_c], nodes[p.node_d]
+    turn_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
+    scale_row(rows[r], -p.radius)
+    slide_jacobian(c, d, p.point_c, p.point_d, p.axis_c, rows[r + 1])
+
+
+@kernel
+def convective(p, old, t, nodes, rows, curves):
+    """Writes: rows.gamma."""
+    turning = angle_turning(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
+    sliding = slide_turning(nodes[p.node_c], nodes[p.node_d], p.point_c, p.point_d, p.axis_c)
+    rows[p.first_row].gamma = p.radius * turning - sliding

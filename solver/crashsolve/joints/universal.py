@@ -1,0 +1,76 @@
+"""Universal joint (Hooke, Cardan): the points coincide; two crossed axes, one in each body.
+
+    Phi = ( x_b - x_a,  axis_a . axis_b ) = 0
+
+Consequence to test: two degrees of freedom; two shafts bent by beta turn with
+omega_b / omega_a = cos beta / (1 - sin^2 beta cos^2 phi_a), phi_a = 0 with axis_a in the plane of
+the shafts.
+Reference: Seherr-Thoss, Schmelz and Aucktor (2006), Universal Joints and Driveshafts, ch. 1.
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import Vec3, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.joints._card import POINTS, AxisJointCard, direction
+from crashsolve.joints._rows import (
+    point_convective,
+    point_jacobian,
+    point_residual,
+    square_convective,
+    square_jacobian,
+    square_residual,
+)
+
+ROWS = 4
+ANGULAR = (False, False, False, True)
+PARAMETERS = POINTS + Record(
+    axis_a=("1", 3, "arm of the cross in a, axes of a"),
+    axis_b=("1", 3, "arm of the cross in b, axes of b"),
+)
+# directions typed with six digits are square to this; a worse one is a mistake
+SQUARE = 1e-5
+
+
+class Universal(AxisJointCard):
+    """Hooke joint: b turns about two crossed axes, the first fixed in a, the second in b."""
+
+    second_axis: Vec3 = word("direction of the axis fixed in b, at right angles to `axis`")
+
+
+def build(card: Universal, scene: Any) -> dict[str, Any]:
+    frame = scene.joint_frame(card)
+    first, second = direction(card, scene, "axis"), direction(card, scene, "second_axis")
+    cosine = float(first @ second)
+    if abs(cosine) > SQUARE:
+        raise scene.fail(
+            f"must be at right angles to axis; their cosine is {cosine:.3g}", "second_axis"
+        )
+    second = scene.unit(second - cosine * first, "second_axis")
+    frame["axis_b"] = scene.turn_to_body(frame["node_b"], second)
+    return {column.name: frame[column.name] for column in PARAMETERS.columns}
+
+
+@kernel
+def residual(p, old, new, t, nodes, rows, curves):
+    """Writes: rows.phi."""
+    r = p.first_row
+    point_residual(p, nodes, rows, r)
+    square_residual(p, p.axis_a, p.axis_b, nodes, rows[r + 3])
+
+
+@kernel
+def jacobian(p, old, t, nodes, rows, curves):
+    """Writes: rows.D, nu."""
+    r = p.first_row
+    point_jacobian(p, nodes, rows, r)
+    square_jacobian(p, p.axis_a, p.axis_b, nodes, rows[r + 3])
+
+
+@kernel
+def convective(p, old, t, nodes, rows, curves):
+    """Writes: rows.gamma."""
+    r = p.first_row
+    point_convective(p, nodes, rows, r)
+    square_convective(p, p.axis_a, p.axis_b, nodes, rows[r + 3])
