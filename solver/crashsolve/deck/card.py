@@ -29,7 +29,7 @@ from pydantic import (
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
 from crashsolve.deck.laws import UnknownType, law_class, types_in
 from crashsolve.deck.mistakes import already_reported, explained, refuse, shown
-from crashsolve.deck.numbers import Context, number
+from crashsolve.deck.numbers import Context, number, number_in
 from crashsolve.deck.source import BROKEN
 from crashsolve.foundation.units import UnitError
 
@@ -159,6 +159,8 @@ def _to_si(
         already_reported()
     if (value is None and field.optional and not at) or value in field.words:
         return value
+    if unit == "any":
+        return number_in(value, None, context, at)[0]
     kinds = f"a number{in_unit(unit)}" + "".join(f" or '{word}'" for word in field.words)
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         refuse(f"must be {kinds}, not {shown(value)}", within=at)

@@ -138,7 +138,8 @@ def _from_rule(path: Path, text: str) -> Mistake:
 def _described(field: Declared | None) -> str:
     if field is None or not field.meaning:
         return ""
-    return f" ({field.meaning}{in_unit(field.unit)})"
+    unit = in_unit(field.unit)
+    return f" ({field.meaning}{',' if unit else ''}{unit})"
 
 
 def _expected(field: Declared | None, line: ErrorDetails) -> str:

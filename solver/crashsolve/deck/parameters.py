@@ -99,7 +99,7 @@ class Parameters:
     def _value(self, name: str) -> Any:
         if name in self.pending:
             chain = " -> ".join([*self.pending[self.pending.index(name) :], name])
-            raise ExpressionError(f"parameter '{name}' depends on itself ({chain})")
+            raise ExpressionError(f"depends on itself ({chain})")
         if name not in self.values:
             self.pending.append(name)
             self.values[name] = self._worked_out(name)

@@ -168,7 +168,7 @@ class _Reader:
             kind = law_class(section.folder, word)
         except UnknownType as error:
             if word is not BROKEN:
-                self.refuse(item, Mistake(("type",), error.message, error.advice, key=False))
+                self.refuse(item, Mistake(("type",), error.message, error.advice))
             return None
         card = self.card(item, kind, without="type")
         if card is None:
@@ -212,7 +212,8 @@ class _Reader:
 def _placed(item: Item, mistake: Mistake) -> DeckError:
     """A mistake of a card with its place in the deck."""
     place = locate(item.where, item.value, mistake.path, mistake.key)
-    below = mistake.path[:-1] if mistake.key else mistake.path
+    path = mistake.path
+    below = path[:-1] if mistake.key or path[-1:] == ("type",) else path
     field = ".".join(step for step in below if isinstance(step, str))
     message = f"{field}: {mistake.message}" if field else mistake.message
     return DeckError(*place, item.title, message, mistake.advice)

@@ -175,6 +175,10 @@ class _Parser:
         self.mistakes.append(DeckError(self.name, line, column, "", message, advice))
         return BROKEN
 
+    def refuse_tag(self, event: Any) -> Any:
+        name = event.tag.replace(_CORE_TAG, "!!")
+        return self.refuse(event, f"the tag '{name}' is not allowed")
+
     def abandon(self, event: Any, message: str, advice: str = "") -> NoReturn:
         self.refuse(event, message, advice)
         raise _Abandoned
@@ -207,7 +211,7 @@ class _Parser:
             value = self.scalar(event)
         else:
             if event.tag not in (None, "!", _CORE_TAG + "map", _CORE_TAG + "seq"):
-                self.refuse(event, f"the tag '{event.tag}' is not allowed")
+                self.refuse_tag(event)
             value = (self.table if isinstance(event, yaml.MappingStartEvent) else self.rows)(depth)
         if self.count > MAX_VALUES:
             advice = "long tables belong in files of their own"
@@ -272,7 +276,7 @@ class _Parser:
         if tag in ("str", "!") or (not tag and event.style):
             return event.value
         if tag not in ("", *_CORE_TYPES):
-            return self.refuse(event, f"the tag '{event.tag}' is not allowed")
+            return self.refuse_tag(event)
         value, problem, advice = plain_scalar(event.value)
         if problem:
             return self.refuse(event, problem, advice)

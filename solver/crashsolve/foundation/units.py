@@ -95,7 +95,7 @@ def parse_unit(text: str) -> Unit:
     parser = _Parser(_tokens(text), text)
     unit = parser.product()
     if parser.rest:
-        raise UnitError(f"cannot read the unit '{text}' from '{parser.rest[0]}' on")
+        raise UnitError(f"cannot read the unit '{text}'")
     return unit
 
 
@@ -104,7 +104,7 @@ def _tokens(text: str) -> list[str]:
     while at < len(text.rstrip()):
         match = _TOKEN.match(text, at)
         if match is None:
-            raise UnitError(f"cannot read the unit '{text}' from '{text[at:].strip()}' on")
+            raise UnitError(f"cannot read the unit '{text}'")
         tokens.append(match.group().strip().replace("**", "^").replace("·", "*"))
         at = match.end()
     return tokens
@@ -184,7 +184,10 @@ def split_quantity(text: str) -> tuple[float, str]:
 
 
 def describe(unit: Unit) -> str:
-    """The SI name of the dimension of a unit, such as "kg m/s^2"; "1" for a pure number."""
+    """The SI name of the dimension of a unit, such as "N/m"; "1" for a pure number."""
+    for name in ("N", "Pa", "J", "W", "N/m", "N s/m", "N m/rad", "N m s/rad"):
+        if parse_unit(name).exponents == unit.exponents:
+            return name
     pairs = list(zip(SI_SYMBOLS, unit.exponents, strict=True))
     above = [_with_power(symbol, power) for symbol, power in pairs if power > 0]
     below = [_with_power(symbol, -power) for symbol, power in pairs if power < 0]

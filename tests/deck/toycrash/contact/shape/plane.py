@@ -1,0 +1,7 @@
+"""Toy surface."""
+
+from crashsolve.deck.card import Card
+
+
+class Plane(Card):
+    """Plane."""
