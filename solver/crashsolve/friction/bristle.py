@@ -68,7 +68,7 @@ def build(card: Bristle, scene: Any) -> dict[str, Any]:
 
 @kernel
 def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
-    """Returns force on a, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
+    """Returns force on a, stored, power, loss, stiffness, damping. Writes: new."""
     k = p.friction_stiffness
     c = 2.0 * p.friction_damping * sqrt(k * mass)
     fall = exp(-dot(slip, slip) / p.friction_stribeck**2)

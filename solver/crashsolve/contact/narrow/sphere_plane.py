@@ -1,6 +1,8 @@
 """Gap between a sphere (or a point: radius 0) and a plane.
 
-    depth = r - (c - x_0) . n,   point of contact on the sphere, c - r n
+    depth = r - (c - x_0) . n
+
+Point of contact: the deepest of the sphere, c - r n.
 """
 
 from crashsolve.foundation.compile import kernel

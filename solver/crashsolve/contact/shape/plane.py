@@ -9,9 +9,9 @@ from crashsolve.foundation.record import Record
 class Plane(Card):
     """Infinite plane fixed in a body."""
 
-    body: BodyName = "ground"
+    body: BodyName = word("body the plane is fixed in", "ground")
     at: Vec3 = quantity("m", "a point of the plane, body axes", default=(0.0, 0.0, 0.0))
-    normal: Vec3 = word("outward direction, body axes; any length", default=(0.0, 0.0, 1.0))
+    normal: Vec3 = quantity("1", "outward direction, body axes; any length", (0.0, 0.0, 1.0))
 
 
 PARAMETERS = Record(
@@ -28,4 +28,5 @@ def build(card: Plane, scene: Any) -> list[dict[str, Any]]:
 
 
 def curvature_radius(card: Plane) -> float | None:
+    """Flat."""
     return None

@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from crashsolve.deck.card import BodyName, Card, Vec3, quantity
+from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 
 
 class Sphere(Card):
     """Sphere fixed in a body."""
 
-    body: BodyName = "ground"
+    body: BodyName = word("body the sphere is fixed in", "ground")
     at: Vec3 = quantity("m", "centre, body axes", default=(0.0, 0.0, 0.0))
     radius: float = quantity("m", "radius", gt=0)
 

@@ -1,0 +1,17 @@
+"""Gap between an ellipsoid and a cylinder with rounded rims: see contact/narrow/_convex.py."""
+
+from crashsolve.contact.narrow import _convex
+from crashsolve.contact.shape import cylinder, ellipsoid
+
+PARAMETERS_A = PARAMETERS_B = _convex.PARAMETERS
+gap = _convex.gap
+
+
+def expand_a(elements):
+    """Each ellipsoid as a sum of ellipsoids."""
+    return _convex.expand(elements, ellipsoid)
+
+
+def expand_b(elements):
+    """Each cylinder as a sum of ellipsoids."""
+    return _convex.expand(elements, cylinder)

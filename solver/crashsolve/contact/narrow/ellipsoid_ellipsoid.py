@@ -1,0 +1,17 @@
+"""Gap between two ellipsoids: see contact/narrow/_convex.py."""
+
+from crashsolve.contact.narrow import _convex
+from crashsolve.contact.shape import ellipsoid
+
+PARAMETERS_A = PARAMETERS_B = _convex.PARAMETERS
+gap = _convex.gap
+
+
+def expand_a(elements):
+    """Each ellipsoid as a sum of ellipsoids."""
+    return _convex.expand(elements, ellipsoid)
+
+
+def expand_b(elements):
+    """Each ellipsoid as a sum of ellipsoids."""
+    return _convex.expand(elements, ellipsoid)

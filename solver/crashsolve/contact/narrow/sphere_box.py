@@ -1,0 +1,39 @@
+"""Gap between a sphere (or a point: radius 0) and a box.
+
+    depth = r - d,   d the signed distance of the centre from the box, negative inside
+
+Point of contact: the deepest of the sphere, c - r n.
+"""
+
+from math import copysign
+
+from crashsolve.contact.narrow._frame import out_of, seen_from
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import place
+from crashsolve.foundation.vec3 import add_scaled, norm, scale, vec
+
+
+@kernel
+def gap(a, b, nodes, data):
+    """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
+    body = nodes[b.node]
+    centre = place(nodes[a.node], vec(a.point))
+    distance, m = from_box(b.half, seen_from(b, body, centre))
+    n = out_of(b, body, m)
+    return a.radius - distance, n, add_scaled(centre, -a.radius, n)
+
+
+@kernel
+def from_box(half, y):
+    """Signed distance of y from a box about the origin, and the unit normal there."""
+    q = (abs(y[0]) - half[0], abs(y[1]) - half[1], abs(y[2]) - half[2])
+    beyond = (max(q[0], 0.0), max(q[1], 0.0), max(q[2], 0.0))
+    distance = norm(beyond)
+    if distance > 0.0:
+        m = scale(1.0 / distance, beyond)
+    else:
+        # inside: out by the nearest face
+        distance = max(q[0], q[1], q[2])
+        x, y_ = q[0] == distance, q[1] == distance
+        m = (1.0, 0.0, 0.0) if x else ((0.0, 1.0, 0.0) if y_ else (0.0, 0.0, 1.0))
+    return distance, (copysign(m[0], y[0]), copysign(m[1], y[1]), copysign(m[2], y[2]))

@@ -1,0 +1,42 @@
+"""Gap between a sphere (or a point: radius 0) and a cylinder with flat caps.
+
+    depth = r - d,   d the signed distance of the centre from the cylinder, negative inside
+
+Point of contact: the deepest of the sphere, c - r n.
+"""
+
+from math import copysign, sqrt
+
+from crashsolve.contact.narrow._frame import out_of, seen_from
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import place
+from crashsolve.foundation.vec3 import add_scaled, vec
+
+
+@kernel
+def gap(a, b, nodes, data):
+    """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
+    body = nodes[b.node]
+    centre = place(nodes[a.node], vec(a.point))
+    distance, m = from_cylinder(b.radius, b.half_length, seen_from(b, body, centre))
+    n = out_of(b, body, m)
+    return a.radius - distance, n, add_scaled(centre, -a.radius, n)
+
+
+@kernel
+def from_cylinder(radius, half, y):
+    """Signed distance of y from a cylinder along axis 3, and the unit normal there."""
+    rho = sqrt(y[0] * y[0] + y[1] * y[1])
+    side, cap = rho - radius, abs(y[2]) - half
+    if side > 0.0 and cap > 0.0:
+        distance = sqrt(side * side + cap * cap)
+        radial, axial = side / distance, cap / distance
+    elif side > cap:
+        distance, radial, axial = side, 1.0, 0.0
+    else:
+        distance, radial, axial = cap, 0.0, 1.0
+    axial = copysign(axial, y[2])
+    # on the axis every radial direction is as near
+    if rho == 0.0:
+        return distance, (radial, 0.0, axial)
+    return distance, (radial * y[0] / rho, radial * y[1] / rho, axial)

@@ -1,0 +1,72 @@
+"""Gap between a sphere (or a point: radius 0) and an ellipsoid.
+
+    depth = r - d,   d the signed distance of the centre from the ellipsoid, negative inside
+
+The nearest point of the ellipsoid to y is x_i = s_i^2 y_i / (t + s_i^2), with t the largest root of
+sum (s_i y_i / (t + s_i^2))^2 = 1. The sum is convex and falls, so Newton's method from the left
+never overshoots. Point of contact: the deepest of the sphere, c - r n.
+
+References: Eberly (2013), Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid.
+"""
+
+from math import copysign
+
+from crashsolve.contact.narrow._frame import out_of, seen_from
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import place
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
+
+# a coordinate of 0 is moved by this share of its semi-axis: the nearest point is then unique
+NUDGE = 1e-14
+
+
+@kernel
+def gap(a, b, nodes, data):
+    """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
+    body = nodes[b.node]
+    centre = place(nodes[a.node], vec(a.point))
+    distance, m = from_ellipsoid(b.semi, seen_from(b, body, centre))
+    n = out_of(b, body, m)
+    return a.radius - distance, n, add_scaled(centre, -a.radius, n)
+
+
+@kernel
+def from_ellipsoid(s, place_seen):
+    """Signed distance of a point from an ellipsoid about the origin, and the unit normal there."""
+    y = (nudged(place_seen[0], s[0]), nudged(place_seen[1], s[1]), nudged(place_seen[2], s[2]))
+    t = root(s, y)
+    x = (foot(s[0], y[0], t), foot(s[1], y[1], t), foot(s[2], y[2], t))
+    slope = (x[0] / s[0] ** 2, x[1] / s[1] ** 2, x[2] / s[2] ** 2)
+    m = scale(1.0 / norm(slope), slope)
+    return dot(sub(y, x), m), m
+
+
+@kernel
+def nudged(y, s):
+    """Coordinate y, but not 0."""
+    return copysign(max(abs(y), NUDGE * s), y)
+
+
+@kernel
+def foot(s, y, t):
+    """Coordinate of the nearest point."""
+    return s * s * y / (t + s * s)
+
+
+@kernel
+def root(s, y):
+    """Largest root t of sum (s_i y_i / (t + s_i^2))^2 = 1, by Newton's method from the left."""
+    t = -1e300
+    for i in range(3):
+        t = max(t, s[i] * (abs(y[i]) - s[i]))
+    for _ in range(60):
+        total, fall = -1.0, 0.0
+        for i in range(3):
+            share = s[i] * y[i] / (t + s[i] * s[i])
+            total += share * share
+            fall += 2.0 * share * share / (t + s[i] * s[i])
+        step = total / fall
+        t += step
+        if not step > 1e-15 * (abs(t) + s[0] * s[0]):
+            break
+    return t

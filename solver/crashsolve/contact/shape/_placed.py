@@ -1,0 +1,30 @@
+"""Words of shapes that have a centre and axes of their own within a body."""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
+from crashsolve.foundation.posture import matrix
+
+
+class PlacedCard(Card):
+    """Body, centre and posture of a shape."""
+
+    body: BodyName = word("body the shape is fixed in", "ground")
+    at: Vec3 = quantity("m", "centre, body axes", (0.0, 0.0, 0.0))
+    rotation: Rotation | None = word("posture of the shape in the body", None)
+
+
+PLACED: dict[str, tuple[Any, ...]] = {
+    "node": ("index", "body"),
+    "point": ("m", 3, "centre from the mass centre, body axes"),
+    "axes": ("1", 9, "rotation matrix, shape to body, by rows"),
+}
+
+
+def placement(card: PlacedCard, scene: Any) -> dict[str, Any]:
+    """Columns PLACED of a shape."""
+    node = scene.node(card.body)
+    axes = np.eye(3) if card.rotation is None else matrix(card.rotation.quaternion())
+    return {"node": node, "point": scene.from_mass_centre(node, card.at), "axes": axes.ravel()}

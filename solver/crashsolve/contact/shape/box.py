@@ -1,0 +1,52 @@
+"""Box fixed in a body."""
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
+from crashsolve.deck.card import Vec3, quantity
+from crashsolve.foundation.record import Record
+
+# rounding of the edges, in shares of the least half size
+ROUNDING = 1e-3
+
+
+class Box(PlacedCard):
+    """Box fixed in a body."""
+
+    size: Vec3 = quantity("m", "edges along the axes of the shape", gt=0)
+
+
+PARAMETERS = Record(**PLACED, half=("m", 3, "half edges"))
+
+
+def build(card: Box, scene: Any) -> list[dict[str, Any]]:
+    return [placement(card, scene) | {"half": 0.5 * np.array(card.size)}]
+
+
+def curvature_radius(card: Box) -> float | None:
+    """Flat."""
+    return None
+
+
+def bounding(element: Any) -> tuple[Any, float]:
+    """Centre in body axes and radius of an enclosing sphere."""
+    return element["point"], float(np.linalg.norm(element["half"]))
+
+
+def corners(element: Any) -> list[dict[str, Any]]:
+    """The eight corners, as spheres of radius 0."""
+    axes = element["axes"].reshape(3, 3)
+    signs = product((-1.0, 1.0), repeat=3)
+    points = (element["point"] + axes @ (element["half"] * np.array(s)) for s in signs)
+    return [{"node": element["node"], "point": point, "radius": 0.0} for point in points]
+
+
+def rounds(element: Any) -> list[np.ndarray]:
+    """Ellipsoids, as matrices in body axes, that sum up to this shape with rounded edges."""
+    axes = element["axes"].reshape(3, 3)
+    e = ROUNDING * min(element["half"])
+    needles = np.full((3, 3), e) + np.diag(element["half"] - 3.0 * e)
+    return [axes * semi**2 @ axes.T for semi in needles]

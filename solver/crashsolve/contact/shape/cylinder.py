@@ -1,0 +1,74 @@
+"""Cylinder with flat caps, fixed in a body."""
+
+from math import hypot, nan
+from typing import Any
+
+import numpy as np
+
+from crashsolve.contact.shape._placed import PLACED
+from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
+from crashsolve.foundation.posture import perpendicular
+from crashsolve.foundation.record import Record
+
+# rounding of the rims, in shares of the lesser half size
+ROUNDING = 1e-3
+
+
+class Cylinder(Card):
+    """Cylinder with flat caps, fixed in a body."""
+
+    body: BodyName = word("body the shape is fixed in", "ground")
+    at: Vec3 = quantity("m", "centre, body axes", (0.0, 0.0, 0.0))
+    axis: Vec3 = quantity("1", "direction, body axes; any length", (0.0, 0.0, 1.0))
+    radius: float = quantity("m", "radius", gt=0)
+    length: float = quantity("m", "from cap to cap", gt=0)
+
+
+PARAMETERS = Record(
+    **PLACED, radius=("m", "radius"), half_length=("m", "from the centre to a cap, along axis 3")
+)
+
+
+def build(card: Cylinder, scene: Any) -> list[dict[str, Any]]:
+    node = scene.node(card.body)
+    axis = scene.unit(card.axis, "axis")
+    side = perpendicular(axis)
+    return [
+        {
+            "node": node,
+            "point": scene.from_mass_centre(node, card.at),
+            "axes": np.column_stack([side, np.cross(axis, side), axis]).ravel(),
+            "radius": card.radius,
+            "half_length": 0.5 * card.length,
+        }
+    ]
+
+
+def curvature_radius(card: Cylinder) -> float | None:
+    """Not a number: a cylinder touches along lines, rims and caps."""
+    return nan
+
+
+def bounding(element: Any) -> tuple[Any, float]:
+    """Centre in body axes and radius of an enclosing sphere."""
+    return element["point"], hypot(element["radius"], element["half_length"])
+
+
+def rounds(element: Any) -> list[np.ndarray]:
+    """Ellipsoids, as matrices in body axes, that sum up to this shape with rounded rims."""
+    axes = element["axes"].reshape(3, 3)
+    r, half = element["radius"], element["half_length"]
+    e = ROUNDING * min(r, half)
+    disc = np.array([r - e, r - e, e])
+    needle = np.array([e, e, half - e])
+    return [axes * semi**2 @ axes.T for semi in (disc, needle)]
+
+
+def rims(element: Any) -> list[dict[str, Any]]:
+    """Two flat ellipsoids that reach exactly as far as the caps and the mantle."""
+    axes = element["axes"].reshape(3, 3)
+    r, half = element["radius"], element["half_length"]
+    e = ROUNDING * min(r, half)
+    place = {"node": element["node"], "axes": element["axes"], "semi": np.array([r, r, e])}
+    centres = (element["point"] + side * (half - e) * axes[:, 2] for side in (-1.0, 1.0))
+    return [place | {"point": centre} for centre in centres]

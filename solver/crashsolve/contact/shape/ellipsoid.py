@@ -1,0 +1,40 @@
+"""Ellipsoid fixed in a body."""
+
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
+from crashsolve.deck.card import Vec3, quantity
+from crashsolve.foundation.record import Record
+
+
+class Ellipsoid(PlacedCard):
+    """Ellipsoid fixed in a body."""
+
+    semi_axes: Vec3 = quantity("m", "half lengths along the axes of the shape", gt=0)
+
+
+PARAMETERS = Record(**PLACED, semi=("m", 3, "semi-axes"))
+
+
+def build(card: Ellipsoid, scene: Any) -> list[dict[str, Any]]:
+    return [placement(card, scene) | {"semi": np.array(card.semi_axes)}]
+
+
+def curvature_radius(card: Ellipsoid) -> float | None:
+    """Radius for Hertz's stiffness [m]; not a number where it depends on the place."""
+    a, b, c = card.semi_axes
+    return a if a == b == c else nan
+
+
+def bounding(element: Any) -> tuple[Any, float]:
+    """Centre in body axes and radius of an enclosing sphere."""
+    return element["point"], float(max(element["semi"]))
+
+
+def rounds(element: Any) -> list[np.ndarray]:
+    """Ellipsoids, as matrices in body axes, that sum up to this shape."""
+    axes = element["axes"].reshape(3, 3)
+    return [axes * element["semi"] ** 2 @ axes.T]

@@ -1,0 +1,29 @@
+"""Points fixed in a body: spheres of radius 0."""
+
+from typing import Any
+
+from crashsolve.contact.shape import sphere
+from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
+
+GAP_AS = "sphere"
+PARAMETERS, bounding = sphere.PARAMETERS, sphere.bounding
+
+
+class PointSet(Card):
+    """Points fixed in a body."""
+
+    body: BodyName = word("body the points are fixed in", "ground")
+    points: tuple[Vec3, ...] = quantity("m", "points, body axes")
+
+
+def build(card: PointSet, scene: Any) -> list[dict[str, Any]]:
+    if not card.points:
+        raise scene.fail("needs at least one point", "points")
+    node = scene.node(card.body)
+    places = (scene.from_mass_centre(node, point) for point in card.points)
+    return [{"node": node, "point": place, "radius": 0.0} for place in places]
+
+
+def curvature_radius(card: PointSet) -> float | None:
+    """Sharp: Hertz's stiffness does not exist."""
+    return 0.0
