@@ -68,7 +68,7 @@ def _ranges(result: Result, family: Family, columns: list[Column]) -> dict[str, 
     """Greatest minus least value of every channel of the columns, entity by entity."""
     ranges = np.array([np.ptp(result.block(family, column), axis=0) for column in columns])
     return {
-        f"{family.name}.{entity}.{column.name}": float(ranges[c, e])
+        f"{family.word}.{entity}.{column.name}": float(ranges[c, e])
         for e, entity in enumerate(family.ids)
         for c, column in enumerate(columns)
     }

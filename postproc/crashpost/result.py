@@ -47,6 +47,11 @@ class Family:
     ids: tuple[str, ...]
     columns: tuple[Column, ...]
 
+    @property
+    def word(self) -> str:
+        """First word of its channels: `deforc` of the group `deforc-linear`."""
+        return self.name.partition("-")[0]
+
 
 @dataclass(frozen=True)
 class Channel:
@@ -80,7 +85,7 @@ class Result:
         for family in self.families.values():
             for entity in family.ids:
                 for column in family.columns:
-                    name = f"{family.name}.{entity}.{column.name}"
+                    name = f"{family.word}.{entity}.{column.name}"
                     if fnmatchcase(name, match):
                         yield Channel(name, column.unit, column.meaning, len(self.time))
 
@@ -157,14 +162,15 @@ class Result:
         """The samples of one channel by its exact name."""
         if name == "time":
             return Series(self.time, self.time, "s")
-        group, entity, column = _words(name)
-        family = self.families.get(group)
-        if family is None or entity not in family.ids:
+        word, entity, column = _words(name)
+        holders = (f for f in self.families.values() if f.word == word and entity in f.ids)
+        family = next(holders, None)
+        if family is None:
             raise self._unknown_channel(name)
         found = next((c for c in family.columns if c.name == column), None)
         if found is None:
             raise self._unknown_channel(name)
-        values = self._read(f"{group}/{found.path}", family.ids.index(entity))
+        values = self._read(f"{family.name}/{found.path}", family.ids.index(entity))
         return Series(self.time, values, found.unit)
 
     def _read(self, path: str, entities: int | slice) -> np.ndarray:
@@ -177,13 +183,16 @@ class Result:
 
     def _unknown_channel(self, name: str) -> PostError:
         """The error for a channel that does not exist, pointing at the first wrong word."""
-        group, entity, column = _words(name)
-        family = self.families.get(group)
-        if family is None:
-            return unknown("family", group, self.families, whole=name)
-        if entity not in family.ids:
-            return unknown(f"{group} entity", entity, family.ids, whole=name)
-        return unknown(f"{group} quantity", column, [c.name for c in family.columns], whole=name)
+        word, entity, column = _words(name)
+        same = [family for family in self.families.values() if family.word == word]
+        if not same:
+            known = dict.fromkeys(family.word for family in self.families.values())
+            return unknown("family", word, known, whole=name)
+        holder = next((family for family in same if entity in family.ids), None)
+        if holder is None:
+            entities = [entity for family in same for entity in family.ids]
+            return unknown(f"{word} entity", entity, entities, whole=name)
+        return unknown(f"{word} quantity", column, [c.name for c in holder.columns], whole=name)
 
 
 def _words(name: str) -> tuple[str, str, str]:

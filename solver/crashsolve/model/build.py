@@ -60,6 +60,7 @@ def build(deck: Deck) -> tuple[Model, State]:
         contacts=list(deck.entries["contacts"]),
         joints=joints,
         curves=curves,
+        curve_names=scene.curves,
         saddle=saddle,
         control=_control(deck, scene),
         warnings=scene.warnings,

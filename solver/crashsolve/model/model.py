@@ -81,6 +81,7 @@ class Model:
     contacts: list[str]  # contact cards
     joints: list[Joint]
     curves: np.ndarray
+    curve_names: dict[str, int]
     saddle: Saddle
     control: np.ndarray
     warnings: list[str]

@@ -40,14 +40,18 @@ class Column:
 
 @dataclass(frozen=True)
 class Family:
-    """Entities (`ids`) sampled in the same columns; raises ValueError for unusable names."""
+    """Entities (`ids`) sampled in the same columns; raises ValueError for unusable names.
+
+    Types of a family that differ in columns stand side by side, named `deforc-linear`,
+    `deforc-torsional`; their channels all begin with `deforc`.
+    """
 
     name: str
     ids: tuple[str, ...]
     columns: tuple[Column, ...]
 
     def __post_init__(self) -> None:
-        if self.name not in FAMILIES:
+        if self.word not in FAMILIES:
             raise ValueError(f"unknown family '{self.name}'; one of {', '.join(FAMILIES)}")
         paths = [column.path for column in self.columns]
         words = [*self.ids, *(column.quantity for column in self.columns)]
@@ -61,10 +65,15 @@ class Family:
             if twice:
                 raise ValueError(f"family '{self.name}': name '{twice[0]}' used twice")
 
+    @property
+    def word(self) -> str:
+        """First word of the family's channels."""
+        return self.name.partition("-")[0]
+
     def channel(self, entity: int, column: int) -> str:
         """Channel name of one column of one entity."""
         dotted = self.columns[column].path.replace("/", ".")
-        return f"{self.name}.{self.ids[entity]}.{dotted}"
+        return f"{self.word}.{self.ids[entity]}.{dotted}"
 
     def channels(self) -> Iterator[str]:
         """All channel names, entity by entity."""

@@ -32,7 +32,7 @@ def create(file: "h5py.File", families: tuple[Family, ...], capacity: int) -> Of
     time = None
     for family in families:
         group = file.create_group(family.name)
-        group.attrs["meaning"] = FAMILIES[family.name]
+        group.attrs["meaning"] = FAMILIES[family.word]
         group.create_dataset("ids", data=family.ids, dtype=h5py.string_dtype())
         # all families share one time axis: one dataset under several names
         if time is None:

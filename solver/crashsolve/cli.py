@@ -1,0 +1,137 @@
+"""The command `crashsolve`: run a deck, or check, explain and document decks.
+
+    crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart]
+    crashsolve check DECK      crashsolve explain DECK      crashsolve schema      crashsolve keywords
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from crashsolve import __version__
+from crashsolve.foundation.errors import CrashsolveError, ExitCode
+
+COMMANDS = ("run", "check", "explain", "schema", "keywords", "equations")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Entry point; returns the exit code."""
+    given = sys.argv[1:] if arguments is None else arguments
+    # `crashsolve deck.yaml` is short for `crashsolve run deck.yaml`
+    if given and given[0] not in COMMANDS and not given[0].startswith("-"):
+        given = ["run", *given]
+    options = _parser().parse_args(given)
+    try:
+        return int(options.act(options))
+    except CrashsolveError as error:
+        print(error, file=sys.stderr)
+        return int(error.exit_code)
+    except BrokenPipeError:
+        return int(ExitCode.OUTPUT)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="crashsolve",
+        description="Solves the impact of rigid and flexible multibody systems from an input deck.",
+        epilog="exit codes: 0 normal, 1 internal, 2 deck, 3 stopped on request, 4 numerical stop, "
+        "5 output failed",
+    )
+    parser.add_argument("--version", action="version", version=f"crashsolve {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="solve a deck (the word run may be left out)")
+    _deck_arguments(run)
+    run.add_argument("-o", "--output", type=Path, metavar="DIR", help="results folder")
+    run.add_argument("--restart", action="store_true", help="go on from the newest dump")
+    run.set_defaults(act=_run)
+    for word, act, text in (
+        ("check", _check, "read and build a deck without running it"),
+        ("explain", _explain, "what the scene uses, what it leaves out, and the composed step"),
+    ):
+        command = commands.add_parser(word, help=text)
+        _deck_arguments(command)
+        command.set_defaults(act=act)
+    for word, act, text in (
+        ("schema", _schema, "JSON Schema of the deck, for editors"),
+        ("keywords", _keywords, "the keyword manual, as Markdown"),
+        ("equations", _equations, "where each equation of the chapter is, as Markdown"),
+    ):
+        commands.add_parser(word, help=text).set_defaults(act=act)
+    return parser
+
+
+def _deck_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("deck", type=Path, help="input deck (YAML)")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="override a parameter of the deck; may be repeated",
+    )
+
+
+def _overrides(options: argparse.Namespace) -> dict[str, str]:
+    pairs = {}
+    for text in options.set:
+        name, equals, value = text.partition("=")
+        if not equals or not name:
+            raise SystemExit(f"crashsolve: --set {text}: write --set NAME=VALUE")
+        pairs[name] = value
+    return pairs
+
+
+def _run(options: argparse.Namespace) -> int:
+    from crashsolve.run import solve
+
+    folder = options.output or Path(options.deck.stem + ".results")
+    return solve(options.deck, folder, _overrides(options), options.restart)
+
+
+def _check(options: argparse.Namespace) -> int:
+    from crashsolve.deck.read import read_deck
+    from crashsolve.model.build import build
+
+    model, _ = build(read_deck(options.deck, _overrides(options)))
+    for text in model.warnings:
+        print(f"warning: {text}")
+    print(f"{options.deck}: no mistakes found")
+    return ExitCode.NORMAL
+
+
+def _explain(options: argparse.Namespace) -> int:
+    from crashsolve.deck.read import read_deck
+    from crashsolve.explain import explain
+    from crashsolve.model.build import build
+
+    deck = read_deck(options.deck, _overrides(options))
+    print(explain(deck, build(deck)[0]))
+    return ExitCode.NORMAL
+
+
+def _schema(options: argparse.Namespace) -> int:
+    import json
+
+    from crashsolve.deck.schema import json_schema
+
+    print(json.dumps(json_schema(), indent=1))
+    return ExitCode.NORMAL
+
+
+def _keywords(options: argparse.Namespace) -> int:
+    from crashsolve.deck.schema import keywords_markdown
+
+    print(keywords_markdown(), end="")
+    return ExitCode.NORMAL
+
+
+def _equations(options: argparse.Namespace) -> int:
+    from crashsolve.deck.schema import equations_markdown
+
+    print(equations_markdown(), end="")
+    return ExitCode.NORMAL
+
+
+if __name__ == "__main__":
+    sys.exit(main())

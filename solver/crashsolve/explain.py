@@ -1,0 +1,34 @@
+"""What a scene uses, what it leaves out, and the step composed for it."""
+
+from crashsolve.deck.laws import types_in
+from crashsolve.deck.read import Deck
+from crashsolve.deck.sections import SECTIONS
+from crashsolve.model.model import Model
+from crashsolve.system.compose import compose
+
+
+def explain(deck: Deck, model: Model) -> str:
+    """A page of plain text: model, laws in use, laws left out, composed step."""
+    lines = [f"{deck.title or deck.path.name}", ""]
+    lines += [
+        f"bodies {len(model.bodies) - 1}, joints {len(model.joints)} "
+        f"({len(model.saddle.inverse)} constraint rows), "
+        f"contact pairs {sum(len(c.parameters) for c in model.contact_groups)}",
+        f"mass {model.mass.sum():.6g} kg, size {model.size:.4g} m",
+        "",
+        "in use",
+    ]
+    used: dict[str, set[str]] = {}
+    for keyword, entries in deck.entries.items():
+        if entries:
+            used[keyword] = {entry.type for entry in entries.values()}
+            lines.append(f"  {keyword}: {', '.join(sorted(used[keyword]))}")
+    for group in model.contact_groups:
+        lines.append(f"  contact loop: {group.word}, {len(group.parameters)} pairs")
+    lines += ["", "left out of this scene's compiled step"]
+    for keyword, section in SECTIONS.items():
+        left = sorted(set(types_in(section.folder)) - used.get(keyword, set()))
+        if left:
+            lines.append(f"  {keyword}: {', '.join(left)}")
+    lines += ["", "composed step", "-" * 13, compose(model, deck.control.integrator)]
+    return "\n".join(lines)

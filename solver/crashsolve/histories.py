@@ -1,0 +1,152 @@
+"""From outputs to channels: the families of a scene and their values at a sample."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.record import Record
+from crashsolve.model.model import Group
+from crashsolve.output.channels import Column, Family
+from crashsolve.system import contacts
+from crashsolve.system.energy import ENTRIES, IMBALANCE, LARGEST
+from crashsolve.system.engine import Engine
+
+AXES = ("x", "y", "z")
+BODY = (
+    ("position", "r", "m", "mass centre"),
+    ("velocity", "v", "m/s", "mass centre"),
+    ("acceleration", "v_dot", "m/s^2", "mass centre"),
+    ("angular_velocity", "w", "rad/s", "world axes"),
+    ("angular_acceleration", "w_dot", "rad/s^2", "world axes"),
+)
+MODEL = (
+    ("balance", "", "%", "energy imbalance over the largest energy"),
+    ("momentum_error", "", "1", "momentum not accounted for, over the largest sum of |m v|"),
+    ("angular_momentum_error", "", "1", "angular momentum not accounted for, over its largest sum"),
+    ("residual", "", "1", "largest constraint error so far over the model's size"),
+    ("step", "", "s", "time step"),
+    ("cycle", "", "1", "steps so far"),
+    ("mechanical", "", "J", "kinetic, potential and stored energy"),
+)
+CARD_COLUMNS = ("impulse", "peak_normal", "peak_depth", "onsets")
+FAMILY = {"springs": "deforc", "loads": "bndout", "sensors": "nodout"}
+Part = tuple[Family, Callable[[], np.ndarray]]
+
+
+class Histories:
+    """All families of an engine; `row()` is one sample of all of them."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+        self._largest = np.zeros(2)
+        self.start = self._momenta()
+        self._parts = [self._model(), self._bodies(), self._joints(), self._contacts()]
+        self._parts += [self._group(g) for g in engine.model.groups if g.keyword in FAMILY]
+
+    @property
+    def families(self) -> tuple[Family, ...]:
+        return tuple(family for family, _ in self._parts)
+
+    def row(self) -> dict[str, np.ndarray]:
+        """Values (n_id, n_column) of every family at the present sample."""
+        return {family.name: values() for family, values in self._parts}
+
+    def _model(self) -> Part:
+        columns = [Column("energy", name, "J", name.replace("_", " ")) for name in ENTRIES]
+        columns += [Column(*spec) for spec in MODEL]
+        for name, unit in (("momentum", "N s"), ("angular_momentum", "N m s")):
+            columns += [Column(name, axis, unit, "sum over bodies") for axis in AXES]
+        return Family("glstat", ("model",), tuple(columns)), self._model_values
+
+    def _model_values(self) -> np.ndarray:
+        e = self.engine
+        ledger, clock = e.ledger, e.clock
+        linear, angular = self._momenta()
+        sums = self._momentum_sums()
+        self._largest = np.maximum(self._largest, sums)
+        errors = [
+            _share(linear - self.start[0] - clock["impulse"], self._largest[0]),
+            _share(angular - self.start[1] - clock["angular_impulse"], self._largest[1]),
+        ]
+        balance = 100.0 * ledger[IMBALANCE] / ledger[LARGEST] if ledger[LARGEST] > 0 else 0.0
+        mechanical = ledger[0] + ledger[1] + ledger[2] + ledger[4] + ledger[6]
+        scalars = [balance, *errors, clock["residual"], clock["step"], clock["cycle"], mechanical]
+        return np.concatenate([ledger, scalars, linear, angular])[None, :]
+
+    def _momenta(self) -> tuple[np.ndarray, np.ndarray]:
+        """Momentum, and angular momentum about the world origin."""
+        nodes = self.engine.state.nodes[1:]
+        p = nodes["v"] / nodes["mass_inv"][:, None]
+        return p.sum(0), (np.cross(nodes["r"], p) + nodes["L"]).sum(0)
+
+    def _momentum_sums(self) -> np.ndarray:
+        nodes = self.engine.state.nodes[1:]
+        p = np.linalg.norm(nodes["v"], axis=1) / nodes["mass_inv"]
+        spin = np.linalg.norm(nodes["L"], axis=1)
+        return np.array([p.sum(), (p * np.linalg.norm(nodes["r"], axis=1) + spin).sum()])
+
+    def _bodies(self) -> Part:
+        columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]
+        columns += [Column("quaternion", c, "1", "body to world") for c in ("w", *AXES)]
+        family = Family("rbdout", tuple(self.engine.model.bodies[1:]), tuple(columns))
+        names = [name for _, name, _, _ in BODY] + ["q"]
+        return family, lambda: np.hstack([self.engine.nodes[name][1:] for name in names])
+
+    def _joints(self) -> Part:
+        columns = [Column("force", a, "N", "of the joint on body b, world axes") for a in AXES]
+        columns += [Column("moment", a, "N m", "the same, about the joint point") for a in AXES]
+        ids = tuple(joint.name for joint in self.engine.model.joints)
+        return Family("jntforc", ids, tuple(columns)), self._reactions
+
+    def _reactions(self) -> np.ndarray:
+        """Force and moment of every joint on its body b at the joint point, world axes."""
+        e = self.engine
+        values = np.zeros((len(e.model.joints), 6))
+        wrench = e.rows["D"][:, 6:] * e.rows["reaction"][:, None]
+        for value, joint in zip(values, e.model.joints, strict=True):
+            value[:] = wrench[joint.first_row : joint.first_row + joint.rows].sum(0)
+            if "point_b" in joint.frame:
+                arm = e.nodes["A"][joint.node_b].reshape(3, 3) @ joint.frame["point_b"]
+                value[3:] -= np.cross(arm, value[:3])
+        return values
+
+    def _contacts(self) -> Part:
+        columns = _columns(contacts.CARD_OUTPUT)
+        history = [c for c in contacts.CARD_HISTORY.columns if c.name in CARD_COLUMNS]
+        columns += [column for c in history for column in _spread(c)]
+        return Family("rcforc", tuple(self.engine.model.contacts), tuple(columns)), self._cards
+
+    def _cards(self) -> np.ndarray:
+        s = self.engine.state
+        now = s.card_history[self.engine.clock["current"]]
+        return np.hstack([_flat(s.cards, None), _flat(now, CARD_COLUMNS)])
+
+    def _group(self, group: Group) -> Part:
+        """Outputs of one type; types of a family differ in columns and stand side by side."""
+        word = getattr(group.module, "FAMILY", FAMILY[group.keyword])
+        columns = tuple(_columns(getattr(group.module, "OUTPUT", Record())))
+        names = [c.name for c in getattr(group.module, "OUTPUT", Record()).columns]
+        family = Family(f"{word}-{group.type}", tuple(group.names), columns)
+        return family, lambda: _flat(group.output, names)
+
+
+def _share(error: np.ndarray, scale: float) -> float:
+    return float(np.linalg.norm(error) / scale) if scale > 0.0 else 0.0
+
+
+def _columns(record: Record) -> list[Column]:
+    return [column for c in record.columns for column in _spread(c)]
+
+
+def _spread(c: Any) -> list[Column]:
+    if c.size == 1:
+        return [Column(c.name, "", c.unit, c.meaning)]
+    parts = AXES if c.size == 3 else tuple(str(k + 1) for k in range(c.size))
+    return [Column(c.name, part, c.unit, c.meaning) for part in parts]
+
+
+def _flat(table: np.ndarray, names: Any) -> np.ndarray:
+    """Columns of a structured array as (n, total width)."""
+    chosen = table.dtype.names if names is None else names
+    return np.hstack([table[name].reshape(len(table), -1).astype(float) for name in chosen])

@@ -1,0 +1,164 @@
+"""The engine: the compiled step of one scene with its arrays. The only place that calls it."""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.errors import SolverError
+from crashsolve.model.clock import (
+    CURVE_END,
+    ENERGY,
+    NOT_FINITE,
+    POSITION,
+    REACHED,
+    REBUILD,
+    STEP_TOO_SMALL,
+)
+from crashsolve.model.model import Model, State
+from crashsolve.system import energy
+from crashsolve.system.compose import compose, group_arrays, load
+
+# an assembly error above this share of the model's size is a mistake in the deck, not round-off
+ASSEMBLY = 1e-6
+
+
+class Engine:
+    """Steps a State through a Model; `nodes` and `rows` are the copies of the last sample."""
+
+    def __init__(self, model: Model, state: State) -> None:
+        self.model, self.state = model, state
+        self.module = load(compose(model))
+        self.groups = self.module.Groups(**group_arrays(model, state))
+        self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
+        self.ledger = state.ledger.copy()
+
+    @property
+    def clock(self) -> Any:
+        """Time, step, cycle and totals."""
+        return self.state.clock[0]
+
+    def start(self) -> None:
+        """Forces and reactions of the initial state; energy from which the balance is counted."""
+        s = self.state
+        self._call(self.clock["time"], True, self.clock, s.nodes, s.rows, s.ledger)
+        s.rows["multiplier"] = s.rows["before"] = s.rows["reaction"]
+        stored = [
+            energy.KINETIC,
+            energy.POTENTIAL,
+            energy.SPRING_STORED,
+            energy.CONTACT_STORED,
+            energy.FRICTION_STORED,
+        ]
+        s.ledger[energy.INITIAL] = s.ledger[stored].sum()
+        s.ledger[energy.LARGEST] = s.ledger[stored].max(initial=0.0)
+        s.ledger[energy.IMBALANCE] = 0.0
+
+    def advance(self, until: float) -> None:
+        """Step to exactly `until` [s]. Raises SolverError at a numerical stop."""
+        s = self.state
+        while True:
+            self._call(until, False, self.clock, s.nodes, s.rows, s.ledger)
+            status = int(self.clock["status"])
+            if status == REACHED:
+                return
+            if status != REBUILD:
+                raise self._stop(status)
+
+    def sample(self) -> None:
+        """Outputs, reactions and energies of the present state. Raises SolverError."""
+        self.nodes[:], self.rows[:] = self.state.nodes, self.state.rows
+        self.ledger[:] = self.state.ledger
+        clock = self.state.clock.copy()[0]
+        self._call(clock["time"], True, clock, self.nodes, self.rows, self.ledger)
+        if clock["status"] in (NOT_FINITE, ENERGY):
+            raise self._stop(int(clock["status"]), int(clock["place"]))
+        self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
+
+    def assembly_errors(self) -> list[tuple[str, str]]:
+        """Joints that do not fit the initial posture or velocity: (joint, what is wrong)."""
+        rows, found = self.state.rows, []
+        gap = np.abs(rows["phi"]) / rows["size"]
+        speed = self._velocity_error()
+        scale = max(float(np.abs(self.state.nodes["v"]).max()), 1e-9)
+        for joint in self.model.joints:
+            part = slice(joint.first_row, joint.first_row + joint.rows)
+            if gap[part].max() > ASSEMBLY:
+                worst = np.abs(rows["phi"][part]).max()
+                found.append((joint.name, f"does not fit the initial positions by {worst:.3g} (SI)"))
+            elif (speed[part] / rows["size"][part]).max() > ASSEMBLY * scale / self.model.size:
+                found.append(
+                    (joint.name, f"is broken by the initial velocities: {speed[part].max():.3g} (SI)")
+                )
+        return found
+
+    def _velocity_error(self) -> np.ndarray:
+        """|D v - nu| of every row; the parts of a row of several parts add up."""
+        rows, nodes = self.state.rows, self.state.nodes
+        D = rows["D"]
+        total = -rows["nu"].copy()
+        for side, column in (("node_a", 0), ("node_b", 6)):
+            body = nodes[rows[side]]
+            total += np.einsum("ij,ij->i", D[:, column : column + 3], body["v"])
+            total += np.einsum("ij,ij->i", D[:, column + 3 : column + 6], body["w"])
+        for joint in self.model.joints:
+            first = slice(joint.first_row, joint.first_row + joint.rows)
+            for part in range(1, joint.parts):
+                start = joint.first_row + part * joint.rows
+                total[first] += total[start : start + joint.rows]
+        return np.abs(total)
+
+    def _call(
+        self, until: float, sampling: bool, clock: Any, nodes: Any, rows: Any, ledger: Any
+    ) -> None:
+        m = self.model
+        self.module.advance(
+            until, sampling, clock, m.control[0], nodes, rows, m.saddle, m.curves, self.groups, ledger
+        )
+
+    def _stop(self, status: int, place: int | None = None) -> SolverError:
+        """What went wrong, where, why probably, and what to try."""
+        clock = self.clock
+        at = int(clock["place"]) if place is None else place
+        name, cause, advice = self._diagnosis(status, at)
+        return SolverError(float(clock["time"]), int(clock["cycle"]), name, cause, advice)
+
+    def _diagnosis(self, status: int, at: int) -> tuple[str, str, str]:
+        shorter = "take a shorter step: a smaller control.safety, or a smaller control.step"
+        bodies = self.model.bodies
+        if status == NOT_FINITE:
+            return f"body '{bodies[at]}'", "its motion is not a finite number any more", shorter
+        if status == POSITION:
+            joint = next(j for j in self.model.joints if at < j.first_row + j.rows * j.parts)
+            error = float(self.clock["value"])
+            return (
+                f"joint '{joint.name}'",
+                f"the joints cannot be closed (error {error:.3g} of the model's size): "
+                "they contradict each other, or the step is too long",
+                shorter + "; or remove a joint",
+            )
+        if status == STEP_TOO_SMALL:
+            body = bodies[int(self.clock["limit_node"])]
+            return (
+                f"body '{body}'",
+                f"the step has collapsed to {float(self.clock['next_step']):.3g} s",
+                "look for a stiffness far too large, or a mass far too small, on this body",
+            )
+        if status == CURVE_END:
+            return self._curve_end()
+        ledger = self.state.ledger
+        share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
+        return (
+            "the model",
+            f"the energy balance is off by {share:.3g} % of the largest energy",
+            shorter + "; control.energy_limit sets the bound",
+        )
+
+    def _curve_end(self) -> tuple[str, str, str]:
+        first, x = int(self.model.curves[0]["fault"]), float(self.model.curves[0]["x"])
+        name = next(n for n, start in self.model.curve_names.items() if start == first)
+        last = self.model.curves[int(self.model.curves[first]["last"])]["x"]
+        return (
+            f"curve '{name}'",
+            f"read at {x:.6g}, outside its range {self.model.curves[first]['x']:.6g} to {last:.6g}",
+            "extend the curve, or say extrapolate: hold or linear on its card",
+        )
