@@ -56,7 +56,7 @@ def shown(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, int | float):
-        return f"{float(value):.6g}" if abs(value) < 1e300 else "a huge number"
+        return f"{value:.6g}" if isinstance(value, float) or abs(value) < 1e300 else "a huge number"
     if isinstance(value, str):
         return f"'{value}'" if len(value) < 40 else f"'{value[:36]}...'"
     return "a table" if isinstance(value, Mapping) else "a list"

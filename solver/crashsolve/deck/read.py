@@ -85,7 +85,7 @@ class _Reader:
         files = Files(self.mistakes)
         self.tables = files.read(path)
         if files.incomplete:
-            raise DeckErrors(self.mistakes)
+            raise DeckErrors(self.in_order())
         self.items = items_of(self.tables, self.mistakes)
         self.parameters = Parameters(self.items["parameters"], overrides, self.mistakes)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}

@@ -1,0 +1,158 @@
+"""Claim: a curve goes through its points, and each interpolation keeps its promise."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from crashsolve.curves import file, formula, table
+from crashsolve.curves._card import EXTRAPOLATE
+from crashsolve.curves._piecewise import coefficients
+from crashsolve.deck.numbers import Context, SiFloat
+from crashsolve.foundation import curve
+from crashsolve.foundation.units import BASES, parse_unit
+
+X = np.array([0.0, 0.1, 0.4, 0.5, 1.5, 2.0])
+Y = np.array([0.0, 1.0, 1.0, 3.0, -2.0, -2.5])
+KINDS = ("linear", "smooth", "cubic")
+
+
+def values(x: Any, c: Any, at: Any, derivative: int = 0) -> Any:
+    """Value or derivative of piecewise cubics, by numpy alone."""
+    i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
+    s = at - x[i]
+    c0, c1, c2, c3 = c[i].T
+    if derivative == 2:
+        return 2 * c2 + 6 * c3 * s
+    if derivative == 1:
+        return c1 + 2 * c2 * s + 3 * c3 * s**2
+    return c0 + c1 * s + c2 * s**2 + c3 * s**3
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_point_is_hit_from_both_sides(kind: str) -> None:
+    c = coefficients(X, Y, kind)
+    assert values(X, c, X) == pytest.approx(Y, abs=1e-14)
+    assert values(X, c, X - 1e-12)[1:] == pytest.approx(Y[1:], abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_two_points_give_a_straight_line(kind: str) -> None:
+    c = coefficients(X[:2], Y[:2], kind)
+    assert c == pytest.approx(np.array([[0.0, 10.0, 0.0, 0.0]]), abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["smooth", "cubic"])
+def test_smooth_and_cubic_have_no_kink(kind: str) -> None:
+    c = coefficients(X, Y, kind)
+    inner = X[1:-1]
+    after = values(X, c, inner, derivative=1)
+    assert values(X, c, inner - 1e-10, derivative=1) == pytest.approx(after, abs=1e-6)
+
+
+def test_cubic_has_no_jump_of_curvature_and_none_at_its_ends() -> None:
+    c = coefficients(X, Y, "cubic")
+    h = np.diff(X)
+    curvature_after = 2 * c[1:, 2]
+    curvature_before = 2 * c[:-1, 2] + 6 * c[:-1, 3] * h[:-1]
+    assert curvature_before == pytest.approx(curvature_after, rel=1e-9, abs=1e-9)
+    assert values(X, c, X[[0, -1]], derivative=2) == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_smooth_never_overshoots() -> None:
+    c = coefficients(X, Y, "smooth")
+    for i in range(len(X) - 1):
+        inside = values(X, c, np.linspace(X[i], X[i + 1] - 1e-12, 50))
+        low, high = sorted(Y[i : i + 2])
+        assert inside.min() >= low - 1e-12
+        assert inside.max() <= high + 1e-12
+
+
+@pytest.mark.parametrize(("kind", "order"), [("linear", 2), ("smooth", 2), ("cubic", 2)])
+def test_interpolation_converges(kind: str, order: int) -> None:
+    errors = []
+    for n in (20, 40):
+        x = np.linspace(0, 1.5, n + 1)
+        c = coefficients(x, np.exp(x), kind)
+        fine = np.linspace(0, 1.5, 1001)
+        errors.append(np.abs(values(x, c, fine) - np.exp(fine)).max())
+    assert np.log2(errors[0] / errors[1]) > order - 0.2
+
+
+def test_codes_of_extrapolation_are_those_of_the_evaluator() -> None:
+    assert EXTRAPOLATE == {"refuse": curve.REFUSE, "hold": curve.HOLD, "linear": curve.LINEAR}
+
+
+def card_of(units: dict[str, str] | None = None, **fields: Any) -> table.Table:
+    names = {**dict(zip(BASES, ("m", "kg", "s", "rad"), strict=True)), **(units or {})}
+    bases = {base: parse_unit(name) for base, name in names.items()}
+    return table.Table.model_validate(fields, context=Context(bases) if units else Context())
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"points": [[0, 0], [0.002, 3000]]},
+        {"points": [[0, 0], [2, 3]], "x_unit": "mm", "y_unit": "kN"},
+        {"points": [["0 mm", 0], ["2 mm", "3 kN"]]},
+        {"points": [[0, 0], [SiFloat(0.002), 3]], "x_unit": "mm", "y_unit": "kN"},
+        {"points": [[0, 0], [2, 3]], "x_unit": "mm", "y_unit": "kN", "units": {"length": "in"}},
+    ],
+)
+def test_points_are_in_si_whatever_their_units(fields: dict[str, Any]) -> None:
+    x, c, beyond = table.build(card_of(**fields), None)
+    assert x == pytest.approx([0.0, 0.002])
+    assert c == pytest.approx(np.array([[0.0, 1.5e6, 0.0, 0.0]]))
+    assert beyond == curve.REFUSE
+
+
+def test_a_file_gives_the_same_curve_as_a_table(tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(
+        "# crush test\ntime; way; force\n"
+        + "".join(f"9; {x}; {y}\n" for x, y in zip(X, Y, strict=True))
+    )
+    by_file = file.File(file=str(path), columns=(2, 3), x_unit="mm", interpolation="cubic")
+    by_table = card_of(points=list(zip(1e-3 * X, Y, strict=True)), interpolation="cubic")
+    for ours, theirs in zip(file.build(by_file, None), table.build(by_table, None), strict=True):
+        assert ours == pytest.approx(theirs)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x y\n", "0 0\n1 one\n", "0 0\n0 1\n", "0\n1\n", "0 0\n1 nan\n"]
+)
+def test_a_file_without_points_is_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "points.txt"
+    path.write_text(text)
+    with pytest.raises(ValueError, match="mistake"):
+        file.File(file=str(path))
+
+
+def test_a_quartic_formula_is_exact_at_its_breakpoints() -> None:
+    card = formula.Formula.model_validate(
+        {"expression": "x**4 - 2*x + 1", "from": -1.0, "to": 2.0, "segments": 5}
+    )
+    x, c, _ = formula.build(card, None)
+    assert c[:, 0] == pytest.approx(x[:-1] ** 4 - 2 * x[:-1] + 1, abs=1e-12)
+    assert c[:, 1] == pytest.approx(4 * x[:-1] ** 3 - 2, abs=1e-11)
+    assert values(x, c, 2.0, derivative=1) == pytest.approx(30.0)
+
+
+def test_a_formula_converges_with_the_fourth_power() -> None:
+    errors = []
+    for n in (10, 20):
+        card = formula.Formula.model_validate(
+            {"expression": "sin(2*pi*x)", "from": 0, "to": "1 m", "segments": n}
+        )
+        x, c, _ = formula.build(card, None)
+        at = np.linspace(0, 1, 997)
+        errors.append(np.abs(values(x, c, at) - np.sin(2 * np.pi * at)).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.2)
+
+
+def test_one_segment_is_enough_for_a_cubic_formula() -> None:
+    card = formula.Formula.model_validate({"expression": "x**3", "from": 0, "to": 2, "segments": 1})
+    x, c, _ = formula.build(card, None)
+    assert c == pytest.approx(np.array([[0.0, 0.0, 0.0, 1.0]]), abs=1e-12)
+    assert list(x) == [0.0, 2.0]
