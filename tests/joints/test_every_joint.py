@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plain import plain, records
 
 import crashsolve.joints
 from crashsolve.deck.read import read_deck
 from crashsolve.foundation.posture import matrix
 from crashsolve.model.build import build
 from crashsolve.model.nodes import NODE, ROW
-from plain import plain, records
 
 HERE = Path(__file__).parent
 FOLDER = Path(crashsolve.joints.__file__).parent

@@ -3,10 +3,10 @@
 from typing import Any
 
 import numpy as np
+from plain import plain, records
 
 from crashsolve.foundation.saddle import factorise, plan, solve_reaction
 from crashsolve.model.nodes import ROW
-from plain import plain, records
 
 # rows and nodes of five blocks: a chain with a loop, and two gears (two parts, one body shared)
 BLOCKS = [(5, (0, 1)), (5, (1, 2)), (3, (2, 3)), (1, (1, 2, 0, 3)), (2, (0, 1, 1, 3))]

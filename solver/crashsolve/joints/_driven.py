@@ -1,6 +1,5 @@
 """Words and build of prescribed motions: a coordinate of the model follows a curve of time."""
 
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -33,13 +32,13 @@ def motion(card: DrivenCard, scene: Any, coordinate: float, tolerance: float) ->
 
 def start_value(card: DrivenCard, scene: Any) -> float:
     """Value of the curve at the start of the run."""
-    entry = scene.deck.entries["curves"][card.curve]
-    x, coefficients, _ = import_module(entry.module_name).build(entry.card, scene)
-    t = scene.deck.control.start_time
+    first = scene.curve(card.curve)
+    points = scene.curve_points[first : scene.curve_points[first]["last"] + 1]
+    x, t = points["x"], scene.deck.control.start_time
     if not x[0] <= t <= x[-1]:
         raise scene.fail(
             f"'{card.curve}' reaches from {x[0]:g} to {x[-1]:g} s; the run starts at {t:g} s",
             "curve",
         )
-    i = int(np.clip(np.searchsorted(x, t, side="right") - 1, 0, len(x) - 2))
-    return float(np.polyval(coefficients[i][::-1], t - x[i]))
+    i = min(int(np.searchsorted(x, t, side="right")) - 1, len(x) - 2)
+    return float(np.polyval(points["c"][i][::-1], t - x[i]))

@@ -1,0 +1,119 @@
+"""What limits and friction of a named joint share: the joint, its stops, how a bristle gives way."""
+
+from math import sqrt
+from typing import Any
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, CurveName, JointName, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.curve import curve_area, curve_value
+from crashsolve.foundation.record import Record
+from crashsolve.springs._resistance import steepest
+
+STOPS = Record(
+    lower=("m or rad", "lower stop; minus infinity for none"),
+    upper=("m or rad", "upper stop; infinity for none"),
+    stiffness=("N/m or N m/rad", "k; not used with a curve"),
+    curve=("index", "force over the travel beyond the stop; 0 for none"),
+    damping=("N s/m or N m s/rad", "c"),
+    stiffest=("N/m or N m/rad", "largest slope of the force"),
+)
+BRISTLE = Record(
+    level=("N or N m", "constant part of the limit"),
+    pressed=("1 or m", "limit per force that presses the joint: mu, times the pin radius"),
+    first_row=("index", "first row of the joint"),
+    pressing=("count", "rows whose reactions press the joint"),
+    stiffness=("N/m or N m/rad", "K"),
+    damping=("N s/m or N m s/rad", "c"),
+)
+
+
+class StopCard(Card):
+    """A joint with stops; the file of the law adds lower, upper, stiffness and damping."""
+
+    joint: JointName = word("joint with the stops")
+    curve: CurveName | None = word(
+        "force beyond the stop over the travel beyond it, from 0; instead of stiffness",
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "StopCard":
+        lower, upper = getattr(self, "lower", None), getattr(self, "upper", None)
+        if lower is None and upper is None:
+            raise ValueError("needs lower, upper or both")
+        if lower is not None and upper is not None and lower > upper:
+            raise ValueError("lower: must not exceed upper")
+        if (self.curve is None) == (getattr(self, "stiffness", None) is None):
+            raise ValueError("needs one of stiffness and curve")
+        return self
+
+
+def named_joint(scene: Any, name: str, types: tuple[str, ...]) -> Any:
+    """The joint a card names; only joints of these types have the motion."""
+    joint = scene.joints[name]
+    if joint.type not in types:
+        wanted = " or ".join(types)
+        raise scene.fail(f"'{name}' is a {joint.type} joint; name a {wanted} joint", "joint")
+    return joint
+
+
+def stops(card: Any, scene: Any) -> dict[str, Any]:
+    """Columns of STOPS from the words of a card."""
+    curve = scene.curve(card.curve) if card.curve else 0
+    if curve and scene.curve_points[curve]["x"] != 0.0:
+        raise scene.fail("must begin at 0, where the joint meets the stop", "curve")
+    return {
+        "lower": float("-inf") if card.lower is None else card.lower,
+        "upper": float("inf") if card.upper is None else card.upper,
+        "stiffness": card.stiffness or 0.0,
+        "curve": curve,
+        "damping": card.damping,
+        "stiffest": steepest(scene.curve_points, curve) if curve else card.stiffness,
+    }
+
+
+@kernel
+def stop(p, x, rate, out, curves):
+    """Force against x beyond a stop; it never pulls back. Writes: out.stored, power, loss."""
+    out.stored = out.power = out.loss = 0.0
+    over = max(x - p.upper, p.lower - x)
+    if over <= 0.0:
+        return 0.0
+    side = 1.0 if x > p.upper else -1.0
+    if p.curve > 0:
+        elastic = curve_value(curves, p.curve, over)[0]
+        out.stored = curve_area(curves, p.curve, over)
+    else:
+        elastic = p.stiffness * over
+        out.stored = 0.5 * elastic * over
+    total = max(elastic + p.damping * side * rate, 0.0)
+    out.power = (total - elastic) * side * rate
+    return side * total
+
+
+@kernel
+def friction_limit(p, rows):
+    """Level and coefficient times the force that presses the joint [N or N m]."""
+    square = 0.0
+    for k in range(p.first_row, p.first_row + p.pressing):
+        square += rows[k].reaction * rows[k].reaction
+    return p.level + p.pressed * sqrt(square)
+
+
+@kernel
+def give_way(stiffness, trial, before, limit_before, limit):
+    """How a bristle stretched to `trial` slides at its limit: share of the stretch kept, way, loss.
+
+    `before` and `limit_before` are stretch and limit at the start of the step; both run linearly to
+    their ends, and sliding begins where they meet.
+    """
+    excess = stiffness * trial - limit
+    if excess <= 0.0:
+        return 1.0, 0.0, 0.0
+    room = max(limit_before - stiffness * before, 0.0)
+    begin = room / (room + excess)
+    slip = excess / stiffness
+    mean = 0.5 * (limit_before + begin * (limit - limit_before) + limit)
+    return limit / (stiffness * trial), slip, mean * slip

@@ -1,0 +1,96 @@
+"""Friction against the travel of a prismatic or cylindrical joint; holds and slides.
+
+    F = K z + c z_dot while it holds,   |F| <= F_0 + mu |lambda|;   it slides at the limit
+
+z is the elastic travel since it last slid and lambda the force across the axis, that of the step
+before; the moments that tilt the slider in its guide are not counted.
+
+Consequence to test: a slider with the speed v_0 stops after m v_0 / F_0; on an axis inclined by
+alpha it stays for ever while tan alpha < mu. Energy lost = limit times way slid.
+
+Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158.
+"""
+
+from typing import Any
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, JointName, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import dot, scale, vec
+from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
+from crashsolve.springs._joint import BRISTLE, friction_limit, give_way, named_joint
+
+LEDGER = "joint_friction"
+
+
+class SlideFriction(Card):
+    """Friction against the travel of a joint: constant, a share of the reaction, or both."""
+
+    joint: JointName = word("prismatic or cylindrical joint")
+    force: float = quantity("N", "constant part of the limit", default=0.0, ge=0)
+    coefficient: float = quantity("1", "mu, of the force across the axis", default=0.0, ge=0)
+    stiffness: float = quantity("N/m", "K, of the bristle that holds", gt=0)
+    damping: float = quantity("N s/m", "c, of the bristle", default=0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "SlideFriction":
+        if self.force == 0.0 and self.coefficient == 0.0:
+            raise ValueError("needs force, coefficient or both")
+        return self
+
+
+PARAMETERS = POINTS + BRISTLE + Record(axis_a=("1", 3, "joint axis, axes of a"))
+HISTORY = Record(
+    slider=("m", "travel without stretch of the bristle"),
+    stretch=("m", "|z|"),
+    limit=("N", "at which it slides"),
+    slid=("m", "way slid"),
+)
+OUTPUT = Record(
+    force=("N", "positive pushes b back along the axis"),
+    limit=("N", "at which it slides"),
+    slid=("m", "way slid so far"),
+)
+
+
+def build(card: SlideFriction, scene: Any) -> dict[str, Any]:
+    joint = named_joint(scene, card.joint, ("prismatic", "cylindrical"))
+    columns = {column.name: joint.frame[column.name] for column in POINTS.columns}
+    return columns | {
+        "level": card.force,
+        "pressed": card.coefficient,
+        "first_row": joint.first_row,
+        "pressing": joint.angular.count(False),
+        "stiffness": card.stiffness,
+        "damping": card.damping,
+        "axis_a": joint.frame["axis_a"],
+    }
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    axis = vec(p.axis_a)
+    travel, rate = dot(axis, x), dot(axis, x_dot)
+    z = travel - old.slider
+    limit = friction_limit(p, rows)
+    share, slip, loss = give_way(p.stiffness, abs(z), old.stretch, old.limit, limit)
+    z *= share
+    elastic = p.stiffness * z
+    total = min(max(elastic + p.damping * rate, -limit), limit)
+    new.slider = travel - z
+    new.stretch = abs(z)
+    new.limit = limit
+    new.slid = old.slid + slip
+    out.force = total
+    out.limit = limit
+    out.slid = new.slid
+    out.stored = 0.5 * elastic * z
+    out.power = (total - elastic) * rate
+    # a state without a step has no history to lose energy in
+    out.loss = loss if h > 0.0 else 0.0
+    push(p, nodes, scale(-total, axis), d_a, d_b)
+    stiffen_along(p, nodes, p.axis_a, d_a, d_b, p.stiffness, p.damping)

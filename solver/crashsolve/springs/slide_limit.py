@@ -1,0 +1,53 @@
+"""Stops of the travel of a prismatic or cylindrical joint, beyond which a spring and damper act.
+
+    F = k e + c e_dot >= 0,   e = x - upper, or lower - x,   or F = f(e) + c e_dot
+
+Consequence to test: without damping the joint rebounds with its speed after the time
+pi sqrt(m / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import quantity
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import dot, scale, vec
+from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
+from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stops
+
+
+class SlideLimit(StopCard):
+    """Stops of the travel of a joint, counted from its position at the start."""
+
+    lower: float | None = quantity("m", "travel of the lower stop; none when absent", default=None)
+    upper: float | None = quantity("m", "travel of the upper stop; none when absent", default=None)
+    stiffness: float | None = quantity("N/m", "k", default=None, gt=0)
+    damping: float = quantity("N s/m", "c", default=0.0, ge=0)
+
+
+PARAMETERS = POINTS + STOPS + Record(axis_a=("1", 3, "joint axis, axes of a"))
+HISTORY = Record()
+OUTPUT = Record(
+    force=("N", "positive pushes b back"),
+    travel=("m", "of b from the start"),
+    rate=("m/s", "of the travel"),
+)
+
+
+def build(card: SlideLimit, scene: Any) -> dict[str, Any]:
+    frame = named_joint(scene, card.joint, ("prismatic", "cylindrical")).frame
+    columns = {column.name: frame[column.name] for column in POINTS.columns}
+    return columns | stops(card, scene) | {"axis_a": frame["axis_a"]}
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, out."""
+    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    axis = vec(p.axis_a)
+    out.travel = dot(axis, x)
+    out.rate = dot(axis, x_dot)
+    out.force = stop(p, out.travel, out.rate, out, curves)
+    push(p, nodes, scale(-out.force, axis), d_a, d_b)
+    # counted in the gap as well: nothing else shortens the step before the stop is met
+    stiffen_along(p, nodes, p.axis_a, d_a, d_b, p.stiffest, p.damping)

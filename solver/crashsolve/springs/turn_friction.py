@@ -1,0 +1,137 @@
+"""Friction against the turn of a revolute, cylindrical or spherical joint; holds and slides.
+
+    M = K z + c w while it holds,   |M| <= M_0 + mu R |lambda|;   it slides at the limit
+
+z is the elastic turn of b against a since it last slid, R the radius of pin or ball and lambda the
+force that presses the joint: all of it in a ball or hinge, that across the axis in a cylindrical
+joint. lambda is that of the step before.
+
+Consequence to test: a disc with the speed w_0 stops after J w_0 / M_0; below the limit it stays for
+ever. Energy lost = limit times angle slid.
+
+Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158; journal friction
+in joints: Haug, Wu and Yang (1986), Mechanism and Machine Theory 21, 401-406.
+"""
+
+from typing import Any
+
+import numpy as np
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, JointName, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import posture_in, turn_between
+from crashsolve.foundation.vec3 import add, add_scaled, dot, matvec_t, norm, put, scale, sub, vec
+from crashsolve.springs._joint import BRISTLE, friction_limit, give_way, named_joint
+
+LEDGER = "joint_friction"
+
+
+class TurnFriction(Card):
+    """Friction against the turn of a joint: constant, a share of the reaction, or both."""
+
+    joint: JointName = word("revolute, cylindrical or spherical joint")
+    torque: float = quantity("N m", "constant part of the limit", default=0.0, ge=0)
+    coefficient: float = quantity("1", "mu, of the force that presses the joint", default=0.0, ge=0)
+    radius: float | None = quantity("m", "R of pin or ball; with coefficient", default=None, gt=0)
+    stiffness: float = quantity("N m/rad", "K, of the bristle that holds", gt=0)
+    damping: float = quantity("N m s/rad", "c, of the bristle", default=0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "TurnFriction":
+        if self.torque == 0.0 and self.coefficient == 0.0:
+            raise ValueError("needs torque, coefficient or both")
+        if (self.coefficient > 0.0) != (self.radius is not None):
+            raise ValueError("coefficient and radius belong together")
+        return self
+
+
+PARAMETERS = BRISTLE + Record(
+    node_a=("index", "first body"),
+    node_b=("index", "second body"),
+    axis_a=("1", 3, "joint axis, axes of a; 0 for a ball"),
+)
+HISTORY = Record(
+    posture=("1", 4, "quaternion of b in a"),
+    bristle=("rad", 3, "z, axes of a"),
+    limit=("N m", "at which it slides"),
+    slid=("rad", "angle slid"),
+)
+OUTPUT = Record(
+    torque=("N m", 3, "on b, world axes"),
+    limit=("N m", "at which it slides"),
+    slid=("rad", "angle slid so far"),
+)
+
+
+def build(card: TurnFriction, scene: Any) -> dict[str, Any]:
+    joint = named_joint(scene, card.joint, ("revolute", "cylindrical", "spherical"))
+    return {
+        "level": card.torque,
+        "pressed": card.coefficient * (card.radius or 0.0),
+        "first_row": joint.first_row,
+        "pressing": joint.angular.count(False),
+        "stiffness": card.stiffness,
+        "damping": card.damping,
+        "node_a": joint.node_a,
+        "node_b": joint.node_b,
+        "axis_a": joint.frame.get("axis_a", (0.0, 0.0, 0.0)),
+    }
+
+
+def initial_history(card: TurnFriction, p: Any, scene: Any) -> dict[str, Any]:
+    w, x, y, z = scene.q[p["node_a"]]
+    a = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
+    return {"posture": a @ scene.q[p["node_b"]]}
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    now = posture_in(a, b)
+    before = (old.posture[0], old.posture[1], old.posture[2], old.posture[3])
+    z = add(vec(old.bristle), turn_between(before, now))
+    limit = friction_limit(p, rows)
+    stretch = norm(vec(old.bristle))
+    share, slip, loss = give_way(p.stiffness, norm(z), stretch, old.limit, limit)
+    z = scale(share, z)
+    w = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
+    elastic = scale(p.stiffness, z)
+    total = add_scaled(elastic, p.damping, w)
+    size = norm(total)
+    if size > limit:
+        total = scale(limit / size, total)
+    keep(new, now, z, limit, old.slid + slip)
+    out.limit = limit
+    out.slid = new.slid
+    out.stored = 0.5 * p.stiffness * dot(z, z)
+    out.power = dot(sub(total, elastic), w)
+    # a state without a step has no history to lose energy in
+    out.loss = loss if h > 0.0 else 0.0
+    put(out.torque, arm(a, scale(-1.0, total)))
+    apply_torque(b, vec(out.torque))
+    apply_torque(a, scale(-1.0, vec(out.torque)))
+    stiffen(a, turn_mobility(a, a, p), p.stiffness, p.damping)
+    stiffen(b, turn_mobility(b, a, p), p.stiffness, p.damping)
+
+
+@kernel
+def keep(new, posture, z, limit, slid):
+    """Writes: new."""
+    for k in range(4):
+        new.posture[k] = posture[k]
+    put(new.bristle, z)
+    new.limit = limit
+    new.slid = slid
+
+
+@kernel
+def turn_mobility(body, a, p):
+    """Mobility about the axis of a; an upper bound about any axis for a ball."""
+    axis = vec(p.axis_a)
+    if dot(axis, axis) > 0.0:
+        return spin_mobility(body, arm(a, axis))
+    return body.W[0] + body.W[4] + body.W[8]

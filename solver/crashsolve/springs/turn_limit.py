@@ -1,0 +1,50 @@
+"""Stops of the angle of a revolute or cylindrical joint, beyond which a spring and damper act.
+
+    M = k e + c e_dot >= 0,   e = theta - upper, or lower - theta,   or M = f(e) + c e_dot
+
+Consequence to test: without damping the joint rebounds with its speed after the time
+pi sqrt(J / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import quantity
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.springs._between import TURN, turned, twist
+from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stops
+
+
+class TurnLimit(StopCard):
+    """Stops of the angle of a joint, counted from its posture at the start."""
+
+    lower: float | None = quantity("rad", "angle of the lower stop; none when absent", default=None)
+    upper: float | None = quantity("rad", "angle of the upper stop; none when absent", default=None)
+    stiffness: float | None = quantity("N m/rad", "k", default=None, gt=0)
+    damping: float = quantity("N m s/rad", "c", default=0.0, ge=0)
+
+
+PARAMETERS = TURN + STOPS
+HISTORY = Record(angle=("rad", "theta, with all turns"))
+OUTPUT = Record(
+    torque=("N m", "positive turns b back"),
+    angle=("rad", "of b from the start"),
+    rate=("rad/s", "of the angle"),
+)
+
+
+def build(card: TurnLimit, scene: Any) -> dict[str, Any]:
+    frame = named_joint(scene, card.joint, ("revolute", "cylindrical")).frame
+    return {column.name: frame[column.name] for column in TURN.columns} | stops(card, scene)
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    angle, rate, g = turned(p, old.angle, nodes)
+    new.angle = angle
+    out.torque = stop(p, angle, rate, out, curves)
+    out.angle = angle
+    out.rate = rate
+    # counted in the gap as well: nothing else shortens the step before the stop is met
+    twist(p, nodes, out.torque, g, p.stiffest, p.damping)
