@@ -43,6 +43,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     groups: list[Group] = []
     joints = _build_joints(deck, scene, groups)
     scene.joints = {joint.name: joint for joint in joints}
+    scene.size = max(scene.size, longest_arm(joints))
     for keyword in ("springs", "loads", "sensors"):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
@@ -98,6 +99,14 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
             p["first_row"] = row
             row += rows * len(nodes) // 2
     return joints
+
+
+def longest_arm(joints: list[Joint]) -> float:
+    """Largest distance of a joint's point from the mass centre of its body, or length of a rod [m]."""
+    ends = [(joint.node_a, joint.frame.get("point_a")) for joint in joints]
+    ends += [(joint.node_b, joint.frame.get("point_b")) for joint in joints]
+    arms = [float(np.linalg.norm(point)) for node, point in ends if node > 0 and point is not None]
+    return max(arms + [float(joint.frame.get("length", 0.0)) for joint in joints], default=0.0)
 
 
 def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
