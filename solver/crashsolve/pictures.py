@@ -26,7 +26,9 @@ class Pictures:
         self._A0 = engine.state.nodes["A"].copy()
         self._skin = self._surfaces()
         self._lines = self._springs()
-        self._pairs = [g for g in engine.model.contact_groups if len(g.parameters)]
+        # the pairs of a searched group come and go: a block of fixed size cannot show them
+        fixed = [g for g in engine.model.contact_groups if g.search is None]
+        self._pairs = [g for g in fixed if len(g.parameters)]
         self.blocks = self._blocks()
 
     def _surfaces(self) -> list[tuple[int, np.ndarray, np.ndarray]]:

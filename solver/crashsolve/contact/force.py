@@ -1,6 +1,6 @@
 """Contact card: which surfaces may touch, with which normal force and friction.
 
-    force on side a = f n + t,   n the normal out of side b, t against the slip of a over b
+force on side a = f n + t,   n the normal out of side b, t against the slip of a over b
 """
 
 from crashsolve.deck.card import Card, Law, SurfaceName, quantity, word

@@ -94,11 +94,13 @@ def advance(until, sampling, clock, control, nodes, rows, saddle, curves, groups
             measure(time, nodes, rows, curves, groups)
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, groups, ledger)
-            check(clock, control, nodes, curves, groups, ledger)
+            check(clock, control, nodes, ledger)
         if sampling:
             return
         if curves[0].fault > 0:
             clock.status = CURVE_END
+        elif REBUILDS and clock.status == RUNNING and need_rebuild(nodes, groups):
+            clock.status = REBUILD
     if clock.status == RUNNING:
         clock.status = REACHED
 
@@ -214,12 +216,10 @@ def accept(time, h, clock, control, nodes):
 
 
 @inlined
-def check(clock, control, nodes, curves, groups, ledger):
-    """Stop at a bad number or a broken balance; ask for new pairs. Writes: clock."""
+def check(clock, control, nodes, ledger):
+    """Stop at a bad number or a broken balance. Writes: clock."""
     bad = bad_node(nodes)
     if bad >= 0:
         clock.status, clock.place = NOT_FINITE, bad
     elif balance_broken(ledger, control.energy_limit):
         clock.status = ENERGY
-    elif REBUILDS and need_rebuild(nodes, groups):
-        clock.status = REBUILD

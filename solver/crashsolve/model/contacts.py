@@ -1,19 +1,24 @@
 """Build of contact: surfaces to elements, pairs of surfaces to pairs of elements.
 
 The gap routine of shapes `sphere` and `plane` is contact/narrow/sphere_plane.py, whichever stands
-on side a of the card. A shape may say GAP_AS to use the routines of another shape.
+on side a of the card. A shape may say GAP_AS to use the routines of another shape. A gap routine
+may say expand_a, expand_b to take the elements of a surface apart (a box into its corners), with
+PARAMETERS_A, PARAMETERS_B for what it makes of them, and `data` for arrays that all elements share.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from importlib import import_module
 from importlib.util import find_spec
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from crashsolve.foundation.record import Record
 from crashsolve.model.model import ContactGroup
+from crashsolve.model.pairs import Block, Elements, Pairing, Search, resting
 from crashsolve.model.scene import Scene
 from crashsolve.system import contacts as system
 
@@ -21,13 +26,14 @@ if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
 
 NARROW = "crashsolve.contact.narrow"
+SHAPE = "crashsolve.contact.shape"
 
 
 class Surface:
     """Elements of one surface card."""
 
-    def __init__(self, entry: Entry, scene: Scene) -> None:
-        self.entry = entry
+    def __init__(self, entry: Entry, rank: int, scene: Scene) -> None:
+        self.entry, self.rank = entry, rank
         self.module = import_module(entry.module_name)
         self.elements: list[dict[str, Any]] = self.module.build(entry.card, scene)
         self.shape = getattr(self.module, "GAP_AS", entry.type)
@@ -35,46 +41,60 @@ class Surface:
 
 
 class Pair:
-    """What a normal law may ask about the two surfaces it acts between."""
+    """What a normal law may ask about the contact and the two surfaces it acts between."""
 
-    def __init__(self, a: Surface, b: Surface) -> None:
-        self.radius_a, self.radius_b = a.radius, b.radius
+    def __init__(self, contact: str, radius_a: float | None, radius_b: float | None) -> None:
+        self.contact, self.radius_a, self.radius_b = contact, radius_a, radius_b
 
 
 def build_contacts(deck: Deck, scene: Scene) -> list[ContactGroup]:
     """Contact groups of all contact cards."""
     surfaces: dict[str, Surface] = {}
-    for name, entry in deck.entries["surfaces"].items():
+    for rank, (name, entry) in enumerate(deck.entries["surfaces"].items()):
         with scene.building(entry):
-            surfaces[name] = Surface(entry, scene)
+            surfaces[name] = Surface(entry, rank, scene)
     scene.surfaces = surfaces
     builders: dict[str, GroupBuilder] = {}
     for index, entry in enumerate(deck.entries["contacts"].values()):
         with scene.building(entry):
             _add_card(index, entry, surfaces, builders, scene)
-    return [builder.finish() for builder in builders.values()]
+    if scene.errors:
+        return []
+    nodes = scene.placed_nodes()
+    return [builder.finish(nodes) for builder in builders.values()]
 
 
 def _add_card(
     index: int,
     entry: Entry,
     surfaces: dict[str, Surface],
-    builders: dict[str, "GroupBuilder"],
+    builders: dict[str, GroupBuilder],
     scene: Scene,
 ) -> None:
     card = entry.card
-    for name_a in card.a:
-        for name_b in card.b:
-            if name_a not in surfaces or name_b not in surfaces:
-                continue  # its own card is wrong and already reported
-            a, b = surfaces[name_a], surfaces[name_b]
-            narrow, swapped = gap_routine(a, b, scene)
+    sides = [_by_shape(names, surfaces) for names in (card.a, card.b)]
+    on_both = set(card.a) & set(card.b)
+    bodies = {s.elements[0]["node"] for side in sides for group in side.values() for s in group}
+    if len(bodies) == 1:
+        raise scene.fail("all its surfaces are on one body; a body cannot touch itself", "b")
+    for some_a in sides[0].values():
+        for some_b in sides[1].values():
+            narrow, swapped = gap_routine(some_a[0], some_b[0], scene)
             key = "_".join([narrow.__name__.rpartition(".")[2], _law(card.normal)])
             key += f"_{_law(card.friction)}" if card.friction is not None else ""
             key += "_swapped" if swapped else ""
             if key not in builders:
                 builders[key] = GroupBuilder(key, narrow, swapped, card)
-            builders[key].add(index, card, a, b, scene)
+            builders[key].add(index, entry, (some_a, some_b), on_both, scene)
+
+
+def _by_shape(names: Any, surfaces: dict[str, Surface]) -> dict[str, list[Surface]]:
+    """Surfaces of one side of a card by shape; one that is missing has been reported already."""
+    found: dict[str, list[Surface]] = defaultdict(list)
+    for name in dict.fromkeys(names):
+        if name in surfaces:
+            found[surfaces[name].shape].append(surfaces[name])
+    return found
 
 
 def _law(card: Any) -> str:
@@ -94,73 +114,158 @@ def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
     )
 
 
+class Side:
+    """Elements on one side of a gap routine, surface after surface."""
+
+    def __init__(self, narrow: Any, letter: str) -> None:
+        self.expand = getattr(narrow, f"expand_{letter}", lambda elements: elements)
+        self.record: Record | None = getattr(narrow, f"PARAMETERS_{letter.upper()}", None)
+        self.elements: list[dict[str, Any]] = []
+        self.surfaces: dict[str, range] = {}
+        self._of: list[Surface] = []
+        self._bounds: list[tuple[Any, float]] = []
+        self._rounds: dict[str, int] = {}
+
+    def place(self, surface: Surface) -> None:
+        """Append a surface's elements, taken apart, when it is first seen."""
+        name = surface.entry.name
+        if name in self.surfaces:
+            return
+        first = len(self.elements)
+        for element in surface.elements:
+            parts = self.expand([element])
+            self.elements.extend(parts)
+            self._bounds.extend([_bound(surface, element)] * len(parts))
+        self.surfaces[name] = range(first, len(self.elements))
+        self._of.extend([surface] * len(self.surfaces[name]))
+        self._rounds.setdefault(str(surface.radius), len(self._rounds))
+        self.record = self.record or import_module(f"{SHAPE}.{surface.shape}").PARAMETERS
+
+    def round_of(self, surface: Surface) -> int:
+        """Class of its radius of curvature."""
+        return self._rounds[str(surface.radius)]
+
+    def mask(self, names: Any) -> np.ndarray:
+        """Which elements belong to the named surfaces."""
+        mask = np.zeros(len(self.elements), bool)
+        for name in names:
+            if name in self.surfaces:
+                mask[self.surfaces[name]] = True
+        return mask
+
+    def arrays(self) -> Elements:
+        """The elements as pairing sees them."""
+        return Elements(
+            node=np.array([e["node"] for e in self.elements]),
+            rank=np.array([s.rank for s in self._of]),
+            round=np.array([self.round_of(s) for s in self._of]),
+            centre=np.array([centre for centre, _ in self._bounds]),
+            radius=np.array([radius for _, radius in self._bounds]),
+        )
+
+
+def _bound(surface: Surface, element: Any) -> tuple[Any, float]:
+    """Bounding sphere of an element, body axes; infinite for an endless shape."""
+    if hasattr(surface.module, "bounding"):
+        centre, radius = surface.module.bounding(element)
+        return centre, radius
+    return element["point"], inf
+
+
 class GroupBuilder:
     """Collects the pairs that share gap routine and laws."""
 
     def __init__(self, word: str, narrow: Any, swapped: bool, card: Any) -> None:
         self.word, self.narrow, self.swapped = word, narrow, swapped
-        self.normal = import_module(type(card.normal).__module__)
-        self.friction = (
-            None if card.friction is None else import_module(type(card.friction).__module__)
-        )
-        self.elements: tuple[list[Any], list[Any]] = ([], [])
-        self.shapes: list[Any] = [None, None]
-        self.first: tuple[dict[str, int], dict[str, int]] = ({}, {})
-        self.rows: list[dict[str, Any]] = []
+        laws = [card.normal] + ([] if card.friction is None else [card.friction])
+        self.modules = [import_module(type(law).__module__) for law in laws]
+        self.sides = (Side(narrow, "a"), Side(narrow, "b"))
+        self.laws: list[dict[str, Any]] = []
+        self.blocks: list[tuple[Any, ...]] = []
 
-    def add(self, index: int, card: Any, a: Surface, b: Surface, scene: Scene) -> None:
-        """All element pairs of two surfaces under one card."""
-        law = self.normal.build(card.normal, scene, Pair(a, b))
-        if self.friction is not None:
-            law |= self.friction.build(card.friction, scene)
-        sides = (b, a) if self.swapped else (a, b)
-        starts = [self._place(side, surface) for side, surface in enumerate(sides)]
-        same = a is b
-        for i in range(len(sides[0].elements)):
-            for j in range(i + 1 if same else 0, len(sides[1].elements)):
-                if sides[0].elements[i]["node"] == sides[1].elements[j]["node"]:
-                    continue
-                base = {
-                    "a": starts[0] + i,
-                    "b": starts[1] + j,
-                    "card": index,
-                    "speed_floor": card.speed_floor,
-                }
-                self.rows.append(base | law)
+    def add(
+        self,
+        index: int,
+        entry: Entry,
+        surfaces: tuple[list[Surface], list[Surface]],
+        on_both: set[str],
+        scene: Scene,
+    ) -> None:
+        """All pairs of surfaces of two shapes under one card."""
+        rows: dict[tuple[int, int], int] = {}
+        for a, b in _unlike(surfaces):
+            first, second = (b, a) if self.swapped else (a, b)
+            for side, surface in zip(self.sides, (first, second), strict=True):
+                side.place(surface)
+            classes = self.sides[0].round_of(first), self.sides[1].round_of(second)
+            rows[classes] = len(self.laws)
+            self.laws.append(self._law(entry, a, b, scene))
+        ordered = (surfaces[1], surfaces[0]) if self.swapped else surfaces
+        for side, some in zip(self.sides, ordered, strict=True):
+            for surface in some:
+                side.place(surface)
+        names = tuple([s.entry.name for s in some] for some in ordered)
+        self.blocks.append((index, entry.card.speed_floor, names, on_both, rows))
 
-    def _place(self, side: int, surface: Surface) -> int:
-        """Index of a surface's first element in the table of its side."""
-        known = self.first[side]
-        if surface.entry.name not in known:
-            known[surface.entry.name] = len(self.elements[side])
-            self.elements[side].extend(surface.elements)
-            self.shapes[side] = surface.module
-        return known[surface.entry.name]
+    def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> dict[str, Any]:
+        """Parameters of the laws between two surfaces."""
+        card = entry.card
+        law = self.modules[0].build(card.normal, scene, Pair(entry.name, a.radius, b.radius))
+        if card.friction is not None:
+            law = law | self.modules[1].build(card.friction, scene)
+        return dict(law)
 
-    def finish(self) -> ContactGroup:
-        laws = [self.normal] + ([self.friction] if self.friction else [])
-        parameters, history, output = system.PARAMETERS, system.HISTORY, system.OUTPUT
-        for law in laws:
-            parameters, history = parameters + law.PARAMETERS, history + law.HISTORY
-        n = len(self.rows)
-        rest = np.zeros((2, n), history.dtype)
-        rest["depth"] = -1e300
-        data = getattr(self.narrow, "data", lambda *_: (np.zeros(0),))
+    def finish(self, nodes: np.ndarray) -> ContactGroup:
+        """The group with its pairs, all of them or the near ones."""
+        parameters, history = system.PARAMETERS, system.HISTORY
+        for module in self.modules:
+            parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
+        elements = (self.sides[0].elements, self.sides[1].elements)
+        # the arrays of all elements come first: they may note in an element where its part starts
+        data = getattr(self.narrow, "data", lambda *_: (np.zeros(0),))(*elements)
+        pairing = self._pairing(parameters)
+        search = Search(pairing) if pairing.worth_searching() else None
+        rows = pairing.everything() if search is None else search.look(nodes)
         return ContactGroup(
             word=self.word,
             narrow=self.narrow,
-            normal=self.normal,
-            friction=self.friction,
-            elements_a=_table(self.elements[0], self.shapes[0].PARAMETERS),
-            elements_b=_table(self.elements[1], self.shapes[1].PARAMETERS),
-            data=data(self.elements[0], self.elements[1]),
-            parameters=_table(self.rows, parameters),
-            history=rest,
-            output=np.zeros(n, output.dtype),
+            normal=self.modules[0],
+            friction=self.modules[1] if len(self.modules) > 1 else None,
+            elements_a=_table(elements[0], self.sides[0].record),
+            elements_b=_table(elements[1], self.sides[1].record),
+            data=data,
+            parameters=rows,
+            history=resting(len(rows), history.dtype),
+            output=np.zeros(len(rows), system.OUTPUT.dtype),
+            search=search,
         )
 
+    def _pairing(self, parameters: Record) -> Pairing:
+        first, second = (side.arrays() for side in self.sides)
+        laws = np.zeros(len(self.laws), parameters.dtype)
+        for row, values in zip(laws, self.laws, strict=True):
+            for name, value in values.items():
+                row[name] = value
+        blocks = []
+        for index, speed_floor, names, on_both, rows in self.blocks:
+            law = np.zeros((first.round.max() + 1, second.round.max() + 1), int)
+            for classes, row in rows.items():
+                law[classes] = row
+            member = tuple(s.mask(some) for s, some in zip(self.sides, names, strict=True))
+            twice = tuple(s.mask(on_both) for s in self.sides)
+            order = -1 if self.swapped else 1
+            blocks.append(Block(index, speed_floor, order, member, twice, law))
+        return Pairing((first, second), blocks, laws)
 
-def _table(rows: list[dict[str, Any]], record: Record) -> np.ndarray:
+
+def _unlike(surfaces: tuple[list[Surface], list[Surface]]) -> list[tuple[Surface, Surface]]:
+    """One pair of surfaces for every two radii of curvature: their laws are the same."""
+    some_a, some_b = ({str(s.radius): s for s in side}.values() for side in surfaces)
+    return [(a, b) for a in some_a for b in some_b]
+
+
+def _table(rows: list[dict[str, Any]], record: Record | None) -> np.ndarray:
+    assert record is not None
     table = np.zeros(len(rows), record.dtype)
     for i, values in enumerate(rows):
         for column in record.columns:

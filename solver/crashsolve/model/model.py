@@ -1,6 +1,6 @@
 """Model: what never changes during a run. State: all that changes. Both are arrays with meaning."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -40,7 +40,7 @@ class ContactGroup:
     parameters: np.ndarray
     history: np.ndarray
     output: np.ndarray
-    bodies_a: list[str] = field(default_factory=list)
+    search: Any | None  # of the near pairs; None when all pairs are kept
 
 
 @dataclass

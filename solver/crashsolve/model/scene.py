@@ -91,10 +91,15 @@ class Scene:
         return CardProblem(message, field)
 
     def warn(self, message: str) -> None:
-        self.warnings.append(message)
+        if message not in self.warnings:
+            self.warnings.append(message)
 
     def node(self, body: str) -> int:
         return self._index[body]
+
+    def placed_nodes(self) -> dict[str, np.ndarray]:
+        """Positions and postures at the start, as the node table names them."""
+        return {"r": self.r, "A": self.A}
 
     def curve(self, name: str) -> int:
         return self.curves[name]

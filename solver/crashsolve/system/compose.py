@@ -83,6 +83,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
             f"{c.word}_h": c.history,
             f"{c.word}_o": c.output,
         }
+        if c.search is not None:
+            arrays |= {f"{c.word}_{name}": array for name, array in c.search.arrays().items()}
     if model.contact_groups:
         arrays |= {"cards": state.cards, "card_history": state.card_history}
     return arrays or {"nothing": state.ledger}
@@ -94,7 +96,7 @@ def scene_text(model: Any) -> str:
     parts.append(
         f"JOINTS = {bool(model.joints)}\n"
         f"CONTACTS = {bool(model.contact_groups)}\n"
-        f"REBUILDS = False\n"
+        f"REBUILDS = {any(c.search is not None for c in model.contact_groups)}\n"
     )
     parts += [_contact(c) for c in model.contact_groups]
     parts += [
@@ -104,7 +106,7 @@ def scene_text(model: Any) -> str:
         _function("force_pass", _force_calls(model)),
         _function("approach", _approach_calls(model)),
         _function("approach_before", _approach_before_calls(model)),
-        _function("need_rebuild", ["return False"]),
+        _function("need_rebuild", _rebuild_calls(model)),
         _function("energy", _energy_calls(model)),
         _function("measure", _measure_calls(model)),
     ]
@@ -144,6 +146,8 @@ def _groups_class(model: Any) -> str:
         fields += [f"{g.word}_p", f"{g.word}_h", f"{g.word}_o"]
     for c in model.contact_groups:
         fields += [f"{c.word}_{x}" for x in ("a", "b", "data", "p", "h", "o")]
+        if c.search is not None:
+            fields += [f"{c.word}_{x}" for x in c.search.arrays()]
     if model.contact_groups:
         fields += ["cards", "card_history"]
     lines = "\n".join(f"    {name}: Any" for name in fields or ["nothing"])
@@ -226,13 +230,15 @@ def _contact(c: Any) -> str:
             ".friction_force(",
             "            p, old, new, h, f, slip, n, mass, curves",
             "        )",
-            "        k, c = max(k, t_k), max(c, t_c)",
+            "        u = contacts.along(t, slip, n)",
+            "        mob_t, mob_u = contacts.pair_mobility(m, w, d_a, d_b, u)",
+            "        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)",
         ]
     lines += [
         "        contacts.touch(m, w, d_a, d_b, f, t, n, x, out)",
         "        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)",
         "        contacts.dissipate(old, new, h, power, loss, t_power, t_loss)",
-        "        contacts.sum_card(groups.cards[p.card], f, t, new, out)",
+        "        contacts.sum_card(groups.cards[p.card], p.order, f, t, new, out)",
         "        contacts.sum_losses(groups.cards[p.card], new)",
     ]
     return "\n".join(lines) + "\n"
@@ -263,6 +269,19 @@ def _approach_before_calls(model: Any) -> list[str]:
             "        deepest = max(deepest, history[current, i].depth)",
         ]
     return [*lines, "return min(deepest, 0.0)"]
+
+
+def _rebuild_calls(model: Any) -> list[str]:
+    lines = []
+    for c in model.contact_groups:
+        if c.search is not None:
+            g = f"groups.{c.word}"
+            for side in ("a", "b"):
+                lines += [
+                    f"if contacts.strayed({g}_{side}, nodes, {g}_seen_{side}, {g}_slack[0]):",
+                    "    return True",
+                ]
+    return [*lines, "return False"]
 
 
 STORED = {"potential": "POTENTIAL", "spring": "SPRING_STORED"}
@@ -298,6 +317,13 @@ def _energy_calls(model: Any) -> list[str]:
             f"    ledger[{e.FRICTION_STORED}] += o.friction_stored",
             f"    ledger[{e.CONTACT_DISSIPATED}] += old.dissipated",
             f"    ledger[{e.FRICTION_DISSIPATED}] += old.friction_dissipated",
+        ]
+    if any(c.search is not None for c in model.contact_groups):
+        lines += [
+            "for i in range(groups.cards.shape[0]):",
+            "    card = groups.card_history[clock.current, i]",
+            f"    ledger[{e.CONTACT_DISSIPATED}] += card.left_dissipated",
+            f"    ledger[{e.FRICTION_DISSIPATED}] += card.left_friction_dissipated",
         ]
     return [*lines, f"ledger[{e.DRIVER_WORK}] = clock.driver_work", "close_ledger(ledger)"]
 

@@ -8,6 +8,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import (
     apply_force,
     mobility,
+    place,
     point_velocity,
     stiffen,
 )
@@ -18,6 +19,7 @@ PARAMETERS = Record(
     a=("index", "element on side a"),
     b=("index", "element on side b"),
     card=("index", "contact card"),
+    order=("count", "+1 when a is on side a of the card, -1 when on side b"),
     speed_floor=("m/s", "closing speed below which a touch counts as resting"),
 )
 HISTORY = Record(
@@ -52,6 +54,8 @@ CARD_HISTORY = Record(
     peak_normal=("N", "largest normal force of any step"),
     peak_depth=("m", "largest depth of any step"),
     onsets=("count", "number of onsets"),
+    left_dissipated=("J", "lost by the normal force of pairs that are not near any more"),
+    left_friction_dissipated=("J", "lost by their friction"),
 )
 
 
@@ -69,12 +73,16 @@ def open_cards(cards):
 
 @kernel
 def close_cards(current, h, cards, history):
-    """Peaks and impulses per contact card. Writes: history."""
+    """Peaks, impulses and losses per contact card. Writes: history, cards."""
     for k in range(cards.shape[0]):
         c, old, new = cards[k], history[current, k], history[1 - current, k]
         for j in range(3):
             new.impulse[j] = old.impulse[j] + 0.5 * h * (old.force_before[j] + c.force[j])
             new.force_before[j] = c.force[j]
+        c.dissipated += old.left_dissipated
+        c.friction += old.left_friction_dissipated
+        new.left_dissipated = old.left_dissipated
+        new.left_friction_dissipated = old.left_friction_dissipated
         new.peak_normal = max(old.peak_normal, c.normal)
         new.peak_depth = max(old.peak_depth, c.depth)
 
@@ -141,6 +149,27 @@ def count_stiffness(a, b, mob_a, mob_b, stiffness, damping):
 
 
 @kernel
+def along(t, slip, n):
+    """Unit vector of the friction t, or of the slip; the normal when there is neither."""
+    size = norm(t)
+    if size > 0.0:
+        return scale(1.0 / size, t)
+    size = norm(slip)
+    return scale(1.0 / size, slip) if size > 0.0 else n
+
+
+@kernel
+def strayed(elements, nodes, seen, limit):
+    """Whether an element has moved by more than `limit` since its list of near pairs was made."""
+    for i in range(elements.shape[0]):
+        e = elements[i]
+        way = sub(place(nodes[e.node], vec(e.point)), vec(seen[i]))
+        if dot(way, way) > limit * limit:
+            return True
+    return False
+
+
+@kernel
 def dissipate(old, new, h, power, loss, friction_power, friction_loss):
     """Energy lost over the step by the trapezoidal rule. Writes: new."""
     new.dissipated = old.dissipated + 0.5 * h * (old.power + power) + loss
@@ -152,10 +181,10 @@ def dissipate(old, new, h, power, loss, friction_power, friction_loss):
 
 
 @kernel
-def sum_card(c, f, t, new, out):
+def sum_card(c, order, f, t, new, out):
     """Add one touching pair to its contact card. Writes: c."""
     for k in range(3):
-        c.force[k] += out.force[k]
+        c.force[k] += order * out.force[k]
     c.normal += f
     c.tangential += norm(t)
     c.impact_speed = max(c.impact_speed, new.impact_speed)

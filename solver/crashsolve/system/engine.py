@@ -15,6 +15,7 @@ from crashsolve.model.clock import (
     STEP_TOO_SMALL,
 )
 from crashsolve.model.model import Model, State
+from crashsolve.model.pairs import renew
 from crashsolve.system import energy
 from crashsolve.system.compose import compose, group_arrays, load
 
@@ -63,6 +64,8 @@ class Engine:
                 return
             if status != REBUILD:
                 raise self._stop(status)
+            renew(self.model.contact_groups, s)
+            self.groups = self.module.Groups(**group_arrays(self.model, s))
 
     def sample(self) -> None:
         """Outputs, reactions and energies of the present state. Raises SolverError."""

@@ -1,0 +1,152 @@
+"""Pairs of contact elements: which may touch at all, and, among many, which are near.
+
+A group with few possible pairs keeps them all. One with many keeps those whose bounding spheres
+come within a margin, and renews the list when an element has moved by half the margin. A pair that
+stays in the list keeps its history; what a pair that leaves has lost goes to its contact card.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from crashsolve.contact.broad import near_pairs
+from crashsolve.model.model import ContactGroup, State
+
+# more possible pairs than this, and a group looks for the near ones
+SEARCH_ABOVE = 500
+# margin of the list of near pairs, in shares of the mean radius of the bounding spheres
+MARGIN = 0.5
+APART = -1e300
+
+
+@dataclass
+class Elements:
+    """What pairing asks of the elements of one side; arrays over the elements."""
+
+    node: np.ndarray
+    rank: np.ndarray  # place of the surface in the deck
+    round: np.ndarray  # class of equal radii of curvature
+    centre: np.ndarray  # of the bounding sphere, body axes from the mass centre
+    radius: np.ndarray  # of the bounding sphere; infinite when there is none
+
+
+@dataclass
+class Block:
+    """Pairs under one contact card: elements of side a against elements of side b."""
+
+    card: int
+    speed_floor: float
+    order: int  # +1 when the gap's first shape is side a of the card, else -1
+    member: tuple[np.ndarray, np.ndarray]  # which elements, by side of the gap
+    on_both: tuple[np.ndarray, np.ndarray]  # which of them the card names on both its sides
+    law: np.ndarray  # row of the table of laws, by the classes of the two elements
+
+
+class Pairing:
+    """All possible pairs of a contact group."""
+
+    def __init__(self, sides: tuple[Elements, Elements], blocks: list[Block], laws: Any) -> None:
+        self.sides, self.blocks, self.laws = sides, blocks, laws
+
+    def worth_searching(self) -> bool:
+        """Whether there are many possible pairs, all of elements with an end."""
+        count = sum(int(b.member[0].sum()) * int(b.member[1].sum()) for b in self.blocks)
+        bounded = all(np.isfinite(side.radius).all() for side in self.sides)
+        return count > SEARCH_ABOVE and bounded
+
+    def everything(self) -> np.ndarray:
+        """Parameters of all possible pairs."""
+        found = []
+        for block in self.blocks:
+            a, b = (np.flatnonzero(member) for member in block.member)
+            found.append(self._allowed(block, np.repeat(a, len(b)), np.tile(b, len(a))))
+        return np.concatenate(found)
+
+    def chosen(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Parameters of the allowed ones among the given pairs, sorted by card, a, b."""
+        found = []
+        for block in self.blocks:
+            keep = block.member[0][a] & block.member[1][b]
+            found.append(self._allowed(block, a[keep], b[keep]))
+        rows = np.concatenate(found)
+        return rows[np.lexsort((rows["b"], rows["a"], rows["card"]))]
+
+    def _allowed(self, block: Block, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Pairs on two bodies; of two surfaces named on both sides of a card, only one order."""
+        first, second = self.sides
+        twice = block.on_both[0][a] & block.on_both[1][b]
+        in_order = block.order * (second.rank[b] - first.rank[a]) > 0
+        keep = (first.node[a] != second.node[b]) & (in_order | ~twice)
+        a, b = a[keep], b[keep]
+        rows = self.laws[block.law[first.round[a], second.round[b]]]
+        rows["a"], rows["b"], rows["card"] = a, b, block.card
+        rows["speed_floor"], rows["order"] = block.speed_floor, block.order
+        return rows
+
+
+class Search:
+    """The list of near pairs of a group, and where its elements were when it was made."""
+
+    def __init__(self, pairing: Pairing) -> None:
+        self.pairing = pairing
+        radii = np.concatenate([side.radius for side in pairing.sides])
+        self.margin = MARGIN * float(radii.mean())
+        self.slack = np.array([0.5 * self.margin])
+        self.seen = tuple(np.zeros_like(side.centre) for side in pairing.sides)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """What the step needs to know when to look again."""
+        return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
+
+    def look(self, nodes: np.ndarray) -> np.ndarray:
+        """Parameters of the near pairs now. Writes: seen."""
+        for side, seen in zip(self.pairing.sides, self.seen, strict=True):
+            A = nodes["A"][side.node].reshape(-1, 3, 3)
+            seen[:] = nodes["r"][side.node] + np.einsum("nij,nj->ni", A, side.centre)
+        first, second = self.pairing.sides
+        near = near_pairs(self.seen[0], first.radius, self.margin, self.seen[1], second.radius)
+        return self.pairing.chosen(near[:, 0], near[:, 1])
+
+
+def resting(count: int, dtype: Any) -> np.ndarray:
+    """Both sides of the history of pairs that are apart."""
+    history = np.zeros((2, count), dtype)
+    history["depth"] = APART
+    return history
+
+
+def renew(groups: list[ContactGroup], state: State) -> None:
+    """New lists of near pairs. Writes: groups, and the losses of those that left to the cards."""
+    current = int(state.clock[0]["current"])
+    for group in groups:
+        if group.search is not None:
+            _renew(group, group.search, state, current)
+
+
+def _renew(group: ContactGroup, search: Search, state: State, current: int) -> None:
+    rows = search.look(state.nodes)
+    before, after = (_identity(group, p) for p in (group.parameters, rows))
+    kept = np.isin(before, after, assume_unique=True)
+    history = resting(len(rows), group.history.dtype)
+    # both lists are in ascending order: what stays is in the same order in both
+    stays = np.isin(after, before, assume_unique=True)
+    history[:, stays] = group.history[current, kept]
+    _credit(group.parameters[~kept], group.history[current, ~kept], state.card_history)
+    group.parameters, group.history = rows, history
+    group.output = np.zeros(len(rows), group.output.dtype)
+
+
+def _identity(group: ContactGroup, rows: np.ndarray) -> np.ndarray:
+    """One number per pair, ascending along a list."""
+    width = len(group.elements_b)
+    return (rows["card"] * len(group.elements_a) + rows["a"]) * width + rows["b"]
+
+
+def _credit(rows: np.ndarray, history: np.ndarray, cards: np.ndarray) -> None:
+    """What pairs have lost that leave the list. Writes: cards."""
+    for name in ("dissipated", "friction_dissipated"):
+        for side in (0, 1):
+            np.add.at(cards[side][f"left_{name}"], rows["card"], history[name])
