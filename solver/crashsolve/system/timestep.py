@@ -39,7 +39,8 @@ def wanted_step(clock, control, nodes):
 @kernel
 def fit(h, remaining):
     """Equal steps no longer than h that end on the target: (step, whether it is the last)."""
-    count = ceil(remaining / h * (1.0 - 1e-12))
+    # the clock is a sum: its round-off must not cost a further step
+    count = ceil(remaining / h * (1.0 - 1e-9))
     if count <= 1:
         return remaining, True
     return remaining / count, False
