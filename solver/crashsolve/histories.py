@@ -149,4 +149,5 @@ def _spread(c: Any) -> list[Column]:
 def _flat(table: np.ndarray, names: Any) -> np.ndarray:
     """Columns of a structured array as (n, total width)."""
     chosen = table.dtype.names if names is None else names
-    return np.hstack([table[name].reshape(len(table), -1).astype(float) for name in chosen])
+    width = {name: table.dtype[name].shape[0] if table.dtype[name].shape else 1 for name in chosen}
+    return np.hstack([table[name].reshape(len(table), width[name]).astype(float) for name in chosen])

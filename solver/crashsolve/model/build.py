@@ -102,7 +102,7 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
 
 
 def longest_arm(joints: list[Joint]) -> float:
-    """Largest distance of a joint's point from the mass centre of its body, or length of a rod [m]."""
+    """Largest distance of a joint's point from its body's mass centre, or length of a rod [m]."""
     ends = [(joint.node_a, joint.frame.get("point_a")) for joint in joints]
     ends += [(joint.node_b, joint.frame.get("point_b")) for joint in joints]
     arms = [float(np.linalg.norm(point)) for node, point in ends if node > 0 and point is not None]
