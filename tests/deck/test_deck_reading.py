@@ -225,6 +225,7 @@ def test_a_mistake_found_while_building_has_its_place(tmp_path: Path) -> None:
     assert (error.line, error.column) == (11, 16)
     assert str(error).endswith("body 'front': rotation.euler: cannot be; try another")
     assert deck.error(entry, None, "cannot be").line == 7
+    assert deck.error(entry, "velocity.1", "cannot be").column == 28
 
 
 def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:

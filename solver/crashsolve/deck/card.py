@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os.path import isfile
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import (
     AfterValidator,
@@ -81,7 +81,12 @@ FileName = Annotated[str, AfterValidator(existing_file)]
 
 
 class Card(BaseModel):
-    """What a user may write in one place of a deck. A trailing "_" of a field is not written."""
+    """What a user may write in one place of a deck. A trailing "_" of a field is not written.
+
+    A bare text stands for the field named by `shorthand`, if any.
+    """
+
+    shorthand: ClassVar[str] = ""
 
     model_config = ConfigDict(
         strict=True,
@@ -113,6 +118,8 @@ class Card(BaseModel):
     @model_validator(mode="wrap")
     @classmethod
     def _in_plain_english(cls, value: Any, handler: ModelWrapValidatorHandler["Card"]) -> "Card":
+        if cls.shorthand and isinstance(value, str):
+            value = {cls.shorthand: value}
         try:
             return handler(value)
         except ValidationError as error:

@@ -1,8 +1,8 @@
 """What a run writes, how often, and the figures of its report."""
 
-from typing import Any, Literal
+from typing import ClassVar, Literal
 
-from pydantic import field_validator, model_validator
+from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity, word
 
@@ -34,7 +34,9 @@ class Log(Card):
 
 
 class Curve(Card):
-    """One line of a figure."""
+    """One line of a figure, or the bare name of its channel."""
+
+    shorthand: ClassVar[str] = "channel"
 
     channel: str = word("channel, or arithmetic of channels")
     label: str = word("name in the legend; the channel when empty", "")
@@ -72,7 +74,7 @@ class Figure(Card):
     """One figure of the report; its numbers are in the units of its axes."""
 
     title: str = word("heading")
-    y: tuple[Curve, ...] = word("channels drawn, or tables {channel, label, x}")
+    y: tuple[Curve, ...] = word("channels drawn")
     x: str = word("channel of the abscissa, or time", "time")
     x_unit: str = word("unit shown along x; SI when empty", "")
     y_unit: str = word("unit shown along y; SI when empty", "")
@@ -86,13 +88,6 @@ class Figure(Card):
     y_range: Pair | None = quantity("1", "ends of the y axis", None)
     reference: tuple[Reference, ...] = word("results known from elsewhere", ())
     note: str = word("text below the figure", "")
-
-    @field_validator("y", mode="before")
-    @classmethod
-    def _bare_channels(cls, value: Any) -> Any:
-        if not isinstance(value, list | tuple):
-            return value
-        return tuple({"channel": part} if isinstance(part, str) else part for part in value)
 
 
 class Report(Card):

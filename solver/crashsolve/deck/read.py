@@ -66,8 +66,9 @@ class Deck:
         return [as_data(card) | {"line": place.line} for card, place in pairs]
 
     def error(self, entry: Entry, field: str | None, message: str, advice: str = "") -> DeckError:
-        """A mistake found after reading, placed at a field such as "normal.stiffness"."""
-        path = tuple(field.split(".")) if field else ()
+        """A mistake found after reading, at a field such as "normal.stiffness" or "points.3"."""
+        steps = field.split(".") if field else ()
+        path = tuple(int(step) if step.isdecimal() else step for step in steps)
         return _placed(entry.item, Mistake(path, message, advice))
 
 
@@ -188,6 +189,7 @@ class _Reader:
         except ValidationError as error:
             for mistake in mistakes_of(kind, error):
                 self.refuse(item, mistake)
+        assert self.mistakes, f"{item.title} was refused without a reason"
         return None
 
     def substituted(self, item: Item) -> Any:

@@ -83,7 +83,8 @@ class _Definitions:
         if name not in self.definitions:
             self.definitions[name] = {}
             self.definitions[name] |= self.fields(card)
-        return {"$ref": f"#/$defs/{name}"}
+        reference = {"$ref": f"#/$defs/{name}"}
+        return {"anyOf": [_SCALARS[str], reference]} if card.shorthand else reference
 
     def fields(self, card: type[Card]) -> dict[str, Any]:
         words = {word: declared(card, name) for word, name in deck_words(card).items()}
