@@ -1,14 +1,14 @@
 """Uniform gravity on every body.
 
-    f_i = m_i g,   potential energy -m_i g . r_i
+f_i = m_i g,   potential energy -m_i g . r_i
 """
 
 from typing import Any
 
 from crashsolve.deck.card import Card, Vec3, quantity
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.record import Record
 from crashsolve.foundation.motion import apply_external
+from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, put, scale, vec
 
 LEDGER = "potential"

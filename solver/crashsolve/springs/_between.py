@@ -1,4 +1,8 @@
-"""What springs between two points or about one axis share: geometry and application."""
+"""What springs share: where their ends are, how they move, and how a force acts on both."""
+
+from typing import Any
+
+import numpy as np
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import (
@@ -6,14 +10,40 @@ from crashsolve.foundation.motion import (
     apply_torque,
     arm,
     mobility,
+    point_at,
+    point_velocity,
     relative,
     spin_mobility,
     stiffen,
 )
-from crashsolve.foundation.vec3 import dot, norm, scale, vec
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import angle_about, angle_gradient, counted
+from crashsolve.foundation.vec3 import add, dot, matvec_t, norm, scale, sub, vec
 
 # below this length a line has no direction; the spring then pulls along x, with its rate zero
 SHORTEST = 1e-12
+
+POINTS = Record(
+    node_a=("index", "first body"),
+    node_b=("index", "second body"),
+    point_a=("m", 3, "attachment from the mass centre of a, axes of a"),
+    point_b=("m", 3, "attachment from the mass centre of b, axes of b"),
+)
+TURN = Record(
+    node_a=("index", "first body"),
+    node_b=("index", "second body"),
+    axis_a=("1", 3, "axis, axes of a"),
+    side_a=("1", 3, "at right angles to the axis, axes of a"),
+    side_b=("1", 3, "the same direction at the start, axes of b"),
+)
+
+
+def start_offset(scene: Any, ends: dict[str, Any]) -> np.ndarray:
+    """Attachment of b from that of a at the start, axes of a [m]."""
+    a, b = ends["node_a"], ends["node_b"]
+    x_a = scene.r[a] + scene.matrix(a) @ ends["point_a"]
+    x_b = scene.r[b] + scene.matrix(b) @ ends["point_b"]
+    return np.asarray(scene.turn_to_body(a, x_b - x_a))
 
 
 @kernel
@@ -41,10 +71,48 @@ def pull(p, nodes, tension, u, d_a, d_b, stiffness, damping):
 
 
 @kernel
-def twist(p, nodes, torque, u, stiffness, damping):
-    """Torque about u that turns b back towards a, on both bodies. Writes: nodes."""
+def turned(p, before, nodes):
+    """Angle of b about the axis of a counted from `before`, its rate, and its gradient g."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    apply_torque(a, scale(torque, u))
-    apply_torque(b, scale(-torque, u))
-    stiffen(a, spin_mobility(a, u), stiffness, damping)
-    stiffen(b, spin_mobility(b, u), stiffness, damping)
+    angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), before)
+    g = angle_gradient(a, b, p.axis_a, p.side_b)
+    return angle, dot(g, sub(vec(b.w), vec(a.w))), g
+
+
+@kernel
+def twist(p, nodes, torque, g, stiffness, damping):
+    """Torque that turns b back towards a, on both bodies. Writes: nodes."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    apply_torque(a, scale(torque, g))
+    apply_torque(b, scale(-torque, g))
+    stiffen(a, spin_mobility(a, g), stiffness, damping)
+    stiffen(b, spin_mobility(b, g), stiffness, damping)
+
+
+@kernel
+def seen_from_a(p, nodes):
+    """Attachment of b from that of a and its rate, axes of a; arms of b's attachment in a and b."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
+    x = sub(point_at(b, d_b), point_at(a, d_a))
+    d_a = add(d_a, x)
+    v = sub(point_velocity(b, d_b), point_velocity(a, d_a))
+    return matvec_t(a.A, x), matvec_t(a.A, v), d_a, d_b
+
+
+@kernel
+def push(p, nodes, f, d_a, d_b):
+    """Force f (axes of a) on b, and its reaction on a in the same point. Writes: nodes."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    force = arm(a, f)
+    apply_force(b, force, d_b)
+    apply_force(a, scale(-1.0, force), d_a)
+
+
+@kernel
+def stiffen_along(p, nodes, direction, d_a, d_b, stiffness, damping):
+    """Tell the step control of a spring along a direction of a. Writes: nodes."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    u = arm(a, vec(direction))
+    stiffen(a, mobility(a, d_a, u), stiffness, damping)
+    stiffen(b, mobility(b, d_b, u), stiffness, damping)

@@ -11,7 +11,7 @@ from typing import Any
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import line_of_action, pull
+from crashsolve.springs._between import POINTS, line_of_action, pull
 from crashsolve.springs._card import PointSpringCard
 
 
@@ -25,11 +25,7 @@ class Linear(PointSpringCard):
     )
 
 
-PARAMETERS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    point_a=("m", 3, "attachment from the mass centre of a, axes of a"),
-    point_b=("m", 3, "attachment from the mass centre of b, axes of b"),
+PARAMETERS = POINTS + Record(
     stiffness=("N/m", "k"),
     damping=("N s/m", "c"),
     length=("m", "l_0"),

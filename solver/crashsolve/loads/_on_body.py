@@ -1,0 +1,50 @@
+"""What a force and a torque on a body share: words, parameters and the present vector."""
+
+from typing import Any, Literal
+
+from crashsolve.deck.card import BodyName, Card, CurveName, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.motion import arm
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import scale, vec
+
+
+class BodyLoadCard(Card):
+    """What is loaded, in which axes, and how the load changes with time."""
+
+    body: BodyName = word("body that is loaded")
+    axes: Literal["world", "body"] = word(
+        "axes in which the vector stays constant", default="world"
+    )
+    curve: CurveName | None = word("factor over time; 1 when absent", default=None)
+
+
+BODY_LOAD = Record(
+    node=("index", "body"),
+    vector=("N or N m", 3, "load where the factor is 1"),
+    turns=("flag", "the vector is fixed in the body"),
+    curve=("index", "factor over time; 0 for none"),
+)
+
+
+def body_load(card: Any, vector: Any, scene: Any) -> dict[str, Any]:
+    """Parameters of a load from the words of its card."""
+    if card.body == "ground":
+        raise scene.fail("the ground does not move; name a body", "body")
+    return {
+        "node": scene.node(card.body),
+        "vector": vector,
+        "turns": card.axes == "body",
+        "curve": scene.curve(card.curve) if card.curve else 0,
+    }
+
+
+@kernel
+def present_load(p, t, nodes, curves):
+    """The vector in world axes at time t."""
+    factor = 1.0
+    if p.curve > 0:
+        factor, _, _ = curve_value(curves, p.curve, t)
+    x = scale(factor, vec(p.vector))
+    return arm(nodes[p.node], x) if p.turns == 1 else x

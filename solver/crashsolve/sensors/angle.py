@@ -1,0 +1,51 @@
+"""Angle by which b has turned about an axis of a, counted over any number of turns.
+
+    theta and theta_dot as in foundation.turn; 0 at the start
+
+The turns are counted at every step, not only at samples. Consequence to test: a body that spins
+at w for a time t shows w t, however many turns that is.
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import BodyName, Card, Vec3, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import angle_about, angle_rate, counted
+
+
+class Angle(Card):
+    """Angle by which b has turned about an axis of a, with all turns."""
+
+    a: BodyName = word("first body; it carries the axis", default="ground")
+    b: BodyName = word("second body")
+    axis: Vec3 = word("direction of the axis in the frame of a; any length")
+
+
+PARAMETERS = Record(
+    node_a=("index", "first body"),
+    node_b=("index", "second body"),
+    axis_a=("1", 3, "axis, axes of a"),
+    side_a=("1", 3, "at right angles to the axis, axes of a"),
+    side_b=("1", 3, "the same direction at the start, axes of b"),
+)
+HISTORY = Record(angle=("rad", "counted turn"))
+OUTPUT = Record(angle=("rad", "turn of b from the start"), rate=("rad/s", "of the angle"))
+
+
+def build(card: Angle, scene: Any) -> dict[str, Any]:
+    return dict(scene.turning(card))
+
+
+@kernel
+def follow(p, old, new, out, nodes):
+    """Count the turn. Writes: new, out."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    new.angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
+    out.angle = new.angle
+
+
+@kernel
+def measure(p, out, t, nodes, rows, curves):
+    """Writes: out."""
+    out.rate = angle_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)

@@ -1,0 +1,62 @@
+"""Relative displacement of two points: distance, vector and their rates.
+
+    x = x_b - x_a in world axes,  or  A_a^T (x_b - x_a) in the axes of a, as seen by one who rides on a
+
+Consequence to test: a point fixed in b beside a turning a has, in the axes of a, the rate -w x x.
+"""
+
+from typing import Any, Literal
+
+from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import arm, relative
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import cross, dot, matvec_t, norm, put, sub, vec
+
+
+class Displacement(Card):
+    """Distance of two points of two bodies, and its components."""
+
+    a: BodyName = word("first body", default="ground")
+    b: BodyName = word("second body")
+    at_a: Vec3 = quantity("m", "point in the frame of a", default=(0.0, 0.0, 0.0))
+    at_b: Vec3 = quantity("m", "point in the frame of b", default=(0.0, 0.0, 0.0))
+    axes: Literal["world", "a"] = word("axes of the components", default="world")
+
+
+PARAMETERS = Record(
+    node_a=("index", "first body"),
+    node_b=("index", "second body"),
+    point_a=("m", 3, "from the mass centre of a, axes of a"),
+    point_b=("m", 3, "from the mass centre of b, axes of b"),
+    riding=("flag", "components in axes of a"),
+    start=("m", "distance at the start"),
+)
+OUTPUT = Record(
+    distance=("m", "between the points"),
+    change=("m", "of the distance since the start"),
+    rate=("m/s", "of the distance"),
+    vector=("m", 3, "from a to b"),
+    velocity=("m/s", 3, "rate of the vector, in its axes"),
+)
+
+
+def build(card: Displacement, scene: Any) -> dict[str, Any]:
+    ends = scene.attachments(card)
+    return ends | {"riding": card.axes == "a", "start": scene.distance(ends)}
+
+
+@kernel
+def measure(p, out, t, nodes, rows, curves):
+    """Writes: out."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    x, x_dot = relative(a, arm(a, vec(p.point_a)), b, arm(b, vec(p.point_b)))
+    distance = norm(x)
+    out.distance = distance
+    out.change = distance - p.start
+    # points that coincide have a distance whose rate is not defined
+    out.rate = dot(x, x_dot) / distance if distance > 0.0 else 0.0
+    if p.riding == 1:
+        x, x_dot = matvec_t(a.A, x), matvec_t(a.A, sub(x_dot, cross(vec(a.w), x)))
+    put(out.vector, x)
+    put(out.velocity, x_dot)

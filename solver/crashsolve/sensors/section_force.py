@@ -1,0 +1,77 @@
+"""Section force: force and moment that a joint hands on from a to b, about a point.
+
+    f = sum D_v^T lambda,   m = sum D_w^T lambda + (r_b - x) x f     over the rows of the joint
+
+in the axes of a chosen body, on body b (b minus a). Consequence to test: the joint at the top of a
+hanging chain carries the weight of all below it.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.card import BodyName, Card, JointName, Vec3, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import place
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, add_scaled, cross, matvec_t, put, sub, vec
+
+
+class SectionForce(Card):
+    """Force and moment of a joint on its body b, about a point and in the axes of a body."""
+
+    joint: JointName = word("joint that carries the force")
+    axes: BodyName = word("body in whose axes force and moment are given", default="ground")
+    at: Vec3 | None = quantity(
+        "m",
+        "point of the moment, in the frame of `axes`; that of the joint when absent",
+        default=None,
+    )
+
+
+PARAMETERS = Record(
+    first_row=("index", "first row of the joint"),
+    rows=("count", "number of rows"),
+    node_b=("index", "body b of the joint"),
+    axes=("index", "body whose axes are used"),
+    holder=("index", "body that carries the point"),
+    point=("m", 3, "from the mass centre of the holder, its axes"),
+)
+OUTPUT = Record(
+    force=("N", 3, "on b"),
+    moment=("N m", 3, "on b, about the point"),
+)
+
+
+def build(card: SectionForce, scene: Any) -> dict[str, Any]:
+    joint = scene.joints[card.joint]
+    if joint.parts > 1:
+        raise scene.fail("this joint acts between more than two bodies; name one of two", "joint")
+    axes = scene.node(card.axes)
+    if card.at is None:
+        # a joint without a point acts on the mass centre of b
+        holder, point = joint.node_b, joint.frame.get("point_b", np.zeros(3))
+    else:
+        holder, point = axes, scene.from_mass_centre(axes, card.at)
+    return {
+        "first_row": joint.first_row,
+        "rows": joint.rows,
+        "node_b": joint.node_b,
+        "axes": axes,
+        "holder": holder,
+        "point": point,
+    }
+
+
+@kernel
+def measure(p, out, t, nodes, rows, curves):
+    """Writes: out."""
+    f, m = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(p.first_row, p.first_row + p.rows):
+        D, reaction = rows[k].D, rows[k].reaction
+        f = add_scaled(f, reaction, (D[6], D[7], D[8]))
+        m = add_scaled(m, reaction, (D[9], D[10], D[11]))
+    x = place(nodes[p.holder], vec(p.point))
+    m = add(m, cross(sub(vec(nodes[p.node_b].r), x), f))
+    put(out.force, matvec_t(nodes[p.axes].A, f))
+    put(out.moment, matvec_t(nodes[p.axes].A, m))

@@ -1,0 +1,247 @@
+"""Force over deformation by a curve, with unloading, free play, damping and growth with the rate.
+
+    e = |x| - gap (0 within the gap),  f(e) on the curve,  in one of three ways:
+    same     f = y(e)                                  stored = int y de
+    set      f = min(y(e), k (e - s)), not below 0     s grows, the permanent set; stored = f^2 / 2k
+    between  u(e) <= f = k (e - s) <= y(e)             s grows and falls; stored = f^2 / 2k + P(s)
+
+The last two are an elastic line of slope k on a slider s, which gives way at y upwards and at u
+downwards. Work on the slider is exact: with G_c(e) = int c de - c^2 / 2k it is the change of G_y on
+the way up, of which P, the change of G_u, returns on the way down. Each direction of x has its own
+slider. A factor phi(|rate|) acts while the deformation grows, and what it adds is dissipated.
+
+Consequence to test: energy absorbed = stored + lost over any path, for any step.
+
+References: the shape of the hysteresis is that of seat-belt and foam models of crash codes;
+phi = 1 + a |rate|^b is Ambrosio (2003), Eq. 7; Cowper and Symonds (1957), Brown University TR 28.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.curve import curve_area, curve_value
+from crashsolve.foundation.record import Record
+
+SAME, SET, BETWEEN = 0, 1, 2
+
+RESISTANCE = Record(
+    curve=("index", "y"),
+    unloading=("flag", "SAME, SET or BETWEEN"),
+    unloading_curve=("index", "u"),
+    unloading_stiffness=("N/m or N m/rad", "k"),
+    only=("flag", "1 or -1: no force in the other direction; 0: both"),
+    loose=("flag", "the ends may part: never a force that holds them together"),
+    gap=("m or rad", "free play in each direction"),
+    damping=("N s/m or N m s/rad", "c"),
+    rate_curve=("index", "phi over |rate|; 0 for the power law"),
+    rate_coefficient=("1", "a"),
+    rate_exponent=("1", "b"),
+    rate_floor=("m/s or rad/s", "rate at which phi = 1.1"),
+    stiffest=("N/m or N m/rad", "largest slope of the curves and k"),
+)
+SLIDER = Record(
+    set=("m or rad", 2, "s in tension, in compression"),
+    kept=("J", 2, "P of both"),
+)
+
+
+def resistance(card: Any, scene: Any) -> dict[str, Any]:
+    """Parameters of the law from the words of a card."""
+    a, b = _power_law(card)
+    curves = [name for name in (card.curve, card.unloading_curve) if name]
+    k = card.unloading_stiffness or 0.0
+    slopes = [steepest(scene.curve_points, scene.curve(name)) for name in curves]
+    only = {"both": 0, "tension": 1, "positive": 1, "compression": -1, "negative": -1}[card.acts]
+    if k:
+        _check_hysteresis(card, scene, only, k, max(slopes))
+    return {
+        "curve": scene.curve(card.curve),
+        "unloading": BETWEEN if card.unloading_curve else SET if k else SAME,
+        "unloading_curve": scene.curve(card.unloading_curve) if card.unloading_curve else 0,
+        "unloading_stiffness": k,
+        "only": only,
+        "loose": only != 0 or card.gap > 0.0 or k > 0.0,
+        "gap": card.gap,
+        "damping": card.damping,
+        "rate_curve": scene.curve(card.rate_curve) if card.rate_curve else 0,
+        "rate_coefficient": a,
+        "rate_exponent": b,
+        "rate_floor": (0.1 / a) ** (1.0 / b) if a else 0.0,
+        "stiffest": max([k, *slopes]),
+    }
+
+
+def _power_law(card: Any) -> tuple[float, float]:
+    """a and b of phi = 1 + a |rate|^b."""
+    if card.cowper_symonds is not None:
+        b = 1.0 / card.cowper_symonds.exponent
+        return card.cowper_symonds.reference_rate**-b, b
+    if card.power_law is not None:
+        return card.power_law.coefficient, card.power_law.exponent
+    return 0.0, 1.0
+
+
+def steepest(points: np.ndarray, start: int) -> float:
+    """Largest |slope| of the curve that starts at a point."""
+    part = points[start : points[start]["last"] + 1]
+    width, c = np.diff(part["x"]), part["c"][:-1]
+    # the slope is a parabola on each segment: look at its ends and its vertex
+    with np.errstate(divide="ignore", invalid="ignore"):
+        vertex = np.clip(np.nan_to_num(-c[:, 2] / (3.0 * c[:, 3])), 0.0, width)
+    slopes = [c[:, 1] + s * (2.0 * c[:, 2] + 3.0 * c[:, 3] * s) for s in (0.0, vertex, width)]
+    return float(np.abs(slopes).max())
+
+
+def read(points: np.ndarray, start: int, x: np.ndarray) -> np.ndarray:
+    """Values of a curve within its range."""
+    part = points[start : points[start]["last"] + 1]
+    i = np.clip(np.searchsorted(part["x"], x, "right") - 1, 0, len(part) - 2)
+    s = np.clip(x, part["x"][0], part["x"][-1]) - part["x"][i]
+    c = part["c"][i].T
+    return np.asarray(c[0] + s * (c[1] + s * (c[2] + s * c[3])))
+
+
+def _check_hysteresis(card: Any, scene: Any, only: int, k: float, steepest_slope: float) -> None:
+    """Energy is lost, never won: 0 <= u <= y and slopes below k, wherever the curves are read."""
+    if steepest_slope >= k:
+        raise scene.fail(
+            f"must exceed every slope of the curves; the largest is {steepest_slope:g}",
+            "unloading_stiffness",
+        )
+    points, upper = scene.curve_points, scene.curve(card.curve)
+    lower = scene.curve(card.unloading_curve) if card.unloading_curve else None
+    x = np.concatenate([points[c : points[c]["last"] + 1]["x"] for c in (upper, lower) if c])
+    for side in (1.0, -1.0):
+        if only == -side:
+            continue
+        e = np.append(x[side * x > 0.0], 0.0)
+        y = side * read(points, upper, e)
+        if y.min() < 0.0:
+            raise scene.fail("must not change sign where it is used with unloading", "curve")
+        if lower is None:
+            continue
+        u = side * read(points, lower, e)
+        if abs(u[-1]) > 1e-12 * np.abs(u).max() or u.min() < 0.0 or (u > y).any():
+            raise scene.fail("must start at 0 and stay between 0 and the curve", "unloading_curve")
+
+
+@kernel
+def resist(p, old, new, out, h, x, rate, curves):
+    """Force that opposes the deformation x. Writes: new sliders, out.stored, power, loss.
+
+    Returns force, stiffness, damping.
+    """
+    side = 1.0 if x >= 0.0 else -1.0
+    e = max(side * x - p.gap, 0.0)
+    speed = side * rate
+    for j in range(2):
+        # between two curves the direction that is left goes back to its origin
+        new.set[j] = old.set[j] if p.unloading == SET else 0.0
+        new.kept[j] = 0.0
+    if p.only * side < 0.0:
+        e = 0.0
+        f, out.stored, loss = 0.0, 0.0, 0.0
+    elif p.unloading == SAME:
+        f, out.stored, loss = along_curve(p, side, e, curves)
+    else:
+        f, out.stored, loss = on_slider(p, old, new, side, e, curves)
+    # a state without a step has no history to lose energy in
+    out.loss = loss if h > 0.0 else 0.0
+    factor, viscosity = growth(p, abs(rate), curves)
+    total = f * factor if speed > 0.0 else f
+    if p.loose == 0:
+        total += p.damping * speed
+    elif f > 0.0:
+        total = max(total + p.damping * speed, 0.0)
+    out.power = (total - f) * speed
+    return side * total, factor * p.stiffest, p.damping + viscosity * f
+
+
+@kernel
+def along_curve(p, side, e, curves):
+    """Force, stored energy and loss on the curve itself."""
+    f = side * curve_value(curves, p.curve, side * e)[0]
+    if e == 0.0 and p.loose == 1:
+        f = 0.0
+    return f, curve_area(curves, p.curve, side * e) - curve_area(curves, p.curve, 0.0), 0.0
+
+
+@kernel
+def on_slider(p, old, new, side, e, curves):
+    """Force, stored energy and loss of the elastic line on its slider. Writes: new."""
+    k = p.unloading_stiffness
+    j = 0 if side > 0.0 else 1
+    s, kept, loss = old.set[j], old.kept[j], 0.0
+    f = k * (e - s)
+    upper = side * curve_value(curves, p.curve, side * e)[0]
+    lower = 0.0
+    if p.unloading == BETWEEN:
+        lower = side * curve_value(curves, p.unloading_curve, side * e)[0]
+    if f > upper:
+        start = line_meets(curves, p.curve, side, k, s, e)
+        f, s = upper, e - upper / k
+        loss = work(curves, p.curve, side, k, e) - work(curves, p.curve, side, k, start) + kept
+        if p.unloading == BETWEEN:
+            kept = work(
+                curves,
+                p.unloading_curve,
+                side,
+                k,
+                line_meets(curves, p.unloading_curve, side, k, s, e),
+            )
+        loss -= kept
+    elif f < lower and p.unloading == BETWEEN:
+        f, s = lower, e - lower / k
+        kept = work(curves, p.unloading_curve, side, k, e)
+    elif f < 0.0:
+        f = 0.0
+    new.set[j] = s
+    new.kept[j] = kept
+    return f, 0.5 * f * f / k + kept, loss
+
+
+@kernel
+def work(curves, curve, side, k, e):
+    """G(e) = int c de - c^2 / 2k, the work on the slider up to e."""
+    c = curve_value(curves, curve, side * e)[0]
+    area = curve_area(curves, curve, side * e) - curve_area(curves, curve, 0.0)
+    return area - 0.5 * c * c / k
+
+
+@kernel
+def line_meets(curves, curve, side, k, s, high):
+    """The e in [s, high] where k (e - s) meets the curve, whose slope is below k (Newton)."""
+    low, e = s, high
+    for _ in range(60):
+        y, slope, _ = curve_value(curves, curve, side * e)
+        excess = k * (e - s) - side * y
+        if excess > 0.0:
+            high = e
+        else:
+            low = e
+        following = e - excess / (k - slope)
+        if not low <= following <= high:
+            following = 0.5 * (low + high)
+        if abs(following - e) <= 1e-15 * abs(e):
+            break
+        e = following
+    return e
+
+
+@kernel
+def growth(p, speed, curves):
+    """phi at a rate, and an upper bound of its slope: the secant, from where phi reaches 1.1 on.
+
+    At lower rates what phi adds is below a tenth of the force, however steep.
+    """
+    if p.rate_curve > 0:
+        phi, slope, _ = curve_value(curves, p.rate_curve, speed)
+        return phi, abs(slope)
+    if p.rate_coefficient == 0.0:
+        return 1.0, 0.0
+    b = p.rate_exponent
+    at = max(speed, p.rate_floor)
+    secant = p.rate_coefficient * at ** (b - 1.0)
+    return 1.0 + p.rate_coefficient * speed**b, max(b, 1.0) * secant

@@ -1,0 +1,156 @@
+"""Bushing: springs and dampers in six directions, along and about the axes of a.
+
+    f = K (x - x_0) + C x_dot,   x = A_a^T (x_b - x_a)
+    m = K_r theta + C_r theta_dot,   theta = log(A_a^T A_b A_b0^T A_a0)
+    theta_dot = T w,   T = I - theta~ / 2 + c theta~ theta~,   c = 1/phi^2 - (1 + cos phi) / (2 phi sin phi)
+
+w is the spin of b over a in axes of a, phi = |theta|. The torque on b is -T^T m, so that power and
+energy agree in every posture; about one axis it is stiffness times angle. theta is defined up to
+half a turn. The force of both bodies acts in the point of b. Consequence to test: stored energy is
+(x K x + theta K_r theta) / 2 and its gradient the force, in any posture.
+
+Reference: Bauchau and Trainelli (2003), The vectorial parameterization of rotation, Nonlinear
+Dynamics 32, 71-92.
+"""
+
+from math import atan2, sin, sqrt
+from typing import Any
+
+from crashsolve.deck.card import Vec3, quantity
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen
+from crashsolve.foundation.posture import relative
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, matvec_t, scale, sub, vec
+from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along
+from crashsolve.springs._card import PointSpringCard
+
+ZERO = (0.0, 0.0, 0.0)
+
+
+class Bushing(PointSpringCard):
+    """Springs and dampers in six directions, along and about the axes of a."""
+
+    stiffness: Vec3 = quantity("N/m", "along x, y, z of a", ge=0)
+    damping: Vec3 = quantity("N s/m", "along x, y, z of a", default=ZERO, ge=0)
+    turning_stiffness: Vec3 = quantity("N m/rad", "about x, y, z of a", default=ZERO, ge=0)
+    turning_damping: Vec3 = quantity("N m s/rad", "about x, y, z of a", default=ZERO, ge=0)
+    offset: Vec3 | None = quantity(
+        "m", "b from a without force, axes of a; that at the start when absent", default=None
+    )
+
+
+PARAMETERS = POINTS + Record(
+    stiffness=("N/m", 3, "diagonal of K"),
+    damping=("N s/m", 3, "diagonal of C"),
+    turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
+    turning_damping=("N m s/rad", 3, "diagonal of C_r"),
+    offset=("m", 3, "x_0"),
+    reference=("1", 4, "q_a^-1 q_b at the start"),
+)
+HISTORY = Record()
+OUTPUT = Record(
+    force=("N", 3, "f, on a, axes of a"),
+    torque=("N m", 3, "m, on a, axes of a"),
+    displacement=("m", 3, "x - x_0, axes of a"),
+    angle=("rad", 3, "theta, axes of a"),
+)
+
+
+def build(card: Bushing, scene: Any) -> dict[str, Any]:
+    ends = scene.attachments(card)
+    return ends | {
+        "stiffness": card.stiffness,
+        "damping": card.damping,
+        "turning_stiffness": card.turning_stiffness,
+        "turning_damping": card.turning_damping,
+        "offset": start_offset(scene, ends) if card.offset is None else card.offset,
+        "reference": relative(scene.q[ends["node_a"]], scene.q[ends["node_b"]]),
+    }
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, out."""
+    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    x = sub(x, vec(p.offset))
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    theta = rotation_vector(a, b, p.reference)
+    c = tangent_factor(sqrt(dot(theta, theta)))
+    spin = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
+    theta_dot = tangent(theta, c, -0.5, spin)
+    out.stored = out.power = out.loss = 0.0
+    for k in range(3):
+        out.displacement[k] = x[k]
+        out.angle[k] = theta[k]
+        out.force[k] = p.stiffness[k] * x[k] + p.damping[k] * x_dot[k]
+        out.torque[k] = p.turning_stiffness[k] * theta[k] + p.turning_damping[k] * theta_dot[k]
+        out.stored += 0.5 * p.stiffness[k] * x[k] ** 2
+        out.stored += 0.5 * p.turning_stiffness[k] * theta[k] ** 2
+        out.power += p.damping[k] * x_dot[k] ** 2 + p.turning_damping[k] * theta_dot[k] ** 2
+    push(p, nodes, scale(-1.0, vec(out.force)), d_a, d_b)
+    torque = arm(a, tangent(theta, c, 0.5, vec(out.torque)))
+    apply_torque(a, torque)
+    apply_torque(b, scale(-1.0, torque))
+    phi2 = dot(theta, theta)
+    stretch = (1.0 - c * phi2) ** 2 + 0.25 * phi2
+    for k in range(3):
+        stiffen_axis(p, nodes, k, d_a, d_b, stretch)
+
+
+@kernel
+def rotation_vector(a, b, reference):
+    """theta of b's turn relative to a since the start, axes of a [rad]."""
+    w, v = relative_rotation(a, b, reference)
+    # q and -q are one posture: take the shorter turn
+    if w < 0.0:
+        w, v = -w, scale(-1.0, v)
+    s = sqrt(dot(v, v))
+    if s < 1e-8:
+        return scale(2.0, v)
+    return scale(2.0 * atan2(s, w) / s, v)
+
+
+@kernel
+def relative_rotation(a, b, reference):
+    """Unit quaternion (w, v) of b's turn relative to a since the start, axes of a."""
+    w_a, w_b, w_0 = a.q[0], b.q[0], reference[0]
+    v_a, v_b = (a.q[1], a.q[2], a.q[3]), (b.q[1], b.q[2], b.q[3])
+    v_0 = (reference[1], reference[2], reference[3])
+    w = w_a * w_b + dot(v_a, v_b)
+    v = sub(sub(scale(w_a, v_b), scale(w_b, v_a)), cross(v_a, v_b))
+    turned = sub(sub(scale(w_0, v), scale(w, v_0)), cross(v, v_0))
+    return w * w_0 + dot(v, v_0), turned
+
+
+@kernel
+def tangent_factor(phi):
+    """c(phi); a series where the formula would cancel, its next term below 1e-10."""
+    if phi < 0.05:
+        return 1.0 / 12.0 + phi * phi / 720.0 + phi**4 / 30240.0
+    half = 0.5 * phi
+    # (1 + cos phi) / sin phi = cot(phi / 2), finite at half a turn
+    cot = sin(phi) / (2.0 * sin(half) ** 2)
+    return 1.0 / (phi * phi) - cot / (2.0 * phi)
+
+
+@kernel
+def tangent(theta, c, half, x):
+    """T x for half = -1/2, T^T x for half = 1/2."""
+    turn = cross(theta, x)
+    return add(x, add_scaled(scale(half, turn), c, cross(theta, turn)))
+
+
+@kernel
+def stiffen_axis(p, nodes, k, d_a, d_b, stretch):
+    """Tell the step control of the springs along and about one axis of a. Writes: nodes.
+
+    `stretch` is |T|^2, 1 at small angles.
+    """
+    e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+    stiffen_along(p, nodes, e, d_a, d_b, p.stiffness[k], p.damping[k])
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    u = arm(a, e)
+    stiffness, damping = stretch * p.turning_stiffness[k], stretch * p.turning_damping[k]
+    stiffen(a, spin_mobility(a, u), stiffness, damping)
+    stiffen(b, spin_mobility(b, u), stiffness, damping)

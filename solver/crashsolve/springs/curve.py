@@ -1,0 +1,66 @@
+"""Spring between two points whose force follows a curve, with separate loading and unloading.
+
+    F = f(l - l_0),   tension positive, with f and its unloading as in springs._resistance
+
+Consequence to test: with `unloading_stiffness` k the length after a stroke x keeps the set
+x - f(x) / k, and the spring has absorbed int f dx, of which f^2 / 2k returns.
+"""
+
+from typing import Any, Literal
+
+from crashsolve.deck.card import quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.springs._between import POINTS, line_of_action, pull
+from crashsolve.springs._card import PointSpringCard, ResistanceCard
+from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resistance
+
+
+class Curve(PointSpringCard, ResistanceCard):
+    """Spring between two points whose force follows a curve, unloading as it came or otherwise."""
+
+    length: float | None = quantity(
+        "m", "length without deformation; that at the start when absent", default=None, ge=0
+    )
+    unloading_stiffness: float | None = quantity(
+        "N/m",
+        "slope on which the force falls and grows again; leaves a permanent set",
+        default=None,
+        gt=0,
+    )
+    acts: Literal["both", "tension", "compression"] = word(
+        "in which direction there is a force", default="both"
+    )
+    gap: float = quantity("m", "free play in each direction", default=0.0, ge=0)
+    damping: float = quantity("N s/m", "force over rate", default=0.0, ge=0)
+
+
+PARAMETERS = POINTS + RESISTANCE + Record(length=("m", "l_0"))
+HISTORY = SLIDER
+OUTPUT = Record(
+    force=("N", "tension positive"),
+    length=("m", "present length"),
+    elongation=("m", "present length less that without deformation"),
+    rate=("m/s", "of the length"),
+    set=("m", "permanent elongation, the larger of both directions"),
+)
+
+
+def build(card: Curve, scene: Any) -> dict[str, Any]:
+    ends = scene.attachments(card)
+    length = scene.distance(ends) if card.length is None else card.length
+    return ends | resistance(card, scene) | {"length": length}
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    u, length, rate, d_a, d_b = line_of_action(p, nodes)
+    x = length - p.length
+    tension, stiffness, damping = resist(p, old, new, out, h, x, rate, curves)
+    out.force = tension
+    out.length = length
+    out.elongation = x
+    out.rate = rate
+    out.set = new.set[0] if new.set[0] >= new.set[1] else -new.set[1]
+    pull(p, nodes, tension, u, d_a, d_b, stiffness, damping)

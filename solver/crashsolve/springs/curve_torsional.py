@@ -1,0 +1,60 @@
+"""Torsional spring about an axis of a whose torque follows a curve.
+
+    M = f(theta - theta_0),   positive turns b back, with f as in springs._resistance
+
+Consequence to test: with `unloading_stiffness` k a turn theta leaves the set theta - f(theta) / k.
+"""
+
+from typing import Any, Literal
+
+from crashsolve.deck.card import quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.springs._between import TURN, turned, twist
+from crashsolve.springs._card import AxisSpringCard, ResistanceCard
+from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resistance
+
+
+class CurveTorsional(AxisSpringCard, ResistanceCard):
+    """Torsional spring about an axis of a whose torque follows a curve."""
+
+    angle: float = quantity("rad", "turn from the start without deformation", default=0.0)
+    unloading_stiffness: float | None = quantity(
+        "N m/rad",
+        "slope on which the torque falls and grows again; leaves a permanent set",
+        default=None,
+        gt=0,
+    )
+    acts: Literal["both", "positive", "negative"] = word(
+        "in which direction of turn there is a torque", default="both"
+    )
+    gap: float = quantity("rad", "free play in each direction", default=0.0, ge=0)
+    damping: float = quantity("N m s/rad", "torque over rate", default=0.0, ge=0)
+
+
+PARAMETERS = TURN + RESISTANCE + Record(angle=("rad", "theta_0"))
+HISTORY = SLIDER + Record(angle=("rad", "counted turn"))
+OUTPUT = Record(
+    torque=("N m", "positive turns b back"),
+    angle=("rad", "turn of b from the start"),
+    rate=("rad/s", "of the angle"),
+    set=("rad", "permanent turn, the larger of both directions"),
+)
+
+
+def build(card: CurveTorsional, scene: Any) -> dict[str, Any]:
+    return scene.turning(card) | resistance(card, scene) | {"angle": card.angle}
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    angle, rate, g = turned(p, old.angle, nodes)
+    new.angle = angle
+    x = angle - p.angle
+    torque, stiffness, damping = resist(p, old, new, out, h, x, rate, curves)
+    out.torque = torque
+    out.angle = angle
+    out.rate = rate
+    out.set = new.set[0] if new.set[0] >= new.set[1] else -new.set[1]
+    twist(p, nodes, torque, g, stiffness, damping)

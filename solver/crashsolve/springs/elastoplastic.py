@@ -1,0 +1,92 @@
+"""Elastoplastic spring between two points, with linear hardening.
+
+    F = k (x - x_p),   |F - beta| <= F_y + H_i alpha,   alpha_dot = |x_p_dot|,   beta = H_k x_p
+
+x is the elongation. With the tangent k_t after yield, H = k k_t / (k - k_t) is either isotropic
+(H_i) or kinematic (H_k). The return to the yield limit is exact for any step, and so is the energy:
+stored (k (x - x_p)^2 + H_k x_p^2) / 2, lost F_y alpha + H_i alpha^2 / 2.
+
+Consequence to test: with k_t = 0 a mass m at v_0 stops after m v_0^2 / 2 F_y + F_y / 2k.
+
+Reference: Simo and Hughes (1998), Computational Inelasticity, 1.2 to 1.6.
+"""
+
+from typing import Any, Literal
+
+from crashsolve.deck.card import quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.springs._between import POINTS, line_of_action, pull
+from crashsolve.springs._card import PointSpringCard
+
+
+class Elastoplastic(PointSpringCard):
+    """Spring between two points that yields in tension and compression, with linear hardening."""
+
+    stiffness: float = quantity("N/m", "slope of force over elongation before yield", gt=0)
+    yield_force: float = quantity("N", "force at first yield", gt=0)
+    tangent: float = quantity("N/m", "slope after yield; below stiffness", default=0.0, ge=0)
+    hardening: Literal["isotropic", "kinematic"] = word(
+        "whether yield grows in both directions or moves with the force", default="isotropic"
+    )
+    length: float | None = quantity(
+        "m", "length without force; that at the start when absent", default=None, ge=0
+    )
+
+
+PARAMETERS = POINTS + Record(
+    stiffness=("N/m", "k"),
+    yield_force=("N", "F_y"),
+    isotropic=("N/m", "H_i"),
+    kinematic=("N/m", "H_k"),
+    length=("m", "l_0"),
+)
+HISTORY = Record(plastic=("m", "x_p"), flow=("m", "alpha"))
+OUTPUT = Record(
+    force=("N", "tension positive"),
+    length=("m", "present length"),
+    elongation=("m", "present length less that without force at the start"),
+    rate=("m/s", "of the length"),
+    set=("m", "plastic elongation"),
+    flow=("m", "sum of plastic elongations in both directions"),
+)
+
+
+def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:
+    k, tangent = card.stiffness, card.tangent
+    if tangent >= k:
+        raise scene.fail(f"must be below stiffness, {k:g} N/m", "tangent")
+    modulus = k * tangent / (k - tangent)
+    ends = scene.attachments(card)
+    return ends | {
+        "stiffness": k,
+        "yield_force": card.yield_force,
+        "isotropic": modulus if card.hardening == "isotropic" else 0.0,
+        "kinematic": modulus if card.hardening == "kinematic" else 0.0,
+        "length": scene.distance(ends) if card.length is None else card.length,
+    }
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    u, length, rate, d_a, d_b = line_of_action(p, nodes)
+    x = length - p.length
+    trial = p.stiffness * (x - old.plastic) - p.kinematic * old.plastic
+    excess = abs(trial) - p.yield_force - p.isotropic * old.flow
+    flow = max(excess, 0.0) / (p.stiffness + p.isotropic + p.kinematic)
+    new.plastic = old.plastic + (flow if trial > 0.0 else -flow)
+    new.flow = old.flow + flow
+    out.force = p.stiffness * (x - new.plastic)
+    out.length = length
+    out.elongation = x
+    out.rate = rate
+    out.set = new.plastic
+    out.flow = new.flow
+    recoverable = p.stiffness * (x - new.plastic) ** 2 + p.kinematic * new.plastic**2
+    out.stored = 0.5 * recoverable
+    out.power = 0.0
+    lost = flow * (p.yield_force + p.isotropic * (old.flow + 0.5 * flow))
+    # a state without a step has no history to lose energy in
+    out.loss = lost if h > 0.0 else 0.0
+    pull(p, nodes, out.force, u, d_a, d_b, p.stiffness, 0.0)

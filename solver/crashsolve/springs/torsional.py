@@ -1,0 +1,55 @@
+"""Linear torsional spring and damper about an axis of a.
+
+    M = k (theta - theta_0) + c theta_dot,   positive turns b back towards a
+
+theta counts any number of turns of b about the axis from the start. The torque acts along the
+gradient of theta, so no energy is lost if b tilts. Consequence to test: a disc of inertia J swings
+with omega^2 = k / J; stored energy k (theta - theta_0)^2 / 2.
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import quantity
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.springs._between import TURN, turned, twist
+from crashsolve.springs._card import AxisSpringCard
+
+
+class Torsional(AxisSpringCard):
+    """Linear torsional spring and damper about an axis of a."""
+
+    stiffness: float = quantity("N m/rad", "slope of torque over angle", ge=0)
+    damping: float = quantity("N m s/rad", "torque over rate of the angle", default=0.0, ge=0)
+    angle: float = quantity("rad", "turn from the start at which the torque is zero", default=0.0)
+
+
+PARAMETERS = TURN + Record(
+    stiffness=("N m/rad", "k"), damping=("N m s/rad", "c"), angle=("rad", "theta_0")
+)
+HISTORY = Record(angle=("rad", "counted turn"))
+OUTPUT = Record(
+    torque=("N m", "positive turns b back"),
+    angle=("rad", "turn of b from the start"),
+    rate=("rad/s", "of the angle"),
+)
+
+
+def build(card: Torsional, scene: Any) -> dict[str, Any]:
+    constants = {"stiffness": card.stiffness, "damping": card.damping, "angle": card.angle}
+    return scene.turning(card) | constants
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    angle, rate, g = turned(p, old.angle, nodes)
+    new.angle = angle
+    x = angle - p.angle
+    out.torque = p.stiffness * x + p.damping * rate
+    out.angle = angle
+    out.rate = rate
+    out.stored = 0.5 * p.stiffness * x * x
+    out.power = p.damping * rate * rate
+    out.loss = 0.0
+    twist(p, nodes, out.torque, g, p.stiffness, p.damping)

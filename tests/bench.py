@@ -1,0 +1,155 @@
+"""A small deck whose kernels run as plain Python, with the bodies moved by hand.
+
+Nothing is compiled, so that tests are quick and every line is seen by coverage and debugger.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.record import Record
+from crashsolve.model.build import build
+
+BODIES = """
+title: bench
+control: {end_time: 1}
+bodies:
+  a: {mass: 2, inertia: [0.5, 0.6, 0.4], position: [0.1, 0.2, -0.1], mass_centre: [0.05, 0, 0.1]}
+  b:
+    mass: 3
+    inertia: [0.7, 0.5, 0.9]
+    position: [0.9, 0.4, 0.3]
+    rotation: {axis: [1, 2, 3], angle: 0.4}
+    mass_centre: [0, -0.1, 0]
+"""
+
+
+class Bench:
+    """The bodies a and b (nodes 1 and 2) and whatever `text` adds to the deck."""
+
+    def __init__(self, folder: Path, text: str, bodies: str = BODIES) -> None:
+        path = folder / "bench.yaml"
+        path.write_text(bodies + text, "utf-8")
+        self.model, state = build(read_deck(path))
+        self.nodes: Any = state.nodes.view(np.recarray)
+        self.rows: Any = state.rows.view(np.recarray)
+        self.curves: Any = self.model.curves.view(np.recarray)
+        for node in range(1, len(self.nodes)):
+            self.move(node)
+
+    def move(self, node: int, r: Any = None, q: Any = None, v: Any = None, w: Any = None) -> None:
+        """Give a body position, unit quaternion, velocity, angular velocity; None keeps what is."""
+        b = self.nodes[node]
+        for name, value in (("r", r), ("q", q), ("v", v), ("w", w)):
+            if value is not None:
+                b[name] = value
+        A = matrix(b.q)
+        W = A @ b.J_inv.reshape(3, 3) @ A.T
+        b.A, b.W = A.ravel(), W.ravel()
+        b.L = np.linalg.solve(W, b.w)
+
+    def turn(self, node: int, rotation: Any) -> None:
+        """Turn a body by a rotation vector in world axes [rad]."""
+        self.move(node, q=product(exponential(rotation), self.nodes[node].q))
+
+    def shake(self, seed: int, speed: float = 1.0, turn: float = 0.8) -> None:
+        """Any postures and velocities, and the ground at rest."""
+        rng = np.random.default_rng(seed)
+        for node in range(1, len(self.nodes)):
+            self.turn(node, rng.uniform(-turn, turn, 3))
+            r = self.nodes[node].r + rng.uniform(-0.3, 0.3, 3)
+            self.move(node, r=r, v=speed * rng.normal(size=3), w=speed * rng.normal(size=3))
+
+    def state(self) -> Any:
+        return self.nodes.copy()
+
+    def law(self, keyword: str, name: str) -> "Law":
+        return Law(self, keyword, name)
+
+
+class Law:
+    """One entry of the deck: call it as the step does."""
+
+    def __init__(self, bench: Bench, keyword: str, name: str) -> None:
+        group = next(g for g in bench.model.groups if g.keyword == keyword and name in g.names)
+        i = group.names.index(name)
+        self.bench, self.module = bench, group.module
+        self.p = group.parameters.view(np.recarray)[i]
+        self.old = group.history.view(np.recarray)[0, i]
+        self.new = group.history.view(np.recarray)[1, i]
+        self.out = group.output.view(np.recarray)[i]
+
+    def force(self, h: float = 1.0, t: float = 0.0) -> Any:
+        """Forces of this law alone; h = 0 is a sample. Returns its outputs."""
+        nodes = self.bench.nodes
+        for name in ("force", "torque", "stiffness", "damping", "external"):
+            nodes[name] = 0.0
+        spoil(self.new, getattr(self.module, "HISTORY", Record()))
+        spoil(self.out, self.module.OUTPUT)
+        kernel = plain(self.module.force)
+        args = (t, h, nodes, self.bench.rows, self.bench.curves)
+        kernel(self.p, self.old, self.new, self.out, *args)
+        return self.out
+
+    def accept(self) -> None:
+        """The step is accepted: new becomes old."""
+        for name in self.old.dtype.names:
+            self.old[name] = self.new[name]
+
+    def measure(self, t: float = 0.0) -> Any:
+        """Outputs of a sensor, every column written."""
+        spoil(self.out, self.module.OUTPUT)
+        bench = self.bench
+        if hasattr(self.module, "follow"):
+            plain(self.module.follow)(self.p, self.old, self.new, self.out, bench.nodes)
+        plain(self.module.measure)(self.p, self.out, t, bench.nodes, bench.rows, bench.curves)
+        return self.out
+
+
+_copies: dict[Any, Callable[..., Any]] = {}
+
+
+def plain(function: Any) -> Callable[..., Any]:
+    """The Python function behind a kernel, calling the Python functions behind other kernels."""
+    source = getattr(function, "py_func", function)
+    if source not in _copies:
+        bound = dict(source.__globals__)
+        # known before its callees: an attribute may have the name of the function itself
+        _copies[source] = FunctionType(source.__code__, bound, source.__name__)
+        for name in source.__code__.co_names:
+            if hasattr(bound.get(name), "py_func"):
+                bound[name] = plain(bound[name])
+    return _copies[source]
+
+
+def spoil(values: Any, record: Record) -> None:
+    """Fill with what nobody would write, so that a column left out is seen."""
+    for column in record.columns:
+        values[column.name] = np.nan if column.format[1] is np.float64 else -(2**40)
+
+
+def written(values: Any, record: Record) -> bool:
+    """Whether every column has been written since it was spoilt."""
+    spoilt = {True: np.isnan, False: lambda x: np.equal(x, -(2**40))}
+    return not any(
+        np.any(spoilt[column.format[1] is np.float64](values[column.name]))
+        for column in record.columns
+    )
+
+
+def exponential(rotation: Any) -> np.ndarray:
+    """Unit quaternion of a rotation vector."""
+    x = np.asarray(rotation, float)
+    angle = np.linalg.norm(x)
+    return np.array([np.cos(angle / 2), *(0.5 * np.sinc(angle / (2 * np.pi)) * x)])
+
+
+def product(p: Any, q: Any) -> np.ndarray:
+    """Quaternion p q: first q, then p."""
+    v, w = np.asarray(p[1:]), np.asarray(q[1:])
+    return np.array([p[0] * q[0] - v @ w, *(p[0] * w + q[0] * v + np.cross(v, w))])
