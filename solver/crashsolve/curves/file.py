@@ -3,7 +3,8 @@
     y(x_i) = y_i, as in table.py
 
 Columns are parted by commas, semicolons, tabs or spaces; lines that begin with # are skipped, and
-so are headings above the numbers. Consequence to test: the same points give the same curve as a table.
+so are headings above the numbers.
+Consequence to test: the same points give the same curve as a table.
 """
 
 import math
