@@ -1,0 +1,130 @@
+"""Mesh of triangles fixed in a body, from the card or from a file; solid on the inner side.
+
+The corners of a triangle run counter-clockwise seen from outside. A closed mesh is solid
+throughout, an open one down to `thickness` below its surface.
+"""
+
+from typing import Any
+
+import numpy as np
+from pydantic import model_validator
+
+from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
+from crashsolve.deck.card import FileName, Vec3, quantity, word
+from crashsolve.foundation.record import Record
+
+
+class Mesh(PlacedCard):
+    """Mesh of triangles fixed in a body, closed, or open with a thickness."""
+
+    vertices: tuple[Vec3, ...] | None = quantity("m", "points, shape axes", None)
+    faces: tuple[tuple[int, int, int], ...] | None = word(
+        "three points of each triangle, counted from 0, counter-clockwise from outside", None
+    )
+    file: FileName | None = word("mesh file instead, of any format meshio reads", None)
+    scale: float = quantity("1", "length of the file's unit in metres", 1.0, gt=0)
+    thickness: float | None = quantity(
+        "m", "depth of the solid below the surface; needed when the mesh is open", None, gt=0
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "Mesh":
+        if (self.vertices is None) != (self.faces is None):
+            raise ValueError("vertices and faces belong together")
+        if (self.vertices is None) == (self.file is None):
+            raise ValueError("give one of: vertices and faces, file")
+        return self
+
+
+PARAMETERS = Record(
+    **PLACED,
+    thickness=("m", "depth of the solid below the surface; infinite for a closed mesh"),
+    root=("index", "first box of its tree"),
+)
+
+
+def build(card: Mesh, scene: Any) -> list[dict[str, Any]]:
+    points, faces = _read(card, scene)
+    edges = _check(points, faces, scene)
+    is_open = bool((edges[:, 2] < 0).any())
+    if is_open and card.thickness is None:
+        raise scene.fail("an open mesh needs a thickness", "thickness")
+    solid = {"points": points, "faces": faces, "edges": edges, "root": 0}
+    thickness = np.inf if card.thickness is None else card.thickness
+    return [placement(card, scene) | solid | {"thickness": thickness}]
+
+
+def _read(card: Mesh, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+    if card.file is None:
+        assert card.vertices is not None and card.faces is not None
+        return np.array(card.vertices, float), np.array(card.faces, int).reshape(-1, 3)
+    try:
+        import meshio
+    except ImportError:
+        raise scene.fail(
+            "reading mesh files needs meshio: pip install 'crashsolve[mesh]'", "file"
+        ) from None
+    try:
+        mesh = meshio.read(card.file)
+    except Exception as error:
+        # every reader of meshio has its own exceptions
+        raise scene.fail(f"cannot read this mesh: {error}", "file") from None
+    faces = np.asarray(mesh.cells_dict.get("triangle", np.zeros((0, 3), int)), int)
+    # formats such as STL repeat the corners of every triangle
+    points, same = np.unique(np.asarray(mesh.points, float), axis=0, return_inverse=True)
+    return card.scale * points, same.reshape(-1)[faces]
+
+
+def _check(points: np.ndarray, faces: np.ndarray, scene: Any) -> np.ndarray:
+    """Edges (m, 3): triangle, its edge, and the triangle beyond or -1. Refuses a broken mesh."""
+    if len(faces) == 0:
+        raise scene.fail("has no triangles", "faces")
+    if faces.min() < 0 or faces.max() >= len(points):
+        raise scene.fail(
+            f"a face names point {faces.min() if faces.min() < 0 else faces.max()}; "
+            f"the points are 0 to {len(points) - 1}",
+            "faces",
+        )
+    i, j, k = (points[faces[:, c]] for c in range(3))
+    area = np.linalg.norm(np.cross(j - i, k - i), axis=1)
+    if area.min() <= 1e-12 * float(np.ptp(points, axis=0).max()) ** 2:
+        raise scene.fail(f"triangle {int(area.argmin())} has no area", "faces")
+    edges = _neighbours(faces, scene)
+    if (edges[:, 2] >= 0).all() and np.einsum("ij,ij->", i, np.cross(j, k)) < 0.0:
+        raise scene.fail("the closed mesh is inside out: reverse the order of its faces", "faces")
+    return edges
+
+
+def _neighbours(faces: np.ndarray, scene: Any) -> np.ndarray:
+    """The triangle beyond each edge, which runs along the edge the other way."""
+    ends = {}
+    for c in range(3):
+        for f, (p, q) in enumerate(faces[:, (c, (c + 1) % 3)].tolist()):
+            if (p, q) in ends:
+                raise scene.fail(
+                    f"triangles {ends[p, q][0]} and {f} disagree about outside along the edge of "
+                    f"points {p} and {q}, or more than two triangles meet there",
+                    "faces",
+                )
+            ends[p, q] = f, c
+    return np.array([(f, c, ends.get((q, p), (-1, 0))[0]) for (p, q), (f, c) in ends.items()])
+
+
+def curvature_radius(card: Mesh) -> float | None:
+    """Flat, triangle by triangle."""
+    return None
+
+
+def bounding(element: Any) -> tuple[Any, float]:
+    """Centre in body axes and radius of an enclosing sphere."""
+    low, high = element["points"].min(axis=0), element["points"].max(axis=0)
+    middle = 0.5 * (low + high)
+    centre = element["point"] + element["axes"].reshape(3, 3) @ middle
+    return centre, float(np.linalg.norm(element["points"] - middle, axis=1).max())
+
+
+def corners(element: Any) -> list[dict[str, Any]]:
+    """The points of the mesh, as spheres of radius 0."""
+    used = element["points"][np.unique(element["faces"])]
+    points = element["point"] + used @ element["axes"].reshape(3, 3).T
+    return [{"node": element["node"], "point": point, "radius": 0.0} for point in points]
