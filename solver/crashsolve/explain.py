@@ -12,7 +12,7 @@ def explain(deck: Deck, model: Model) -> str:
     lines = [f"{deck.title or deck.path.name}", ""]
     lines += [
         f"bodies {len(model.bodies) - 1}, joints {len(model.joints)} "
-        f"({len(model.saddle.inverse)} constraint rows), "
+        f"({model.saddle.rows()} constraint rows), "
         f"contact pairs {sum(len(c.parameters) for c in model.contact_groups)}",
         f"mass {model.mass.sum():.6g} kg, size {model.size:.4g} m",
         "",

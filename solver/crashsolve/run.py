@@ -206,7 +206,7 @@ class Run:
         }
         if self.engine.model.joints:
             facts["constraint rows, redundant"] = (
-                f"{len(saddle.inverse)}, {int(saddle.redundant[0])}"
+                f"{saddle.rows()}, {saddle.redundant()}"
             )
             facts["position iterations per step"] = (
                 f"{clock['iterations'] / max(int(clock['cycle']), 1):.2f}"
@@ -259,7 +259,7 @@ class Run:
         arrays = {name: getattr(s, name) for name in s.__dataclass_fields__}
         arrays |= {f"history/{g.word}": g.history for g in model.groups}
         arrays |= {f"history/{c.word}": c.history for c in model.contact_groups}
-        arrays |= {"factor": model.saddle.factor, "inverse": model.saddle.inverse}
+        arrays |= {"saddle/columns": model.saddle.columns, "saddle/blocks": model.saddle.blocks}
         return arrays
 
     def _dump(self) -> None:

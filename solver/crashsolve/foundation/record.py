@@ -34,6 +34,10 @@ class Record:
             Column(name, spec[0], spec[1] if len(spec) == 3 else 1, spec[-1])
             for name, spec in columns.items()
         )
+        # numpy's own attributes of a record would hide the column from plain Python
+        taken = [name for name in columns if hasattr(np.void, name)]
+        if taken:
+            raise ValueError(f"names that numpy records have already: {taken}")
 
     def __add__(self, other: "Record") -> "Record":
         """Both sets of columns; a name used twice is a programming error."""

@@ -3,8 +3,9 @@
 Each joint is one block of up to 6 rows; two joints couple when they share a body. A row acts
 between two bodies; a joint of more bodies (gear) has several parts, each with all its rows, and the
 parts of a row add up and share one multiplier. The order of elimination (minimum degree) and every
-address are fixed at build; the compiled loops only follow them. A pivot that has lost all its digits marks a redundant row: its multiplier is set to zero and
-the row is satisfied by the others when the constraints agree with each other.
+address are fixed at build; the compiled loops only follow them. A pivot that has lost all its
+digits marks a redundant row: its multiplier is set to zero and the row is satisfied by the others
+when the constraints agree with each other.
 
 Reference: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems.
 """
@@ -14,51 +15,90 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.record import Record
 
 # a pivot below this share of its diagonal is round-off: S loses twice the digits of D
 REDUNDANT = 1e-11
 
+COLUMN = Record(
+    rows=("count", "rows of the joint, at most 6"),
+    entry=("index", "its first entry in the table of rows"),
+    end=("index", "one past its last entry; the parts follow each other"),
+    block=("index", "its diagonal block, followed by the blocks below"),
+    block_end=("index", "one past its last block"),
+    update=("index", "first update of the later columns"),
+    update_end=("index", "one past the last"),
+    dropped=("count", "rows found redundant"),
+    inverse=("1", 6, "1 / L_ii; 0 where redundant"),
+    pivot=("1", 6, "diagonal of S, against which pivots are judged"),
+    work=("1", 6, "right-hand side, then solution"),
+)
+BLOCK = Record(
+    x=("1", 36, "S, then L, by rows of 6"),
+    column=("index", "column of the joint whose rows these are"),
+)
+UPDATE = Record(a=("index", "block"), b=("index", "block"), target=("index", "target -= a b^T"))
+PAIR = Record(
+    row_k=("index", "first entry of one joint"),
+    half_k=("flag", "which half of D: 0 body a, 1 body b"),
+    rows_k=("count", "its rows"),
+    row_j=("index", "the same of the other joint"),
+    half_j=("flag", "half"),
+    rows_j=("count", "rows"),
+    block=("index", "block to which D_k X_j^T adds"),
+    is_diagonal=("flag", "only the lower half is needed"),
+)
+
 
 class Saddle(NamedTuple):
-    """Addresses and storage of the block factor; blocks are row-major."""
+    """Columns in the order of elimination, their blocks, and what adds to which block."""
 
-    row: Any  # (n_blocks + 1,) first entry in the table of rows of each block, in model order
-    order: Any  # (n_blocks,) elimination order
-    diagonal: Any  # (n_blocks,) address of the diagonal block, by elimination position
-    below_start: Any  # (n_blocks + 1,) range of sub-diagonal blocks per position
-    below_position: Any  # elimination position of each sub-diagonal block
-    below_address: Any  # address of each sub-diagonal block
-    update_start: Any  # (n_blocks + 1,) range of updates per position
-    update: Any  # (n_updates, 5) address 1, address 2, target, rows 1, rows 2
-    pair: Any  # (n_pairs, 8) entry, column, rows of block 1; of block 2; address; 1 if diagonal
-    factor: Any  # blocks of S, then of L
-    inverse: Any  # (n_rows,) 1 / L_ii by elimination; 0 where redundant
-    work: Any  # (n_rows,) right-hand side in elimination order
-    first: Any  # (n_blocks + 1,) first row of each elimination position
-    redundant: Any  # (1,) rows found redundant by the last factorisation
+    columns: Any
+    blocks: Any
+    updates: Any
+    pairs: Any
+
+    def redundant(self) -> int:
+        """Rows found redundant by the last factorisation."""
+        return int(self.columns["dropped"].sum())
+
+    def rows(self) -> int:
+        """Number of constraint rows."""
+        return int(self.columns["rows"].sum())
 
 
 def plan(rows: list[int], nodes: list[tuple[int, ...]]) -> Saddle:
-    """Addresses for blocks of `rows[k]` rows between nodes `nodes[k]`, two per part (0: ground)."""
-    n = len(rows)
-    touching = _blocks_by_node(nodes)
+    """Addresses for joints of `rows[k]` rows between nodes `nodes[k]`, two per part (0: ground)."""
+    touching = _joints_by_node(nodes)
     neighbours = [
-        {j for node in set(pair) - {0} for j in touching[node]} - {k}
-        for k, pair in enumerate(nodes)
+        {j for node in set(ends) - {0} for j in touching[node]} - {k}
+        for k, ends in enumerate(nodes)
     ]
     order, below = _eliminate(neighbours, rows)
-    position = {block: p for p, block in enumerate(order)}
+    position = {joint: p for p, joint in enumerate(order)}
+    entries = [0, *np.cumsum([m * len(ends) // 2 for m, ends in zip(rows, nodes, strict=True)])]
+    columns = np.zeros(len(rows), COLUMN.dtype)
     address: dict[tuple[int, int], int] = {}
-    size = 0
-    for p, block in enumerate(order):
-        for q in [p, *sorted(position[b] for b in below[block])]:
-            address[q, p] = size
-            size += rows[order[q]] * rows[block]
-    return _tables(n, rows, nodes, order, position, below, address, size, touching)
+    for p, joint in enumerate(order):
+        column = columns[p]
+        column["rows"], column["entry"], column["end"] = (
+            rows[joint],
+            entries[joint],
+            entries[joint + 1],
+        )
+        column["block"] = len(address)
+        for q in [p, *sorted(position[b] for b in below[joint])]:
+            address[q, p] = len(address)
+        column["block_end"] = len(address)
+    updates = _updates(columns, order, position, below, address)
+    blocks = np.zeros(len(address), BLOCK.dtype)
+    blocks["column"] = [q for q, _ in address]
+    pairs = _pairs(entries, rows, nodes, position, address)
+    return Saddle(columns, blocks, np.array(updates, UPDATE.dtype), np.array(pairs, PAIR.dtype))
 
 
-def _blocks_by_node(nodes: list[tuple[int, ...]]) -> dict[int, list[int]]:
+def _joints_by_node(nodes: list[tuple[int, ...]]) -> dict[int, list[int]]:
     touching: dict[int, list[int]] = {}
     for k, pair in enumerate(nodes):
         for node in set(pair) - {0}:
@@ -84,55 +124,26 @@ def _eliminate(
     return order, below
 
 
-def _tables(
-    n: int,
-    rows: list[int],
-    nodes: list[tuple[int, ...]],
+def _updates(
+    columns: np.ndarray,
     order: list[int],
     position: dict[int, int],
     below: dict[int, set[int]],
     address: dict[tuple[int, int], int],
-    size: int,
-    touching: dict[int, list[int]],
-) -> Saddle:
-    below_start, below_position, below_address = [0], [], []
-    update_start, update = [0], []
-    for p, block in enumerate(order):
-        reached = sorted(position[b] for b in below[block])
-        below_position += reached
-        below_address += [address[q, p] for q in reached]
-        below_start.append(len(below_position))
-        for q1 in reached:
-            for q2 in reached:
-                if q1 >= q2:
-                    m1, m2 = rows[order[q1]], rows[order[q2]]
-                    update.append([address[q1, p], address[q2, p], address[q1, q2], m1, m2])
-        update_start.append(len(update))
-
-    entries = [0, *np.cumsum([m * len(ends) // 2 for m, ends in zip(rows, nodes, strict=True)])]
-    pair = _pairs(entries, rows, nodes, position, address, touching)
-
-    def integers(values: Any, width: int = 0) -> np.ndarray:
-        array = np.array(values, np.int64)
-        return array.reshape(-1, width) if width else array
-
-    total = sum(rows)
-    return Saddle(
-        row=integers(entries),
-        order=integers(order),
-        diagonal=integers([address[p, p] for p in range(n)]),
-        below_start=integers(below_start),
-        below_position=integers(below_position),
-        below_address=integers(below_address),
-        update_start=integers(update_start),
-        update=integers(update, 5),
-        pair=integers(pair, 8),
-        factor=np.zeros(size),
-        inverse=np.zeros(total),
-        work=np.zeros(total),
-        first=integers([0, *np.cumsum([rows[b] for b in order])]),
-        redundant=np.zeros(1, np.int64),
-    )
+) -> list[tuple[int, int, int]]:
+    """What each column subtracts from the later ones, in the order of elimination."""
+    updates = []
+    for p, joint in enumerate(order):
+        reached = sorted(position[b] for b in below[joint])
+        columns[p]["update"] = len(updates)
+        updates += [
+            (address[q1, p], address[q2, p], address[q1, q2])
+            for q1 in reached
+            for q2 in reached
+            if q1 >= q2
+        ]
+        columns[p]["update_end"] = len(updates)
+    return updates
 
 
 def _pairs(
@@ -141,211 +152,223 @@ def _pairs(
     nodes: list[tuple[int, ...]],
     position: dict[int, int],
     address: dict[tuple[int, int], int],
-    touching: dict[int, list[int]],
-) -> list[list[int]]:
+) -> list[tuple[int, ...]]:
     """Products D X^T that make up S: each node adds one per pair of sides that lie on it."""
 
-    def sides(k: int, node: int) -> list[list[int]]:
-        """First entry, first column and rows of each side of block k that is this node."""
+    def sides(k: int, node: int) -> list[tuple[int, int, int]]:
+        """First entry, half of D and rows of each side of joint k that is this node."""
         ends = [side for side, end in enumerate(nodes[k]) if end == node]
-        return [[entries[k] + side // 2 * rows[k], 6 * (side % 2), rows[k]] for side in ends]
+        return [(entries[k] + side // 2 * rows[k], side % 2, rows[k]) for side in ends]
 
-    pair = []
-    for node, blocks in sorted(touching.items()):
-        for k in blocks:
-            for j in blocks:
-                if position[k] >= position[j]:
-                    target = [address[position[k], position[j]], int(k == j)]
-                    pair += [a + b + target for a in sides(k, node) for b in sides(j, node)]
-    return pair
-
-
-@kernel
-def factorise(s, rows):
-    """S = D X^T = L L^T, dropping redundant rows. Writes: s.factor, inverse, redundant."""
-    assemble(s.pair, s.factor, rows)
-    save_diagonal(s.first, s.diagonal, s.factor, s.work)
-    dropped = 0
-    for p in range(s.order.shape[0]):
-        m = s.first[p + 1] - s.first[p]
-        dropped += factor_diagonal(s.factor, s.diagonal[p], m, s.first[p], s.inverse, s.work)
-        for e in range(s.below_start[p], s.below_start[p + 1]):
-            q = s.below_position[e]
-            height = s.first[q + 1] - s.first[q]
-            solve_below(
-                s.factor, s.below_address[e], height, s.diagonal[p], m, s.first[p], s.inverse
-            )
-        for e in range(s.update_start[p], s.update_start[p + 1]):
-            u = s.update
-            subtract(s.factor, u[e, 0], u[e, 1], u[e, 2], u[e, 3], u[e, 4], m)
-    s.redundant[0] = dropped
+    return [
+        (*a, *b, address[position[k], position[j]], int(k == j))
+        for node, joints in sorted(_joints_by_node(nodes).items())
+        for k in joints
+        for j in joints
+        if position[k] >= position[j]
+        for a in sides(k, node)
+        for b in sides(j, node)
+    ]
 
 
 @kernel
-def assemble(pair, S, rows):
-    """Blocks of S = D X^T; of diagonal blocks only the lower half. Writes: S."""
-    S[:] = 0.0
-    for e in range(pair.shape[0]):
-        k, a, height = pair[e, 0], pair[e, 1], pair[e, 2]
-        j, b, width = pair[e, 3], pair[e, 4], pair[e, 5]
-        for p in range(height):
-            D = rows[k + p].D
-            target = pair[e, 6] + p * width
-            for q in range(p + 1 if pair[e, 7] == 1 else width):
-                X = rows[j + q].X
-                S[target + q] += (
-                    D[a] * X[b]
-                    + D[a + 1] * X[b + 1]
-                    + D[a + 2] * X[b + 2]
-                    + D[a + 3] * X[b + 3]
-                    + D[a + 4] * X[b + 4]
-                    + D[a + 5] * X[b + 5]
+def factorise(saddle, rows):
+    """S = D X^T = L L^T, dropping redundant rows. Writes: saddle."""
+    # arrays are taken out of the tuple once: each time costs a reference count
+    columns, blocks, updates = saddle.columns, saddle.blocks, saddle.updates
+    assemble(saddle.pairs, blocks, rows)
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        m = c.rows
+        # with a literal size the compiler unrolls: hinges have 5 rows, ball joints 3
+        if m == 5:
+            factor_column(c, columns, blocks, updates, 5)
+        elif m == 3:
+            factor_column(c, columns, blocks, updates, 3)
+        else:
+            factor_column(c, columns, blocks, updates, m)
+
+
+@kernel
+def assemble(pairs, blocks, rows):
+    """Blocks of S = D X^T; of diagonal blocks only the lower half. Writes: blocks."""
+    for e in range(blocks.shape[0]):
+        for k in range(36):
+            blocks[e].x[k] = 0.0
+    for e in range(pairs.shape[0]):
+        pair = pairs[e]
+        x = blocks[pair.block].x
+        for p in range(pair.rows_k):
+            d = half(rows[pair.row_k + p].D, pair.half_k)
+            for q in range(p + 1 if pair.is_diagonal == 1 else pair.rows_j):
+                w = half(rows[pair.row_j + q].X, pair.half_j)
+                x[6 * p + q] += (
+                    d[0] * w[0]
+                    + d[1] * w[1]
+                    + d[2] * w[2]
+                    + d[3] * w[3]
+                    + d[4] * w[4]
+                    + d[5] * w[5]
                 )
 
 
-@kernel
-def save_diagonal(first, diagonal, S, work):
-    """Keep the diagonal of S, against which pivots are judged. Writes: work."""
-    for p in range(diagonal.shape[0]):
-        m = first[p + 1] - first[p]
-        for i in range(m):
-            work[first[p] + i] = S[diagonal[p] + i * m + i]
+@inlined
+def half(D, second):
+    """First or second half of a row of D or X."""
+    if second == 1:
+        return (D[6], D[7], D[8], D[9], D[10], D[11])
+    return (D[0], D[1], D[2], D[3], D[4], D[5])
 
 
-@kernel
-def factor_diagonal(L, at, m, first, inverse, original):
-    """Dense Cholesky of one diagonal block; returns the number of rows dropped."""
+@inlined
+def factor_column(c, columns, blocks, updates, m):
+    """Eliminate one joint of m rows. Writes: c, blocks."""
+    factor_diagonal(blocks[c.block].x, c, m)
+    for e in range(c.block + 1, c.block_end):
+        solve_below(blocks[e].x, columns[blocks[e].column].rows, blocks[c.block].x, c.inverse, m)
+    for e in range(c.update, c.update_end):
+        u = updates[e]
+        a, b = blocks[u.a], blocks[u.b]
+        height, width = columns[a.column].rows, columns[b.column].rows
+        subtract(blocks[u.target].x, a.x, b.x, height, width, m)
+
+
+@inlined
+def factor_diagonal(x, c, m):
+    """Dense Cholesky of a diagonal block. Writes: x, c."""
     dropped = 0
     for i in range(m):
-        pivot = L[at + i * m + i]
+        pivot = x[7 * i]
+        c.pivot[i] = pivot
         for j in range(i):
-            x = L[at + i * m + j]
+            y = x[6 * i + j]
             for k in range(j):
-                x -= L[at + i * m + k] * L[at + j * m + k]
-            x *= inverse[first + j]
-            L[at + i * m + j] = x
-            pivot -= x * x
-        if pivot <= REDUNDANT * original[first + i]:
-            inverse[first + i] = 0.0
+                y -= x[6 * i + k] * x[6 * j + k]
+            y *= c.inverse[j]
+            x[6 * i + j] = y
+            pivot -= y * y
+        if pivot <= REDUNDANT * c.pivot[i]:
+            c.inverse[i] = 0.0
             dropped += 1
         else:
-            inverse[first + i] = 1.0 / sqrt(pivot)
-            L[at + i * m + i] = pivot * inverse[first + i]
-    return dropped
+            c.inverse[i] = 1.0 / sqrt(pivot)
+            x[7 * i] = pivot * c.inverse[i]
+    c.dropped = dropped
 
 
-@kernel
-def solve_below(L, at, height, diagonal, m, first, inverse):
-    """Rows of a sub-diagonal block: L_qp = S_qp L_pp^-T. Writes: L."""
-    for i in range(at, at + height * m, m):
+@inlined
+def solve_below(x, height, diagonal, inverse, m):
+    """Rows of a block below: L_qp = S_qp L_pp^-T. Writes: x."""
+    for i in range(height):
         for j in range(m):
-            x = L[i + j]
+            y = x[6 * i + j]
             for k in range(j):
-                x -= L[i + k] * L[diagonal + j * m + k]
-            L[i + j] = x * inverse[first + j]
+                y -= x[6 * i + k] * diagonal[6 * j + k]
+            x[6 * i + j] = y * inverse[j]
 
 
-@kernel
-def subtract(L, a, b, target, m1, m2, m):
-    """S_q1q2 -= L_q1p L_q2p^T. Writes: L."""
-    for i in range(m1):
-        for j in range(m2):
-            x = 0.0
+@inlined
+def subtract(x, a, b, height, width, m):
+    """x -= a b^T. Writes: x."""
+    for i in range(height):
+        for j in range(width):
+            y = 0.0
             for k in range(m):
-                x += L[a + i * m + k] * L[b + j * m + k]
-            L[target + i * m2 + j] -= x
+                y += a[6 * i + k] * b[6 * j + k]
+            x[6 * i + j] -= y
 
 
 @kernel
-def solve(s):
-    """Solve L L^T y = work in place, in elimination order; redundant rows give 0. Writes: s.work."""
-    n = s.order.shape[0]
+def solve(saddle):
+    """Solve L L^T y = work in place; redundant rows give 0. Writes: saddle.columns.work."""
+    columns, blocks = saddle.columns, saddle.blocks
+    n = columns.shape[0]
     for p in range(n):
-        m = s.first[p + 1] - s.first[p]
-        forward(s.factor, s.work, s.inverse, s.diagonal[p], s.first[p], m)
-        for e in range(s.below_start[p], s.below_start[p + 1]):
-            q = s.first[s.below_position[e]]
-            height = s.first[s.below_position[e] + 1] - q
-            eliminate_below(s.factor, s.work, s.below_address[e], height, q, s.first[p], m)
+        c = columns[p]
+        if c.rows == 5:
+            solve_down(c, columns, blocks, 5)
+        elif c.rows == 3:
+            solve_down(c, columns, blocks, 3)
+        else:
+            solve_down(c, columns, blocks, c.rows)
     for p in range(n - 1, -1, -1):
-        m = s.first[p + 1] - s.first[p]
-        for e in range(s.below_start[p], s.below_start[p + 1]):
-            q = s.first[s.below_position[e]]
-            height = s.first[s.below_position[e] + 1] - q
-            collect_below(s.factor, s.work, s.below_address[e], height, q, s.first[p], m)
-        backward(s.factor, s.work, s.inverse, s.diagonal[p], s.first[p], m)
+        c = columns[p]
+        if c.rows == 5:
+            solve_up(c, columns, blocks, 5)
+        elif c.rows == 3:
+            solve_up(c, columns, blocks, 3)
+        else:
+            solve_up(c, columns, blocks, c.rows)
 
 
-@kernel
-def forward(L, w, inverse, at, first, m):
+@inlined
+def solve_down(c, columns, blocks, m):
+    """Forward substitution of one joint of m rows. Writes: columns.work."""
+    x, w = blocks[c.block].x, c.work
     for i in range(m):
-        y = w[first + i]
+        y = w[i]
         for k in range(i):
-            y -= L[at + i * m + k] * w[first + k]
-        w[first + i] = y * inverse[first + i]
+            y -= x[6 * i + k] * w[k]
+        w[i] = y * c.inverse[i]
+    for e in range(c.block + 1, c.block_end):
+        b, below = blocks[e].x, columns[blocks[e].column]
+        for i in range(below.rows):
+            y = 0.0
+            for k in range(m):
+                y += b[6 * i + k] * w[k]
+            below.work[i] -= y
 
 
-@kernel
-def eliminate_below(L, w, at, height, q, first, m):
-    for i in range(height):
-        y = 0.0
-        for k in range(m):
-            y += L[at + i * m + k] * w[first + k]
-        w[q + i] -= y
-
-
-@kernel
-def collect_below(L, w, at, height, q, first, m):
-    for i in range(height):
-        y = w[q + i]
-        for k in range(m):
-            w[first + k] -= L[at + i * m + k] * y
-
-
-@kernel
-def backward(L, w, inverse, at, first, m):
+@inlined
+def solve_up(c, columns, blocks, m):
+    """Backward substitution of one joint of m rows. Writes: c.work."""
+    x, w = blocks[c.block].x, c.work
+    for e in range(c.block + 1, c.block_end):
+        b, below = blocks[e].x, columns[blocks[e].column]
+        for i in range(below.rows):
+            y = below.work[i]
+            for k in range(m):
+                w[k] -= b[6 * i + k] * y
     for i in range(m - 1, -1, -1):
-        y = w[first + i]
+        y = w[i]
         for k in range(i + 1, m):
-            y -= L[at + k * m + i] * w[first + k]
-        w[first + i] = y * inverse[first + i]
+            y -= x[6 * k + i] * w[k]
+        w[i] = y * c.inverse[i]
 
 
 @kernel
-def solve_delta(s, rows, factor):
-    """rows.delta = S^-1 (factor * phi). Writes: rows.delta, s.work."""
-    for p in range(s.order.shape[0]):
-        start, end = s.row[s.order[p]], s.row[s.order[p] + 1]
-        m = s.first[p + 1] - s.first[p]
-        for i in range(m):
+def solve_delta(saddle, rows, factor):
+    """rows.delta = S^-1 (factor * phi). Writes: rows.delta, saddle."""
+    columns = saddle.columns
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        for i in range(c.rows):
             total = 0.0
-            for k in range(start + i, end, m):
+            for k in range(c.entry + i, c.end, c.rows):
                 total += rows[k].phi
-            s.work[s.first[p] + i] = factor * total
-    solve(s)
-    for p in range(s.order.shape[0]):
-        start, end = s.row[s.order[p]], s.row[s.order[p] + 1]
-        m = s.first[p + 1] - s.first[p]
-        for i in range(m):
-            for k in range(start + i, end, m):
-                rows[k].delta = s.work[s.first[p] + i]
+            c.work[i] = factor * total
+    solve(saddle)
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        for i in range(c.rows):
+            for k in range(c.entry + i, c.end, c.rows):
+                rows[k].delta = c.work[i]
 
 
 @kernel
-def solve_reaction(s, rows, factor):
-    """rows.reaction = S^-1 (factor * reaction). Writes: rows.reaction, s.work."""
-    for p in range(s.order.shape[0]):
-        start, end = s.row[s.order[p]], s.row[s.order[p] + 1]
-        m = s.first[p + 1] - s.first[p]
-        for i in range(m):
+def solve_reaction(saddle, rows, factor):
+    """rows.reaction = S^-1 (factor * reaction). Writes: rows.reaction, saddle."""
+    columns = saddle.columns
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        for i in range(c.rows):
             total = 0.0
-            for k in range(start + i, end, m):
+            for k in range(c.entry + i, c.end, c.rows):
                 total += rows[k].reaction
-            s.work[s.first[p] + i] = factor * total
-    solve(s)
-    for p in range(s.order.shape[0]):
-        start, end = s.row[s.order[p]], s.row[s.order[p] + 1]
-        m = s.first[p + 1] - s.first[p]
-        for i in range(m):
-            for k in range(start + i, end, m):
-                rows[k].reaction = s.work[s.first[p] + i]
+            c.work[i] = factor * total
+    solve(saddle)
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        for i in range(c.rows):
+            for k in range(c.entry + i, c.end, c.rows):
+                rows[k].reaction = c.work[i]

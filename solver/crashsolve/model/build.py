@@ -189,5 +189,5 @@ def initial_rows(model: Model) -> np.ndarray:
             start = joint.first_row + k * joint.rows
             part = rows[start : start + joint.rows]
             part["node_a"], part["node_b"] = joint.nodes[2 * k : 2 * k + 2]
-            part["size"] = np.where(joint.angular, 1.0, model.size)
+            part["scale"] = np.where(joint.angular, 1.0, model.size)
     return rows

@@ -45,7 +45,7 @@ ROW = Record(
     trial=("N or N m", "lambda of the drift being tried"),
     delta=("N or N m", "its correction"),
     reaction=("N or N m", "lambda of the last kick, or of the sample"),
-    size=("m or 1", "scale of phi: model length, or 1 for angles"),
+    scale=("m or 1", "scale of phi: model length, or 1 for angles"),
     node_a=("index", "first node"),
     node_b=("index", "second node"),
 )

@@ -132,7 +132,7 @@ def worst_residual(rows):
     """Largest |Phi| in units of the model's size, and its row."""
     worst, at = 0.0, 0
     for k in range(rows.shape[0]):
-        x = abs(rows[k].phi) / rows[k].size
+        x = abs(rows[k].phi) / rows[k].scale
         # a NaN must win the comparison
         if not x <= worst:
             worst, at = x, k

@@ -1,5 +1,6 @@
 """The engine: the compiled step of one scene with its arrays. The only place that calls it."""
 
+import os
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ class Engine:
     @property
     def clock(self) -> Any:
         """Time, step, cycle and totals."""
-        return self.state.clock[0]
+        return self.state.clock.view(np.recarray)[0]
 
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
@@ -71,7 +72,7 @@ class Engine:
         """Outputs, reactions and energies of the present state. Raises SolverError."""
         self.nodes[:], self.rows[:] = self.state.nodes, self.state.rows
         self.ledger[:] = self.state.ledger
-        clock = self.state.clock.copy()[0]
+        clock = self.state.clock.copy().view(np.recarray)[0]
         self._call(clock["time"], True, clock, self.nodes, self.rows, self.ledger)
         if clock["status"] in (NOT_FINITE, ENERGY):
             raise self._stop(int(clock["status"]), int(clock["place"]))
@@ -80,7 +81,7 @@ class Engine:
     def assembly_errors(self) -> list[tuple[str, str]]:
         """Joints that do not fit the initial posture or velocity: (joint, what is wrong)."""
         rows, found = self.state.rows, []
-        gap = np.abs(rows["phi"]) / rows["size"]
+        gap = np.abs(rows["phi"]) / rows["scale"]
         speed = self._velocity_error()
         scale = max(float(np.abs(self.state.nodes["v"]).max()), 1e-9)
         for joint in self.model.joints:
@@ -88,7 +89,7 @@ class Engine:
             if gap[part].max() > ASSEMBLY:
                 worst = np.abs(rows["phi"][part]).max()
                 found.append((joint.name, f"does not fit the initial positions by {worst:.3g} (SI)"))
-            elif (speed[part] / rows["size"][part]).max() > ASSEMBLY * scale / self.model.size:
+            elif (speed[part] / rows["scale"][part]).max() > ASSEMBLY * scale / self.model.size:
                 found.append(
                     (joint.name, f"is broken by the initial velocities: {speed[part].max():.3g} (SI)")
                 )
@@ -114,9 +115,8 @@ class Engine:
         self, until: float, sampling: bool, clock: Any, nodes: Any, rows: Any, ledger: Any
     ) -> None:
         m = self.model
-        self.module.advance(
-            until, sampling, clock, m.control[0], nodes, rows, m.saddle, m.curves, self.groups, ledger
-        )
+        arguments = (clock, m.control.view(np.recarray)[0], nodes, rows, m.saddle, m.curves, self.groups, ledger)
+        self.module.advance(until, sampling, *(_readable(a) for a in arguments))
 
     def _stop(self, status: int, place: int | None = None) -> SolverError:
         """What went wrong, where, why probably, and what to try."""
@@ -165,3 +165,14 @@ class Engine:
             f"read at {x:.6g}, outside its range {self.model.curves[first]['x']:.6g} to {last:.6g}",
             "extend the curve, or say extrapolate: hold or linear on its card",
         )
+
+
+def _readable(value: Any) -> Any:
+    """The same memory, with columns as attributes, where kernels run as plain Python."""
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
+        return value
+    if hasattr(value, "_make"):
+        return value._make(_readable(part) for part in value)
+    if isinstance(value, np.ndarray) and value.dtype.names is not None:
+        return value.view(np.recarray)
+    return value
