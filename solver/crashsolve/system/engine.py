@@ -83,7 +83,9 @@ class Engine:
         rows, found = self.state.rows, []
         gap = np.abs(rows["phi"]) / rows["scale"]
         speed = self._velocity_error()
-        scale = max(float(np.abs(self.state.nodes["v"]).max()), 1e-9)
+        nodes = self.state.nodes
+        fastest = max(np.abs(nodes["v"]).max(), self.model.size * np.abs(nodes["w"]).max())
+        scale = max(float(fastest), 1e-9)
         for joint in self.model.joints:
             part = slice(joint.first_row, joint.first_row + joint.rows)
             if gap[part].max() > ASSEMBLY:
