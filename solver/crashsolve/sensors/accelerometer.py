@@ -16,6 +16,8 @@ from crashsolve.foundation.motion import arm, point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, matvec_t, norm, put, sub, vec
 
+FAMILY = "nodout"
+
 
 class Accelerometer(Card):
     """Acceleration and velocity of a point of a body, in the axes of the body."""

@@ -13,6 +13,8 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import angle_about, angle_rate, counted
 
+FAMILY = "disbout"
+
 
 class Angle(Card):
     """Angle by which b has turned about an axis of a, with all turns."""

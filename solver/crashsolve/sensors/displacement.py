@@ -13,6 +13,8 @@ from crashsolve.foundation.motion import arm, relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, matvec_t, norm, put, sub, vec
 
+FAMILY = "disbout"
+
 
 class Displacement(Card):
     """Distance of two points of two bodies, and its components."""

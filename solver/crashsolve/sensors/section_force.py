@@ -16,6 +16,8 @@ from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, matvec_t, put, sub, vec
 
+FAMILY = "secforc"
+
 
 class SectionForce(Card):
     """Force and moment of a joint on its body b, about a point and in the axes of a body."""
