@@ -85,15 +85,21 @@ class Engine:
         speed = self._velocity_error()
         nodes = self.state.nodes
         fastest = max(np.abs(nodes["v"]).max(), self.model.size * np.abs(nodes["w"]).max())
-        scale = max(float(fastest), 1e-9)
+        # a model at rest may begin with the round-off of a curve's slope
+        scale = max(float(fastest), 1e-3)
         for joint in self.model.joints:
             part = slice(joint.first_row, joint.first_row + joint.rows)
             if gap[part].max() > ASSEMBLY:
                 worst = np.abs(rows["phi"][part]).max()
-                found.append((joint.name, f"does not fit the initial positions by {worst:.3g} (SI)"))
+                found.append(
+                    (joint.name, f"does not fit the initial positions by {worst:.3g} (SI)")
+                )
             elif (speed[part] / rows["scale"][part]).max() > ASSEMBLY * scale / self.model.size:
                 found.append(
-                    (joint.name, f"is broken by the initial velocities: {speed[part].max():.3g} (SI)")
+                    (
+                        joint.name,
+                        f"is broken by the initial velocities: {speed[part].max():.3g} (SI)",
+                    )
                 )
         return found
 
@@ -117,7 +123,16 @@ class Engine:
         self, until: float, sampling: bool, clock: Any, nodes: Any, rows: Any, ledger: Any
     ) -> None:
         m = self.model
-        arguments = (clock, m.control.view(np.recarray)[0], nodes, rows, m.saddle, m.curves, self.groups, ledger)
+        arguments = (
+            clock,
+            m.control.view(np.recarray)[0],
+            nodes,
+            rows,
+            m.saddle,
+            m.curves,
+            self.groups,
+            ledger,
+        )
         self.module.advance(until, sampling, *(_readable(a) for a in arguments))
 
     def _stop(self, status: int, place: int | None = None) -> SolverError:
