@@ -47,7 +47,6 @@ PAIR = Record(
     half_j=("flag", "half"),
     rows_j=("count", "rows"),
     block=("index", "block to which D_k X_j^T adds"),
-    is_diagonal=("flag", "only the lower half is needed"),
 )
 
 
@@ -161,7 +160,7 @@ def _pairs(
         return [(entries[k] + side // 2 * rows[k], side % 2, rows[k]) for side in ends]
 
     return [
-        (*a, *b, address[position[k], position[j]], int(k == j))
+        (*a, *b, address[position[k], position[j]])
         for node, joints in sorted(_joints_by_node(nodes).items())
         for k in joints
         for j in joints
@@ -191,33 +190,37 @@ def factorise(saddle, rows):
 
 @kernel
 def assemble(pairs, blocks, rows):
-    """Blocks of S = D X^T; of diagonal blocks only the lower half. Writes: blocks."""
+    """Blocks of S = D X^T. Writes: blocks."""
     for e in range(blocks.shape[0]):
+        x = blocks[e].x
         for k in range(36):
-            blocks[e].x[k] = 0.0
+            x[k] = 0.0
     for e in range(pairs.shape[0]):
         pair = pairs[e]
         x = blocks[pair.block].x
-        for p in range(pair.rows_k):
-            d = half(rows[pair.row_k + p].D, pair.half_k)
-            for q in range(p + 1 if pair.is_diagonal == 1 else pair.rows_j):
-                w = half(rows[pair.row_j + q].X, pair.half_j)
-                x[6 * p + q] += (
-                    d[0] * w[0]
-                    + d[1] * w[1]
-                    + d[2] * w[2]
-                    + d[3] * w[3]
-                    + d[4] * w[4]
-                    + d[5] * w[5]
-                )
+        if pair.rows_k == 5 and pair.rows_j == 5:
+            add_product(x, rows, pair, 5, 5)
+        else:
+            add_product(x, rows, pair, pair.rows_k, pair.rows_j)
+
+
+@inlined
+def add_product(x, rows, pair, height, width):
+    """x += D_k X_j^T over one body. Writes: x."""
+    for p in range(height):
+        d = half(rows[pair.row_k + p].D, pair.half_k)
+        for q in range(width):
+            w = half(rows[pair.row_j + q].X, pair.half_j)
+            x[6 * p + q] += (
+                d[0] * w[0] + d[1] * w[1] + d[2] * w[2] + d[3] * w[3] + d[4] * w[4] + d[5] * w[5]
+            )
 
 
 @inlined
 def half(D, second):
     """First or second half of a row of D or X."""
-    if second == 1:
-        return (D[6], D[7], D[8], D[9], D[10], D[11])
-    return (D[0], D[1], D[2], D[3], D[4], D[5])
+    c = 6 if second == 1 else 0
+    return (D[c], D[c + 1], D[c + 2], D[c + 3], D[c + 4], D[c + 5])
 
 
 @inlined
@@ -343,16 +346,20 @@ def solve_delta(saddle, rows, factor):
     for p in range(columns.shape[0]):
         c = columns[p]
         for i in range(c.rows):
-            total = 0.0
-            for k in range(c.entry + i, c.end, c.rows):
+            k = c.entry + i
+            total = rows[k].phi
+            while k + c.rows < c.end:
+                k += c.rows
                 total += rows[k].phi
             c.work[i] = factor * total
     solve(saddle)
     for p in range(columns.shape[0]):
         c = columns[p]
         for i in range(c.rows):
-            for k in range(c.entry + i, c.end, c.rows):
+            k = c.entry + i
+            while k < c.end:
                 rows[k].delta = c.work[i]
+                k += c.rows
 
 
 @kernel
@@ -362,13 +369,17 @@ def solve_reaction(saddle, rows, factor):
     for p in range(columns.shape[0]):
         c = columns[p]
         for i in range(c.rows):
-            total = 0.0
-            for k in range(c.entry + i, c.end, c.rows):
+            k = c.entry + i
+            total = rows[k].reaction
+            while k + c.rows < c.end:
+                k += c.rows
                 total += rows[k].reaction
             c.work[i] = factor * total
     solve(saddle)
     for p in range(columns.shape[0]):
         c = columns[p]
         for i in range(c.rows):
-            for k in range(c.entry + i, c.end, c.rows):
+            k = c.entry + i
+            while k < c.end:
                 rows[k].reaction = c.work[i]
+                k += c.rows

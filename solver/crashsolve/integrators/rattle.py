@@ -154,8 +154,8 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
         residual(clock.current, clock.time + h, nodes, rows, curves, groups)
         worst, row = worst_residual(rows)
         tolerance = control.constraint_tolerance
-        # two decimals better than asked, or as good as asked and stalled at round-off
-        if worst <= 0.01 * tolerance or (worst <= tolerance and worst > 0.5 * previous):
+        # a decimal better than asked, or as good as asked and stalled at round-off
+        if worst <= 0.1 * tolerance or (worst <= tolerance and worst > 0.5 * previous):
             clock.residual = max(clock.residual, worst)
             break
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:

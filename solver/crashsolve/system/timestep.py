@@ -21,15 +21,20 @@ def wanted_step(clock, control, nodes):
     """Next step [s]. Writes: clock.limit_node."""
     if control.fixed_step > 0.0:
         return control.fixed_step
+    fastest, at = 0.0, 0
+    for i in range(1, nodes.shape[0]):
+        body = nodes[i]
+        # most bodies carry no spring: no root for them
+        if body.stiffness > 0.0 or body.damping > 0.0:
+            half_gamma = body.damping
+            speed = sqrt(2.0 * body.stiffness + half_gamma * half_gamma) + half_gamma
+            if speed > fastest:
+                fastest, at = speed, i
     h = control.step_max
     clock.limit_node = 0
-    for i in range(1, nodes.shape[0]):
-        half_gamma = nodes[i].damping
-        omega2 = 2.0 * nodes[i].stiffness
-        speed = sqrt(omega2 + half_gamma * half_gamma) + half_gamma
-        if speed * h > 2.0 * control.safety:
-            h = 2.0 * control.safety / speed
-            clock.limit_node = i
+    if fastest * h > 2.0 * control.safety:
+        h = 2.0 * control.safety / fastest
+        clock.limit_node = at
     turn = fastest_turn(nodes)
     if turn * h > control.turn:
         h = control.turn / turn
