@@ -1,7 +1,8 @@
 """The command `crashsolve`: run a deck, or check, explain and document decks.
 
-    crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart]
-    crashsolve check DECK      crashsolve explain DECK      crashsolve schema      crashsolve keywords
+crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart]
+crashsolve check DECK    crashsolve explain DECK
+crashsolve schema    crashsolve keywords    crashsolve equations
 """
 
 import argparse

@@ -148,6 +148,8 @@ def _spread(c: Any) -> list[Column]:
 
 def _flat(table: np.ndarray, names: Any) -> np.ndarray:
     """Columns of a structured array as (n, total width)."""
-    chosen = table.dtype.names if names is None else names
+    chosen = names if names is not None else table.dtype.names or ()
     width = {name: table.dtype[name].shape[0] if table.dtype[name].shape else 1 for name in chosen}
-    return np.hstack([table[name].reshape(len(table), width[name]).astype(float) for name in chosen])
+    return np.hstack(
+        [table[name].reshape(len(table), width[name]).astype(float) for name in chosen]
+    )

@@ -34,9 +34,10 @@ class Pictures:
     def _surfaces(self) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """Node, points from the mass centre in body axes and triangles of every drawn shape."""
         skin = []
-        for surface in self.engine.model.surfaces.values():
-            draw = DRAW.get(surface.entry.type)
-            for element in surface.elements if draw else []:
+        drawn = [s for s in self.engine.model.surfaces.values() if s.entry.type in DRAW]
+        for surface in drawn:
+            for element in surface.elements:
+                draw = DRAW[surface.entry.type]
                 points, triangles = draw(element, surface.entry.card, self.engine.model.size)
                 skin.append((int(element["node"]), points, triangles))
         return skin
@@ -60,7 +61,9 @@ class Pictures:
             points = self._r0[1:]
             blocks.append(Block("mass_centres", points, (("vertex", vertices),), (VELOCITY,)))
         if self._skin:
-            blocks.append(Block("bodies", self._skin_points(), self._skin_cells(), (VELOCITY, BODY)))
+            blocks.append(
+                Block("bodies", self._skin_points(), self._skin_cells(), (VELOCITY, BODY))
+            )
         if self._lines:
             points = self._line_points()
             lines = np.arange(len(points)).reshape(-1, 2)
@@ -68,7 +71,9 @@ class Pictures:
         if self._pairs:
             count = sum(len(g.parameters) for g in self._pairs)
             vertices = np.arange(count)[:, None]
-            blocks.append(Block("contacts", np.zeros((count, 3)), (("vertex", vertices),), (FORCE,)))
+            blocks.append(
+                Block("contacts", np.zeros((count, 3)), (("vertex", vertices),), (FORCE,))
+            )
         return tuple(blocks)
 
     def fields(self) -> dict[str, dict[str, np.ndarray]]:

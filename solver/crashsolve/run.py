@@ -37,7 +37,7 @@ from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.pictures import Pictures
-from crashsolve.system.energy import IMBALANCE, KINETIC, LARGEST
+from crashsolve.system.energy import ENTRIES, IMBALANCE, KINETIC, LARGEST
 from crashsolve.system.engine import Engine
 
 
@@ -150,7 +150,9 @@ class Run:
 
     def _log_line(self) -> None:
         e, clock = self.engine, self.engine.clock
-        limiter = e.model.bodies[int(clock["limit_node"])] if clock["limit_node"] else "deck"
+        limiter = "samples, turn or deck"
+        if clock["limit_node"]:
+            limiter = e.model.bodies[int(clock["limit_node"])]
         self.log.cycle(
             int(clock["cycle"]),
             float(clock["time"]),
@@ -205,17 +207,29 @@ class Run:
             "energy balance": f"{self._balance():.3g} %",
         }
         if self.engine.model.joints:
-            facts["constraint rows, redundant"] = (
-                f"{saddle.rows()}, {saddle.redundant()}"
-            )
+            facts["constraint rows, redundant"] = f"{saddle.rows()}, {saddle.redundant()}"
             facts["position iterations per step"] = (
                 f"{clock['iterations'] / max(int(clock['cycle']), 1):.2f}"
             )
-            facts["largest constraint error"] = f"{float(clock['residual']):.2g} of the model's size"
+            facts["largest constraint error"] = (
+                f"{float(clock['residual']):.2g} of the model's size"
+            )
         self.log.line()
         self.log.facts(facts)
+        self._energies()
         self.log.timing(self.cpu)
         self.log.citations(self.engine.model.citations)
+
+    def _energies(self) -> None:
+        """The ledger at the end, in J and in % of the largest energy."""
+        ledger = self.engine.ledger
+        largest = float(ledger[LARGEST]) or 1.0
+        lines = [
+            f"{name.replace('_', ' '):20} {value:14.6e} J {100 * value / largest:9.3f} %"
+            for name, value in zip(ENTRIES, map(float, ledger), strict=True)
+            if value != 0.0
+        ]
+        self.log.section("energy", lines)
 
     def _banner(self) -> None:
         model = self.engine.model
@@ -283,7 +297,7 @@ class Run:
             )
         for name, array in mine.items():
             _plain(array)[...] = arrays[name]
-        self.histories.start = tuple(np.array(x) for x in info["momenta"])
+        self.histories.start = (np.array(info["momenta"][0]), np.array(info["momenta"][1]))
         now = float(self.engine.clock["time"])
         self.log.line(f"going on from t = {now:.6g} s")
         return now

@@ -18,11 +18,19 @@ from crashsolve.foundation.record import Record
 class Primitive(Card):
     """Uniform solid: its mass follows from density, its inertia from its shape."""
 
-    shape: Literal["sphere", "cylinder", "box", "rod"] = word("sphere, cylinder or rod (axis z), box")
-    density: float | None = quantity("kg/m^3", "density; or give `mass` of the body", default=None, gt=0)
+    shape: Literal["sphere", "cylinder", "box", "rod"] = word("solid; cylinder and rod along z")
+    density: float | None = quantity("kg/m^3", "or give `mass` of the body", default=None, gt=0)
     radius: float | None = quantity("m", "of sphere or cylinder", default=None, gt=0)
     length: float | None = quantity("m", "of cylinder or rod, along z", default=None, gt=0)
     size: Vec3 | None = quantity("m", "edges of the box", default=None)
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Primitive":
+        needs = {"sphere": "radius", "cylinder": "radius length", "box": "size", "rod": "length"}
+        for field in needs[self.shape].split():
+            if getattr(self, field) is None:
+                raise ValueError(f"a {self.shape} needs {field}")
+        return self
 
 
 class Rigid(Card):
@@ -74,10 +82,10 @@ def build(card: Rigid, scene: Any) -> dict[str, Any]:
 
 def _mass_and_inertia(card: Rigid, scene: Any) -> tuple[float, np.ndarray]:
     if card.primitive is not None:
-        volume, per_mass = _primitive(card.primitive, scene)
+        volume, per_mass = _primitive(card.primitive)
         density = card.primitive.density
         if card.mass is None and (density is None or volume == 0.0):
-            raise scene.fail("needs a mass, or a primitive with a density and a volume", "primitive")
+            raise scene.fail("needs a mass, or a primitive with density and volume", "primitive")
         if card.mass is not None and density is not None:
             raise scene.fail("mass is given twice: leave out mass or primitive.density", "mass")
         mass = card.mass if card.mass is not None else (density or 0.0) * volume
@@ -96,21 +104,17 @@ def _mass_and_inertia(card: Rigid, scene: Any) -> tuple[float, np.ndarray]:
     return float(card.mass or 0.0), inertia
 
 
-def _primitive(p: Primitive, scene: Any) -> tuple[float, np.ndarray]:
+def _primitive(p: Primitive) -> tuple[float, np.ndarray]:
     """Volume [m^3] and moments of inertia per mass [m^2]."""
-    need = {"sphere": ["radius"], "cylinder": ["radius", "length"], "box": ["size"], "rod": ["length"]}
-    for field in need[p.shape]:
-        if getattr(p, field) is None:
-            raise scene.fail(f"a {p.shape} needs {field}", "primitive")
+    radius, length = p.radius or 0.0, p.length or 0.0
     if p.shape == "sphere":
-        r2 = p.radius**2
-        return 4.0 / 3.0 * np.pi * p.radius**3, np.full(3, 0.4 * r2)
+        return 4.0 / 3.0 * np.pi * radius**3, np.full(3, 0.4 * radius**2)
     if p.shape == "box":
-        x, y, z = p.size
+        x, y, z = p.size or (0.0, 0.0, 0.0)
         return x * y * z, np.array([y * y + z * z, x * x + z * z, x * x + y * y]) / 12.0
-    l2 = p.length**2 / 12.0
+    across = length**2 / 12.0
     if p.shape == "rod":
         # a rod has no inertia about its axis: a millionth keeps the tensor invertible
-        return 0.0, np.array([l2, l2, 1e-6 * l2])
-    r2 = p.radius**2
-    return np.pi * r2 * p.length, np.array([r2 / 4 + l2, r2 / 4 + l2, r2 / 2])
+        return 0.0, np.array([across, across, 1e-6 * across])
+    side = radius**2 / 4.0 + across
+    return np.pi * radius**2 * length, np.array([side, side, radius**2 / 2.0])

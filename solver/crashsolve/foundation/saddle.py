@@ -131,7 +131,7 @@ def _updates(
     address: dict[tuple[int, int], int],
 ) -> list[tuple[int, int, int]]:
     """What each column subtracts from the later ones, in the order of elimination."""
-    updates = []
+    updates: list[tuple[int, int, int]] = []
     for p, joint in enumerate(order):
         reached = sorted(position[b] for b in below[joint])
         columns[p]["update"] = len(updates)

@@ -11,9 +11,10 @@ import numpy as np
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
+from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contacts import build_contacts
-from crashsolve.model.model import Group, Joint, Model, State
+from crashsolve.model.model import ContactGroup, Group, Joint, Model, State
 from crashsolve.model.nodes import NODE, ROW
 from crashsolve.model.scene import Scene
 from crashsolve.system import contacts as pairs
@@ -37,9 +38,9 @@ def build(deck: Deck) -> tuple[Model, State]:
     Raises: DeckErrors naming every card that cannot be built.
     """
     scene = Scene(deck)
-    curves, starts = pack([_module(e).build(e.card, scene) for e in deck.entries["curves"].values()])
-    scene.curves = dict(zip(deck.entries["curves"], starts, strict=True))
-    scene.curve_points = curves
+    curves = _build_curves(deck, scene)
+    # what follows stands on sound bodies and curves
+    scene.raise_errors()
     groups: list[Group] = []
     joints = _build_joints(deck, scene, groups)
     scene.joints = {joint.name: joint for joint in joints}
@@ -65,10 +66,30 @@ def build(deck: Deck) -> tuple[Model, State]:
         saddle=saddle,
         control=_control(deck, scene),
         warnings=scene.warnings,
-        citations=[],
+        citations=citations(_modules(groups, contact_groups)),
         surfaces=scene.surfaces,
     )
     return model, _state(model, scene)
+
+
+def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
+    """All curves as kernels read them; the scene learns where each begins."""
+    built = {}
+    for name, entry in deck.entries["curves"].items():
+        with scene.building(entry):
+            built[name] = _module(entry).build(entry.card, scene)
+    points, starts = pack(list(built.values()))
+    scene.curves = dict(zip(built, starts, strict=True))
+    scene.curve_points = points
+    return points
+
+
+def _modules(groups: list[Group], contact_groups: list[ContactGroup]) -> list[Any]:
+    """Modules of all laws in use, and of the integrator."""
+    laws = [g.module for g in groups]
+    for c in contact_groups:
+        laws += [c.narrow, c.normal, c.friction]
+    return [*laws, import_module("crashsolve.system.kinetics")]
 
 
 def _module(entry: Entry) -> Any:

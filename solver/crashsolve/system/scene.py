@@ -22,7 +22,7 @@ def convective(current, time, nodes, rows, curves, groups):
 
 
 def force_pass(current, time, h, nodes, rows, curves, groups):
-    """All applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
+    """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
 
 
 def approach(current, nodes, groups):
