@@ -42,7 +42,9 @@ class Engine:
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
         s = self.state
-        self._call(self.clock["time"], True, self.clock, s.nodes, s.rows, s.ledger)
+        # friction in joints needs the reactions, which only the first pass finds
+        for _ in range(2):
+            self._call(self.clock["time"], True, self.clock, s.nodes, s.rows, s.ledger)
         s.rows["multiplier"] = s.rows["before"] = s.rows["reaction"]
         stored = [
             energy.KINETIC,
