@@ -77,18 +77,18 @@ def random_turns(seed: int) -> Sequence[float]:
 
 
 @pytest.mark.parametrize("way", list(WAYS))
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_energy_absorbed_is_stored_or_lost(make: Make, way: str, seed: int) -> None:
     law = make(WAYS[way])
     absorbed = lost = 0.0
-    for to in random_turns(seed):
-        work, _, loss = stroke(law, to, steps=400)
+    for to in random_turns(seed)[:4]:
+        work, _, loss = stroke(law, to, steps=200)
         absorbed += work
         lost += loss
-        # trapezoids of steps below 8e-3 m on slopes up to 1e3 N/m, wrong only where the force has
-        # a kink (at most 1/8 of slope times step squared, 8e-3 J) or a curvature
-        assert absorbed == pytest.approx(float(law.out.stored) + lost, abs=0.05)
         assert loss >= 0.0
+        # of some 300 J: trapezoids of steps below 0.016 m miss up to 1/8 of 1e3 N/m times the
+        # step squared where the force has a corner, 0.03 J, at two corners in each of four strokes
+        assert absorbed == pytest.approx(float(law.out.stored) + lost, abs=0.25)
 
 
 @pytest.mark.parametrize("way", list(WAYS))

@@ -2,7 +2,7 @@
 
     f = K (x - x_0) + C x_dot,   x = A_a^T (x_b - x_a)
     m = K_r theta + C_r theta_dot,   theta = log(A_a^T A_b A_b0^T A_a0)
-    theta_dot = T w,   T = I - theta~ / 2 + c theta~ theta~,   c = 1/phi^2 - (1 + cos phi) / (2 phi sin phi)
+    theta_dot = T w,   T = I - theta~ / 2 + c theta~ theta~,   c = 1 / phi^2 - cot(phi / 2) / 2 phi
 
 w is the spin of b over a in axes of a, phi = |theta|. The torque on b is -T^T m, so that power and
 energy agree in every posture; about one axis it is stiffness times angle. theta is defined up to

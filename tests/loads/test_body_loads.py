@@ -1,0 +1,88 @@
+"""Forces and torques on bodies: where they act, in which axes, when, and with what power."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import Bench, Law
+
+from crashsolve.foundation.errors import DeckErrors
+
+TEXT = """
+curves:
+  ramp: {points: [[0, 0], [2, 1]]}
+loads:
+  world: {type: force, body: b, at: [0.1, 0.2, 0.3], force: [1, -2, 3]}
+  own: {type: force, body: b, at: [0.1, 0.2, 0.3], force: [1, -2, 3], axes: body}
+  grows: {type: force, body: b, force: [4, 0, 0], curve: ramp}
+  twist: {type: torque, body: b, torque: [1, -2, 3]}
+  own_twist: {type: torque, body: b, torque: [1, -2, 3], axes: body, curve: ramp}
+  weight: {type: gravity, acceleration: [1, 2, -9]}
+"""
+VECTOR = np.array([1.0, -2.0, 3.0])
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Bench:
+    bench = Bench(tmp_path, TEXT)
+    bench.shake(1)
+    return bench
+
+
+def power(law: Law) -> float:
+    n = law.bench.nodes
+    return float((n.force * n.v).sum() + (n.torque * n.w).sum())
+
+
+@pytest.mark.parametrize("name", ["world", "own", "grows", "twist", "own_twist"])
+def test_power_is_what_the_bodies_receive(bench: Bench, name: str) -> None:
+    law = bench.law("loads", name)
+    out = law.force(t=1.5)
+    # the same products in another order
+    assert float(out.power) == pytest.approx(power(law), rel=1e-12)
+    assert (float(out.stored), float(out.loss)) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["world", "own", "grows", "twist", "own_twist", "weight"])
+def test_what_comes_from_outside_is_counted_about_the_origin(bench: Bench, name: str) -> None:
+    bench.law("loads", name).force(t=1.5)
+    n = bench.nodes
+    moment = (n.torque + np.cross(n.r, n.force)).sum(axis=0)
+    np.testing.assert_allclose(n.external[0, :3], n.force.sum(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(n.external[0, 3:], moment, rtol=1e-12)
+
+
+def test_axes_and_point_of_a_force(bench: Bench) -> None:
+    b = bench.nodes[2]
+    A = b.A.reshape(3, 3)
+    arm = A @ (np.array([0.1, 0.2, 0.3]) - [0, -0.1, 0])
+    for name, f in (("world", VECTOR), ("own", A @ VECTOR)):
+        bench.law("loads", name).force()
+        np.testing.assert_allclose(b.force, f, rtol=1e-12)
+        np.testing.assert_allclose(b.torque, np.cross(arm, f), rtol=1e-12)
+
+
+def test_a_curve_is_a_factor_over_time(bench: Bench) -> None:
+    law = bench.law("loads", "grows")
+    for t in (0.0, 0.5, 2.0):
+        law.force(t=t)
+        np.testing.assert_allclose(bench.nodes[2].force, [2.0 * t, 0, 0])
+    A = bench.nodes[2].A.reshape(3, 3)
+    bench.law("loads", "own_twist").force(t=0.5)
+    np.testing.assert_allclose(bench.nodes[2].torque, 0.25 * A @ VECTOR, rtol=1e-12)
+
+
+def test_weight_is_the_gradient_of_its_potential(bench: Bench) -> None:
+    law = bench.law("loads", "weight")
+    out = law.force()
+    np.testing.assert_allclose(bench.nodes[2].force, 3.0 * np.array([1, 2, -9]))
+    np.testing.assert_allclose(out.force, 5.0 * np.array([1, 2, -9]))
+    before = float(out.stored)
+    bench.move(2, r=bench.nodes[2].r + [0, 0, 2])
+    assert float(law.force().stored) - before == pytest.approx(3.0 * 9 * 2)
+
+
+def test_a_load_on_the_ground_is_refused(tmp_path: Path) -> None:
+    text = "loads:\n  f: {type: force, body: ground, force: [1, 0, 0]}\n"
+    with pytest.raises(DeckErrors, match="the ground does not move; name a body"):
+        Bench(tmp_path, text)

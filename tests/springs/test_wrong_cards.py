@@ -1,0 +1,67 @@
+"""Springs that cannot be meant are refused, with the reason."""
+
+from pathlib import Path
+
+import pytest
+from bench import Bench
+
+from crashsolve.foundation.errors import DeckErrors
+
+CURVES = """
+curves:
+  force: {points: [[-1, -100], [0, 0], [1, 100]]}
+  dips: {points: [[-1, -100], [0, 0], [0.5, 50], [1, -10]]}
+  above: {points: [[-1, -200], [0, 0], [1, 200]]}
+  lifted: {points: [[0, 10], [1, 50]]}
+  low: {points: [[-1, -10], [0, 0], [1, 10]]}
+springs:
+"""
+WRONG = {
+    "unloading_stiffness: must exceed every slope of the curves; the largest is 100": (
+        "curve: force, unloading_stiffness: 50"
+    ),
+    "curve: must not change sign where it is used with unloading": (
+        "curve: dips, unloading_stiffness: 1000"
+    ),
+    "unloading_curve: must start at 0 and stay between 0 and the curve": (
+        "curve: force, unloading_curve: above, unloading_stiffness: 1000"
+    ),
+    "unloading_curve: needs unloading_stiffness, the slope down to it": (
+        "curve: force, unloading_curve: low"
+    ),
+    "give one of: rate_curve, cowper_symonds, power_law": (
+        "curve: force, rate_curve: low, power_law: {}"
+    ),
+}
+
+
+@pytest.mark.parametrize("message", list(WRONG))
+def test_wrong_curve_spring_is_refused(tmp_path: Path, message: str) -> None:
+    with pytest.raises(DeckErrors, match=message.replace("(", r"\(")):
+        Bench(tmp_path, f"{CURVES}  s: {{type: curve, b: b, {WRONG[message]}}}\n")
+
+
+def test_lower_curve_that_starts_above_zero_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DeckErrors, match="must start at 0 and stay between"):
+        Bench(
+            tmp_path,
+            f"{CURVES}  s: {{type: curve, b: b, curve: force, acts: tension,"
+            " unloading_curve: lifted, unloading_stiffness: 1000}\n",
+        )
+
+
+def test_a_curve_is_judged_only_where_it_acts(tmp_path: Path) -> None:
+    spring = "{type: curve, b: b, curve: dips, acts: compression, unloading_stiffness: 1000}"
+    Bench(tmp_path, f"{CURVES}  s: {spring}\n")
+
+
+def test_tangent_not_below_the_stiffness_is_refused(tmp_path: Path) -> None:
+    spring = "{type: elastoplastic, b: b, stiffness: 10, yield_force: 1, tangent: 10}"
+    with pytest.raises(DeckErrors, match="must be below stiffness, 10 N/m"):
+        Bench(tmp_path, f"springs:\n  s: {spring}\n")
+
+
+@pytest.mark.parametrize("law", ["torsional, stiffness: 1", "curve_torsional, curve: force"])
+def test_axis_without_length_is_refused(tmp_path: Path, law: str) -> None:
+    with pytest.raises(DeckErrors, match="a direction needs a length"):
+        Bench(tmp_path, f"{CURVES}  s: {{type: {law}, b: b, axis: [0, 0, 0]}}\n")
