@@ -47,6 +47,13 @@ def apply_force(body, f, d):
 
 
 @kernel
+def note_late(body, f, d):
+    """Part of an applied force that the step now ending has not felt. Writes: body."""
+    add_to(body.late_force, f)
+    add_to(body.late_torque, cross(d, f))
+
+
+@kernel
 def apply_torque(body, t):
     """Pure torque t. Writes: body."""
     add_to(body.torque, t)

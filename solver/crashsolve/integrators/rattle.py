@@ -49,6 +49,7 @@ from crashsolve.system.kinetics import (
     predict,
     refresh,
     save,
+    take_late,
 )
 from crashsolve.system.scene import (
     CONTACTS,
@@ -185,6 +186,8 @@ def push(time, h, clock, nodes, rows, saddle, curves, groups):
     refresh(nodes)
     clear_forces(nodes)
     force_pass(clock.current, time, h, nodes, rows, curves, groups)
+    if CONTACTS:
+        take_late(nodes, -1.0)
     if h > 0.0:
         kick_end(nodes, h)
     if JOINTS:
@@ -201,6 +204,8 @@ def push(time, h, clock, nodes, rows, saddle, curves, groups):
             kick_by_joints(nodes, 0.5 * h)
             clock.driver_work += 0.5 * h * driver_power(rows)
     add_impulse(clock, nodes, 0.5 * h)
+    if CONTACTS:
+        take_late(nodes, 1.0)
 
 
 @inlined

@@ -236,11 +236,13 @@ def _contact(c: Any) -> str:
             "        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)",
         ]
     lines += [
-        "        contacts.touch(m, w, d_a, d_b, f, t, n, x, out)",
+        "        felt = contacts.share_felt(old, depth, rate, h)",
+        "        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)",
         "        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)",
-        "        contacts.dissipate(old, new, h, power, loss, t_power, t_loss)",
-        "        contacts.sum_card(groups.cards[p.card], p.order, f, t, new, out)",
-        "        contacts.sum_losses(groups.cards[p.card], new)",
+        "        contacts.dissipate(old, new, h, felt, power, loss, t_power, t_loss)",
+        "        card, card_new = groups.cards[p.card], counts[p.card]",
+        "        contacts.sum_card(card, card_new, p.order, felt, f, t, new, out)",
+        "        contacts.sum_losses(card, new)",
     ]
     return "\n".join(lines) + "\n"
 

@@ -8,6 +8,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import (
     apply_force,
     mobility,
+    note_late,
     place,
     point_velocity,
     stiffen,
@@ -50,6 +51,7 @@ CARD_OUTPUT = Record(
 )
 CARD_HISTORY = Record(
     force_before=("N", 3, "force on side a at the last step"),
+    late=("N", 3, "part of the force on side a that began during the step"),
     impulse=("N s", 3, "impulse on side a"),
     peak_normal=("N", "largest normal force of any step"),
     peak_depth=("m", "largest depth of any step"),
@@ -77,7 +79,8 @@ def close_cards(current, h, cards, history):
     for k in range(cards.shape[0]):
         c, old, new = cards[k], history[current, k], history[1 - current, k]
         for j in range(3):
-            new.impulse[j] = old.impulse[j] + 0.5 * h * (old.force_before[j] + c.force[j])
+            felt = c.force[j] - new.late[j]
+            new.impulse[j] = old.impulse[j] + 0.5 * h * (old.force_before[j] + felt)
             new.force_before[j] = c.force[j]
         c.dissipated += old.left_dissipated
         c.friction += old.left_friction_dissipated
@@ -131,11 +134,25 @@ def separate(old, new, out, depth, x):
 
 
 @kernel
-def touch(a, b, d_a, d_b, f, t, n, x, out):
+def share_felt(old, depth, rate, h):
+    """Share of a step's closing kick that a contact gives: less than 1 where it has just begun.
+
+    A force f that jumps at the onset has acted for the time depth/rate, not for the whole step.
+    """
+    if old.active == 1 or rate * h <= 0.0:
+        return 1.0
+    return min(1.0, 2.0 * depth / (rate * h))
+
+
+@kernel
+def touch(a, b, d_a, d_b, felt, f, t, n, x, out):
     """Normal force f along n and friction t on both sides. Writes: a, b, out."""
     total = add_scaled(t, f, n)
     apply_force(a, total, d_a)
     apply_force(b, scale(-1.0, total), d_b)
+    if felt < 1.0:
+        note_late(a, scale(1.0 - felt, total), d_a)
+        note_late(b, scale(felt - 1.0, total), d_b)
     for k in range(3):
         out.force[k] = total[k]
         out.point[k] = x[k]
@@ -170,21 +187,24 @@ def strayed(elements, nodes, seen, limit):
 
 
 @kernel
-def dissipate(old, new, h, power, loss, friction_power, friction_loss):
+def dissipate(old, new, h, felt, power, loss, friction_power, friction_loss):
     """Energy lost over the step by the trapezoidal rule. Writes: new."""
-    new.dissipated = old.dissipated + 0.5 * h * (old.power + power) + loss
+    new.dissipated = old.dissipated + 0.5 * h * (old.power + felt * power) + loss
     new.power = power
     new.friction_dissipated = (
-        old.friction_dissipated + 0.5 * h * (old.friction_power + friction_power) + friction_loss
+        old.friction_dissipated
+        + 0.5 * h * (old.friction_power + felt * friction_power)
+        + friction_loss
     )
     new.friction_power = friction_power
 
 
 @kernel
-def sum_card(c, order, f, t, new, out):
-    """Add one touching pair to its contact card. Writes: c."""
+def sum_card(c, history, order, felt, f, t, new, out):
+    """Add one touching pair to its contact card. Writes: c, history."""
     for k in range(3):
         c.force[k] += order * out.force[k]
+        history.late[k] += (1.0 - felt) * order * out.force[k]
     c.normal += f
     c.tangential += norm(t)
     c.impact_speed = max(c.impact_speed, new.impact_speed)
@@ -204,4 +224,7 @@ def sum_losses(c, new):
 def carry_onsets(current, history):
     """Onset counts start from those of the accepted state. Writes: history."""
     for k in range(history.shape[1]):
-        history[1 - current, k].onsets = history[current, k].onsets
+        new = history[1 - current, k]
+        new.onsets = history[current, k].onsets
+        for j in range(3):
+            new.late[j] = 0.0

@@ -21,6 +21,7 @@ from crashsolve.foundation.rotation import (
 from crashsolve.foundation.vec3 import (
     add,
     add_scaled,
+    add_to,
     cross,
     dot,
     matvec,
@@ -96,6 +97,15 @@ def kick_end(nodes, h):
 
 
 @kernel
+def take_late(nodes, sign):
+    """Leave out (-1) or put back (+1) the forces that began during the step. Writes: nodes."""
+    for i in range(nodes.shape[0]):
+        b = nodes[i]
+        add_to(b.force, scale(sign, vec(b.late_force)))
+        add_to(b.torque, scale(sign, vec(b.late_torque)))
+
+
+@kernel
 def clear_forces(nodes):
     """Zero what a force pass sums. Writes: nodes."""
     zero = (0.0, 0.0, 0.0)
@@ -103,6 +113,8 @@ def clear_forces(nodes):
         b = nodes[i]
         put(b.force, zero)
         put(b.torque, zero)
+        put(b.late_force, zero)
+        put(b.late_torque, zero)
         b.stiffness = 0.0
         b.damping = 0.0
     for k in range(6):
