@@ -1,0 +1,41 @@
+# Every target makes its environment first: Debian with Python 3.11, pip, venv and make is enough.
+
+VENV   ?= .venv
+PYTHON ?= python3
+JOBS   ?= 2
+DECK   ?= decks/scenes/train_test.yaml
+
+BIN     := $(VENV)/bin
+RESULTS := $(basename $(notdir $(DECK))).results
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
+
+.PHONY: demo test long bench docs clean
+
+demo: $(VENV)/plot.installed
+	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
+	@echo "The report, to be opened in a browser:"
+	@$(BIN)/crashpost report $(RESULTS)
+
+test: $(VENV)/test.installed
+	$(BIN)/python -m pytest -n $(JOBS)
+
+long: $(VENV)/test.installed
+	$(BIN)/python -m pytest -n $(JOBS) -m long
+
+bench: $(VENV)/test.installed
+	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
+
+docs: $(VENV)/plot.installed
+	$(BIN)/crashsolve keywords > solver/KEYWORDS.md
+	$(BIN)/crashsolve equations > solver/EQUATIONS.md
+
+clean:
+	rm -rf $(VENV) *.egg-info *.results build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+
+# the project itself stays where it is (editable); what it needs comes as wheels
+$(VENV)/%.installed: pyproject.toml | $(BIN)/python
+	$(INSTALL) --editable '.[$*]'
+	@touch $@
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
