@@ -6,11 +6,12 @@ crashsolve schema    crashsolve keywords    crashsolve equations
 """
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
 from crashsolve import __version__
-from crashsolve.foundation.errors import CrashsolveError, ExitCode
+from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
 
 COMMANDS = ("run", "check", "explain", "schema", "keywords", "equations")
 
@@ -23,12 +24,16 @@ def main(arguments: list[str] | None = None) -> int:
         given = ["run", *given]
     options = _parser().parse_args(given)
     try:
-        return int(options.act(options))
+        code = int(options.act(options))
+        sys.stdout.flush()
+        return code
     except CrashsolveError as error:
         print(error, file=sys.stderr)
         return int(error.exit_code)
     except BrokenPipeError:
-        return int(ExitCode.OUTPUT)
+        # the reader, such as `head`, has seen enough; what is left to flush goes nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return int(ExitCode.NORMAL)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -78,7 +83,7 @@ def _overrides(options: argparse.Namespace) -> dict[str, str]:
     for text in options.set:
         name, equals, value = text.partition("=")
         if not equals or not name:
-            raise SystemExit(f"crashsolve: --set {text}: write --set NAME=VALUE")
+            raise DeckError(f"--set {text}", None, None, "", "no value", "write --set NAME=VALUE")
         pairs[name] = value
     return pairs
 
