@@ -39,14 +39,20 @@ class Histories:
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
+        # what errors of momentum are measured from, and over
+        self._start = np.stack(self._momenta())
         self._largest = np.zeros(2)
-        self.start = self._momenta()
         self._parts = [self._model(), self._bodies(), self._joints(), self._contacts()]
         self._parts += [self._group(g) for g in engine.model.groups if g.keyword in FAMILY]
 
     @property
     def families(self) -> tuple[Family, ...]:
         return tuple(family for family, _ in self._parts)
+
+    @property
+    def memory(self) -> dict[str, np.ndarray]:
+        """What a restart must bring back."""
+        return {"momenta/start": self._start, "momenta/largest": self._largest}
 
     def row(self) -> dict[str, np.ndarray]:
         """Values (n_id, n_column) of every family at the present sample."""
@@ -64,10 +70,10 @@ class Histories:
         ledger, clock = e.ledger, e.clock
         linear, angular = self._momenta()
         sums = self._momentum_sums()
-        self._largest = np.maximum(self._largest, sums)
+        self._largest[:] = np.maximum(self._largest, sums)
         errors = [
-            _share(linear - self.start[0] - clock["impulse"], self._largest[0]),
-            _share(angular - self.start[1] - clock["angular_impulse"], self._largest[1]),
+            _share(linear - self._start[0] - clock["impulse"], self._largest[0]),
+            _share(angular - self._start[1] - clock["angular_impulse"], self._largest[1]),
         ]
         balance = 100.0 * ledger[IMBALANCE] / ledger[LARGEST] if ledger[LARGEST] > 0 else 0.0
         mechanical = ledger[0] + ledger[1] + ledger[2] + ledger[4] + ledger[6]

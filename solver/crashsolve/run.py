@@ -1,16 +1,16 @@
 """One run: deck to results. The recital of the roof: read, build, compose, advance, write.
 
-Signals: SIGTERM dumps and stops, SIGUSR1 dumps and goes on, SIGCONT is ignored (queues send it
-along). The words stop, dump and states in control.txt of the results folder do the same.
+Signals: SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is ignored (queues
+send it along). The words stop, dump and states in control.txt of the results folder do the same.
 """
 
 import importlib
-import os
 import platform
 import signal
 import socket
 import time
 from collections.abc import Mapping
+from contextlib import ExitStack, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -22,23 +22,30 @@ from crashsolve.deck.dump import as_data
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.foundation.errors import (
     CrashsolveError,
+    DeckError,
     DeckErrors,
     ExitCode,
     RunStopped,
-    SolverError,
 )
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
+from crashsolve.output.errors import OutputError
+from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
 from crashsolve.output.log import Log
 from crashsolve.output.peaks import write_peaks
-from crashsolve.output.restart import newest_restart, write_restart
+from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.pictures import Pictures
+from crashsolve.resume import changing, restore
 from crashsolve.system.energy import ENTRIES, IMBALANCE, KINETIC, LARGEST
 from crashsolve.system.engine import Engine
+
+# what a user may ask of a run, by control.txt and by signals
+WORDS = {"stop", "dump", "states"}
+SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
 
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
@@ -46,7 +53,8 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
     begun = time.process_time()
     deck = read_deck(deck_path, overrides)
     model, state = build(deck)
-    folder.mkdir(parents=True, exist_ok=True)
+    with reported(folder):
+        folder.mkdir(parents=True, exist_ok=True)
     return Run(deck, Engine(model, state), folder, begun).execute(restart)
 
 
@@ -58,6 +66,7 @@ class Run:
         self.cpu = {"read and build": time.process_time() - begun}
         self.wall_begun = time.monotonic()
         self.requests: set[str] = set()
+        self.files = ExitStack()
         span = deck.control.end_time - deck.control.start_time
         out = deck.output
         self.history_step = out.history.interval or span / 1000 or 1.0
@@ -67,41 +76,68 @@ class Run:
 
     def execute(self, restart: bool) -> int:
         """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
+        self._catch_signals()
         dump = newest_restart(self.folder) if restart else None
+        if not restart:
+            self._clear_folder()
         self.log = Log(self.folder / "log.txt", append=dump is not None)
         try:
             self._begin(dump)
             self._march()
             self._end("finished", ExitCode.NORMAL, "")
             return ExitCode.NORMAL
-        except CrashsolveError as error:
-            stopped = isinstance(error, RunStopped)
-            self.log.error(str(error)) if not stopped else self.log.line(str(error))
-            self._end("stopped" if stopped else "failed", ExitCode(error.exit_code), str(error))
+        except RunStopped as stop:
+            self.log.line(str(stop))
+            self._end("stopped", ExitCode.STOPPED, str(stop))
             raise
+        except Exception as error:
+            self._fail(error)
+            raise
+
+    def _clear_folder(self) -> None:
+        """Remove what an earlier run left that this one could mistake for its own."""
+        with reported(self.folder):
+            for name in (*SLOTS, "control.txt", "peaks.txt"):
+                (self.folder / name).unlink(missing_ok=True)
+
+    def _fail(self, error: Exception) -> None:
+        """Tell the error and save what can be saved; the first error is the one that counts."""
+        code, message = ExitCode.INTERNAL, f"internal: {error!r}"
+        if isinstance(error, CrashsolveError):
+            code, message = ExitCode(error.exit_code), str(error)
+        for act in (
+            lambda: self.log.error(message),
+            self.files.close,
+            lambda: self._status("failed", code, message),
+            self._summary,
+            lambda: self.log.finish(normal=False),
+        ):
+            with suppress(OutputError):
+                act()
 
     def _begin(self, dump: Any) -> None:
         """Log the model, evaluate the initial state or take up the dump, open the files."""
         self._banner()
+        # both measure from the start of the run, whatever a dump brings
+        self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
         resumed = None
         cpu = time.process_time()
         if dump is None:
             self.engine.start()
             self._refuse_misfits()
-            self.histories = Histories(self.engine)
         else:
-            self.histories = Histories(self.engine)
             resumed = self._restore(*dump)
         self.cpu["compile or load"] = time.process_time() - cpu
-        self.pictures = Pictures(self.engine)
         metadata = self._metadata()
         self.history = HistoryWriter(
             self.folder / "history.h5", self.histories.families, metadata, resumed
         )
+        self.files.callback(lambda: write_peaks(self.folder / "peaks.txt", self.history.extremes))
+        self.files.callback(self.history.close)
         self.states = StateWriter(self.folder, self.pictures.blocks, metadata, resumed)
+        self.files.callback(self.states.close)
         for text in self.engine.model.warnings:
             self.log.warning(text)
-        self._catch_signals()
         if resumed is None:
             self.engine.sample()
             self._write(self.deck.control.start_time, force=True)
@@ -170,7 +206,7 @@ class Run:
         ledger = self.engine.ledger
         return float(100.0 * ledger[IMBALANCE] / ledger[LARGEST]) if ledger[LARGEST] > 0 else 0.0
 
-    def _status(self, state: RunState, code: int | None, message: str) -> None:
+    def _status(self, state: RunState, code: ExitCode | None, message: str) -> None:
         clock = self.engine.clock
         write_status(
             self.folder / "status.json",
@@ -183,18 +219,15 @@ class Run:
                 self._balance(),
                 time.process_time(),
                 time.monotonic() - self.wall_begun,
-                code,
+                None if code is None else int(code),
                 message,
             ),
         )
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
-        """Close everything that is open, whatever has happened."""
-        if hasattr(self, "history"):
-            self.history.close()
-            self.states.close()
-            write_peaks(self.folder / "peaks.txt", self.history.extremes)
-        self._status(state, int(code), message)
+        """Close the files, and write status, totals and the last line."""
+        self.files.close()
+        self._status(state, code, message)
         self._summary()
         self.log.finish(normal=code == ExitCode.NORMAL)
 
@@ -267,54 +300,46 @@ class Run:
             "started": datetime.now(UTC).isoformat(timespec="seconds"),
         }
 
-    def _arrays(self) -> dict[str, np.ndarray]:
-        """Everything that changes, by name: the content of a restart dump."""
-        s, model = self.engine.state, self.engine.model
-        arrays = {name: getattr(s, name) for name in s.__dataclass_fields__}
-        arrays |= {f"history/{g.word}": g.history for g in model.groups}
-        arrays |= {f"history/{c.word}": c.history for c in model.contact_groups}
-        arrays |= {"saddle/columns": model.saddle.columns, "saddle/blocks": model.saddle.blocks}
-        return arrays
-
     def _dump(self) -> None:
         self.history.flush()
-        arrays = {name: _plain(array) for name, array in self._arrays().items()}
-        info = {"deck_text": self.deck.text, "momenta": [x.tolist() for x in self.histories.start]}
-        path = write_restart(self.folder, arrays, info)
+        arrays = changing(self.engine) | self.histories.memory
+        path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
         self.log.line(f"restart dump {path.name} at t = {float(self.engine.clock['time']):.6g} s")
 
     def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
-        """Take up a dump; returns its time. Raises SolverError for the dump of another deck."""
-        mine = self._arrays()
-        same = info["deck_text"] == self.deck.text and mine.keys() == arrays.keys()
-        if not same or any(_plain(mine[k]).shape != arrays[k].shape for k in mine):
-            raise SolverError(
-                0.0,
-                0,
-                "restart",
-                "the dump in this folder belongs to another deck",
-                "run without --restart, or into another folder",
-            )
-        for name, array in mine.items():
-            _plain(array)[...] = arrays[name]
-        self.histories.start = (np.array(info["momenta"][0]), np.array(info["momenta"][1]))
+        """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
+        if info["deck_text"] != self.deck.text:
+            raise self._misfit("another deck, or other values of --set")
+        try:
+            restore(self.engine, arrays)
+            for name, array in self.histories.memory.items():
+                array[...] = arrays[name]
+        except (KeyError, ValueError) as reason:
+            raise self._misfit("another version of crashsolve") from reason
         now = float(self.engine.clock["time"])
         self.log.line(f"going on from t = {now:.6g} s")
         return now
 
+    def _misfit(self, owner: str) -> DeckError:
+        message = f"the dump in {self.folder} belongs to {owner}"
+        advice = "run without --restart, or into another folder"
+        return DeckError(str(self.deck.path), None, None, "", message, advice)
+
     def _catch_signals(self) -> None:
-        wanted = {"SIGTERM": "stop", "SIGUSR1": "dump"}
-        for name, word in wanted.items():
-            number = getattr(signal, name)
-            signal.signal(number, lambda *_, word=word: self.requests.add(word))
+        """Keep requests for the next pause; a second interrupt from the keyboard ends at once."""
+
+        def keep(number: int, _: Any) -> None:
+            self.requests.add(SIGNALS[number])
+            if number == signal.SIGINT:
+                signal.signal(number, signal.default_int_handler)
+
+        for number in SIGNALS:
+            signal.signal(number, keep)
         signal.signal(signal.SIGCONT, signal.SIG_IGN)
 
     def _obey(self) -> None:
         """Act on signals and on control.txt."""
-        order = self.folder / "control.txt"
-        if order.exists():
-            self.requests |= set(order.read_text("utf-8").split())
-            os.unlink(order)
+        self._read_control()
         if "states" in self.requests:
             self.states.write(float(self.engine.clock["time"]), self.pictures.fields())
         if self.requests & {"stop", "dump"}:
@@ -324,9 +349,14 @@ class Run:
             raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
         self.requests.clear()
 
-
-def _plain(array: np.ndarray) -> np.ndarray:
-    """The bytes of a structured array, for a file that need not know its columns."""
-    if array.dtype.names is None:
-        return array
-    return array.view(np.uint8).reshape(*array.shape, array.dtype.itemsize)
+    def _read_control(self) -> None:
+        """Take up the words of control.txt and remove it."""
+        path = self.folder / "control.txt"
+        if not path.exists():
+            return
+        with reported(path):
+            words = set(path.read_text("utf-8", errors="replace").split())
+            path.unlink()
+        self.requests |= words & WORDS
+        for word in sorted(words - WORDS):
+            self.log.warning(f"control.txt: unknown word '{word}' (words: dump, states, stop)")

@@ -30,7 +30,7 @@ class Engine:
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state
         self.module = load(compose(model))
-        self.groups = self.module.Groups(**group_arrays(model, state))
+        self.bind()
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger = state.ledger.copy()
 
@@ -38,6 +38,10 @@ class Engine:
     def clock(self) -> Any:
         """Time, step, cycle and totals."""
         return self.state.clock.view(np.recarray)[0]
+
+    def bind(self) -> None:
+        """Hand the present arrays of all groups to the compiled step."""
+        self.groups = self.module.Groups(**group_arrays(self.model, self.state))
 
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
@@ -68,7 +72,7 @@ class Engine:
             if status != REBUILD:
                 raise self._stop(status)
             renew(self.model.contact_groups, s)
-            self.groups = self.module.Groups(**group_arrays(self.model, s))
+            self.bind()
 
     def sample(self) -> None:
         """Outputs, reactions and energies of the present state. Raises SolverError."""
