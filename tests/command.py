@@ -1,0 +1,82 @@
+"""The commands as a user starts them: separate processes, in folders of their own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+# what the tests set for themselves must not reach a run
+OWN = ("CRASHSOLVE_CALL_KERNELS", "NUMBA_DISABLE_JIT")
+
+
+def environment(**changes: str) -> dict[str, str]:
+    """The environment of a run: that of the tests, less what concerns the tests alone."""
+    return {k: v for k, v in os.environ.items() if k not in OWN} | changes
+
+
+def arguments(*words: Any) -> list[str]:
+    return [sys.executable, "-m", "crashsolve", *map(str, words)]
+
+
+def crashsolve(*words: Any, **changes: str) -> subprocess.CompletedProcess[str]:
+    """Run the command to its end; `changes` are environment variables."""
+    return subprocess.run(
+        arguments(*words), capture_output=True, text=True, timeout=600, env=environment(**changes)
+    )
+
+
+def start(*words: Any, **changes: str) -> subprocess.Popen[str]:
+    """Start the command and go on."""
+    return subprocess.Popen(
+        arguments(*words),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment(**changes),
+    )
+
+
+def datasets(path: Path) -> dict[str, np.ndarray]:
+    """All datasets of an HDF5 file by their paths."""
+    found: dict[str, np.ndarray] = {}
+
+    def keep(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset):
+            text = h5py.check_string_dtype(item.dtype)
+            found[name] = item.asstr()[()].astype(str) if text else item[()]
+
+    with h5py.File(path) as file:
+        file.visititems(keep)
+    return found
+
+
+def results(folder: Path) -> dict[str, np.ndarray]:
+    """Every number a run has written: histories, states, newest dump."""
+    files = [folder / "history.h5", folder / "mesh.h5", *sorted((folder / "states").glob("*.h5"))]
+    dumps = sorted(folder.glob("restart_*.h5"), key=_serial)
+    found = {
+        f"{path.relative_to(folder)}:{name}": array
+        for path in files
+        for name, array in datasets(path).items()
+    }
+    return found | {f"dump:{name}": array for name, array in datasets(dumps[-1]).items()}
+
+
+def differences(one: Path, other: Path) -> list[str]:
+    """Names of the datasets that are not the same to the last bit."""
+    a, b = results(one), results(other)
+    both = a.keys() & b.keys()
+    return sorted(a.keys() ^ b.keys()) + sorted(k for k in both if not _same_bits(a[k], b[k]))
+
+
+def _same_bits(a: np.ndarray, b: np.ndarray) -> bool:
+    return a.shape == b.shape and a.dtype == b.dtype and a.tobytes() == b.tobytes()
+
+
+def _serial(path: Path) -> int:
+    with h5py.File(path) as file:
+        return int(file.attrs["serial"])

@@ -1,0 +1,104 @@
+"""Claim: a run that was stopped or killed and goes on gives the same bits as one left alone."""
+
+import json
+import random
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command import crashsolve, differences, start
+
+from crashpost.cli import main as crashpost
+
+# one worker runs all of them, and compiles their scenes once
+pytestmark = pytest.mark.xdist_group("runs")
+
+
+def status(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "status.json").read_text("utf-8"))
+    return found
+
+
+def wait_for(path: Path, seconds: float = 120.0) -> None:
+    """Wait until a file exists; compiling may come first."""
+    until = time.monotonic() + seconds
+    while not path.exists():
+        assert time.monotonic() < until, f"{path} never came"
+        time.sleep(0.01)
+
+
+def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
+    deck: Path, uninterrupted: dict[Path, Path], tmp_path: Path
+) -> None:
+    run = start(deck, "-o", tmp_path)
+    wait_for(tmp_path / "states" / "000003.h5")
+    run.send_signal(signal.SIGTERM)
+    assert run.wait(60) == 3
+    stopped = status(tmp_path)
+    assert (stopped["state"], stopped["exit_code"]) == ("stopped", 3)
+    assert 0 < stopped["time"] < stopped["end_time"]
+    assert crashpost(["summary", str(tmp_path)]) == 0
+    assert crashsolve(deck, "-o", tmp_path, "--restart").returncode == 0
+    assert status(tmp_path)["state"] == "finished"
+    assert differences(tmp_path, uninterrupted[deck]) == []
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_run_killed_at_any_moment_stays_readable_and_goes_on_to_the_same_bits(
+    seed: int, mechanism: Path, uninterrupted: dict[Path, Path], tmp_path: Path
+) -> None:
+    rng, codes = random.Random(seed), []
+    for _ in range(2):
+        (tmp_path / "states.xdmf").unlink(missing_ok=True)
+        run = start(mechanism, "-o", tmp_path, "--restart")
+        wait_for(tmp_path / "states.xdmf")
+        time.sleep(rng.uniform(0.0, 0.4))
+        run.kill()
+        codes.append(run.wait(60))
+        assert crashpost(["summary", str(tmp_path)]) == 0
+        assert crashpost(["channels", str(tmp_path)]) == 0
+    assert -signal.SIGKILL in codes
+    assert crashsolve(mechanism, "-o", tmp_path, "--restart").returncode == 0
+    assert differences(tmp_path, uninterrupted[mechanism]) == []
+
+
+def test_a_dump_by_signal_or_control_file_changes_nothing(
+    mechanism: Path, uninterrupted: dict[Path, Path], tmp_path: Path
+) -> None:
+    run = start(mechanism, "-o", tmp_path)
+    wait_for(tmp_path / "states" / "000001.h5")
+    run.send_signal(signal.SIGUSR1)
+    run.send_signal(signal.SIGCONT)
+    (tmp_path / "control.txt").write_text("dump sleep\n", "utf-8")
+    output, _ = run.communicate(timeout=60)
+    assert run.returncode == 0
+    assert not (tmp_path / "control.txt").exists()
+    assert output.count("restart dump") > 5
+    assert "warning: control.txt: unknown word 'sleep' (words: dump, states, stop)" in output
+    assert differences(tmp_path, uninterrupted[mechanism]) == []
+
+
+def test_the_control_file_writes_a_state_and_stops(mechanism: Path, tmp_path: Path) -> None:
+    run = start(mechanism, "-o", tmp_path)
+    wait_for(tmp_path / "states" / "000000.h5")
+    (tmp_path / "control.txt").write_text("states stop", "utf-8")
+    assert run.wait(60) == 3
+    states = sorted((tmp_path / "states").glob("*.h5"))
+    assert len(states) >= 2
+    assert (tmp_path / "log.txt").read_text("utf-8").count("go on with --restart") == 1
+
+
+def test_a_new_run_forgets_the_dumps_of_the_old_one(mechanism: Path, tmp_path: Path) -> None:
+    assert crashsolve(mechanism, "-o", tmp_path).returncode == 0
+    short = ("--set", "end=0.05")
+    assert crashsolve(mechanism, "-o", tmp_path, *short).returncode == 0
+    assert not list(tmp_path.glob("restart_*.h5"))
+
+
+def test_a_dump_of_another_deck_is_refused(mechanism: Path, tmp_path: Path) -> None:
+    assert crashsolve(mechanism, "-o", tmp_path, "--set", "end=0.1").returncode == 0
+    refused = crashsolve(mechanism, "-o", tmp_path, "--set", "end=0.2", "--restart")
+    assert refused.returncode == 2
+    assert "belongs to another deck, or other values of --set" in refused.stderr
