@@ -1,0 +1,113 @@
+"""Claim: the house stands as ARCHITECTURE.md draws it. Imports only go down, never sideways."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SOLVER = ROOT / "solver" / "crashsolve"
+POST = ROOT / "postproc" / "crashpost"
+
+FLOORS = (
+    ("foundation",),
+    (
+        "deck",
+        *("curves", "bodies", "joints", "springs", "contact", "friction", "loads", "sensors"),
+    ),
+    ("model",),
+    ("system",),
+    ("integrators", "output"),
+)
+ROOF = len(FLOORS)
+# every card is made of the deck's fields, so the families stand on deck/ although on its floor
+SIDEWAYS = {(family, "deck") for family in FLOORS[1]}
+FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
+LONGEST_FUNCTION = 60
+
+MODULES = sorted(SOLVER.rglob("*.py"))
+
+
+def room(name: str) -> str:
+    """The part of the house a module lives in: crashsolve.contact.normal.hertz -> contact."""
+    parts = name.split(".")
+    return parts[1] if len(parts) > 1 else ""
+
+
+def floor(name: str) -> int:
+    for height, rooms in enumerate(FLOORS):
+        if room(name) in rooms:
+            return height
+    return ROOF
+
+
+def module_name(path: Path) -> str:
+    parts = path.relative_to(SOLVER.parent).with_suffix("").parts
+    return ".".join(part for part in parts if part != "__init__")
+
+
+def imports(path: Path) -> Iterator[str]:
+    """Full names of all modules a file imports, at the top and within functions."""
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def functions(path: Path) -> Iterator[ast.FunctionDef]:
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.FunctionDef):
+            yield node
+
+
+def test_imports_only_go_down_the_house() -> None:
+    up = []
+    for path in MODULES:
+        here = module_name(path)
+        for there in imports(path):
+            if not there.startswith("crashsolve.") or room(there) == room(here):
+                continue
+            is_allowed = (room(here), room(there)) in SIDEWAYS or there == "crashsolve.__version__"
+            if floor(there) >= floor(here) and floor(here) < ROOF and not is_allowed:
+                up.append(f"{here} imports {there}")
+    assert not up, "\n".join(up)
+
+
+def test_the_postprocessor_knows_the_solver_by_its_files_only() -> None:
+    for path in POST.rglob("*.py"):
+        assert not [name for name in imports(path) if name.split(".")[0] == "crashsolve"], path
+    for path in MODULES:
+        assert not [name for name in imports(path) if name.split(".")[0] == "crashpost"], path
+
+
+def test_every_package_of_the_solver_has_its_floor() -> None:
+    rooms = {path.name for path in SOLVER.iterdir() if (path / "__init__.py").exists()}
+    assert rooms == {name for names in FLOORS for name in names}
+
+
+@pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
+def test_no_module_has_a_name_that_says_nothing(package: Path) -> None:
+    assert not [path for path in package.rglob("*.py") if path.stem.strip("_") in FORBIDDEN]
+
+
+@pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
+def test_functions_are_short(package: Path) -> None:
+    long = [
+        f"{path.relative_to(ROOT)}:{node.lineno} {node.name}, {node.end_lineno - node.lineno + 1}"
+        for path in package.rglob("*.py")
+        for node in functions(path)
+        if node.end_lineno is not None and node.end_lineno - node.lineno >= LONGEST_FUNCTION
+    ]
+    assert not long, "\n".join(long)
+
+
+@pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
+def test_every_module_says_what_it_is(package: Path) -> None:
+    assert not [path for path in package.rglob("*.py") if not _docstring(path)]
+
+
+def _docstring(path: Path) -> str | None:
+    return ast.get_docstring(ast.parse(path.read_text("utf-8")))
