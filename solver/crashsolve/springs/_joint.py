@@ -1,4 +1,4 @@
-"""What limits and friction of a named joint share: the joint, its stops, how a bristle gives way."""
+"""What limits and friction of a named joint share: the joint, its stops, the bristle."""
 
 from math import sqrt
 from typing import Any
@@ -103,17 +103,6 @@ def friction_limit(p, rows):
 
 
 @kernel
-def give_way(stiffness, trial, before, limit_before, limit):
-    """How a bristle stretched to `trial` slides at its limit: share of the stretch kept, way, loss.
-
-    `before` and `limit_before` are stretch and limit at the start of the step; both run linearly to
-    their ends, and sliding begins where they meet.
-    """
-    excess = stiffness * trial - limit
-    if excess <= 0.0:
-        return 1.0, 0.0, 0.0
-    room = max(limit_before - stiffness * before, 0.0)
-    begin = room / (room + excess)
-    slip = excess / stiffness
-    mean = 0.5 * (limit_before + begin * (limit - limit_before) + limit)
-    return limit / (stiffness * trial), slip, mean * slip
+def kept_share(stiffness, stretch, limit):
+    """Share of its stretch that a bristle keeps: 1 while it holds, less when it slides."""
+    return 1.0 if stiffness * stretch <= limit else limit / (stiffness * stretch)

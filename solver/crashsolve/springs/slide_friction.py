@@ -6,7 +6,8 @@ z is the elastic travel since it last slid and lambda the force across the axis,
 before; the moments that tilt the slider in its guide are not counted.
 
 Consequence to test: a slider with the speed v_0 stops after m v_0 / F_0; on an axis inclined by
-alpha it stays for ever while tan alpha < mu. Energy lost = limit times way slid.
+alpha it stays for ever while tan alpha < mu. The energy lost is the work of F less what the
+bristle stores.
 
 Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158.
 """
@@ -20,7 +21,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
-from crashsolve.springs._joint import BRISTLE, friction_limit, give_way, named_joint
+from crashsolve.springs._joint import BRISTLE, friction_limit, kept_share, named_joint
 
 LEDGER = "joint_friction"
 
@@ -43,9 +44,9 @@ class SlideFriction(Card):
 
 PARAMETERS = POINTS + BRISTLE + Record(axis_a=("1", 3, "joint axis, axes of a"))
 HISTORY = Record(
+    travel=("m", "of b from the start"),
     slider=("m", "travel without stretch of the bristle"),
-    stretch=("m", "|z|"),
-    limit=("N", "at which it slides"),
+    force=("N", "F"),
     slid=("m", "way slid"),
 )
 OUTPUT = Record(
@@ -75,22 +76,21 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     axis = vec(p.axis_a)
     travel, rate = dot(axis, x), dot(axis, x_dot)
-    z = travel - old.slider
+    trial = travel - old.slider
     limit = friction_limit(p, rows)
-    share, slip, loss = give_way(p.stiffness, abs(z), old.stretch, old.limit, limit)
-    z *= share
-    elastic = p.stiffness * z
-    total = min(max(elastic + p.damping * rate, -limit), limit)
+    z = trial * kept_share(p.stiffness, abs(trial), limit)
+    friction = min(max(p.stiffness * z + p.damping * rate, -limit), limit)
+    new.travel = travel
     new.slider = travel - z
-    new.stretch = abs(z)
-    new.limit = limit
-    new.slid = old.slid + slip
-    out.force = total
+    new.force = friction
+    new.slid = old.slid + abs(trial - z)
+    out.force = friction
     out.limit = limit
     out.slid = new.slid
-    out.stored = 0.5 * elastic * z
-    out.power = (total - elastic) * rate
-    # a state without a step has no history to lose energy in
-    out.loss = loss if h > 0.0 else 0.0
-    push(p, nodes, scale(-total, axis), d_a, d_b)
+    out.stored = 0.5 * p.stiffness * z * z
+    out.power = out.loss = 0.0
+    if h > 0.0:
+        absorbed = 0.5 * (old.force + friction) * (travel - old.travel)
+        out.loss = absorbed - (out.stored - 0.5 * p.stiffness * (old.travel - old.slider) ** 2)
+    push(p, nodes, scale(-friction, axis), d_a, d_b)
     stiffen_along(p, nodes, p.axis_a, d_a, d_b, p.stiffness, p.damping)

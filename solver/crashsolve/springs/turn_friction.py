@@ -7,7 +7,7 @@ force that presses the joint: all of it in a ball or hinge, that across the axis
 joint. lambda is that of the step before.
 
 Consequence to test: a disc with the speed w_0 stops after J w_0 / M_0; below the limit it stays for
-ever. Energy lost = limit times angle slid.
+ever. The energy lost is the work of M less what the bristle stores.
 
 Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158; journal friction
 in joints: Haug, Wu and Yang (1986), Mechanism and Machine Theory 21, 401-406.
@@ -24,7 +24,7 @@ from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiff
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import posture_in, turn_between
 from crashsolve.foundation.vec3 import add, add_scaled, dot, matvec_t, norm, put, scale, sub, vec
-from crashsolve.springs._joint import BRISTLE, friction_limit, give_way, named_joint
+from crashsolve.springs._joint import BRISTLE, friction_limit, kept_share, named_joint
 
 LEDGER = "joint_friction"
 
@@ -56,7 +56,7 @@ PARAMETERS = BRISTLE + Record(
 HISTORY = Record(
     posture=("1", 4, "quaternion of b in a"),
     bristle=("rad", 3, "z, axes of a"),
-    limit=("N m", "at which it slides"),
+    torque=("N m", 3, "M, axes of a"),
     slid=("rad", "angle slid"),
 )
 OUTPUT = Record(
@@ -93,25 +93,25 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     a, b = nodes[p.node_a], nodes[p.node_b]
     now = posture_in(a, b)
     before = (old.posture[0], old.posture[1], old.posture[2], old.posture[3])
-    z = add(vec(old.bristle), turn_between(before, now))
+    turn = turn_between(before, now)
+    trial = add(vec(old.bristle), turn)
     limit = friction_limit(p, rows)
-    stretch = norm(vec(old.bristle))
-    share, slip, loss = give_way(p.stiffness, norm(z), stretch, old.limit, limit)
-    z = scale(share, z)
+    share = kept_share(p.stiffness, norm(trial), limit)
+    z = scale(share, trial)
     w = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
-    elastic = scale(p.stiffness, z)
-    total = add_scaled(elastic, p.damping, w)
-    size = norm(total)
-    if size > limit:
-        total = scale(limit / size, total)
-    keep(new, now, z, limit, old.slid + slip)
+    torque = add_scaled(scale(p.stiffness, z), p.damping, w)
+    if norm(torque) > limit:
+        torque = scale(limit / norm(torque), torque)
+    keep(new, now, z, torque, old.slid + (1.0 - share) * norm(trial))
     out.limit = limit
     out.slid = new.slid
     out.stored = 0.5 * p.stiffness * dot(z, z)
-    out.power = dot(sub(total, elastic), w)
-    # a state without a step has no history to lose energy in
-    out.loss = loss if h > 0.0 else 0.0
-    put(out.torque, arm(a, scale(-1.0, total)))
+    out.power = out.loss = 0.0
+    if h > 0.0:
+        absorbed = 0.5 * dot(add(vec(old.torque), torque), turn)
+        z = vec(old.bristle)
+        out.loss = absorbed - (out.stored - 0.5 * p.stiffness * dot(z, z))
+    put(out.torque, arm(a, scale(-1.0, torque)))
     apply_torque(b, vec(out.torque))
     apply_torque(a, scale(-1.0, vec(out.torque)))
     stiffen(a, turn_mobility(a, a, p), p.stiffness, p.damping)
@@ -119,12 +119,12 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def keep(new, posture, z, limit, slid):
+def keep(new, posture, z, torque, slid):
     """Writes: new."""
     for k in range(4):
         new.posture[k] = posture[k]
     put(new.bristle, z)
-    new.limit = limit
+    put(new.torque, torque)
     new.slid = slid
 
 
