@@ -6,6 +6,7 @@ crashsolve schema    crashsolve keywords    crashsolve equations
 """
 
 import argparse
+import gc
 import os
 import sys
 from pathlib import Path
