@@ -2,8 +2,9 @@
 
     python benchmarks/step_cost.py [SCENE ...]
 
-Every figure is the median of 9 stretches of the same run; the quietest is printed beside it. Budget: the
-three-wagon scene 8 us, 40 bodies with 40 hinges and 20 contacts 30 us, seven-body mechanism 10 us.
+Every figure is the median of 9 stretches of the same run; the quietest is printed beside it.
+Budget: the three-wagon scene 8 us, 40 bodies with 40 hinges and 20 contacts 30 us, seven-body
+mechanism 10 us.
 """
 
 import sys

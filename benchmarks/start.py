@@ -1,0 +1,97 @@
+"""From process start to the first step: CPU time cold and warm, and peak memory, of every deck.
+
+    python benchmarks/start.py [DECK ...]
+
+A child process runs the command `crashsolve DECK` and ends after its first step; what it has used
+by then is counted from the start of the process. Cold: an empty cache of compiled code. Warm: the
+median of 5 further starts, with Python's own compiled files in place as in an installed package.
+Memory: the largest of a warm process above that of `python -c "import numpy, h5py"`.
+Budget: 1.0 s warm, 15 s cold, +150 MB.
+"""
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from statistics import median
+
+ROOT = Path(__file__).resolve().parent.parent
+STARTS = 5
+BUDGET = {"cold s": 15.0, "warm s": 1.0, "memory MB": 150.0}
+BARE = "import resource, numpy, h5py; print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+
+
+def decks() -> list[Path]:
+    """Every deck of the project; a file without `control:` is a part for others to include."""
+    found = sorted((ROOT / "decks").rglob("*.yaml"))
+    return [path for path in found if "\ncontrol:" in path.read_text("utf-8")]
+
+
+def end_after_first_step(deck: str, folder: str) -> None:
+    """Run the command until the first step is done, then say what that has used."""
+    from crashsolve.system.engine import Engine
+
+    advance = Engine.advance
+
+    def one_step(engine: Engine, until: float) -> None:
+        # the result is not wanted, only that one step is done
+        advance(engine, min(until, float(engine.clock["time"] + engine.clock["next_step"])))
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        print(json.dumps([time.process_time(), peak / 1024]), flush=True)
+        os._exit(0)
+
+    Engine.advance = one_step  # type: ignore[method-assign]
+    from crashsolve.cli import main
+
+    sys.exit(main([deck, "-o", folder]))
+
+
+def start(deck: Path, cache: str) -> tuple[float, float]:
+    """CPU time [s] and peak memory [MB] of one start."""
+    environment = os.environ | {"CRASHSOLVE_CACHE": cache}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    with tempfile.TemporaryDirectory() as folder:
+        child = subprocess.run(
+            [sys.executable, __file__, "--child", str(deck), folder],
+            env=environment,
+            capture_output=True,
+            text=True,
+        )
+    if child.returncode:
+        raise SystemExit(f"{deck}: {child.stderr.strip()}")
+    cpu, peak = json.loads(child.stdout.splitlines()[-1])
+    return cpu, peak
+
+
+def measure(deck: Path, bare: float) -> dict[str, float]:
+    """The three figures of the budget for one deck."""
+    with tempfile.TemporaryDirectory() as cache:
+        cold, _ = start(deck, cache)
+        warm = [start(deck, cache) for _ in range(STARTS)]
+    memory = max(peak for _, peak in warm) - bare
+    return {"cold s": cold, "warm s": median(cpu for cpu, _ in warm), "memory MB": memory}
+
+
+def main() -> None:
+    given = [Path(name).resolve() for name in sys.argv[1:]]
+    text = subprocess.run([sys.executable, "-c", BARE], capture_output=True, text=True).stdout
+    bare = float(text) / 1024
+    print(f"python with numpy and h5py: {bare:.0f} MB")
+    print(f"{'deck':48}" + "".join(f"{name:>11}" for name in BUDGET))
+    print(f"{'budget':48}" + "".join(f"{limit:11.2f}" for limit in BUDGET.values()))
+    for deck in given or decks():
+        figures = measure(deck, bare)
+        name = deck.relative_to(ROOT) if deck.is_relative_to(ROOT) else deck
+        missed = [word for word, limit in BUDGET.items() if figures[word] > limit]
+        line = f"{name!s:48}" + "".join(f"{figures[word]:11.2f}" for word in BUDGET)
+        print(line + (f"  over: {', '.join(missed)}" if missed else ""), flush=True)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--child"]:
+        end_after_first_step(*sys.argv[2:])
+    main()
