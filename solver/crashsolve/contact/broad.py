@@ -29,7 +29,8 @@ def near_pairs(
     (index in the first, index in the second).
     """
     same = centres_b is None or radii_b is None
-    others, other_radii = (centres, radii) if same else (centres_b, radii_b)
+    others = centres if centres_b is None else centres_b
+    other_radii = radii if radii_b is None else radii_b
     if len(centres) == 0 or len(others) == 0:
         return np.zeros((0, 2), np.int64)
     low = np.minimum(centres.min(axis=0), others.min(axis=0))

@@ -192,18 +192,15 @@ class GroupBuilder:
         scene: Scene,
     ) -> None:
         """All pairs of surfaces of two shapes under one card."""
-        rows: dict[tuple[int, int], int] = {}
-        for a, b in _unlike(surfaces):
-            first, second = (b, a) if self.swapped else (a, b)
-            for side, surface in zip(self.sides, (first, second), strict=True):
-                side.place(surface)
-            classes = self.sides[0].round_of(first), self.sides[1].round_of(second)
-            rows[classes] = len(self.laws)
-            self.laws.append(self._law(entry, a, b, scene))
         ordered = (surfaces[1], surfaces[0]) if self.swapped else surfaces
         for side, some in zip(self.sides, ordered, strict=True):
             for surface in some:
                 side.place(surface)
+        rows: dict[tuple[int, int], int] = {}
+        for a, b in _unlike(surfaces):
+            first, second = (b, a) if self.swapped else (a, b)
+            rows[self.sides[0].round_of(first), self.sides[1].round_of(second)] = len(self.laws)
+            self.laws.append(self._law(entry, a, b, scene))
         names = tuple([s.entry.name for s in some] for some in ordered)
         self.blocks.append((index, entry.card.speed_floor, names, on_both, rows))
 
@@ -215,7 +212,7 @@ class GroupBuilder:
             law = law | self.modules[1].build(card.friction, scene)
         return dict(law)
 
-    def finish(self, nodes: np.ndarray) -> ContactGroup:
+    def finish(self, nodes: Any) -> ContactGroup:
         """The group with its pairs, all of them or the near ones."""
         parameters, history = system.PARAMETERS, system.HISTORY
         for module in self.modules:
@@ -251,8 +248,8 @@ class GroupBuilder:
             law = np.zeros((first.round.max() + 1, second.round.max() + 1), int)
             for classes, row in rows.items():
                 law[classes] = row
-            member = tuple(s.mask(some) for s, some in zip(self.sides, names, strict=True))
-            twice = tuple(s.mask(on_both) for s in self.sides)
+            member = self.sides[0].mask(names[0]), self.sides[1].mask(names[1])
+            twice = self.sides[0].mask(on_both), self.sides[1].mask(on_both)
             order = -1 if self.swapped else 1
             blocks.append(Block(index, speed_floor, order, member, twice, law))
         return Pairing((first, second), blocks, laws)

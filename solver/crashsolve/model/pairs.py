@@ -101,7 +101,7 @@ class Search:
         """What the step needs to know when to look again."""
         return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
 
-    def look(self, nodes: np.ndarray) -> np.ndarray:
+    def look(self, nodes: Any) -> np.ndarray:
         """Parameters of the near pairs now. Writes: seen."""
         for side, seen in zip(self.pairing.sides, self.seen, strict=True):
             A = nodes["A"][side.node].reshape(-1, 3, 3)
