@@ -70,7 +70,7 @@ class Engine:
             if status == REACHED:
                 return
             if status != REBUILD:
-                raise self._stop(status)
+                raise self._stop(self.clock, s.ledger)
             renew(self.model.contact_groups, s)
             self.bind()
 
@@ -81,7 +81,7 @@ class Engine:
         clock = self.state.clock.copy().view(np.recarray)[0]
         self._call(clock["time"], True, clock, self.nodes, self.rows, self.ledger)
         if clock["status"] in (NOT_FINITE, ENERGY):
-            raise self._stop(int(clock["status"]), int(clock["place"]))
+            raise self._stop(clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
 
     def assembly_errors(self) -> list[tuple[str, str]]:
@@ -141,21 +141,20 @@ class Engine:
         )
         self.module.advance(until, sampling, *(_readable(a) for a in arguments))
 
-    def _stop(self, status: int, place: int | None = None) -> SolverError:
+    def _stop(self, clock: Any, ledger: np.ndarray) -> SolverError:
         """What went wrong, where, why probably, and what to try."""
-        clock = self.clock
-        at = int(clock["place"]) if place is None else place
-        name, cause, advice = self._diagnosis(status, at)
+        name, cause, advice = self._diagnosis(clock, ledger)
         return SolverError(float(clock["time"]), int(clock["cycle"]), name, cause, advice)
 
-    def _diagnosis(self, status: int, at: int) -> tuple[str, str, str]:
+    def _diagnosis(self, clock: Any, ledger: np.ndarray) -> tuple[str, str, str]:
+        status, at = int(clock["status"]), int(clock["place"])
         shorter = "take a shorter step: a smaller control.safety, or a smaller control.step"
         bodies = self.model.bodies
         if status == NOT_FINITE:
             return f"body '{bodies[at]}'", "its motion is not a finite number any more", shorter
         if status == POSITION:
             joint = next(j for j in self.model.joints if at < j.first_row + j.rows * j.parts)
-            error = float(self.clock["value"])
+            error = float(clock["value"])
             return (
                 f"joint '{joint.name}'",
                 f"the joints cannot be closed (error {error:.3g} of the model's size): "
@@ -163,15 +162,14 @@ class Engine:
                 shorter + "; or remove a joint",
             )
         if status == STEP_TOO_SMALL:
-            body = bodies[int(self.clock["limit_node"])]
+            body = bodies[int(clock["limit_node"])]
             return (
                 f"body '{body}'",
-                f"the step has collapsed to {float(self.clock['next_step']):.3g} s",
+                f"the step has collapsed to {float(clock['next_step']):.3g} s",
                 "look for a stiffness far too large, or a mass far too small, on this body",
             )
         if status == CURVE_END:
             return self._curve_end()
-        ledger = self.state.ledger
         share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
         return (
             "the model",
