@@ -226,5 +226,6 @@ def check(clock, control, nodes, ledger):
     bad = bad_node(nodes)
     if bad >= 0:
         clock.status, clock.place = NOT_FINITE, bad
-    elif balance_broken(ledger, control.energy_limit):
+    elif clock.cycle >= control.check_every and balance_broken(ledger, control.energy_limit):
+        # from rest, the first steps err by much of the little energy there is
         clock.status = ENERGY
