@@ -63,6 +63,8 @@ def results(folder: Path) -> dict[str, np.ndarray]:
         for path in files
         for name, array in datasets(path).items()
     }
+    if not dumps:
+        return found
     return found | {f"dump:{name}": array for name, array in datasets(dumps[-1]).items()}
 
 

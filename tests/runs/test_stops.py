@@ -1,0 +1,122 @@
+"""Claim: a run that cannot go on says when, where, why and what to do, and leaves whole files."""
+
+import json
+import resource
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from command import arguments, crashsolve, environment
+
+from crashpost.result import Result
+
+HERE = Path(__file__).parent
+OSCILLATOR = HERE / "oscillator.yaml"
+SHORTER = "take a shorter step: a smaller control.safety, or a smaller control.step"
+STOPS = {
+    "long_step": (
+        "t = 0.1 s, cycle 10, the model: the energy balance is off by 104 % of the largest energy; "
+        f"{SHORTER}; control.energy_limit sets the bound"
+    ),
+    "small_step": (
+        "t = 0.000125 s, cycle 1, body 'block': the step has collapsed to 0.000141 s; "
+        "look for a stiffness far too large, or a mass far too small, on this body"
+    ),
+    "curve_end": (
+        "t = 0.501 s, cycle 501, curve 'push': read at 0.501, outside its range 0 to 0.5; "
+        "extend the curve, or say extrapolate: hold or linear on its card"
+    ),
+    "contradiction": (
+        "t = 0.5 s, cycle 500, joint 'rod': the joints cannot be closed (error 2.45e-06 of the "
+        "model's size): they contradict each other, or the step is too long; "
+        f"{SHORTER}; or remove a joint"
+    ),
+}
+
+
+def judge(folder: Path, code: int, message: str) -> None:
+    """Log, status and histories of a run that failed."""
+    log = (folder / "log.txt").read_text("utf-8").splitlines()
+    assert f"error: {message}" in log
+    assert log[-1] == "E r r o r    t e r m i n a t i o n"
+    status = json.loads((folder / "status.json").read_text("utf-8"))
+    assert (status["state"], status["exit_code"]) == ("failed", code)
+    assert status["message"] == message
+
+
+def assert_finite(folder: Path) -> None:
+    for channel in Result(folder).channels("*"):
+        _, values, _ = Result(folder).series(channel.name)
+        assert np.isfinite(values).all(), channel.name
+
+
+@pytest.mark.parametrize("name", STOPS)
+def test_a_numerical_stop_names_time_place_cause_and_advice(name: str, tmp_path: Path) -> None:
+    done = crashsolve(HERE / "stops" / f"{name}.yaml", "-o", tmp_path, NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 4
+    assert done.stderr.splitlines()[-1] == STOPS[name]
+    judge(tmp_path, 4, STOPS[name])
+    assert_finite(tmp_path)
+
+
+def test_a_motion_that_is_not_finite_stops_the_run_and_reaches_no_file(tmp_path: Path) -> None:
+    deck = HERE / "stops" / "long_step.yaml"
+    done = crashsolve(deck, "-o", tmp_path, "--set", "limit=1e9", NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 4
+    message = "t = 0.8 s, cycle 80, body 'block': its motion is not a finite number any more; "
+    judge(tmp_path, 4, message + SHORTER)
+    assert_finite(tmp_path)
+
+
+def test_joints_that_do_not_fit_are_a_mistake_of_the_deck(tmp_path: Path) -> None:
+    deck = HERE / "stops" / "misfit.yaml"
+    done = crashsolve(deck, "-o", tmp_path, NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 2
+    message = f"{deck}:7:3: error: joint 'pin': is broken by the initial velocities: 1 (SI); "
+    judge(tmp_path, 2, message + "correct the joint or the bodies")
+
+
+def test_wrong_decks_and_overrides_leave_no_folder_behind(tmp_path: Path) -> None:
+    folder = tmp_path / "results"
+    for words, message in (
+        ((tmp_path / "no.yaml",), "the file cannot be read: No such file or directory"),
+        ((OSCILLATOR, "--set", "limt=1"), "unknown parameter 'limt'; did you mean 'limit'?"),
+        ((OSCILLATOR, "--set", "limit"), "--set limit: error: no value; write --set NAME=VALUE"),
+        ((OSCILLATOR, "--set", "limit=far"), "far"),
+    ):
+        done = crashsolve(*words, "-o", folder)
+        assert done.returncode == 2
+        assert message in done.stderr
+        assert "Traceback" not in done.stderr
+        assert not folder.exists()
+
+
+def test_a_folder_that_cannot_be_made_ends_with_code_5(tmp_path: Path) -> None:
+    taken = tmp_path / "taken"
+    taken.write_text("a file", "utf-8")
+    for folder in (taken, taken / "below"):
+        done = crashsolve(OSCILLATOR, "-o", folder)
+        assert done.returncode == 5
+        assert done.stderr.startswith(f"{folder}: ")
+        assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("size", [400, 20_000, 100_000, 300_000])
+def test_a_full_disk_ends_with_code_5_and_whole_files(size: int, tmp_path: Path) -> None:
+    """No file may grow beyond `size` bytes, as if the disk were full."""
+    done = subprocess.run(
+        arguments(OSCILLATOR, "-o", tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env=environment(NUMBA_DISABLE_JIT="1"),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
+    )
+    assert done.returncode == 5
+    assert "File too large" in done.stderr
+    assert "Traceback" not in done.stderr
+    for path in tmp_path.rglob("*.h5"):
+        h5py.File(path).close()
+    assert not list(tmp_path.rglob("*.partial"))
