@@ -112,6 +112,7 @@ def test_onset_of_an_impact_is_located(tmp_path: Path) -> None:
 def test_constraints_hold_after_every_step(tmp_path: Path) -> None:
     engine = final(tmp_path, PENDULUM, 2.0, 1e-3)
     assert engine.clock.residual <= 1e-10
-    # velocities are projected in every step: the radial speed of the bob is round-off
+    # an inertia of 1e-10 kg m^2 costs ten digits of the solve: refinement must win them back
+    assert engine.clock.rate_residual <= 1e-10
     bob = engine.state.nodes[1]
-    assert abs(np.dot(bob["r"], bob["v"])) < 1e-13
+    assert abs(np.dot(bob["r"], bob["v"])) < 1e-10

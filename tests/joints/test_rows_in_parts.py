@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from plain import plain, records
 
-from crashsolve.foundation.saddle import factorise, plan, solve_reaction
+from crashsolve.foundation.saddle import factorise, plan, solve_rate
 from crashsolve.model.nodes import ROW
 
 # rows and nodes of five blocks: a chain with a loop, and two gears (two parts, one body shared)
@@ -40,19 +40,19 @@ def random_rows(rng: np.random.Generator) -> tuple[Any, Any, np.ndarray]:
 def test_sparse_solution_equals_dense_solution() -> None:
     rng = np.random.default_rng(1)
     saddle, rows, S = random_rows(rng)
-    rows["reaction"] = rng.normal(size=len(rows))
+    rows["rate"] = rng.normal(size=len(rows))
     right, first = [], []
     entry = 0
     for m, ends in BLOCKS:
-        parts = rows["reaction"][entry : entry + m * len(ends) // 2].reshape(-1, m)
+        parts = rows["rate"][entry : entry + m * len(ends) // 2].reshape(-1, m)
         right.append(parts.sum(axis=0))
         first.append(np.arange(entry, entry + m))
         entry += parts.size
     expected = np.linalg.solve(S, -2.0 * np.concatenate(right))
     plain(factorise)(saddle, rows)
-    plain(solve_reaction)(saddle, rows, -2.0)
+    plain(solve_rate)(saddle, rows, -2.0)
     # round-off times the condition of S
     tolerance = 1e-14 * np.linalg.cond(S) * np.abs(expected).max()
-    np.testing.assert_allclose(rows["reaction"][np.concatenate(first)], expected, atol=tolerance)
-    assert rows["reaction"][entry - 4] == rows["reaction"][entry - 2]  # both parts of one row
+    np.testing.assert_allclose(rows["delta"][np.concatenate(first)], expected, atol=tolerance)
+    assert rows["delta"][entry - 4] == rows["delta"][entry - 2]  # both parts of one row
     assert saddle.redundant() == 0

@@ -340,7 +340,7 @@ def solve_up(c, columns, blocks, m):
 
 
 @kernel
-def solve_delta(saddle, rows, factor):
+def solve_phi(saddle, rows, factor):
     """rows.delta = S^-1 (factor * phi). Writes: rows.delta, saddle."""
     columns = saddle.columns
     for p in range(columns.shape[0]):
@@ -353,33 +353,33 @@ def solve_delta(saddle, rows, factor):
                 total += rows[k].phi
             c.work[i] = factor * total
     solve(saddle)
+    spread_solution(columns, rows)
+
+
+@kernel
+def solve_rate(saddle, rows, factor):
+    """rows.delta = S^-1 (factor * rate). Writes: rows.delta, saddle."""
+    columns = saddle.columns
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        for i in range(c.rows):
+            k = c.entry + i
+            total = rows[k].rate
+            while k + c.rows < c.end:
+                k += c.rows
+                total += rows[k].rate
+            c.work[i] = factor * total
+    solve(saddle)
+    spread_solution(columns, rows)
+
+
+@inlined
+def spread_solution(columns, rows):
+    """The solution of every column to all parts of its rows. Writes: rows.delta."""
     for p in range(columns.shape[0]):
         c = columns[p]
         for i in range(c.rows):
             k = c.entry + i
             while k < c.end:
                 rows[k].delta = c.work[i]
-                k += c.rows
-
-
-@kernel
-def solve_reaction(saddle, rows, factor):
-    """rows.reaction = S^-1 (factor * reaction). Writes: rows.reaction, saddle."""
-    columns = saddle.columns
-    for p in range(columns.shape[0]):
-        c = columns[p]
-        for i in range(c.rows):
-            k = c.entry + i
-            total = rows[k].reaction
-            while k + c.rows < c.end:
-                k += c.rows
-                total += rows[k].reaction
-            c.work[i] = factor * total
-    solve(saddle)
-    for p in range(columns.shape[0]):
-        c = columns[p]
-        for i in range(c.rows):
-            k = c.entry + i
-            while k < c.end:
-                rows[k].reaction = c.work[i]
                 k += c.rows

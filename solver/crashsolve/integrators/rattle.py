@@ -11,8 +11,8 @@ References: Andersen (1983), J. Comput. Phys. 52, 24-34; Hairer, Lubich and Wann
 Geometric Numerical Integration, VII.1.4.
 """
 
-from crashsolve.foundation.compile import entry, inlined
-from crashsolve.foundation.saddle import solve_delta, solve_reaction
+from crashsolve.foundation.compile import entry, inlined, kernel  # noqa: F401  (the scene uses kernel)
+from crashsolve.foundation.saddle import solve_phi, solve_rate
 from crashsolve.model.clock import (
     CURVE_END,
     ENERGY,
@@ -25,6 +25,8 @@ from crashsolve.model.clock import (
 )
 from crashsolve.system.constraints import (
     acceleration_right_side,
+    clear_reaction,
+    clear_trial,
     driver_power,
     extrapolate_trial,
     factor_constraints,
@@ -35,6 +37,7 @@ from crashsolve.system.constraints import (
     scatter_reaction,
     scatter_trial,
     velocity_residual,
+    worst_rate,
     worst_residual,
 )
 from crashsolve.system.energy import balance_broken
@@ -69,6 +72,8 @@ from crashsolve.system.timestep import fit, onset_step, wanted_step
 
 ORDER = 2
 POSITION_ITERATIONS = 40
+VELOCITY_ITERATIONS = 4
+POOR_GUESS = 1e-4  # first residual, in model sizes, above which lambda is guessed anew
 
 
 @entry
@@ -88,7 +93,9 @@ def advance(until, sampling, clock, control, nodes, rows, saddle, curves, groups
             h = taken
             if clock.status != RUNNING:
                 return
-        push(time, h, clock, nodes, rows, saddle, curves, groups)
+        elif JOINTS:
+            residual(clock.current, time, nodes, rows, curves, groups)
+        push(time, h, clock, control, nodes, rows, saddle, curves, groups)
         accept(time, h, clock, control, nodes)
         if sampling:
             accelerations(nodes)
@@ -162,15 +169,25 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:
             clock.status, clock.place, clock.value = POSITION, row, worst
             break
+        # with hardly any inertia the line through old lambdas misses wildly: begin from zero
+        if iteration == 0 and worst > POOR_GUESS:
+            clear_trial(rows)
+            kick_off(nodes, h)
+            continue
+        # far apart in mass and inertia, or in a sharp turn, S of the start is no guide any more
+        if iteration >= 3 and worst > 0.1 * previous:
+            refresh(nodes)
+            jacobian(clock.current, clock.time + h, nodes, rows, curves, groups)
+            factor_constraints(rows, saddle, nodes)
         previous = worst
         clock.iterations += 1
-        solve_delta(saddle, rows, -2.0 / (h * h))
+        solve_phi(saddle, rows, -2.0 / (h * h))
         scatter_delta(rows, nodes)
         kick_half_by_joints(nodes, 0.5 * h)
 
 
 @inlined
-def push(time, h, clock, nodes, rows, saddle, curves, groups):
+def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
     """Forces at the new positions, second kick, velocities onto the constraints.
 
     With h = 0 the velocities are left and the reactions are those of the accelerations
@@ -193,19 +210,38 @@ def push(time, h, clock, nodes, rows, saddle, curves, groups):
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, curves, groups)
         factor_constraints(rows, saddle, nodes)
+        clear_reaction(rows)
         if h > 0.0:
-            velocity_residual(rows, nodes)
+            project_velocity(h, clock, control, nodes, rows, saddle)
+            clock.driver_work += 0.5 * h * driver_power(rows)
         else:
             convective(clock.current, time, nodes, rows, curves, groups)
             acceleration_right_side(rows, nodes)
-        solve_reaction(saddle, rows, -2.0 / h if h > 0.0 else 1.0)
-        scatter_reaction(rows, nodes)
-        if h > 0.0:
-            kick_by_joints(nodes, 0.5 * h)
-            clock.driver_work += 0.5 * h * driver_power(rows)
+            solve_rate(saddle, rows, 1.0)
+            scatter_delta(rows, nodes)
     add_impulse(clock, nodes, 0.5 * h)
     if CONTACTS:
         take_late(nodes, 1.0)
+
+
+@inlined
+def project_velocity(h, clock, control, nodes, rows, saddle):
+    """D v = nu by the impulses h/2 D^T lambda; more than one pass only against round-off.
+
+    Writes: nodes.v, L, w, joint_*, rows.reaction.
+    """
+    velocity_residual(rows, nodes)
+    for iteration in range(VELOCITY_ITERATIONS):
+        solve_rate(saddle, rows, -2.0 / h)
+        scatter_delta(rows, nodes)
+        kick_by_joints(nodes, 0.5 * h)
+        velocity_residual(rows, nodes)
+        worst = worst_rate(rows, saddle)
+        if worst <= 0.1 * control.constraint_tolerance:
+            break
+    clock.rate_residual = max(clock.rate_residual, worst)
+    if iteration > 0:
+        scatter_reaction(rows, nodes)
 
 
 @inlined

@@ -3,9 +3,18 @@
 from crashsolve.foundation.record import Record
 
 # why the compiled loop gave control back
-RUNNING, REACHED, NOT_FINITE, POSITION, STEP_TOO_SMALL, CURVE_END, ENERGY, REBUILD, ONSET, STOPPED = range(
-    10
-)
+(
+    RUNNING,
+    REACHED,
+    NOT_FINITE,
+    POSITION,
+    STEP_TOO_SMALL,
+    CURVE_END,
+    ENERGY,
+    REBUILD,
+    ONSET,
+    STOPPED,
+) = range(10)
 
 CLOCK = Record(
     time=("s", "present time"),
@@ -19,6 +28,7 @@ CLOCK = Record(
     iterations=("count", "position iterations"),
     located=("count", "contact onsets located"),
     residual=("1", "largest position residual over model size so far"),
+    rate_residual=("1/s", "largest velocity residual over model size so far"),
     limit_node=("index", "node that sets the step"),
     driver_work=("J", "work of prescribed motions"),
     driver_power=("W", "its present rate"),

@@ -115,7 +115,9 @@ def scene_text(model: Any) -> str:
 
 def _function(name: str, body: list[str]) -> str:
     lines = "\n".join(f"    {line}" for line in (body or ["pass"]))
-    return f"@inlined\ndef {name}({SIGNATURES[name]}):\n{lines}\n"
+    # called from two places: compiled once, not twice
+    decorator = "kernel" if name == "jacobian" else "inlined"
+    return f"@{decorator}\ndef {name}({SIGNATURES[name]}):\n{lines}\n"
 
 
 def _imports(model: Any) -> str:

@@ -63,10 +63,11 @@ def scatter_trial(rows, nodes):
 
 @kernel
 def scatter_delta(rows, nodes):
-    """Take the correction into lambda; its constraint forces. Writes: rows.trial, nodes.joint_*."""
+    """Forces of a correction, taken into both lambdas. Writes: rows.trial, reaction, nodes."""
     clear_joint_forces(nodes)
     for k in range(rows.shape[0]):
         rows[k].trial += rows[k].delta
+        rows[k].reaction += rows[k].delta
         scatter(rows[k], rows[k].delta, nodes)
 
 
@@ -99,23 +100,23 @@ def kick_by_joints(nodes, factor):
 
 @kernel
 def velocity_residual(rows, nodes):
-    """D v - nu of every row. Writes: rows.reaction."""
+    """D v - nu of every row. Writes: rows.rate."""
     for k in range(rows.shape[0]):
         row = rows[k]
         a, b, D = nodes[row.node_a], nodes[row.node_b], row.D
         x = dot((D[0], D[1], D[2]), vec(a.v)) + dot((D[3], D[4], D[5]), vec(a.w))
         x += dot((D[6], D[7], D[8]), vec(b.v)) + dot((D[9], D[10], D[11]), vec(b.w))
-        row.reaction = x - row.nu
+        row.rate = x - row.nu
 
 
 @kernel
 def acceleration_right_side(rows, nodes):
-    """gamma - D M^-1 g of every row. Writes: rows.reaction."""
+    """gamma - D M^-1 g of every row. Writes: rows.rate."""
     for k in range(rows.shape[0]):
         row = rows[k]
         a = weighed_force(row.X, 0, nodes[row.node_a])
         b = weighed_force(row.X, 6, nodes[row.node_b])
-        row.reaction = row.gamma - a - b
+        row.rate = row.gamma - a - b
 
 
 @kernel
@@ -164,3 +165,39 @@ def driver_power(rows):
     for k in range(rows.shape[0]):
         total += rows[k].reaction * rows[k].nu
     return total
+
+
+@kernel
+def clear_reaction(rows):
+    """Writes: rows.reaction."""
+    for k in range(rows.shape[0]):
+        rows[k].reaction = 0.0
+
+
+@kernel
+def worst_rate(rows, saddle):
+    """Largest |D v - nu| in units of the model's size per second.
+
+    The parts of a row add up, so it is judged joint by joint.
+    """
+    worst = 0.0
+    columns = saddle.columns
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        for i in range(c.rows):
+            k = c.entry + i
+            total = 0.0
+            while k < c.end:
+                total += rows[k].rate
+                k += c.rows
+            x = abs(total) / rows[c.entry + i].scale
+            if not x <= worst:
+                worst = x
+    return worst
+
+
+@kernel
+def clear_trial(rows):
+    """Writes: rows.trial."""
+    for k in range(rows.shape[0]):
+        rows[k].trial = 0.0
