@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.record import Record
+from crashsolve.model import touch
+from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST
 from crashsolve.model.model import Group
 from crashsolve.output.channels import Column, Family
-from crashsolve.system import contacts
-from crashsolve.system.energy import ENTRIES, IMBALANCE, LARGEST
 from crashsolve.system.engine import Engine
 
 AXES = ("x", "y", "z")
@@ -118,8 +118,8 @@ class Histories:
         return values
 
     def _contacts(self) -> Part:
-        columns = _columns(contacts.CARD_OUTPUT)
-        history = [c for c in contacts.CARD_HISTORY.columns if c.name in CARD_COLUMNS]
+        columns = _columns(touch.CARD_OUTPUT)
+        history = [c for c in touch.CARD_HISTORY.columns if c.name in CARD_COLUMNS]
         columns += [column for c in history for column in _spread(c)]
         return Family("rcforc", tuple(self.engine.model.contacts), tuple(columns)), self._cards
 

@@ -29,6 +29,7 @@ from crashsolve.foundation.errors import (
 )
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
+from crashsolve.model.ledger import ENTRIES, IMBALANCE, KINETIC, LARGEST
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
@@ -40,7 +41,6 @@ from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.pictures import Pictures
 from crashsolve.resume import changing, restore
-from crashsolve.system.energy import ENTRIES, IMBALANCE, KINETIC, LARGEST
 from crashsolve.system.engine import Engine
 
 # what a user may ask of a run, by control.txt and by signals

@@ -11,14 +11,14 @@ import numpy as np
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
+from crashsolve.model import touch
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contacts import build_contacts
+from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import ContactGroup, Group, Joint, Model, State
 from crashsolve.model.nodes import NODE, ROW
 from crashsolve.model.scene import Scene
-from crashsolve.system import contacts as pairs
-from crashsolve.system.energy import ENTRIES
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
@@ -183,8 +183,8 @@ def _state(model: Model, scene: Scene) -> State:
         clock=clock,
         nodes=initial_nodes(scene),
         rows=initial_rows(model),
-        cards=np.zeros(len(model.contacts), pairs.CARD_OUTPUT.dtype),
-        card_history=np.zeros((2, len(model.contacts)), pairs.CARD_HISTORY.dtype),
+        cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
+        card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),
         ledger=np.zeros(len(ENTRIES)),
     )
 

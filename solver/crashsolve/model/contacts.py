@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.foundation.record import Record
+from crashsolve.model import touch
 from crashsolve.model.model import ContactGroup
 from crashsolve.model.pairs import Block, Elements, Pairing, Search, resting
 from crashsolve.model.scene import Scene
-from crashsolve.system import contacts as system
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
@@ -214,7 +214,7 @@ class GroupBuilder:
 
     def finish(self, nodes: Any) -> ContactGroup:
         """The group with its pairs, all of them or the near ones."""
-        parameters, history = system.PARAMETERS, system.HISTORY
+        parameters, history = touch.PARAMETERS, touch.HISTORY
         for module in self.modules:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
         elements = (self.sides[0].elements, self.sides[1].elements)
@@ -233,7 +233,7 @@ class GroupBuilder:
             data=data,
             parameters=rows,
             history=resting(len(rows), history.dtype),
-            output=np.zeros(len(rows), system.OUTPUT.dtype),
+            output=np.zeros(len(rows), touch.OUTPUT.dtype),
             search=search,
         )
 

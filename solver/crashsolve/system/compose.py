@@ -299,7 +299,7 @@ LOST = {
 
 
 def _energy_calls(model: Any) -> list[str]:
-    from crashsolve.system import energy as e
+    from crashsolve.model import ledger as e
 
     lines = ["clear_ledger(ledger)", f"ledger[{e.KINETIC}] = kinetic_energy(nodes)"]
     for g in model.force_groups():

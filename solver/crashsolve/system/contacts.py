@@ -13,52 +13,7 @@ from crashsolve.foundation.motion import (
     point_velocity,
     stiffen,
 )
-from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
-
-PARAMETERS = Record(
-    a=("index", "element on side a"),
-    b=("index", "element on side b"),
-    card=("index", "contact card"),
-    order=("count", "+1 when a is on side a of the card, -1 when on side b"),
-    speed_floor=("m/s", "closing speed below which a touch counts as resting"),
-)
-HISTORY = Record(
-    active=("flag", "touching"),
-    depth=("m", "penetration; negative is a gap"),
-    impact_speed=("m/s", "closing speed at the onset, not below the floor"),
-    dissipated=("J", "by the normal force"),
-    power=("W", "its present rate"),
-    friction_dissipated=("J", "by friction"),
-    friction_power=("W", "its present rate"),
-)
-OUTPUT = Record(
-    force=("N", 3, "on side a"),
-    point=("m", 3, "point of contact"),
-    stored=("J", "recoverable energy of the normal force"),
-    friction_stored=("J", "recoverable energy of the friction bristle"),
-)
-CARD_OUTPUT = Record(
-    force=("N", 3, "on side a, sum of all pairs"),
-    normal=("N", "sum of normal forces"),
-    tangential=("N", "sum of friction forces"),
-    depth=("m", "deepest pair; negative is a gap"),
-    impact_speed=("m/s", "largest of the touching pairs"),
-    touching=("1", "number of touching pairs"),
-    stored=("J", "recoverable energy"),
-    dissipated=("J", "energy lost by the normal force"),
-    friction=("J", "energy lost by friction"),
-)
-CARD_HISTORY = Record(
-    force_before=("N", 3, "force on side a at the last step"),
-    late=("N", 3, "part of the force on side a that began during the step"),
-    impulse=("N s", 3, "impulse on side a"),
-    peak_normal=("N", "largest normal force of any step"),
-    peak_depth=("m", "largest depth of any step"),
-    onsets=("count", "number of onsets"),
-    left_dissipated=("J", "lost by the normal force of pairs that are not near any more"),
-    left_friction_dissipated=("J", "lost by their friction"),
-)
 
 
 @kernel

@@ -7,41 +7,16 @@ is therefore a measure of the integration error and of any law that breaks its p
 """
 
 from crashsolve.foundation.compile import kernel
-
-ENTRIES = (
-    "kinetic",
-    "potential",
-    "spring_stored",
-    "spring_dissipated",
-    "contact_stored",
-    "contact_dissipated",
-    "friction_stored",
-    "friction_dissipated",
-    "joint_friction",
-    "brake",
-    "external_work",
-    "driver_work",
-    "initial",
-    "largest",
-    "imbalance",
-)
-(
+from crashsolve.model.ledger import (
+    DRIVER_WORK,
+    EXTERNAL_WORK,
+    IMBALANCE,
+    INITIAL,
     KINETIC,
+    LARGEST,
     POTENTIAL,
     SPRING_STORED,
-    SPRING_DISSIPATED,
-    CONTACT_STORED,
-    CONTACT_DISSIPATED,
-    FRICTION_STORED,
-    FRICTION_DISSIPATED,
-    JOINT_FRICTION,
-    BRAKE,
-    EXTERNAL_WORK,
-    DRIVER_WORK,
-    INITIAL,
-    LARGEST,
-    IMBALANCE,
-) = range(len(ENTRIES))
+)
 
 
 @kernel

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.errors import SolverError
+from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
     CURVE_END,
     ENERGY,
@@ -17,7 +18,6 @@ from crashsolve.model.clock import (
 )
 from crashsolve.model.model import Model, State
 from crashsolve.model.pairs import renew
-from crashsolve.system import energy
 from crashsolve.system.compose import compose, group_arrays, load
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off

@@ -1,0 +1,36 @@
+"""The entries of the energy ledger, in the order of State.ledger."""
+
+ENTRIES = (
+    "kinetic",
+    "potential",
+    "spring_stored",
+    "spring_dissipated",
+    "contact_stored",
+    "contact_dissipated",
+    "friction_stored",
+    "friction_dissipated",
+    "joint_friction",
+    "brake",
+    "external_work",
+    "driver_work",
+    "initial",
+    "largest",
+    "imbalance",
+)
+(
+    KINETIC,
+    POTENTIAL,
+    SPRING_STORED,
+    SPRING_DISSIPATED,
+    CONTACT_STORED,
+    CONTACT_DISSIPATED,
+    FRICTION_STORED,
+    FRICTION_DISSIPATED,
+    JOINT_FRICTION,
+    BRAKE,
+    EXTERNAL_WORK,
+    DRIVER_WORK,
+    INITIAL,
+    LARGEST,
+    IMBALANCE,
+) = range(len(ENTRIES))
