@@ -1,0 +1,65 @@
+"""Claim: a law is one file of card, build and kernel, cited, and proved by a deck of its own."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from crashsolve.deck.card import Card
+from crashsolve.deck.laws import law_class, types_in
+from crashsolve.deck.read import read_deck
+from crashsolve.deck.schema import _nested_folders
+from crashsolve.deck.sections import SECTIONS
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+FOLDERS = [*(section.folder for section in SECTIONS.values()), *_nested_folders()]
+LAWS = [(folder, word) for folder in FOLDERS for word in types_in(folder)]
+# functions a law must define beside its card, by family
+KERNELS = {
+    "joints": ("residual", "jacobian", "convective"),
+    "springs": ("force",),
+    "loads": ("force",),
+    "sensors": ("measure",),
+    "contact/normal": ("normal_force", "release"),
+    "friction": ("friction_force", "release"),
+}
+
+
+@pytest.mark.parametrize("law", LAWS, ids="/".join)
+def test_a_law_has_card_build_and_kernels(law: tuple[str, str]) -> None:
+    folder, word = law
+    if folder == "contact":  # the one card that only brings shapes and laws together
+        return
+    module = import_module(law_class(folder, word).__module__)
+    assert module.__doc__
+    assert callable(module.build)
+    assert not [name for name in KERNELS.get(folder, ()) if not hasattr(module, name)]
+
+
+def _modules(card: Card) -> set[str]:
+    """Modules of a card and of the laws within it."""
+    parts = [part for name in type(card).model_fields for part in _cards(getattr(card, name))]
+    return {type(card).__module__}.union(*map(_modules, parts))
+
+
+def _cards(value: Any) -> list[Card]:
+    values = value if isinstance(value, tuple) else (value,)
+    return [part for part in values if isinstance(part, Card)]
+
+
+def _proved() -> set[str]:
+    """Modules of the laws in all decks that expect something."""
+    found: set[str] = set()
+    for folder in ("verification", "benchmark"):
+        for path in (DECKS / folder).rglob("*.yaml"):
+            deck = read_deck(path)
+            cards = [entry.card for entries in deck.entries.values() for entry in entries.values()]
+            found = found.union(*map(_modules, cards)) if deck.expect else found
+    return found
+
+
+def test_every_law_is_proved_by_a_deck_with_expectations() -> None:
+    proved = _proved()
+    missing = ["/".join(law) for law in LAWS if law_class(*law).__module__ not in proved]
+    assert not missing, f"{len(missing)} laws without a deck: {', '.join(missing)}"

@@ -1,0 +1,50 @@
+"""Claim: a run imports only what its deck needs."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from command import environment
+
+ROOT = Path(__file__).resolve().parents[2]
+BALL = ROOT / "decks" / "tutorial" / "bouncing_ball.yaml"
+FOREIGN = {"meshio", "matplotlib", "pyvista", "vtk", "vtkmodules", "pint", "pandas", "PIL"}
+
+
+def imported(*words: object, **changes: str) -> set[str]:
+    """Names of all modules a command imports."""
+    done = subprocess.run(
+        [sys.executable, "-X", "importtime", *map(str, words)],
+        capture_output=True,
+        text=True,
+        env=environment(**changes),
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    lines = [line for line in done.stderr.splitlines() if line.startswith("import time:")]
+    return {line.rpartition("|")[2].strip() for line in lines}
+
+
+def scipy_of(modules: set[str]) -> set[str]:
+    return {name for name in modules if name.split(".")[0] == "scipy"}
+
+
+def test_a_rigid_run_imports_nothing_foreign(tmp_path: Path) -> None:
+    modules = imported("-m", "crashsolve", BALL, "-o", tmp_path)
+    assert not {name.split(".")[0] for name in modules} & FOREIGN
+    # numba itself loads scipy.linalg where scipy is installed
+    numba = imported("-c", "import numba; numba.njit(lambda x: x + 1)(1)")
+    assert scipy_of(modules) <= scipy_of(numba)
+    laws = {"springs", "joints", "sensors"}
+    assert not [
+        name for name in modules if name.startswith("crashsolve.") and name.split(".")[1] in laws
+    ]
+
+
+def test_a_check_writes_no_results_and_loads_no_hdf5() -> None:
+    modules = imported("-m", "crashsolve", "check", BALL)
+    assert "h5py" not in modules
+    assert not {name.split(".")[0] for name in modules} & FOREIGN
+
+
+def test_asking_for_the_version_loads_neither_numpy_nor_numba() -> None:
+    assert not imported("-m", "crashsolve", "--version") & {"numpy", "numba", "pydantic", "h5py"}
