@@ -4,6 +4,7 @@ The gap routine of shapes `sphere` and `plane` is contact/narrow/sphere_plane.py
 on side a of the card. A shape may say GAP_AS to use the routines of another shape. A gap routine
 may say expand_a, expand_b to take the elements of a surface apart (a box into its corners), with
 PARAMETERS_A, PARAMETERS_B for what it makes of them, and `data` for arrays that all elements share.
+Pairs of shapes whose gap is the same kernel, under the same laws, form one group.
 """
 
 from __future__ import annotations
@@ -80,12 +81,12 @@ def _add_card(
     for some_a in sides[0].values():
         for some_b in sides[1].values():
             narrow, swapped = gap_routine(some_a[0], some_b[0], scene)
-            key = "_".join([narrow.__name__.rpartition(".")[2], _law(card.normal)])
-            key += f"_{_law(card.friction)}" if card.friction is not None else ""
-            key += "_swapped" if swapped else ""
+            home = _home_of_gap(narrow)
+            laws = [card.normal] + ([] if card.friction is None else [card.friction])
+            key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
             if key not in builders:
-                builders[key] = GroupBuilder(key, narrow, swapped, card)
-            builders[key].add(index, entry, (some_a, some_b), on_both, scene)
+                builders[key] = GroupBuilder(key, home, laws)
+            builders[key].add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
 
 
 def _by_shape(names: Any, surfaces: dict[str, Surface]) -> dict[str, list[Surface]]:
@@ -97,8 +98,13 @@ def _by_shape(names: Any, surfaces: dict[str, Surface]) -> dict[str, list[Surfac
     return found
 
 
-def _law(card: Any) -> str:
-    return str(type(card).__module__.rpartition(".")[2])
+def _leaf(module_name: str) -> str:
+    return module_name.rpartition(".")[2].strip("_")
+
+
+def _home_of_gap(narrow: Any) -> Any:
+    """Module in which the gap kernel is written: pairs of shapes that share it form one group."""
+    return import_module(getattr(narrow.gap, "py_func", narrow.gap).__module__)
 
 
 def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
@@ -117,29 +123,31 @@ def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
 class Side:
     """Elements on one side of a gap routine, surface after surface."""
 
-    def __init__(self, narrow: Any, letter: str) -> None:
-        self.expand = getattr(narrow, f"expand_{letter}", lambda elements: elements)
-        self.record: Record | None = getattr(narrow, f"PARAMETERS_{letter.upper()}", None)
+    def __init__(self, letter: str) -> None:
+        self.letter = letter
+        self.record: Record | None = None
         self.elements: list[dict[str, Any]] = []
         self.surfaces: dict[str, range] = {}
         self._of: list[Surface] = []
         self._bounds: list[tuple[Any, float]] = []
         self._rounds: dict[str, int] = {}
 
-    def place(self, surface: Surface) -> None:
-        """Append a surface's elements, taken apart, when it is first seen."""
+    def place(self, surface: Surface, narrow: Any) -> None:
+        """Append a surface's elements, taken apart as the gap asks, when it is first seen."""
         name = surface.entry.name
         if name in self.surfaces:
             return
+        expand = getattr(narrow, f"expand_{self.letter}", lambda elements: elements)
         first = len(self.elements)
         for element in surface.elements:
-            parts = self.expand([element])
+            parts = expand([element])
             self.elements.extend(parts)
             self._bounds.extend([_bound(surface, element)] * len(parts))
         self.surfaces[name] = range(first, len(self.elements))
         self._of.extend([surface] * len(self.surfaces[name]))
         self._rounds.setdefault(str(surface.radius), len(self._rounds))
-        self.record = self.record or import_module(f"{SHAPE}.{surface.shape}").PARAMETERS
+        own = import_module(f"{SHAPE}.{surface.shape}").PARAMETERS
+        self.record = getattr(narrow, f"PARAMETERS_{self.letter.upper()}", own)
 
     def round_of(self, surface: Surface) -> int:
         """Class of its radius of curvature."""
@@ -175,11 +183,10 @@ def _bound(surface: Surface, element: Any) -> tuple[Any, float]:
 class GroupBuilder:
     """Collects the pairs that share gap routine and laws."""
 
-    def __init__(self, word: str, narrow: Any, swapped: bool, card: Any) -> None:
-        self.word, self.narrow, self.swapped = word, narrow, swapped
-        laws = [card.normal] + ([] if card.friction is None else [card.friction])
+    def __init__(self, word: str, home: Any, laws: list[Any]) -> None:
+        self.word, self.home = word, home
         self.modules = [import_module(type(law).__module__) for law in laws]
-        self.sides = (Side(narrow, "a"), Side(narrow, "b"))
+        self.sides = (Side("a"), Side("b"))
         self.laws: list[dict[str, Any]] = []
         self.blocks: list[tuple[Any, ...]] = []
 
@@ -187,22 +194,25 @@ class GroupBuilder:
         self,
         index: int,
         entry: Entry,
+        narrow: Any,
+        swapped: bool,
         surfaces: tuple[list[Surface], list[Surface]],
         on_both: set[str],
         scene: Scene,
     ) -> None:
         """All pairs of surfaces of two shapes under one card."""
-        ordered = (surfaces[1], surfaces[0]) if self.swapped else surfaces
+        ordered = (surfaces[1], surfaces[0]) if swapped else surfaces
         for side, some in zip(self.sides, ordered, strict=True):
             for surface in some:
-                side.place(surface)
+                side.place(surface, narrow)
         rows: dict[tuple[int, int], int] = {}
         for a, b in _unlike(surfaces):
-            first, second = (b, a) if self.swapped else (a, b)
+            first, second = (b, a) if swapped else (a, b)
             rows[self.sides[0].round_of(first), self.sides[1].round_of(second)] = len(self.laws)
             self.laws.append(self._law(entry, a, b, scene))
         names = tuple([s.entry.name for s in some] for some in ordered)
-        self.blocks.append((index, entry.card.speed_floor, names, on_both, rows))
+        order = -1 if swapped else 1
+        self.blocks.append((index, entry.card.speed_floor, order, names, on_both, rows))
 
     def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> dict[str, Any]:
         """Parameters of the laws between two surfaces."""
@@ -219,13 +229,13 @@ class GroupBuilder:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
         elements = (self.sides[0].elements, self.sides[1].elements)
         # the arrays of all elements come first: they may note in an element where its part starts
-        data = getattr(self.narrow, "data", lambda *_: (np.zeros(0),))(*elements)
+        data = getattr(self.home, "data", lambda *_: (np.zeros(0),))(*elements)
         pairing = self._pairing(parameters)
         search = Search(pairing) if pairing.worth_searching() else None
         rows = pairing.everything() if search is None else search.look(nodes)
         return ContactGroup(
             word=self.word,
-            narrow=self.narrow,
+            narrow=self.home,
             normal=self.modules[0],
             friction=self.modules[1] if len(self.modules) > 1 else None,
             elements_a=_table(elements[0], self.sides[0].record),
@@ -244,13 +254,12 @@ class GroupBuilder:
             for name, value in values.items():
                 row[name] = value
         blocks = []
-        for index, speed_floor, names, on_both, rows in self.blocks:
+        for index, speed_floor, order, names, on_both, rows in self.blocks:
             law = np.zeros((first.round.max() + 1, second.round.max() + 1), int)
             for classes, row in rows.items():
                 law[classes] = row
             member = self.sides[0].mask(names[0]), self.sides[1].mask(names[1])
             twice = self.sides[0].mask(on_both), self.sides[1].mask(on_both)
-            order = -1 if self.swapped else 1
             blocks.append(Block(index, speed_floor, order, member, twice, law))
         return Pairing((first, second), blocks, laws)
 
