@@ -176,6 +176,9 @@ def factorise(saddle, rows):
     # arrays are taken out of the tuple once: each time costs a reference count
     columns, blocks, updates = saddle.columns, saddle.blocks, saddle.updates
     assemble(saddle.pairs, blocks, rows)
+    # before any column has been eliminated
+    for p in range(columns.shape[0]):
+        keep_diagonal(columns[p], blocks[columns[p].block].x)
     for p in range(columns.shape[0]):
         c = columns[p]
         m = c.rows
@@ -186,6 +189,13 @@ def factorise(saddle, rows):
             factor_column(c, columns, blocks, updates, 3)
         else:
             factor_column(c, columns, blocks, updates, m)
+
+
+@inlined
+def keep_diagonal(c, x):
+    """Writes: c.pivot."""
+    for i in range(c.rows):
+        c.pivot[i] = x[7 * i]
 
 
 @kernel
@@ -242,7 +252,6 @@ def factor_diagonal(x, c, m):
     dropped = 0
     for i in range(m):
         pivot = x[7 * i]
-        c.pivot[i] = pivot
         for j in range(i):
             y = x[6 * i + j]
             for k in range(j):
