@@ -228,6 +228,8 @@ class Run:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
         self._status(state, code, message)
+        for text in self.engine.law_warnings():
+            self.log.warning(text)
         self._summary()
         self.log.finish(normal=code == ExitCode.NORMAL)
 

@@ -84,6 +84,16 @@ class Engine:
             raise self._stop(clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
 
+    def law_warnings(self) -> list[str]:
+        """What contact laws have met outside their range of validity, per contact card."""
+        current, found = int(self.clock["current"]), []
+        for group in self.model.contact_groups:
+            for name, text in getattr(group.normal, "WARNINGS", {}).items():
+                met = group.history[name][current] != 0
+                cards = np.unique(group.parameters["card"][met])
+                found += [f"contact '{self.model.contacts[card]}': {text}" for card in cards]
+        return found
+
     def assembly_errors(self) -> list[tuple[str, str]]:
         """Joints that do not fit the initial posture or velocity: (joint, what is wrong)."""
         rows, found = self.state.rows, []
