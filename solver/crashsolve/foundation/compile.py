@@ -7,6 +7,7 @@ therefore named after a hash of every source file of the package, and set before
 import hashlib
 import os
 import tempfile
+import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -29,7 +30,7 @@ def cache_folder() -> Path:
         digest.update(path.read_bytes())
     chosen = os.environ.get("CRASHSOLVE_CACHE")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    for root in ([chosen] if chosen else [os.path.join(home, "crashsolve")]):
+    for root in [chosen] if chosen else [os.path.join(home, "crashsolve")]:
         folder = Path(root) / digest.hexdigest()[:16]
         if _is_writable(folder):
             return folder
@@ -59,8 +60,13 @@ def kernel(function: F) -> F:
 
 
 def inlined(function: F) -> F:
-    """A kernel that becomes part of its caller: for stages that hand on all groups of a scene."""
+    """A kernel that becomes part of its caller, so that literal sizes unroll its loops."""
     return _compile(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def stage(function: F) -> F:
+    """A stage of the step that has one caller: its text is taken into it before compilation."""
+    return _compile(function, inline="always")
 
 
 def entry(function: F) -> F:
@@ -68,9 +74,15 @@ def entry(function: F) -> F:
     return _compile(function, cache=True, no_cfunc_wrapper=True)
 
 
-def _compile(function: F, **options: bool) -> F:
+def _compile(function: F, **options: bool | str) -> F:
     os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
+    # scalar kernels have nothing to vectorise, and the search for it costs a fifth of compilation
+    os.environ.setdefault("NUMBA_LOOP_VECTORIZE", "0")
+    os.environ.setdefault("NUMBA_SLP_VECTORIZE", "0")
     from numba import njit
+    from numba.core.errors import NumbaExperimentalFeatureWarning
 
+    # a longer record may stand for a shorter one that it begins with: meant, and tested
+    warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
     compiled: F = njit(error_model="numpy", fastmath=FLOAT_FLAGS, **options)(function)
     return compiled

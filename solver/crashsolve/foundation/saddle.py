@@ -182,11 +182,9 @@ def factorise(saddle, rows):
     for p in range(columns.shape[0]):
         c = columns[p]
         m = c.rows
-        # with a literal size the compiler unrolls: hinges have 5 rows, ball joints 3
+        # with a literal size the compiler unrolls: most joints are hinges, 5 rows
         if m == 5:
             factor_column(c, columns, blocks, updates, 5)
-        elif m == 3:
-            factor_column(c, columns, blocks, updates, 3)
         else:
             factor_column(c, columns, blocks, updates, m)
 
@@ -299,16 +297,12 @@ def solve(saddle):
         c = columns[p]
         if c.rows == 5:
             solve_down(c, columns, blocks, 5)
-        elif c.rows == 3:
-            solve_down(c, columns, blocks, 3)
         else:
             solve_down(c, columns, blocks, c.rows)
     for p in range(n - 1, -1, -1):
         c = columns[p]
         if c.rows == 5:
             solve_up(c, columns, blocks, 5)
-        elif c.rows == 3:
-            solve_up(c, columns, blocks, 3)
         else:
             solve_up(c, columns, blocks, c.rows)
 

@@ -11,7 +11,7 @@ References: Andersen (1983), J. Comput. Phys. 52, 24-34; Hairer, Lubich and Wann
 Geometric Numerical Integration, VII.1.4.
 """
 
-from crashsolve.foundation.compile import entry, inlined, kernel  # noqa: F401  (the scene uses kernel)
+from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
 from crashsolve.foundation.saddle import solve_phi, solve_rate
 from crashsolve.model.clock import (
     CURVE_END,
@@ -113,7 +113,7 @@ def advance(until, sampling, clock, control, nodes, rows, saddle, curves, groups
         clock.status = REACHED
 
 
-@inlined
+@stage
 def move(h, clock, control, nodes, rows, saddle, curves, groups):
     """Positions at the end of the step, cut at the first contact onset. Returns the step taken.
 
@@ -143,7 +143,7 @@ def move(h, clock, control, nodes, rows, saddle, curves, groups):
     return trial
 
 
-@inlined
+@stage
 def place(h, clock, control, nodes, rows, saddle, curves, groups):
     """First kick and drift over h, onto the constraints by a simplified Newton on lambda.
 
@@ -186,7 +186,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
         kick_half_by_joints(nodes, 0.5 * h)
 
 
-@inlined
+@stage
 def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
     """Forces at the new positions, second kick, velocities onto the constraints.
 
@@ -224,14 +224,16 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
         take_late(nodes, 1.0)
 
 
-@inlined
+@stage
 def project_velocity(h, clock, control, nodes, rows, saddle):
     """D v = nu by the impulses h/2 D^T lambda; more than one pass only against round-off.
 
     Writes: nodes.v, L, w, joint_*, rows.reaction.
     """
     velocity_residual(rows, nodes)
-    for iteration in range(VELOCITY_ITERATIONS):
+    passes = 0
+    for _ in range(VELOCITY_ITERATIONS):
+        passes += 1
         solve_rate(saddle, rows, -2.0 / h)
         scatter_delta(rows, nodes)
         kick_by_joints(nodes, 0.5 * h)
@@ -240,11 +242,11 @@ def project_velocity(h, clock, control, nodes, rows, saddle):
         if worst <= 0.1 * control.constraint_tolerance:
             break
     clock.rate_residual = max(clock.rate_residual, worst)
-    if iteration > 0:
+    if passes > 1:
         scatter_reaction(rows, nodes)
 
 
-@inlined
+@stage
 def accept(time, h, clock, control, nodes):
     """The new state becomes the present one. Writes: clock."""
     clock.time = time
@@ -256,7 +258,7 @@ def accept(time, h, clock, control, nodes):
         clock.status = STEP_TOO_SMALL
 
 
-@inlined
+@stage
 def check(clock, control, nodes, ledger):
     """Stop at a bad number or a broken balance. Writes: clock."""
     bad = bad_node(nodes)

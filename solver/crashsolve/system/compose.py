@@ -116,7 +116,7 @@ def scene_text(model: Any) -> str:
 def _function(name: str, body: list[str]) -> str:
     lines = "\n".join(f"    {line}" for line in (body or ["pass"]))
     # called from two places: compiled once, not twice
-    decorator = "kernel" if name == "jacobian" else "inlined"
+    decorator = "kernel" if name == "jacobian" else "stage"
     return f"@{decorator}\ndef {name}({SIGNATURES[name]}):\n{lines}\n"
 
 
@@ -198,7 +198,7 @@ def _contact(c: Any) -> str:
     """The loop over the pairs of one contact group."""
     g, normal = f"groups.{c.word}", _alias(c.normal)
     lines = [
-        "@inlined",
+        "@stage",
         f"def {c.word}(current, time, h, nodes, rows, curves, groups):",
         f"    params, history, output = {g}_p, {g}_h, {g}_o",
         "    counts = groups.card_history[1 - current]",
