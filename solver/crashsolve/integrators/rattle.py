@@ -154,7 +154,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
         extrapolate_trial(rows, h / clock.step if clock.step > 0.0 else 0.0)
         scatter_trial(rows, nodes)
         kick_half_by_joints(nodes, 0.5 * h)
-    previous = 1e300
+    previous, renewed = 1e300, False
     for iteration in range(POSITION_ITERATIONS):
         drift(nodes, h)
         if not JOINTS:
@@ -174,11 +174,20 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
             clear_trial(rows)
             kick_off(nodes, h)
             continue
-        # far apart in mass and inertia, or in a sharp turn, S of the start is no guide any more
-        if iteration >= 3 and worst > 0.1 * previous:
+        # far apart in mass and inertia, or in a sharp turn, D of the start is no guide any more;
+        # past a singular posture it points the wrong way: begin anew along D of the end
+        anew = worst > 0.5 * previous and not renewed
+        if anew or (iteration >= 3 and worst > 0.1 * previous):
+            if anew:
+                clear_trial(rows)
+                kick_off(nodes, h)
+                drift(nodes, h)
             refresh(nodes)
             jacobian(clock.current, clock.time + h, nodes, rows, curves, groups)
             factor_constraints(rows, saddle, nodes)
+            if anew:
+                renewed, previous = True, 1e300
+                continue
         previous = worst
         clock.iterations += 1
         solve_phi(saddle, rows, -2.0 / (h * h))
