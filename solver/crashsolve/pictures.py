@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.posture import perpendicular
+from crashsolve.model.model import ContactGroup, Group
 from crashsolve.output import shapes
 from crashsolve.output.blocks import Block, FieldSpec
 from crashsolve.system.engine import Engine
@@ -13,7 +15,12 @@ FORCE = FieldSpec("force", "N", 3, "node")
 BODY = FieldSpec("body", "1", 1, "cell")
 TENSION = FieldSpec("tension", "N", 1, "cell")
 # planes are endless: draw them this much larger than the model
-PLANE_SIZE = 3.0
+PLANE_SIZE = 2.0
+# contact points drawn per element where pairs come and go; balls in a heap have three each
+TOUCHES = 3
+
+# node, points from the mass centre in body axes, triangles
+Piece = tuple[int, np.ndarray, np.ndarray]
 
 
 class Pictures:
@@ -26,29 +33,28 @@ class Pictures:
         self._A0 = engine.state.nodes["A"].copy()
         self._skin = self._surfaces()
         self._lines = self._springs()
-        # the pairs of a searched group come and go: a block of fixed size cannot show them
-        fixed = [g for g in engine.model.contact_groups if g.search is None]
-        self._pairs = [g for g in fixed if len(g.parameters)]
+        self._pairs = [(g, n) for g in engine.model.contact_groups if (n := _places(g))]
         self.blocks = self._blocks()
 
-    def _surfaces(self) -> list[tuple[int, np.ndarray, np.ndarray]]:
-        """Node, points from the mass centre in body axes and triangles of every drawn shape."""
-        skin = []
+    def _surfaces(self) -> dict[str, list[Piece]]:
+        """Every drawn shape, those fixed to the ground apart from those that move."""
+        pieces: dict[str, list[Piece]] = {"bodies": [], "ground": []}
+        middle = self._r0[1:].mean(axis=0) if len(self._r0) > 1 else np.zeros(3)
         drawn = [s for s in self.engine.model.surfaces.values() if s.entry.type in DRAW]
         for surface in drawn:
             for element in surface.elements:
-                draw = DRAW[surface.entry.type]
-                points, triangles = draw(element, surface.entry.card, self.engine.model.size)
-                skin.append((int(element["node"]), points, triangles))
-        return skin
+                draw, node = DRAW[surface.entry.type], int(element["node"])
+                points, triangles = draw(element, middle, self.engine.model.size)
+                pieces["bodies" if node else "ground"].append((node, points, triangles))
+        return {name: found for name, found in pieces.items() if found}
 
-    def _springs(self) -> list[tuple[Any, Any]]:
+    def _springs(self) -> list[Group]:
         """Groups of springs that are lines from point to point."""
-        springs = [g for g in self.engine.model.groups if g.keyword == "springs"]
         return [
-            (g, g.output["force"] if "force" in (g.output.dtype.names or ()) else None)
-            for g in springs
-            if {"point_a", "point_b"} <= set(g.parameters.dtype.names or ())
+            g
+            for g in self.engine.model.groups
+            if g.keyword == "springs"
+            and {"point_a", "point_b"} <= set(g.parameters.dtype.names or ())
             and "force" in (g.output.dtype.names or ())
             and g.output["force"].ndim == 1
         ]
@@ -60,16 +66,15 @@ class Pictures:
             vertices = np.arange(n)[:, None]
             points = self._r0[1:]
             blocks.append(Block("mass_centres", points, (("vertex", vertices),), (VELOCITY,)))
-        if self._skin:
-            blocks.append(
-                Block("bodies", self._skin_points(), self._skin_cells(), (VELOCITY, BODY))
-            )
+        for name, pieces in self._skin.items():
+            points, cells = self._skin_points(pieces), _cells(pieces)
+            blocks.append(Block(name, points, cells, (VELOCITY, BODY)))
         if self._lines:
             points = self._line_points()
             lines = np.arange(len(points)).reshape(-1, 2)
             blocks.append(Block("springs", points, (("line", lines),), (TENSION,)))
         if self._pairs:
-            count = sum(len(g.parameters) for g in self._pairs)
+            count = sum(places for _, places in self._pairs)
             vertices = np.arange(count)[:, None]
             blocks.append(
                 Block("contacts", np.zeros((count, 3)), (("vertex", vertices),), (FORCE,))
@@ -83,10 +88,10 @@ class Pictures:
         if len(self._r0) > 1:
             moved = nodes["r"][1:] - self._r0[1:]
             fields["mass_centres"] = {"displacement": moved, "velocity": nodes["v"][1:]}
-        if self._skin:
-            fields["bodies"] = self._skin_fields()
+        for name, pieces in self._skin.items():
+            fields[name] = self._skin_fields(pieces)
         if self._lines:
-            tension = np.concatenate([g.output["force"] for g, _ in self._lines])
+            tension = np.concatenate([g.output["force"] for g in self._lines])
             block = next(b for b in self.blocks if b.name == "springs")
             moved = self._line_points() - block.points
             fields["springs"] = {"displacement": moved, "tension": tension}
@@ -94,22 +99,13 @@ class Pictures:
             fields["contacts"] = self._contact_fields()
         return fields
 
-    def _skin_points(self) -> np.ndarray:
-        return np.concatenate(
-            [self._r0[n] + p @ self._A0[n].reshape(3, 3).T for n, p, _ in self._skin]
-        )
+    def _skin_points(self, pieces: list[Piece]) -> np.ndarray:
+        return np.concatenate([self._r0[n] + p @ self._A0[n].reshape(3, 3).T for n, p, _ in pieces])
 
-    def _skin_cells(self) -> tuple[tuple[str, np.ndarray], ...]:
-        first, cells = 0, []
-        for _, points, triangles in self._skin:
-            cells.append(np.asarray(triangles) + first)
-            first += len(points)
-        return (("triangle", np.concatenate(cells)),)
-
-    def _skin_fields(self) -> dict[str, np.ndarray]:
+    def _skin_fields(self, pieces: list[Piece]) -> dict[str, np.ndarray]:
         nodes = self.engine.nodes
         displacement, velocity, body = [], [], []
-        for n, points, triangles in self._skin:
+        for n, points, triangles in pieces:
             turned = points @ nodes["A"][n].reshape(3, 3).T
             old = self._r0[n] + points @ self._A0[n].reshape(3, 3).T
             displacement.append(nodes["r"][n] + turned - old)
@@ -124,7 +120,7 @@ class Pictures:
     def _line_points(self) -> np.ndarray:
         """Both ends of every spring, one after the other."""
         nodes, ends = self.engine.nodes, []
-        for g, _ in self._lines:
+        for g in self._lines:
             both = []
             for side in ("a", "b"):
                 body = nodes[g.parameters[f"node_{side}"]]
@@ -135,36 +131,61 @@ class Pictures:
 
     def _contact_fields(self) -> dict[str, np.ndarray]:
         """Contact points with their forces; a pair that is apart rests on its body."""
-        nodes, places, forces = self.engine.nodes, [], []
-        for g in self._pairs:
-            force = g.output["force"]
-            home = nodes["r"][g.elements_a["node"][g.parameters["a"]]]
-            touching = np.any(force != 0.0, axis=1)[:, None]
-            places.append(np.where(touching, g.output["point"], home))
-            forces.append(force)
-        return {"displacement": np.concatenate(places), "force": np.concatenate(forces)}
+        moved, forces = zip(*(self._touches(g, n) for g, n in self._pairs), strict=True)
+        return {"displacement": np.concatenate(moved), "force": np.concatenate(forces)}
+
+    def _touches(self, g: ContactGroup, places: int) -> tuple[np.ndarray, np.ndarray]:
+        """Points and forces of a group; of pairs that come and go, the largest forces."""
+        strength = np.linalg.norm(g.output["force"], axis=1)
+        shown = np.arange(len(strength))
+        if g.search is not None:
+            shown = np.sort(np.argsort(-strength, kind="stable")[:places])
+        home = self.engine.nodes["r"][g.elements_a["node"][g.parameters["a"][shown]]]
+        point = np.where(strength[shown, None] > 0.0, g.output["point"][shown], home)
+        # what is left over waits at the first body, without a force
+        rest = places - len(shown)
+        point = np.concatenate([point, np.tile(self.engine.nodes["r"][1], (rest, 1))])
+        return point, np.concatenate([g.output["force"][shown], np.zeros((rest, 3))])
 
 
-def _placed(element: Any, surface: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _places(g: ContactGroup) -> int:
+    """Contact points drawn for a group: all its pairs, or, where these come and go, enough."""
+    if g.search is None:
+        return len(g.parameters)
+    return TOUCHES * (len(g.elements_a) + len(g.elements_b))
+
+
+def _cells(pieces: list[Piece]) -> tuple[tuple[str, np.ndarray], ...]:
+    """Triangles of all pieces, their points counted through."""
+    first, cells = 0, []
+    for _, points, triangles in pieces:
+        cells.append(np.asarray(triangles) + first)
+        first += len(points)
+    return (("triangle", np.concatenate(cells)),)
+
+
+def _placed(element: Any, surface: shapes.Surface) -> shapes.Surface:
     """Shape axes to body axes, at the shape's centre."""
     points, triangles = surface
     axes = np.asarray(element.get("axes", np.eye(3))).reshape(3, 3)
     return np.asarray(element["point"]) + points @ axes.T, triangles
 
 
-def _plane(element: Any, card: Any, size: float) -> tuple[np.ndarray, np.ndarray]:
-    from crashsolve.foundation.posture import perpendicular
-
-    normal = np.asarray(element["normal"])
+def _plane(element: Any, middle: np.ndarray, size: float) -> shapes.Surface:
+    """A square of the plane below the model's middle, or about its own point on a body."""
+    normal, point = np.asarray(element["normal"]), np.asarray(element["point"])
+    if element["node"] == 0:
+        point = middle - normal * float(normal @ (middle - point))
     side = perpendicular(normal)
     axes = np.column_stack([side, np.cross(normal, side), normal])
-    return _placed({"point": element["point"], "axes": axes}, shapes.plane(PLANE_SIZE * size))
+    return _placed({"point": point, "axes": axes}, shapes.plane(PLANE_SIZE * size))
 
 
 DRAW: dict[str, Any] = {
-    "sphere": lambda e, card, size: _placed(e, shapes.sphere(e["radius"])),
-    "ellipsoid": lambda e, card, size: _placed(e, shapes.ellipsoid(*e["semi"])),
-    "cylinder": lambda e, card, size: _placed(e, shapes.cylinder(e["radius"], e["half_length"])),
-    "box": lambda e, card, size: _placed(e, shapes.box(*e["half"])),
+    "sphere": lambda e, *_: _placed(e, shapes.sphere(e["radius"])),
+    "ellipsoid": lambda e, *_: _placed(e, shapes.ellipsoid(*e["semi"])),
+    "cylinder": lambda e, *_: _placed(e, shapes.cylinder(e["radius"], e["half_length"])),
+    "box": lambda e, *_: _placed(e, shapes.box(*e["half"])),
+    "mesh": lambda e, *_: _placed(e, (e["points"], e["faces"])),
     "plane": _plane,
 }
