@@ -1,0 +1,39 @@
+"""Claim: every deck runs to its normal end and meets its own expectations.
+
+A deck whose first line is `# long` takes minutes and runs with `make long`.
+"""
+
+from pathlib import Path
+
+import pytest
+from command import crashsolve
+
+from crashpost.cli import main as crashpost
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+FOLDERS = ("tutorial", "verification", "benchmark", "scenes")
+
+
+def _decks() -> list[object]:
+    """Decks to run, those that take minutes marked as long."""
+    found: list[object] = []
+    for folder in FOLDERS:
+        for path in sorted((DECKS / folder).rglob("*.yaml")):
+            text = path.read_text("utf-8")
+            marks = [pytest.mark.long] if text.startswith("# long\n") else []
+            name = str(path.relative_to(DECKS).with_suffix(""))
+            found.append(pytest.param(path, id=name, marks=marks))
+    return found
+
+
+@pytest.mark.parametrize("deck", _decks())
+def test_a_deck_meets_its_expectations(
+    deck: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = crashsolve(deck, "-o", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.endswith("N o r m a l    t e r m i n a t i o n\n")
+    code = crashpost(["expect", str(tmp_path)])
+    verdicts = capsys.readouterr().out
+    assert code == 0, verdicts
+    assert "expectations met" in verdicts
