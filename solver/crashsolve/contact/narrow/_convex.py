@@ -3,8 +3,9 @@
     depth = - max over unit n of  (c_a - c_b) . n - h_a(n) - h_b(n),   h = sum_k sqrt(n^T E_k n)
 
 h is how far a body reaches along n. For bodies apart the maximum is unique and its value is their
-distance; for bodies that overlap it is the shortest way out. Newton's method on the sphere of
-directions, damped until every step climbs. Point of contact: midway between the deepest points.
+distance; for bodies that overlap it is the shortest way out, one top of several, looked for from
+the best of the directions in which edged bodies meet. Newton's method on the sphere of directions,
+damped until every step climbs. Point of contact: midway between the deepest points.
 Consequence to test: depth and normal of two spheres, and those of a brute-force search.
 
 References: Gilbert and Foo (1990), IEEE Trans. Robotics Autom. 6, 53-61 (support functions).
@@ -41,6 +42,10 @@ PARAMETERS = Record(
 # directions are found to this angle [rad]; the depth is then right to its square
 ANGLE = 1e-10
 ITERATIONS = 60
+# relative noise of a height, not to be taken for a way down
+ROUND_OFF = 1e-13
+# directions to start from, and climbs to different tops of bodies that overlap
+STARTS, CLIMBS = 22, 4
 
 
 def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
@@ -61,48 +66,85 @@ def gap(a, b, nodes, data):
     body_a, body_b = nodes[a.node], nodes[b.node]
     centre_a, centre_b = place(body_a, vec(a.point)), place(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
-    n = first_direction(a, b, body_a, body_b, c)
-    x_a, x_b = reach(a, body_a, n), reach(b, body_b, n)
-    way = sub(c, add(x_a, x_b))
-    best = dot(way, n)
-    damping = 0.0
+    best, n, value = -1e300, (0.0, 0.0, 1.0), 1e300
+    for _ in range(CLIMBS):
+        start, value = next_start(a, b, body_a, body_b, c, value)
+        height, top = ascend(a, b, body_a, body_b, c, start)
+        if height > best:
+            best, n = height, top
+        # bodies apart have one top only
+        if best >= 0.0:
+            break
+    x_a = sub(centre_a, reach(a, body_a, n))
+    x_b = add(centre_b, reach(b, body_b, n))
+    return -best, n, scale(0.5, add(x_a, x_b))
+
+
+@kernel
+def next_start(a, b, body_a, body_b, c, bound):
+    """The direction along which the bodies are farthest apart, but less than `bound`."""
+    best, best_n = -1e300, (0.0, 0.0, 1.0)
+    for k in range(STARTS):
+        n = direction(a, b, body_a, body_b, c, k)
+        length = norm(n)
+        if length > 1e-6 * norm(c):
+            n = scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
+            value = apart(a, b, body_a, body_b, c, n)
+            if best < value < bound:
+                best, best_n = value, n
+    return best_n, best
+
+
+@kernel
+def direction(a, b, body_a, body_b, c, k):
+    """Normals of faces, of edge on edge, of edge on corner, and the line of centres."""
+    if k < 6:
+        return scale(norm(c), axis_of(a, b, body_a, body_b, k))
+    if k < 15:
+        u = axis_of(a, b, body_a, body_b, (k - 6) // 3)
+        return scale(norm(c), cross(u, axis_of(a, b, body_a, body_b, 3 + (k - 6) % 3)))
+    if k < 21:
+        u = axis_of(a, b, body_a, body_b, k - 15)
+        return add_scaled(c, -dot(c, u), u)
+    return c
+
+
+@kernel
+def axis_of(a, b, body_a, body_b, k):
+    """Axis k of the first shape, or axis k - 3 of the second, world components."""
+    shape, body, i = (a, body_a, k) if k < 3 else (b, body_b, k - 3)
+    return matvec(body.A, (shape.axes[i], shape.axes[3 + i], shape.axes[6 + i]))
+
+
+@kernel
+def ascend(a, b, body_a, body_b, c, n):
+    """Climb to the top nearest to direction n: its height and direction."""
+    way = between(a, b, body_a, body_b, c, n)
+    best, damping, round_off = dot(way, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
         n_new, angle = climb(a, b, body_a, body_b, n, way, best, damping)
-        y_a, y_b = reach(a, body_a, n_new), reach(b, body_b, n_new)
-        way_new = sub(c, add(y_a, y_b))
+        way_new = between(a, b, body_a, body_b, c, n_new)
         value = dot(way_new, n_new)
-        if value >= best:
-            n, best, way, x_a, x_b = n_new, value, way_new, y_a, y_b
+        if value >= best - round_off:
+            n, best, way = n_new, value, way_new
             damping *= 0.1
         else:
             damping = max(4.0 * damping, 1e-3)
         if angle < ANGLE:
             break
-    x = scale(0.5, add(sub(centre_a, x_a), add(centre_b, x_b)))
-    return -best, n, x
+    return best, n
 
 
 @kernel
-def first_direction(a, b, body_a, body_b, c):
-    """The farthest apart of the line of centres and the axes of both shapes."""
-    length = norm(c)
-    best_n = scale(1.0 / length, c) if length > 0.0 else (0.0, 0.0, 1.0)
-    best = apart(a, b, body_a, body_b, c, best_n)
-    for i in range(3):
-        for side in range(2):
-            shape, body = (a, body_a) if side == 0 else (b, body_b)
-            n = matvec(body.A, (shape.axes[i], shape.axes[3 + i], shape.axes[6 + i]))
-            n = n if dot(n, c) >= 0.0 else scale(-1.0, n)
-            value = apart(a, b, body_a, body_b, c, n)
-            if value > best:
-                best, best_n = value, n
-    return best_n
+def between(a, b, body_a, body_b, c, n):
+    """From the farthest point of b along n to that of a against n."""
+    return sub(c, add(reach(a, body_a, n), reach(b, body_b, n)))
 
 
 @kernel
 def apart(a, b, body_a, body_b, c, n):
     """How far apart the bodies are along n [m]."""
-    return dot(sub(c, add(reach(a, body_a, n), reach(b, body_b, n))), n)
+    return dot(between(a, b, body_a, body_b, c, n), n)
 
 
 @kernel

@@ -2,9 +2,9 @@
 
     depth = r - d,   d the signed distance of the centre from the ellipsoid, negative inside
 
-The nearest point of the ellipsoid to y is x_i = s_i^2 y_i / (t + s_i^2), with t the largest root of
-sum (s_i y_i / (t + s_i^2))^2 = 1. The sum is convex and falls, so Newton's method from the left
-never overshoots. Point of contact: the deepest of the sphere, c - r n.
+The nearest point of the ellipsoid to y is x_i = s_i^2 y_i / (t + d_i), d_i = s_i^2 - min s^2, with
+t the largest root of sum (s_i y_i / (t + d_i))^2 = 1. The sum is convex and falls, so Newton's
+method from the left never overshoots. Point of contact: the deepest of the sphere, c - r n.
 
 References: Eberly (2013), Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid.
 """
@@ -18,6 +18,7 @@ from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 
 # a coordinate of 0 is moved by this share of its semi-axis: the nearest point is then unique
 NUDGE = 1e-14
+ITERATIONS = 60  # six do in most places
 
 
 @kernel
@@ -34,8 +35,9 @@ def gap(a, b, nodes, data):
 def from_ellipsoid(s, place_seen):
     """Signed distance of a point from an ellipsoid about the origin, and the unit normal there."""
     y = (nudged(place_seen[0], s[0]), nudged(place_seen[1], s[1]), nudged(place_seen[2], s[2]))
-    t = root(s, y)
-    x = (foot(s[0], y[0], t), foot(s[1], y[1], t), foot(s[2], y[2], t))
+    low = min(s[0], s[1], s[2])
+    t = root(s, low, y)
+    x = (foot(s[0], low, y[0], t), foot(s[1], low, y[1], t), foot(s[2], low, y[2], t))
     slope = (x[0] / s[0] ** 2, x[1] / s[1] ** 2, x[2] / s[2] ** 2)
     m = scale(1.0 / norm(slope), slope)
     return dot(sub(y, x), m), m
@@ -48,25 +50,26 @@ def nudged(y, s):
 
 
 @kernel
-def foot(s, y, t):
+def foot(s, low, y, t):
     """Coordinate of the nearest point."""
-    return s * s * y / (t + s * s)
+    return s * s * y / (t + (s - low) * (s + low))
 
 
 @kernel
-def root(s, y):
-    """Largest root t of sum (s_i y_i / (t + s_i^2))^2 = 1, by Newton's method from the left."""
-    t = -1e300
+def root(s, low, y):
+    """Largest root t of sum (s_i y_i / (t + d_i))^2 = 1, by Newton's method from the left."""
+    t = 0.0
     for i in range(3):
-        t = max(t, s[i] * (abs(y[i]) - s[i]))
-    for _ in range(60):
+        t = max(t, s[i] * abs(y[i]) - (s[i] - low) * (s[i] + low))
+    for _ in range(ITERATIONS):
         total, fall = -1.0, 0.0
         for i in range(3):
-            share = s[i] * y[i] / (t + s[i] * s[i])
+            below = t + (s[i] - low) * (s[i] + low)
+            share = s[i] * y[i] / below
             total += share * share
-            fall += 2.0 * share * share / (t + s[i] * s[i])
+            fall += 2.0 * share * share / below
         step = total / fall
         t += step
-        if not step > 1e-15 * (abs(t) + s[0] * s[0]):
+        if not step > 1e-14 * t:
             break
     return t

@@ -1,0 +1,120 @@
+"""What each law returns from a free impact, against the exact relation and published figures."""
+
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from touching import Contact
+
+from crashsolve.contact.normal._restitution import damping_factor, returned
+from crashsolve.contact.normal.kelvin_voigt import damping_ratio
+
+# restitution returned for 0.1, 0.2, ... 0.9, 0.95 asked: roots of (E1), four digits
+ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
+RETURNED = {
+    "lankarani_nikravesh": "6653 6723 6842 7016 7252 7561 7960 8471 9132 9535",
+    "hunt_crossley": "5158 5469 5813 6197 6630 7120 7680 8329 9090 9524",
+    "herbert_mcwhannell": "4907 5008 5200 5503 5936 6511 7227 8070 9009 9501",
+    "lee_wang": "6867 7120 7390 7680 7992 8329 8693 9090 9524 9756",
+    "gonthier": "1010 2046 3042 3978 4877 5773 6696 7680 8764 9359",
+    "flores": "0694 1555 2562 3629 4704 5773 6832 7885 8939 9468",
+    "hu_guo": "0741 1656 2707 3796 4877 5936 6973 7992 8999 9500",
+    "exact_restitution": "1000 2000 3000 4000 5000 6000 7000 8000 9000 9500",
+}
+# chi that returns e exactly, ten digits
+EXACT = {0.1: 9.9981593975, 0.3: 3.0870819811, 0.5: 1.4327505333, 0.9: 0.1664819507}
+
+
+@pytest.mark.parametrize("law", RETURNED)
+def test_a_law_returns_the_restitution_of_the_exact_relation(tmp_path: Path, law: str) -> None:
+    for asked, digits in zip(ASKED, RETURNED[law].split(), strict=True):
+        contact = Contact(tmp_path, f"{{type: {law}, stiffness: 1e9, restitution: {asked}}}")
+        # half a unit of the last digit quoted
+        assert returned(float(contact.p.chi)) == pytest.approx(float(f"0.{digits}"), abs=5.1e-5)
+
+
+@pytest.mark.parametrize("e", EXACT)
+def test_the_exact_damping_factor_is_the_published_one(e: float) -> None:
+    assert damping_factor(e) == pytest.approx(EXACT[e], abs=1e-10)
+    assert returned(damping_factor(e)) == pytest.approx(e, abs=1e-12)
+
+
+def test_no_damping_returns_everything() -> None:
+    assert (returned(0.0), damping_factor(1.0), damping_ratio(1.0)) == (1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        "{type: hertz, stiffness: 1e6}",
+        "{type: lankarani_nikravesh, stiffness: 1e6, restitution: 0.5}",
+        "{type: hunt_crossley, stiffness: 1e5, exponent: 1, restitution: 0.3}",
+        "{type: exact_restitution, stiffness: 1e6, restitution: 0.2}",
+        "{type: exact_restitution, stiffness: 1e8, exponent: 2.5, restitution: 0.8}",
+    ],
+)
+def test_an_impact_step_by_step_obeys_the_exact_relation(tmp_path: Path, law: str) -> None:
+    contact = Contact(tmp_path, law)
+    chi = float(contact.p.chi)
+    v_out, _ = impact(contact, mass=3.0, speed=2.0, h=1e-5)
+    # second order: about 1000 steps in a contact
+    assert v_out == pytest.approx(2.0 * returned(chi), rel=2e-5)
+
+
+@pytest.mark.parametrize("e", (0.05, 0.1353352832366127, 0.5, 0.9))
+@pytest.mark.parametrize("mass", (0.5, 3.0))
+def test_spring_and_damper_return_what_is_asked(tmp_path: Path, e: float, mass: float) -> None:
+    contact = Contact(tmp_path, f"{{type: kelvin_voigt, stiffness: 1e4, restitution: {e}}}")
+    v_out, lost = impact(contact, mass, speed=2.0, h=5e-6 * sqrt(mass))
+    # second order, over 2000 steps in a contact
+    assert v_out == pytest.approx(2.0 * e, abs=2e-5)
+    assert lost == pytest.approx(2.0 * mass * (1.0 - e * e), rel=5e-5)
+
+
+def impact(contact: Contact, mass: float, speed: float, h: float) -> tuple[float, float]:
+    """Speed and energy lost after a free impact, by the velocity Verlet method."""
+    x, v, lost = 0.0, speed, 0.0
+    now = contact.press(x, v, 0.0, mass)
+    contact.accept()
+    while True:
+        half = v - 0.5 * h * now.force / mass
+        x += h * half
+        if x <= 0.0:
+            return -half, lost
+        after = contact.press(x, half - 0.5 * h * now.force / mass, h, mass)
+        v = half - 0.5 * h * after.force / mass
+        lost += 0.5 * h * (now.power + after.power) + after.loss
+        now = after
+        contact.accept()
+
+
+@pytest.mark.parametrize("law", RETURNED)
+def test_a_law_that_returns_something_else_says_so(tmp_path: Path, law: str) -> None:
+    contact = Contact(tmp_path, f"{{type: {law}, stiffness: 1e9, restitution: 0.3}}")
+    x = returned(float(contact.p.chi))
+    expected = (
+        f"contact 'hit': {law} with restitution 0.3 returns {x:.3f} in a free impact; "
+        "exact_restitution returns what is asked"
+    )
+    assert contact.model.warnings == ([] if abs(x - 0.3) <= 0.006 else [expected])
+    assert bool(contact.model.warnings) == (law not in ("exact_restitution", "gonthier"))
+
+
+def test_impacts_beyond_the_range_are_flagged_and_remembered(tmp_path: Path) -> None:
+    # sqrt(E/rho) = 100 m/s: the range ends at 1 mm/s
+    law = "{type: hertz, young_a: 1e7, poisson_a: 0.3, density_a: 1000, radius: 0.1}"
+    contact = Contact(tmp_path, law)
+    assert float(contact.p.speed_limit) == pytest.approx(1e-3, rel=1e-12)
+    for speed, flag in ((0.9e-3, 0), (1.1e-3, 1), (0.9e-3, 1)):
+        contact.p.speed_floor = 1e-6
+        contact.press(1e-9, speed)
+        assert contact.new.too_fast == flag
+        contact.accept()
+        contact.release(contact.group.normal)
+        assert contact.new.too_fast == flag
+        contact.accept()
+
+
+def test_without_a_density_the_range_is_unknown(tmp_path: Path) -> None:
+    assert np.isinf(Contact(tmp_path, "{type: hertz, stiffness: 1e6}").p.speed_limit)

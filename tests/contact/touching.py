@@ -1,0 +1,92 @@
+"""One contact of a small deck, its kernels run as plain Python and driven by hand."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from bench import BODIES, Bench, plain, spoil
+
+SPHERES = """
+surfaces:
+  one: {type: sphere, body: a, radius: 0.2}
+  other: {type: sphere, body: b, radius: 0.3}
+"""
+CURVES = """
+curves:
+  stiff: {points: [[0, 0], [0.02, 2000], [0.03, 1500], [1, 4000]]}
+  from_one: {points: [[0, 1], [1, 1000]]}
+  pulls: {points: [[0, 0], [0.1, 100], [0.2, -1]]}
+"""
+
+
+class Contact:
+    """The first contact group of a deck with bodies a and b."""
+
+    def __init__(
+        self,
+        folder: Path,
+        normal: str = "{type: hertz, stiffness: 1e4}",
+        friction: str = "",
+        surfaces: str = SPHERES,
+        sides: str = "a: [one], b: [other]",
+        bodies: str = BODIES,
+    ) -> None:
+        rub = f", friction: {friction}" if friction else ""
+        text = f"{CURVES}{surfaces}\ncontacts:\n  hit: {{{sides}, normal: {normal}{rub}}}\n"
+        self.bench = Bench(folder, text, bodies)
+        self.model = self.bench.model
+        self.group = self.model.contact_groups[0]
+        self.pairs = self.group.parameters.view(np.recarray)
+        self.p = self.pairs[0]
+        self.old, self.new = (self.group.history.view(np.recarray)[side, 0] for side in (0, 1))
+        self.old.depth = -1.0
+
+    def gaps(self) -> list[tuple[float, np.ndarray, np.ndarray]]:
+        """Depth, normal and point of every pair of elements."""
+        gap, nodes = plain(self.group.narrow.gap), self.bench.nodes
+        a, b = self.group.elements_a.view(np.recarray), self.group.elements_b.view(np.recarray)
+        data = tuple(array.view(np.recarray) for array in self.group.data)
+        found = (gap(a[p.a], b[p.b], nodes, data) for p in self.pairs)
+        return [(float(depth), np.array(n), np.array(x)) for depth, n, x in found]
+
+    def deepest(self) -> tuple[float, np.ndarray, np.ndarray]:
+        """The deepest pair of elements, or the nearest."""
+        return max(self.gaps(), key=lambda gap: gap[0])
+
+    def press(self, depth: float, rate: float, h: float = 0.0, mass: float = 1.0) -> Any:
+        """Normal force at a depth and a closing speed, the onset latched as the step does it."""
+        self._spoil(self.group.normal)
+        self.new.depth, self.new.active = depth, 1
+        begins = self.old.active == 0
+        self.new.impact_speed = max(rate, self.p.speed_floor) if begins else self.old.impact_speed
+        kernel = plain(self.group.normal.normal_force)
+        result = kernel(self.p, self.old, self.new, h, depth, rate, mass, self.bench.curves)
+        names = ("force", "stored", "power", "loss", "stiffness", "damping")
+        return SimpleNamespace(**dict(zip(names, result, strict=True)))
+
+    def rub(self, normal: float, slip: Any, n: Any, h: float = 0.0, mass: float = 1.0) -> Any:
+        """Friction on side a at a sliding velocity."""
+        self._spoil(self.group.friction)
+        self.new.active = 1
+        kernel = plain(self.group.friction.friction_force)
+        u, m = tuple(map(float, slip)), tuple(map(float, n))
+        result = kernel(self.p, self.old, self.new, h, normal, u, m, mass, self.bench.curves)
+        names = ("force", "stored", "power", "loss", "stiffness", "damping")
+        found = SimpleNamespace(**dict(zip(names, result, strict=True)))
+        found.force = np.array(found.force)
+        return found
+
+    def release(self, law: Any) -> None:
+        """The bodies are apart."""
+        self._spoil(law)
+        self.new.active, self.new.depth, self.new.impact_speed = 0, -1.0, 0.0
+        plain(law.release)(self.p, self.old, self.new)
+
+    def accept(self) -> None:
+        """The step is accepted: new becomes old."""
+        for name in self.old.dtype.names:
+            self.old[name] = self.new[name]
+
+    def _spoil(self, law: Any) -> None:
+        spoil(self.new, law.HISTORY)
