@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from plain import plain, records
+from bench import plain
 
 import crashsolve.joints
 from crashsolve.deck.read import read_deck
@@ -63,9 +63,9 @@ class Case:
         self.parts, self.m = joint.parts, joint.rows
         self.ends = joint.nodes
         self.curves = model.curves.view(np.recarray)
-        self.nodes: Any = records(len(state.nodes), NODE)
+        self.nodes: Any = np.zeros(len(state.nodes), NODE.dtype).view(np.recarray)
         self.nodes[:] = state.nodes
-        self.rows = records(joint.parts * joint.rows, ROW)
+        self.rows = np.zeros(joint.parts * joint.rows, ROW.dtype).view(np.recarray)
         self.p.first_row = 0
         self.t = 0.0
 

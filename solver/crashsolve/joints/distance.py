@@ -36,9 +36,9 @@ class Distance(Card):
 def build(card: Distance, scene: Any) -> dict[str, Any]:
     ends = scene.attachments(card)
     start = scene.distance(ends)
-    if start == 0.0:
-        raise scene.fail("the two points coincide; use a spherical joint", "at_b")
     allowed = scene.deck.control.constraint_tolerance * scene.size
+    if start <= allowed:
+        raise scene.fail("the two points coincide; use a spherical joint", "at_b")
     if card.length is not None and abs(card.length - start) > allowed:
         raise scene.fail(
             f"is {card.length:g} m, but the points are {start:.12g} m apart at the start; "

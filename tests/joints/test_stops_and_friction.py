@@ -1,0 +1,236 @@
+"""What stops and friction of joints promise: balance, energy, limits, complete output."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import Bench, Law, written
+
+from crashsolve.foundation.errors import DeckErrors
+
+JOINTS = """
+curves:
+  hard: {points: [[0, 0], [0.1, 2], [0.5, 60]], extrapolate: linear}
+joints:
+  hinge: {type: revolute, a: a, b: b, at: [0.4, 0.1, 0.2], axis: [1, 2, -1]}
+  ball: {type: spherical, a: a, b: b, at: [0.4, 0.1, 0.2]}
+  rail: {type: cylindrical, a: a, b: b, at: [0.4, 0.1, 0.2], axis: [1, 2, -1]}
+"""
+STOPS = {
+    "turn": "{type: turn_limit, joint: hinge, lower: -0.4, upper: 0.4, stiffness: 9, damping: 2}",
+    "turn on a curve": "{type: turn_limit, joint: rail, lower: -0.1, curve: hard, damping: 2}",
+    "slide": "{type: slide_limit, joint: rail, lower: -0.2, upper: 0.2, stiffness: 9, damping: 2}",
+    "slide on a curve": "{type: slide_limit, joint: rail, upper: -0.05, curve: hard}",
+}
+LEVEL, PRESSED = 6.0, 0.25
+FRICTION = {
+    "turn": f"{{type: turn_friction, joint: hinge, torque: {LEVEL}, stiffness: 400, damping: 3}}",
+    "ball": f"{{type: turn_friction, joint: ball, torque: {LEVEL}, stiffness: 400, damping: 3}}",
+    "slide": f"{{type: slide_friction, joint: rail, force: {LEVEL}, stiffness: 400, damping: 3}}",
+}
+ALL = {f"stop, {way}": text for way, text in STOPS.items()} | {
+    f"friction, {way}": text for way, text in FRICTION.items()
+}
+Make = Callable[[str], Law]
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    return lambda law: Bench(tmp_path, f"{JOINTS}springs:\n  s: {law}\n").law("springs", "s")
+
+
+def drift(law: Law, time: float) -> None:
+    """Move every body by its present velocity."""
+    for node in (1, 2):
+        b = law.bench.nodes[node]
+        law.bench.turn(node, time * b.w)
+        law.bench.move(node, r=b.r + time * b.v)
+
+
+def power_on_bodies(law: Law) -> float:
+    n = law.bench.nodes
+    return float((n.force * n.v).sum() + (n.torque * n.w).sum())
+
+
+@pytest.mark.parametrize("way", ALL)
+@pytest.mark.parametrize("seed", range(4))
+def test_action_equals_reaction_also_in_moment(make: Make, way: str, seed: int) -> None:
+    law = make(ALL[way])
+    law.bench.shake(seed)
+    law.force()
+    n = law.bench.nodes
+    moment = (n.torque + np.cross(n.r, n.force)).sum(axis=0)
+    # sums of six products of numbers below 1e3
+    np.testing.assert_allclose(n.force.sum(axis=0), 0.0, atol=1e-11)
+    np.testing.assert_allclose(moment, 0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize("way", ALL)
+def test_every_column_is_written_and_the_past_is_kept(make: Make, way: str) -> None:
+    law = make(ALL[way])
+    law.bench.shake(3)
+    before = law.old.tobytes()
+    for h in (1.0, 0.0):
+        law.force(h)
+        assert written(law.new, law.module.HISTORY)
+        assert written(law.out, law.module.OUTPUT)
+        assert np.isfinite([law.out.stored, law.out.power, law.out.loss]).all()
+        assert h > 0.0 or law.out.loss == 0.0
+    assert law.old.tobytes() == before
+
+
+@pytest.mark.parametrize("way", STOPS)
+def test_a_stop_only_pushes_and_its_power_is_what_it_stores_and_loses(make: Make, way: str) -> None:
+    law = make(STOPS[way])
+    start, met, free = law.bench.state(), 0, 0
+    for seed in range(30):
+        law.bench.nodes[:] = start
+        law.bench.shake(seed)
+        before = law.bench.state()
+        out = law.force()
+        given, lost = power_on_bodies(law), float(out.power)
+        met, free = met + (out.stored > 0.0), free + (out.stored == 0.0)
+        stored = []
+        for time in (-1e-6, 1e-6):
+            law.bench.nodes[:] = before
+            drift(law, time)
+            stored.append(float(law.force().stored))
+        # central difference: relative error 1e-12 times speeds and curvatures of a few units, and
+        # round-off of up to 10 J, 1e-15 / 1e-6
+        growth = (stored[1] - stored[0]) / 2e-6
+        assert given == pytest.approx(-growth - lost, rel=1e-7, abs=1e-8)
+        assert lost >= 0.0
+    assert met >= 5 and free >= 5
+
+
+@pytest.mark.parametrize("way", STOPS)
+def test_the_side_of_a_stop(make: Make, way: str) -> None:
+    law = make(STOPS[way])
+    name = "travel" if "slide" in way else "angle"
+    force = "force" if "slide" in way else "torque"
+    start = law.bench.state()
+    for seed in range(30):
+        law.bench.nodes[:] = start
+        law.bench.shake(seed)
+        out = law.force()
+        inside = law.p.lower <= out[name] <= law.p.upper
+        beyond = 1.0 if out[name] > law.p.upper else -1.0
+        assert out[force] == 0.0 if inside else beyond * out[force] >= 0.0
+
+
+@pytest.mark.parametrize("way", FRICTION)
+def test_friction_stays_below_its_limit_and_its_work_is_stored_or_lost(
+    make: Make, way: str
+) -> None:
+    law = make(FRICTION[way])
+    rng = np.random.default_rng(5)
+    law.force(0.0)
+    law.accept()
+    absorbed = lost = 0.0
+    force, saw_sliding, saw_holding = np.zeros(3), False, False
+    for k in range(400):
+        # strokes of twenty steps; the joint's other freedoms stay where they are
+        if k % 20 == 0:
+            rate = rng.uniform(-1.0, 1.0) * (0.1 if k % 60 == 0 else 3.0)
+        h = 0.01
+        turn, travel = step(law, way, h * rate)
+        out = law.force(h)
+        slid = float(out.slid - law.old.slid)
+        saw_sliding, saw_holding = saw_sliding or slid > 0.0, saw_holding or slid == 0.0
+        now = wrench(law, way)
+        assert np.linalg.norm(now) <= LEVEL * (1.0 + 1e-12)
+        absorbed -= 0.5 * float((force + now) @ (turn if way != "slide" else travel))
+        lost += float(out.loss)
+        force = now
+        law.accept()
+    # round-off of 400 sums; the axes of the torque turn with a, which stands still
+    assert absorbed == pytest.approx(float(law.out.stored) + lost, abs=1e-9)
+    assert saw_sliding and saw_holding and lost > 10.0
+
+
+def axis_of(law: Law) -> np.ndarray:
+    """The joint's axis, or an oblique one for a ball."""
+    a = law.p.axis_a if np.any(law.p.axis_a) else np.array([2.0, -1.0, 2.0]) / 3.0
+    axis: np.ndarray = law.bench.nodes[1].A.reshape(3, 3) @ a
+    return axis
+
+
+def step(law: Law, way: str, amount: float) -> tuple[np.ndarray, np.ndarray]:
+    """Turn or move b against a along the joint; the vectors of both."""
+    u, b = axis_of(law), law.bench.nodes[2]
+    law.bench.move(1, v=np.zeros(3), w=np.zeros(3))
+    if way == "slide":
+        law.bench.move(2, r=b.r + amount * u, v=amount / 0.01 * u, w=np.zeros(3))
+        return np.zeros(3), amount * u
+    law.bench.turn(2, amount * u)
+    law.bench.move(2, v=np.zeros(3), w=amount / 0.01 * u)
+    return amount * u, np.zeros(3)
+
+
+def wrench(law: Law, way: str) -> np.ndarray:
+    """Force or torque on b."""
+    b = law.bench.nodes[2]
+    return np.array(b.force if way == "slide" else b.torque)
+
+
+@pytest.mark.parametrize("way", FRICTION)
+def test_what_is_held_springs_back_to_where_it_was(make: Make, way: str) -> None:
+    law = make(FRICTION[way])
+    law.force(0.0)
+    law.accept()
+    # a stretch of 0.01 needs 4 of the 6 that it holds, for any number of times
+    for k in range(1000):
+        step(law, way, 0.01 if k % 2 == 0 else -0.01)
+        law.bench.move(2, v=np.zeros(3), w=np.zeros(3))
+        out = law.force(0.01)
+        law.accept()
+        assert out.slid == 0.0
+    # round-off of a thousand turns
+    np.testing.assert_allclose(wrench(law, way), 0.0, atol=1e-10)
+
+
+def test_the_limit_follows_the_reaction(make: Make) -> None:
+    law = make(
+        "{type: turn_friction, joint: ball, torque: 2, coefficient: 0.5, radius: 0.5, stiffness: 9}"
+    )
+    first = law.p.first_row
+    law.bench.rows.reaction[first : first + 3] = (3.0, 4.0, 12.0)
+    assert law.force().limit == pytest.approx(2.0 + PRESSED * 13.0, rel=1e-15)
+    law = make("{type: slide_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
+    first = law.p.first_row
+    law.bench.rows.reaction[first : first + 4] = (3.0, 4.0, 50.0, 60.0)
+    assert law.force().limit == pytest.approx(PRESSED * 5.0, rel=1e-15)
+
+
+WRONG = {
+    "needs lower, upper or both": "{type: turn_limit, joint: hinge, stiffness: 5}",
+    "lower: must not exceed upper": (
+        "{type: turn_limit, joint: hinge, stiffness: 5, lower: 1, upper: 0}"
+    ),
+    "needs one of stiffness and curve": "{type: slide_limit, joint: rail, lower: 0}",
+    "curve: must begin at 0, where the joint meets the stop": (
+        "{type: slide_limit, joint: rail, lower: 0, curve: late}"
+    ),
+    "joint: 'hinge' is a revolute joint; name a prismatic or cylindrical joint": (
+        "{type: slide_limit, joint: hinge, lower: 0, stiffness: 5}"
+    ),
+    "joint: 'rail' is a prismatic joint; name a revolute or cylindrical or spherical joint": (
+        "{type: turn_friction, joint: rail, torque: 1, stiffness: 5}"
+    ),
+    "needs torque, coefficient or both": "{type: turn_friction, joint: hinge, stiffness: 5}",
+    "coefficient and radius belong together": (
+        "{type: turn_friction, joint: hinge, stiffness: 5, coefficient: 0.1}"
+    ),
+    "needs force, coefficient or both": "{type: slide_friction, joint: rail, stiffness: 5}",
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_what_cannot_be_meant_is_refused(tmp_path: Path, message: str) -> None:
+    joints = JOINTS.replace("type: cylindrical", "type: prismatic").replace(
+        "joints:", "  late: {points: [[0.1, 0], [1, 5]]}\njoints:"
+    )
+    with pytest.raises(DeckErrors) as caught:
+        Bench(tmp_path, f"{joints}springs:\n  s: {WRONG[message]}\n")
+    assert message in str(caught.value)
