@@ -9,7 +9,7 @@ u_a, u_b fixed in the bodies, and theta the angle of b about an axis of a:
     turn       Phi = theta  (see foundation/turn.py)
 
 gamma, the right-hand side of D v_dot = gamma, is -Phi_ddot of bodies that move on without
-accelerations.
+accelerations (Ambrosio (2003), Eq. 1-3).
 Reference: Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems, ch. 9.
 """
 
