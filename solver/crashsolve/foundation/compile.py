@@ -74,7 +74,7 @@ def entry(function: F) -> F:
     return _compile(function, cache=True, no_cfunc_wrapper=True)
 
 
-def _compile(function: F, **options: bool | str) -> F:
+def _compile(function: F, **options: Any) -> F:
     os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
     # scalar kernels have nothing to vectorise, and the search for it costs a fifth of compilation
     os.environ.setdefault("NUMBA_LOOP_VECTORIZE", "0")
@@ -84,5 +84,5 @@ def _compile(function: F, **options: bool | str) -> F:
 
     # a longer record may stand for a shorter one that it begins with: meant, and tested
     warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-    compiled: F = njit(error_model="numpy", fastmath=FLOAT_FLAGS, **options)(function)
+    compiled: Any = njit(error_model="numpy", fastmath=FLOAT_FLAGS, **options)(function)
     return compiled

@@ -169,7 +169,7 @@ class Scene:
         return a, b, self.world_point(self.node(card.frame), card.at)
 
     def joint_frame(self, card: Any) -> dict[str, Any]:
-        """Point and right-handed triad (axis, side, third) of a joint in the axes of both bodies."""
+        """Point and right-handed triad (axis, side, third) of a joint, axes of both bodies."""
         a, b, x = self.joint_point(card)
         frame = {
             "node_a": a,

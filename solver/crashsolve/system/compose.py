@@ -182,7 +182,8 @@ def _force_calls(model: Any) -> list[str]:
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
             "for i in range(p.shape[0]):",
-            f"    {g.word}.follow(p[i], history[current, i], history[1 - current, i], out[i], nodes)",
+            "    old, new = history[current, i], history[1 - current, i]",
+            f"    {g.word}.follow(p[i], old, new, out[i], nodes)",
         ]
     if model.contact_groups:
         lines += ["contacts.open_cards(groups.cards)"]
