@@ -86,6 +86,9 @@ def advance(until, sampling, clock, control, nodes, rows, saddle, curves, groups
     while clock.status == RUNNING and (sampling or clock.time < until):
         h, time = 0.0, clock.time
         if not sampling:
+            if REBUILDS and need_rebuild(clock, nodes, groups):
+                clock.status = REBUILD
+                return
             h, is_last = fit(clock.next_step, until - clock.time)
             save(nodes)
             taken = move(h, clock, control, nodes, rows, saddle, curves, groups)
@@ -107,8 +110,6 @@ def advance(until, sampling, clock, control, nodes, rows, saddle, curves, groups
             return
         if curves[0].fault > 0:
             clock.status = CURVE_END
-        elif REBUILDS and clock.status == RUNNING and need_rebuild(nodes, groups):
-            clock.status = REBUILD
     if clock.status == RUNNING:
         clock.status = REACHED
 

@@ -76,7 +76,8 @@ def _add_card(
     sides = [_by_shape(names, surfaces) for names in (card.a, card.b)]
     on_both = set(card.a) & set(card.b)
     bodies = {s.elements[0]["node"] for side in sides for group in side.values() for s in group}
-    if len(bodies) == 1:
+    is_whole = all(name in surfaces for name in (*card.a, *card.b))
+    if is_whole and len(bodies) == 1:
         raise scene.fail("all its surfaces are on one body; a body cannot touch itself", "b")
     for some_a in sides[0].values():
         for some_b in sides[1].values():

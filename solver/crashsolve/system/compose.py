@@ -23,7 +23,7 @@ SIGNATURES = {
     "force_pass": "current, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
     "approach_before": "current, groups",
-    "need_rebuild": "nodes, groups",
+    "need_rebuild": "clock, nodes, groups",
     "energy": "clock, nodes, groups, ledger",
     "measure": "time, nodes, rows, curves, groups",
 }
@@ -278,16 +278,14 @@ def _approach_before_calls(model: Any) -> list[str]:
 
 
 def _rebuild_calls(model: Any) -> list[str]:
-    lines = []
+    lines = ["stale = False"]
     for c in model.contact_groups:
         if c.search is not None:
             g = f"groups.{c.word}"
             for side in ("a", "b"):
-                lines += [
-                    f"if contacts.strayed({g}_{side}, nodes, {g}_seen_{side}, {g}_slack[0]):",
-                    "    return True",
-                ]
-    return [*lines, "return False"]
+                call = f"contacts.strayed(clock, {g}_{side}, nodes, {g}_seen_{side}, {g}_slack[0])"
+                lines.append(f"stale |= {call}")
+    return [*lines, "return stale"]
 
 
 STORED = {"potential": "POTENTIAL", "spring": "SPRING_STORED"}

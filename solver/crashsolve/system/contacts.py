@@ -4,12 +4,15 @@ The impact speed is latched at the first evaluation that touches, which the inte
 the true onset. A pair that separates forgets it.
 """
 
+from math import sqrt
+
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import (
     apply_force,
+    arm,
     mobility,
     note_late,
-    place,
+    point_at,
     point_velocity,
     stiffen,
 )
@@ -131,14 +134,24 @@ def along(t, slip, n):
 
 
 @kernel
-def strayed(elements, nodes, seen, limit):
-    """Whether an element has moved by more than `limit` since its list of near pairs was made."""
+def strayed(clock, elements, nodes, seen, slack):
+    """Whether an element has gone far since its list of near pairs was made.
+
+    The next step is cut so that none can go farther than `slack` before this is asked again.
+    Writes: clock.next_step.
+    """
+    farthest, fastest = 0.0, 0.0
     for i in range(elements.shape[0]):
         e = elements[i]
-        way = sub(place(nodes[e.node], vec(e.point)), vec(seen[i]))
-        if dot(way, way) > limit * limit:
-            return True
-    return False
+        body = nodes[e.node]
+        d = arm(body, vec(e.point))
+        v = point_velocity(body, d)
+        way = sub(point_at(body, d), vec(seen[i]))
+        farthest = max(farthest, dot(way, way))
+        fastest = max(fastest, dot(v, v))
+    if fastest * clock.next_step**2 > (0.2 * slack) ** 2:
+        clock.next_step = 0.2 * slack / sqrt(fastest)
+    return farthest > (0.7 * slack) ** 2
 
 
 @kernel

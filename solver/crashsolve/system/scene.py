@@ -35,8 +35,8 @@ def approach_before(current, groups):
     return -1.0
 
 
-def need_rebuild(nodes, groups):
-    """Whether a body has moved so far that the list of near pairs may miss one."""
+def need_rebuild(clock, nodes, groups):
+    """Whether the next step might touch a pair that is not in the list. Writes: clock.next_step."""
     return False
 
 
