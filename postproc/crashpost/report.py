@@ -105,7 +105,7 @@ def _facts(result: Result, verdicts: list[Verdict]) -> list[tuple[str, str]]:
 def _comparisons(found: list[Comparison]) -> str:
     rows = []
     for c in found:
-        percent = f" ({c.percent:+.3g} %)" if c.percent is not None else ""
+        percent = f" ({c.percent:+.3g}\u00a0%)" if c.percent is not None else ""
         inside = c.low != c.high and not c.difference
         difference = "in range" if inside else f"{c.difference:+.3g}{percent}"
         ours, published = f"{c.ours:.4g} {c.unit}", f"{c.published} {c.unit}"
