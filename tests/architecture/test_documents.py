@@ -1,0 +1,67 @@
+"""Claim: the documents agree with the code: generated ones are fresh, examples work, links lead."""
+
+import os
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from command import crashsolve
+
+from crashpost.cli import main as crashpost
+from crashsolve.deck.schema import equations_markdown, keywords_markdown
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCUMENTS = sorted(ROOT.glob("*.md")) + sorted((ROOT / "solver").rglob("*.md"))
+GENERATED = {"KEYWORDS.md": keywords_markdown, "EQUATIONS.md": equations_markdown}
+
+
+def blocks(path: Path, language: str) -> list[str]:
+    """Fenced blocks of one language."""
+    return re.findall(rf"```{language}\n(.*?)```", path.read_text("utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("name", GENERATED)
+def test_a_generated_document_is_fresh(name: str) -> None:
+    text = (ROOT / "solver" / name).read_text("utf-8")
+    assert text == GENERATED[name](), f"{name} is stale: make docs"
+
+
+def test_the_first_deck_of_the_readme_is_the_tutorial() -> None:
+    (deck,) = blocks(ROOT / "README.md", "yaml")
+    assert deck == (ROOT / "decks" / "tutorial" / "bouncing_ball.yaml").read_text("utf-8")
+
+
+def test_the_commands_of_the_readme_are_targets_of_the_makefile() -> None:
+    targets = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
+    named = re.findall(r"make ([a-z]+)", (ROOT / "README.md").read_text("utf-8"))
+    assert {"demo", "test"} <= set(named) <= set(targets)
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.name)
+def test_links_and_files_named_in_a_document_exist(path: Path) -> None:
+    text = re.sub(r"```.*?```", "", path.read_text("utf-8"), flags=re.DOTALL)
+    links = re.findall(r"\]\((?!http)([^)#]+)\)", text)
+    files = re.findall(r"`((?:solver|postproc|tests|decks|benchmarks)/[\w./-]+\.\w+)`", text)
+    missing = [link for link in links if not (path.parent / link).exists()]
+    missing += [name for name in files if not (ROOT / name).exists()]
+    assert not missing
+
+
+def test_the_law_of_the_adding_guide_works(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A new law is one file and its deck: a copy of the package with drag.py solves drag.yaml."""
+    guide = ROOT / "solver" / "ADDING.md"
+    (law,), (deck,) = blocks(guide, "python"), blocks(guide, "yaml")
+    package = tmp_path / "source" / "crashsolve"
+    shutil.copytree(ROOT / "solver" / "crashsolve", package)
+    (package / "loads" / "drag.py").write_text(law, "utf-8")
+    path = tmp_path / "drag.yaml"
+    path.write_text(deck, "utf-8")
+    search = os.pathsep.join([str(package.parent), str(ROOT / "postproc")])
+    folder = tmp_path / "results"
+    done = crashsolve(path, "-o", folder, NUMBA_DISABLE_JIT="1", PYTHONPATH=search)
+    assert done.returncode == 0, done.stdout + done.stderr
+    code = crashpost(["expect", str(folder)])
+    assert code == 0, capsys.readouterr().out
