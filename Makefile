@@ -17,10 +17,10 @@ demo: $(VENV)/plot.installed
 	@$(BIN)/crashpost report $(RESULTS)
 
 test: $(VENV)/test.installed
-	$(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
 
 long: $(VENV)/test.installed
-	$(BIN)/python -m pytest -n $(JOBS) -m long
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m long
 
 bench: $(VENV)/test.installed
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
