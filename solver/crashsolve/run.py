@@ -77,11 +77,19 @@ class Run:
     def execute(self, restart: bool) -> int:
         """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
         self._catch_signals()
-        dump = newest_restart(self.folder) if restart else None
+        notes: list[str] = []
+        dump = newest_restart(self.folder, notes.append) if restart else None
         if not restart:
             self._clear_folder()
+        elif dump is None:
+            notes.append("no restart dump in the folder: the run begins anew")
+        if self.state_step < self.history_step:
+            notes.append(f"states are written with the samples, {self.history_step:.3g} s apart")
         self.log = Log(self.folder / "log.txt", append=dump is not None)
         try:
+            self._banner()
+            for text in (*notes, *self.engine.model.warnings):
+                self.log.warning(text)
             self._begin(dump)
             self._march()
             self._end("finished", ExitCode.NORMAL, "")
@@ -116,8 +124,7 @@ class Run:
                 act()
 
     def _begin(self, dump: Any) -> None:
-        """Log the model, evaluate the initial state or take up the dump, open the files."""
-        self._banner()
+        """Evaluate the initial state or take up the dump; open the files."""
         # both measure from the start of the run, whatever a dump brings
         self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
         resumed = None
@@ -136,8 +143,6 @@ class Run:
         self.files.callback(self.history.close)
         self.states = StateWriter(self.folder, self.pictures.blocks, metadata, resumed)
         self.files.callback(self.states.close)
-        for text in self.engine.model.warnings:
-            self.log.warning(text)
         if resumed is None:
             self.engine.sample()
             self._write(self.deck.control.start_time, force=True)

@@ -1,6 +1,7 @@
 """Claim: every deck runs to its normal end and meets its own expectations.
 
-A deck whose first line is `# long` takes minutes and runs with `make long`.
+The scenes have tests of their own, in tests/scenes. A deck whose first line is `# long` takes
+minutes and runs with `make long`.
 """
 
 from pathlib import Path
@@ -11,7 +12,7 @@ from command import crashsolve
 from crashpost.cli import main as crashpost
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
-FOLDERS = ("tutorial", "verification", "benchmark", "scenes")
+FOLDERS = ("tutorial", "verification", "benchmark")
 
 
 def _decks() -> list[object]:

@@ -97,6 +97,22 @@ def test_a_new_run_forgets_the_dumps_of_the_old_one(mechanism: Path, tmp_path: P
     assert not list(tmp_path.glob("restart_*.h5"))
 
 
+def test_a_broken_dump_is_passed_over_and_no_dump_begins_anew(
+    mechanism: Path, uninterrupted: dict[Path, Path], tmp_path: Path
+) -> None:
+    done = crashsolve(mechanism, "-o", tmp_path, "--restart", "--set", "end=0.5")
+    assert done.returncode == 0
+    assert "warning: no restart dump in the folder: the run begins anew" in done.stdout
+    newest = max(tmp_path.glob("restart_*.h5"), key=lambda path: path.stat().st_mtime_ns)
+    content = bytearray(newest.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    newest.write_bytes(content)
+    again = crashsolve(mechanism, "-o", tmp_path, "--restart")
+    assert again.returncode == 0
+    assert f"warning: {newest}: dump passed over: wrong checksum" in again.stdout
+    assert differences(tmp_path, uninterrupted[mechanism]) == []
+
+
 def test_a_dump_of_another_deck_is_refused(mechanism: Path, tmp_path: Path) -> None:
     assert crashsolve(mechanism, "-o", tmp_path, "--set", "end=0.1").returncode == 0
     refused = crashsolve(mechanism, "-o", tmp_path, "--set", "end=0.2", "--restart")
