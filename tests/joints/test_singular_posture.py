@@ -1,4 +1,4 @@
-"""Claim: two four-bar loops pass their flat posture, whatever the step, and keep to the solution."""
+"""Claim: two four-bar loops pass their flat posture at any step, and keep to the solution."""
 
 from pathlib import Path
 

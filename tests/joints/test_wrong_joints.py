@@ -18,6 +18,7 @@ joints:
 """
 WRONG = {
     "b: joins 'a' with itself; a and b must differ": ("{type: weld, a: a, b: a, at: [0, 0, 0]}"),
+    "frame: unknown body 'arm'": "{type: weld, b: a, at: [0, 0, 0], frame: arm}",
     "axis: a direction needs a length; give for instance [0, 0, 1]": (
         "{type: planar, b: a, at: [0, 0, 0], axis: [0, 0, 0]}"
     ),
@@ -68,3 +69,13 @@ def test_a_wrong_joint_is_refused(tmp_path: Path, message: str) -> None:
     with pytest.raises(DeckErrors) as caught:
         Bench(tmp_path, f"{GOOD}{other}  wrong: {WRONG[message]}\n")
     assert message in str(caught.value)
+
+
+def test_a_joint_that_cannot_be_built_is_not_explained_twice(tmp_path: Path) -> None:
+    broken = "  broken: {type: revolute, a: b, b: b, at: [0, 0, 0], axis: [0, 0, 1]}\n"
+    with pytest.raises(DeckErrors) as caught:
+        Bench(
+            tmp_path, f"{GOOD}{broken}  motor: {{type: turn_driver, joint: broken, curve: wave}}\n"
+        )
+    assert str(caught.value).count("joins 'b' with itself") == 1
+    assert "joint 'motor': joint: 'broken' cannot be built" in str(caught.value)

@@ -1,6 +1,6 @@
 """Words that joints share: two bodies, and where the joint is at the start of the run."""
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -29,7 +29,9 @@ class JointCard(Card):
     a: BodyName = word("first body; it carries the axis", default="ground")
     b: BodyName = word("second body")
     at: Vec3 = quantity("m", "joint point at the start, in `frame`")
-    frame: str = word("frame of `at` and `axis`: world, or a body's own frame", default="world")
+    frame: Literal["world"] | BodyName = word(
+        "frame of `at` and `axis`: world, or a body's own frame", default="world"
+    )
 
 
 class AxisJointCard(JointCard):
@@ -50,5 +52,9 @@ def named_frame(scene: Any, field: str, name: str, types: tuple[str, ...]) -> di
     if entry.type not in types:
         wanted = " or ".join(types)
         raise scene.fail(f"'{name}' is a {entry.type} joint; name a {wanted} joint", field)
-    frame: dict[str, Any] = scene.joint_frame(entry.card)
+    try:
+        frame: dict[str, Any] = scene.joint_frame(entry.card)
+    except ValueError:
+        # reported at its own card
+        raise scene.fail(f"'{name}' cannot be built", field) from None
     return frame
