@@ -170,6 +170,7 @@ class Side:
             round=np.array([self.round_of(s) for s in self._of]),
             centre=np.array([centre for centre, _ in self._bounds]),
             radius=np.array([radius for _, radius in self._bounds]),
+            normal=np.array([e.get("normal", (0.0, 0.0, 0.0)) for e in self.elements]),
         )
 
 

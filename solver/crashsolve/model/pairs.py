@@ -1,8 +1,9 @@
 """Pairs of contact elements: which may touch at all, and, among many, which are near.
 
 A group with few possible pairs keeps them all. One with many keeps those whose bounding spheres
-come within a margin, and renews the list when an element has moved by half the margin. A pair that
-stays in the list keeps its history; what a pair that leaves has lost goes to its contact card.
+come within a margin, of each other or of a plane at rest, and renews the list when an element has
+moved by half the margin. A pair that stays in the list keeps its history; what a pair that leaves
+has lost goes to its contact card.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ class Elements:
     rank: np.ndarray  # place of the surface in the deck
     round: np.ndarray  # class of equal radii of curvature
     centre: np.ndarray  # of the bounding sphere, body axes from the mass centre
-    radius: np.ndarray  # of the bounding sphere; infinite when there is none
+    radius: np.ndarray  # of the bounding sphere; infinite for a plane
+    normal: np.ndarray  # of a plane, body axes; 0 for others
 
 
 @dataclass
@@ -52,10 +54,13 @@ class Pairing:
         self.sides, self.blocks, self.laws = sides, blocks, laws
 
     def worth_searching(self) -> bool:
-        """Whether there are many possible pairs, all of elements with an end."""
+        """Whether there are many possible pairs, of elements with an end or with planes at rest."""
         count = sum(int(b.member[0].sum()) * int(b.member[1].sum()) for b in self.blocks)
-        bounded = all(np.isfinite(side.radius).all() for side in self.sides)
-        return count > SEARCH_ABOVE and bounded
+        first, second = self.sides
+        planes = np.isinf(second.radius)
+        at_rest = planes.all() and not second.node.any()
+        has_size = np.isfinite(first.radius).all() and first.radius.any()
+        return bool(count > SEARCH_ABOVE and has_size and (at_rest or not planes.any()))
 
     def everything(self) -> np.ndarray:
         """Parameters of all possible pairs."""
@@ -93,7 +98,7 @@ class Search:
     def __init__(self, pairing: Pairing) -> None:
         self.pairing = pairing
         radii = np.concatenate([side.radius for side in pairing.sides])
-        self.margin = MARGIN * float(radii.mean())
+        self.margin = MARGIN * float(radii[np.isfinite(radii)].mean())
         self.slack = np.array([0.5 * self.margin])
         self.seen = tuple(np.zeros_like(side.centre) for side in pairing.sides)
 
@@ -107,8 +112,17 @@ class Search:
             A = nodes["A"][side.node].reshape(-1, 3, 3)
             seen[:] = nodes["r"][side.node] + np.einsum("nij,nj->ni", A, side.centre)
         first, second = self.pairing.sides
-        near = near_pairs(self.seen[0], first.radius, self.margin, self.seen[1], second.radius)
+        if np.isinf(second.radius).all():
+            near = self._near_planes()
+        else:
+            near = near_pairs(self.seen[0], first.radius, self.margin, self.seen[1], second.radius)
         return self.pairing.chosen(near[:, 0], near[:, 1])
+
+    def _near_planes(self) -> np.ndarray:
+        """Pairs (m, 2) of spheres and planes at rest whose gap is below the margin."""
+        first, second = self.pairing.sides
+        height = self.seen[0] @ second.normal.T - (self.seen[1] * second.normal).sum(axis=1)
+        return np.argwhere(height - first.radius[:, None] < self.margin)
 
 
 def resting(count: int, dtype: Any) -> np.ndarray:
