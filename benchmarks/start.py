@@ -16,7 +16,6 @@ import resource
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from statistics import median
 
@@ -49,7 +48,7 @@ def end_after_first_step(deck: str, folder: str) -> None:
         # the result is not wanted, only that one step is done
         advance(engine, min(until, float(engine.clock["time"] + engine.clock["next_step"])))
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        print(json.dumps([time.process_time(), peak / 1024]), flush=True)
+        print(json.dumps([sum(os.times()[:4]), peak / 1024]), flush=True)
         os._exit(0)
 
     Engine.advance = one_step  # type: ignore[method-assign]

@@ -13,6 +13,8 @@ from command import crashsolve, differences, start
 
 from crashpost.cli import main as crashpost
 
+HEAP = Path(__file__).parent / "heap.yaml"
+
 # one worker runs all of them, and compiles their scenes once
 pytestmark = pytest.mark.xdist_group("runs")
 
@@ -48,6 +50,14 @@ def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
     assert crashsolve(deck, "-o", tmp_path, "--restart").returncode == 0
     assert status(tmp_path)["state"] == "finished"
     assert differences(tmp_path, uninterrupted[deck]) == []
+
+
+def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> None:
+    for name in ("first", "next"):
+        cache = str(tmp_path / "cache")
+        done = crashsolve(HEAP, "-o", tmp_path / name, CRASHSOLVE_CACHE=cache)
+        assert done.returncode == 0
+    assert differences(tmp_path / "first", tmp_path / "next") == []
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

@@ -9,6 +9,7 @@ import os
 import tempfile
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -72,6 +73,30 @@ def stage(function: F) -> F:
 def entry(function: F) -> F:
     """Compile a function that Python calls."""
     return _compile(function, cache=True, no_cfunc_wrapper=True)
+
+
+def compile_apart(function: Any, arguments: tuple[Any, ...]) -> None:
+    """Have the machine code of an entry made by a child process, for this one to load.
+
+    In the process that compiles, a call may reach another compiled version of a kernel than in one
+    that loads the result, with other round-off. So no run uses what it compiled itself: the first
+    run of a scene gives the same bits as the second, and keeps none of the compiler's memory.
+    """
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        return
+    # the import is dear and every process that calls `function` has made it
+    from numba import typeof
+
+    source = Path(function.py_func.__code__.co_filename).stem
+    if any(cache_folder().glob(f"*/{source}.{function.__name__}-*.nbc")):
+        return
+    child = os.fork()
+    if child == 0:
+        # whatever goes wrong will go wrong again, and be told, in the parent
+        with suppress(BaseException):
+            function.compile(tuple(typeof(argument) for argument in arguments))
+        os._exit(0)
+    os.waitpid(child, 0)
 
 
 def _compile(function: F, **options: Any) -> F:

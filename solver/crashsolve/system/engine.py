@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.compile import compile_apart
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
@@ -33,6 +34,8 @@ class Engine:
         self.bind()
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger = state.ledger.copy()
+        arguments = self._arguments(self.clock, state.nodes, state.rows, state.ledger)
+        compile_apart(self.module.advance, (0.0, False, *arguments))
 
     @property
     def clock(self) -> Any:
@@ -138,18 +141,13 @@ class Engine:
     def _call(
         self, until: float, sampling: bool, clock: Any, nodes: Any, rows: Any, ledger: Any
     ) -> None:
+        self.module.advance(until, sampling, *self._arguments(clock, nodes, rows, ledger))
+
+    def _arguments(self, clock: Any, nodes: Any, rows: Any, ledger: Any) -> tuple[Any, ...]:
         m = self.model
-        arguments = (
-            clock,
-            m.control.view(np.recarray)[0],
-            nodes,
-            rows,
-            m.saddle,
-            m.curves,
-            self.groups,
-            ledger,
-        )
-        self.module.advance(until, sampling, *(_readable(a) for a in arguments))
+        control = m.control.view(np.recarray)[0]
+        arrays = (clock, control, nodes, rows, m.saddle, m.curves, self.groups, ledger)
+        return tuple(_readable(a) for a in arrays)
 
     def _stop(self, clock: Any, ledger: np.ndarray) -> SolverError:
         """What went wrong, where, why probably, and what to try."""
