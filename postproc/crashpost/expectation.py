@@ -2,26 +2,30 @@
 
 passed  <=>  |found - value| <= tolerance             (absolute)
              |found - value| <= tolerance |value|     (relative)
+
+Value and tolerance are judged and shown in the unit of what was found.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from crashpost.errors import PostError
 from crashpost.result import Result
 from crashpost.statistic import statistic, unit_of
 from crashpost.table import number, text_table
+from crashpost.units import factor
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """One entry as stored in the result; value and tolerance in SI."""
+    """One entry as stored in the result; without a unit its numbers are in the channel's own."""
 
     channel: str
     statistic: str
     value: float
     tolerance: float
     relative: bool = False
+    unit: str = ""
     because: str = ""
     source: str = ""
     line: int = 0
@@ -35,6 +39,12 @@ class Expectation:
     def tolerance_text(self) -> str:
         """The tolerance as people write it."""
         return f"{100 * self.tolerance:.4g} %" if self.relative else number(self.tolerance)
+
+    def in_unit(self, unit: str) -> "Expectation":
+        """The same in another unit; raises PostError when that measures something else."""
+        size = factor(self.unit, unit) if self.unit else 1.0
+        tolerance = self.tolerance * (1.0 if self.relative else size)
+        return replace(self, value=self.value * size, tolerance=tolerance, unit=unit)
 
 
 @dataclass(frozen=True)
@@ -62,7 +72,7 @@ def expectations(result: Result) -> list[Expectation]:
     entries = result.stored_json("expect") or []
     try:
         return [_read(entry) for entry in entries]
-    except (TypeError, ValueError, KeyError) as error:
+    except (AttributeError, TypeError, ValueError, KeyError) as error:
         raise PostError(f"{result.file}: broken expect entry ({error})") from error
 
 
@@ -81,7 +91,8 @@ def verdict_table(verdicts: list[Verdict]) -> str:
 
 
 def _read(entry: dict[str, Any]) -> Expectation:
-    known = {name: entry[name] for name in Expectation.__annotations__ if name in entry}
+    given = {name: part for name, part in entry.items() if part is not None}
+    known = {name: given[name] for name in Expectation.__annotations__ if name in given}
     known["value"], known["tolerance"] = (float(known["value"]), float(known["tolerance"]))
     return Expectation(**known)
 
@@ -90,7 +101,8 @@ def _verdict(result: Result, expected: Expectation) -> Verdict:
     try:
         series = result.series(expected.channel)
         found = statistic(series, expected.statistic)
-        return Verdict(expected, found, unit_of(expected.statistic, series.unit))
+        unit = unit_of(expected.statistic, series.unit)
+        return Verdict(expected.in_unit(unit), found, unit)
     except PostError as error:
         return Verdict(expected, None, "", str(error))
 

@@ -87,6 +87,43 @@ def test_tolerances_are_closed_and_nothing_passes_without_a_number(
     assert Verdict(entry, found, "m").passed is passed
 
 
+@pytest.mark.parametrize(
+    ("unit", "value", "tolerance", "passed"),
+    [
+        # the channel is in %, and its largest value is set to 5
+        ({}, 5.05, 0.1, True),
+        ({"unit": "1"}, 0.0505, 0.001, True),
+        ({"unit": "1"}, 0.052, 0.001, False),
+        ({"unit": "1"}, 5.0, 0.1, False),
+        ({"unit": "1", "relative": True}, 0.0505, 0.02, True),
+        ({"unit": "1", "relative": True}, 0.052, 0.02, False),
+    ],
+)
+def test_a_channel_in_percent_is_judged_in_the_unit_of_the_entry(
+    tmp_path: Path, unit: Any, value: float, tolerance: float, passed: bool
+) -> None:
+    families = two_cars()
+    families["glstat"][1]["energy/balance"][2][7] = 5.0
+    entry = expectation("glstat.model.energy.balance", "max", value, tolerance, **unit)
+    folder = write_result(tmp_path, families, expect=json.dumps([entry]))
+    (verdict,) = judge(Result(folder))
+    assert verdict.passed is passed
+    assert (verdict.found, verdict.unit) == (5.0, "%")
+
+
+@pytest.mark.parametrize(
+    ("statistic", "unit", "passed"),
+    [("max", "m/s", True), ("max", "m", False), ("argmax", "s", True), ("integral", "m", True)],
+)
+def test_a_value_of_another_dimension_fails_however_wide_the_tolerance(
+    tmp_path: Path, statistic: str, unit: str, passed: bool
+) -> None:
+    entry = expectation("rbdout.A.velocity.x", statistic, 0.0, 1e9, unit=unit)
+    (verdict,) = judge(Result(result_expecting(tmp_path, entry)))
+    assert verdict.passed is passed
+    assert ("measure different things" in verdict.problem) is not passed
+
+
 def test_entries_may_hold_more_than_crashpost_reads(tmp_path: Path) -> None:
     entry = {**LEFT_OVER, "unit": None, "line": 12}
     (verdict,) = judge(Result(result_expecting(tmp_path, entry)))

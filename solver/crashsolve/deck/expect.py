@@ -10,24 +10,26 @@ from crashsolve.deck.card import Card, word
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import refuse
 from crashsolve.deck.numbers import Context, number_in, unit_named
-from crashsolve.foundation.units import PURE
+from crashsolve.foundation.units import PURE, Unit, describe, parse_unit
 
 STATISTICS = ("max", "min", "abs_max", "mean", "final", "integral", "argmax", "argmin")
+PERCENT = parse_unit("%")
 _AT = re.compile(r"at:[0-9]+\.?[0-9]*([eE][-+]?[0-9]+)?")
 
 
 class Expect(Card):
     """A statistic of a channel, the value it must have, and why it must.
 
-    After reading, value and tolerance are in SI; a relative tolerance is a fraction of the value.
+    After reading, a value with a unit is in SI and `unit` names its SI unit, the tolerance with it;
+    without a unit both are in the channel's own. A relative tolerance is a fraction of the value.
     """
 
     channel: str = word("channel, or arithmetic of channels")
     statistic: str = word(f"{', '.join(STATISTICS)}, or at:T with T in seconds")
-    unit: str | None = word("unit of a value written as a bare number; SI when absent", None)
+    unit: str | None = word("unit of bare numbers; the channel's own when absent", None)
     value: float = word("what the run must give, in any unit")
     tolerance: float = word("allowed difference: in the unit of the value, or relative as '1 %'")
-    relative: bool = word("whether the tolerance is a fraction of the value", False)
+    relative: bool = word("whether the tolerance is a share of the value; true for one in %", False)
     because: Literal["exact", "published", "derived", "golden"] = word("kind of evidence")
     source: str = word("where the value comes from")
 
@@ -43,18 +45,18 @@ class Expect(Card):
         if "value" in fields:
             fields["value"], unit = number_in(fields["value"], unit, context, ("value",))
         if "tolerance" in fields:
-            relative = "%" in str(fields["tolerance"])
-            unit = PURE if relative else unit
-            fields["tolerance"], _ = number_in(fields["tolerance"], unit, context, ("tolerance",))
-            fields["relative"] = fields.get("relative", False) or relative
-        return fields
+            if "relative" not in fields:
+                fields["relative"] = _is_relative(fields["tolerance"], unit)
+            own = PURE if fields["relative"] else unit
+            fields["tolerance"], own = number_in(fields["tolerance"], own, context, ("tolerance",))
+            # a bare value takes the unit that stands beside the tolerance
+            unit = unit if fields["relative"] else own
+        return fields if unit is None else fields | {"unit": describe(unit)}
 
     @field_validator("statistic")
     @classmethod
     def _known_statistic(cls, text: str) -> str:
-        if text not in STATISTICS and not re.fullmatch(
-            r"at:[0-9]+\.?[0-9]*([eE][-+]?[0-9]+)?", text
-        ):
+        if text not in STATISTICS and not _AT.fullmatch(text):
             known = (*STATISTICS, "at:T")
             refuse(f"unknown statistic '{text}'", choices(text, known, "statistics"))
         return text
@@ -66,3 +68,12 @@ class Expect(Card):
         if self.relative and self.value == 0:
             raise ValueError("tolerance: a fraction of zero is zero; give an absolute tolerance")
         return self
+
+
+def _is_relative(tolerance: object, unit: Unit | None) -> bool:
+    """Whether a tolerance is a share of the value; refused where "%" might mean either."""
+    in_percent = "%" in str(tolerance)
+    if in_percent and unit == PERCENT:
+        advice = "say relative: true, or false for points of %"
+        refuse("'%' of a value in % can be read in two ways", advice, within=("tolerance",))
+    return in_percent
