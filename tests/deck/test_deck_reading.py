@@ -137,3 +137,136 @@ def expecting(folder: Path, text: str) -> Expect:
     start = "control: {end_time: 1}\nexpect:\n"
     line = f"  - {{channel: x, statistic: final, {text}, because: golden, source: run}}\n"
     return deck_of(folder, start + line).expect[0]
+
+
+def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
+    deck = deck_of(tmp_path, TRAIN, speed="36 km/h", count="5")
+    assert deck.entries["bodies"]["front"].card.velocity == (10.0, 0.0, 0.0)
+    assert deck.parameters["half"] == 5.0
+    assert deck.control.end_time == 0.5
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        (
+            "sped",
+            "3",
+            "--set sped=3: error: unknown parameter 'sped'; did you mean 'speed'? "
+            "(parameters: speed, half, count, gap)",
+        ),
+        (
+            "speed",
+            "30",
+            "--set speed=30: error: the deck has '54 km/h' here; give a number in m/s",
+        ),
+        ("count", "3 m", "--set count=3 m: error: the deck has 3 here; give a number without unit"),
+        ("count", "", "--set count=: error: must be a number, alone or with a unit"),
+        ("count", "many", "--set count=many: error: must be a number, alone or with a unit"),
+        (
+            "count",
+            "010",
+            "--set count=010: error: '010' begins with a zero; write 10, or put it in quotes",
+        ),
+    ],
+)
+def test_a_wrong_override_is_refused(name: str, text: str, message: str, tmp_path: Path) -> None:
+    assert messages(tmp_path, TRAIN, **{name: text})[0] == message
+
+
+def test_an_override_may_be_an_expression(tmp_path: Path) -> None:
+    assert deck_of(tmp_path, TRAIN, half="${speed/5}").parameters["half"] == 3.0
+
+
+def test_units_of_a_file_are_those_of_its_bare_numbers_alone(tmp_path: Path) -> None:
+    (tmp_path / "rear.yaml").write_text(
+        "units: {length: mm, mass: t, angle: deg}\n"
+        "bodies:\n"
+        "  rear:\n"
+        "    mass: 30\n"
+        "    inertia: [1, 1, 1]\n"
+        '    position: [1000, "${gap}", "${count}"]\n'
+        "    angular_velocity: [180, 0, 0]\n"
+    )
+    deck = deck_of(
+        tmp_path,
+        "include: [rear.yaml]\ncontrol: {end_time: 1}\nparameters: {gap: 2 m, count: 3}\n"
+        "bodies:\n  front: {mass: 30, inertia: [1, 1, 1]}\n",
+    )
+    rear = deck.entries["bodies"]["rear"].card
+    assert deck.entries["bodies"]["front"].card.mass == 30.0
+    assert rear.mass == 30e3
+    assert rear.inertia == pytest.approx((1e-3, 1e-3, 1e-3))
+    # a parameter with a unit is in SI, one without is a bare number
+    assert rear.position == pytest.approx((1.0, 2.0, 0.003))
+    assert rear.angular_velocity == pytest.approx((3.141592653589793, 0.0, 0.0))
+
+
+def test_files_are_included_beside_the_file_that_names_them(tmp_path: Path) -> None:
+    library = tmp_path / "library"
+    library.mkdir()
+    (library / "force.csv").write_text("0, 0\n1, 2\n")
+    (library / "curves.yaml").write_text("curves:\n  f: {type: file, file: force.csv}\n")
+    (library / "all.yaml").write_text("include: [curves.yaml]\nparameters: {end: 2 s}\n")
+    deck = deck_of(tmp_path, 'include: [library/all.yaml]\ncontrol: {end_time: "${end}"}\n')
+    assert [path.name for path in deck.files] == ["deck.yaml", "all.yaml", "curves.yaml"]
+    assert deck.control.end_time == 2.0
+    assert list(deck.entries["curves"]) == ["f"]
+    assert deck_of(tmp_path, deck.text).entries["curves"]["f"].card.file.endswith("force.csv")
+
+
+def test_a_name_in_two_files_is_refused(tmp_path: Path) -> None:
+    body = "bodies:\n  wagon: {mass: 1, inertia: [1, 1, 1]}\n"
+    (tmp_path / "a.yaml").write_text(f"parameters: {{v: 1}}\n{body}")
+    (tmp_path / "b.yaml").write_text(f"control: {{end_time: 1}}\nparameters: {{v: 1}}\n{body}")
+    start = "include: [a.yaml, b.yaml]\ncontrol: {end_time: 1}\n"
+    assert messages(tmp_path, start) == [
+        "b.yaml:1:1: error: control: is given twice; first in deck.yaml:2",
+        "b.yaml:2:14: error: parameter 'v': is given twice; first in a.yaml:1",
+        "b.yaml:4:3: error: body 'wagon': is given twice; first in a.yaml:3",
+    ]
+
+
+def test_circles_and_repeats_of_includes_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text("include: [b.yaml]\n")
+    (tmp_path / "b.yaml").write_text("include: [deck.yaml]\n")
+    assert messages(tmp_path, "include: [a.yaml, ./a.yaml]\ncontrol: {end_time: 1}\n") == [
+        "deck.yaml:1:19: error: include: the file is included twice",
+        "b.yaml:1:11: error: include: the file includes itself "
+        "(deck.yaml -> a.yaml -> b.yaml -> deck.yaml)",
+    ]
+
+
+def test_mistakes_stand_in_the_order_of_the_files(tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text("bodies:\n  wagon: {mass: 0, inertia: [1, 1, 1]}\n")
+    found = messages(tmp_path, "include: [a.yaml]\ncontrol: {end_time: -1}\ntitle: 3\n")
+    assert [line.split(": error")[0] for line in found] == [
+        "deck.yaml:2:21",
+        "deck.yaml:3:8",
+        "a.yaml:2:17",
+    ]
+
+
+def test_a_mistake_found_while_building_has_its_place(tmp_path: Path) -> None:
+    deck = deck_of(tmp_path, TRAIN)
+    entry = deck.entries["bodies"]["front"]
+    error = deck.error(entry, "rotation.euler", "cannot be", "try another")
+    assert (error.line, error.column) == (11, 16)
+    assert str(error).endswith("body 'front': rotation.euler: cannot be; try another")
+    assert deck.error(entry, None, "cannot be").line == 7
+    assert deck.error(entry, "velocity.1", "cannot be").column == 28
+
+
+def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
+    (tmp_path / "deck.yaml").write_bytes(b"\xef\xbb\xbfcontrol: {end_time: 1}\n")
+    assert read_deck(tmp_path / "deck.yaml").title == "deck"
+
+
+def test_text_may_hold_numbers_of_parameters(tmp_path: Path) -> None:
+    deck = deck_of(
+        tmp_path,
+        'title: "n = ${n}, ${n/4}"\nparameters: {n: 3, k: -2, F: 2 kN}\ncontrol: {end_time: 1}\n'
+        'curves:\n  f: {type: formula, expression: "${F}*x + ${k}**2", from: 0, to: 1}\n',
+    )
+    assert deck.title == "n = 3, 0.75"
+    assert deck.entries["curves"]["f"].card.expression == "2000.0*x + (-2)**2"
