@@ -50,7 +50,8 @@ def _parser() -> argparse.ArgumentParser:
     sub = add("value", _value, "one number of a channel, for scripts")
     sub.add_argument("channel", help="channel, or arithmetic on channels, as in '(-a.b.c)'")
     sub.add_argument("--statistic", required=True, metavar="WORD", help=STATISTICS_HELP)
-    sub.add_argument("--unit", help="unit of the channel's values; SI when absent")
+    sub.add_argument("--during", metavar="FROM:TO", help="only samples of these times (seconds)")
+    sub.add_argument("--unit", help="unit of the channel's values; its own when absent")
     sub = add("expect", _expect, "evaluate the deck's expectations")
     sub.add_argument("--partial", action="store_true", help="also of a run that did not finish")
     sub = add("plot", _plot, "draw channels")
@@ -106,8 +107,18 @@ def _value(options: argparse.Namespace) -> int:
     time, values, unit = result.series(options.channel)
     if options.unit:
         values = values * factor(unit, options.unit)
-    print(repr(statistic(Series(time, values, options.unit or unit), options.statistic)))
+    series = Series(time, values, options.unit or unit)
+    during = _window(options.during) if options.during else None
+    print(repr(statistic(series, options.statistic, during)))
     return 0
+
+
+def _window(text: str) -> tuple[float, float]:
+    try:
+        first, last = map(float, text.split(":"))
+    except ValueError:
+        raise PostError(f"--during takes FROM:TO in seconds, not '{text}'") from None
+    return first, last
 
 
 def _expect(options: argparse.Namespace) -> int:

@@ -7,7 +7,7 @@ import numpy as np
 from crashpost.expression import Series
 from crashpost.figure import Figure, Reference
 from crashpost.result import Result
-from crashpost.statistic import TIMES, statistic, unit_of, within
+from crashpost.statistic import TIMES, statistic, unit_of
 from crashpost.units import factor
 
 
@@ -46,17 +46,17 @@ def comparisons(result: Result, figure: Figure) -> list[Comparison]:
 
 def _compare(result: Result, figure: Figure, reference: Reference) -> Comparison:
     series = result.series(reference.channel)
-    if reference.during:
-        series = within(series, reference.during)
     if reference.statistic in TIMES:
         on_time = figure.x == "time"
         unit = (figure.x_unit if on_time else "") or "s"
         offset = figure.x_offset if on_time else 0.0
-        ours = statistic(series, reference.statistic) * factor("s", unit) + offset
+        moment = statistic(series, reference.statistic, reference.during)
+        ours = moment * factor("s", unit) + offset
     else:
         unit = figure.y_unit or series.unit
         shown = series.values * factor(series.unit, unit) + figure.y_offset
-        ours = statistic(Series(series.time, shown, unit), reference.statistic)
+        series = Series(series.time, shown, unit)
+        ours = statistic(series, reference.statistic, reference.during)
         unit = unit_of(reference.statistic, unit)
     low, high = _published(reference)
     return Comparison(reference.label, reference.source, ours, low, high, unit)

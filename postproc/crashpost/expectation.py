@@ -11,7 +11,7 @@ from typing import Any
 
 from crashpost.errors import PostError
 from crashpost.result import Result
-from crashpost.statistic import statistic, unit_of
+from crashpost.statistic import Window, statistic, unit_of
 from crashpost.table import number, text_table
 from crashpost.units import factor
 
@@ -26,6 +26,7 @@ class Expectation:
     tolerance: float
     relative: bool = False
     unit: str = ""
+    during: Window | None = None
     because: str = ""
     source: str = ""
     line: int = 0
@@ -39,6 +40,13 @@ class Expectation:
     def tolerance_text(self) -> str:
         """The tolerance as people write it."""
         return f"{100 * self.tolerance:.4g} %" if self.relative else number(self.tolerance)
+
+    @property
+    def statistic_text(self) -> str:
+        """The statistic with its time window."""
+        if self.during is None:
+            return self.statistic
+        return f"{self.statistic}, {self.during[0]:g} to {self.during[1]:g} s"
 
     def in_unit(self, unit: str) -> "Expectation":
         """The same in another unit; raises PostError when that measures something else."""
@@ -94,13 +102,16 @@ def _read(entry: dict[str, Any]) -> Expectation:
     given = {name: part for name, part in entry.items() if part is not None}
     known = {name: given[name] for name in Expectation.__annotations__ if name in given}
     known["value"], known["tolerance"] = (float(known["value"]), float(known["tolerance"]))
+    if "during" in known:
+        first, last = known["during"]
+        known["during"] = (float(first), float(last))
     return Expectation(**known)
 
 
 def _verdict(result: Result, expected: Expectation) -> Verdict:
     try:
         series = result.series(expected.channel)
-        found = statistic(series, expected.statistic)
+        found = statistic(series, expected.statistic, expected.during)
         unit = unit_of(expected.statistic, series.unit)
         return Verdict(expected.in_unit(unit), found, unit)
     except PostError as error:
@@ -111,7 +122,7 @@ def _row(verdict: Verdict) -> list[str]:
     expected = verdict.expected
     return [
         expected.channel,
-        expected.statistic,
+        expected.statistic_text,
         "-" if verdict.found is None else f"{verdict.found:.8g}",
         f"{expected.value:.8g}",
         expected.tolerance_text,

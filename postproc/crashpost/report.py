@@ -123,7 +123,7 @@ def _verdicts(verdicts: list[Verdict]) -> str:
         numbers = [found, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
         why = verdict.problem or f"{expected.because}: {expected.source}"
         outcome = "pass" if verdict.passed else "FAIL"
-        rows.append([outcome, expected.channel, expected.statistic, *numbers, why])
+        rows.append([outcome, expected.channel, expected.statistic_text, *numbers, why])
     header = (
         "",
         "channel",

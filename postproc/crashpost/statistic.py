@@ -2,7 +2,8 @@
 
     mean = (integral of x dt) / (t_end - t_0),   trapezoidal rule between samples
 
-argmax and argmin give the time of the first largest and smallest sample.
+argmax and argmin give the time of the first largest and smallest sample. A time window leaves the
+samples within it, its ends included; mean and integral run from the first of them to the last.
 """
 
 import math
@@ -14,11 +15,14 @@ from crashpost.expression import Series, cumulative
 
 STATISTICS = ("max", "min", "abs_max", "mean", "final", "integral", "argmax", "argmin", "at:T")
 TIMES = ("argmax", "argmin")
+Window = tuple[float, float]
 
 
-def statistic(series: Series, word: str) -> float:
-    """The number called `word` of a series; raises PostError."""
-    time, values, _ = series
+def statistic(series: Series, word: str, during: Window | None = None) -> float:
+    """The number called `word` of a series, or of its part in a time window; raises PostError."""
+    if during and (word == "final" or word.startswith("at:")):
+        raise PostError(f"'{word}' reads one moment, which no time window limits")
+    time, values, _ = within(series, during) if during else series
     if not len(values):
         raise PostError("the channel holds no samples yet")
     if word.startswith("at:"):
@@ -50,12 +54,15 @@ def unit_of(word: str, unit: str) -> str:
     return f"{unit} s".strip() if word == "integral" else unit
 
 
-def within(series: Series, window: tuple[float, float]) -> Series:
-    """The part of a series inside a closed time window; raises PostError when it is empty."""
-    inside = (series.time >= window[0]) & (series.time <= window[1])
+def within(series: Series, window: Window) -> Series:
+    """The samples of a closed time window; PostError when it holds none or leaves the run."""
+    time, name = series.time, f"{window[0]:g} s to {window[1]:g} s"
+    if len(time) and not (time[0] <= window[0] and window[1] <= time[-1]):
+        raise PostError(f"{name} is outside the samples, {time[0]:g} s to {time[-1]:g} s")
+    inside = (time >= window[0]) & (time <= window[1])
     if not inside.any():
-        raise PostError(f"no sample between {window[0]:g} s and {window[1]:g} s")
-    return Series(series.time[inside], series.values[inside], series.unit)
+        raise PostError(f"no sample from {name}")
+    return Series(time[inside], series.values[inside], series.unit)
 
 
 def _mean(time: np.ndarray, values: np.ndarray) -> float:

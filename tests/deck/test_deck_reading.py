@@ -132,6 +132,15 @@ def test_a_relative_tolerance_is_a_share_whatever_the_unit_of_the_value(
     assert (card.unit, card.relative) == (unit, True)
 
 
+@pytest.mark.parametrize("window", ["[0.1, 0.3]", "[100 ms, 300 ms]"])
+def test_a_time_window_is_in_seconds(window: str, tmp_path: Path) -> None:
+    start = "control: {end_time: 1}\nexpect:\n"
+    text = f"channel: x, statistic: max, during: {window}, value: 1, tolerance: 1"
+    line = f"  - {{{text}, because: golden, source: run}}\n"
+    (entry,) = deck_of(tmp_path, start + line).expectations()
+    assert entry["during"] == pytest.approx([0.1, 0.3])
+
+
 def expecting(folder: Path, text: str) -> Expect:
     """The card of a deck's one expectation."""
     start = "control: {end_time: 1}\nexpect:\n"

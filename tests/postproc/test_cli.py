@@ -25,6 +25,21 @@ def test_value_converts_and_computes(cars: Path, crashpost: Command) -> None:
     assert (code, float(out)) == (0, -SPEED / 3)
 
 
+def test_value_reads_a_time_window(cars: Path, crashpost: Command) -> None:
+    channel, times = "rbdout.A.velocity.x", TIME[(TIME >= 0.02) & (TIME <= 0.05)]
+    for statistic, expected in (("argmax", times[0]), ("argmin", times[-1])):
+        words = ("--statistic", statistic, "--during", "0.02:0.05")
+        assert float(crashpost("value", cars, channel, *words)[1]) == expected
+
+
+@pytest.mark.parametrize("window", ["0.1", "a:b", "0:1:2", "0:9", "0.05:0.02"])
+def test_a_wrong_time_window_exits_with_2(cars: Path, crashpost: Command, window: str) -> None:
+    words = ("rbdout.A.velocity.x", "--statistic", "max", "--during", window)
+    code, out, err = crashpost("value", cars, *words)
+    assert (code, out) == (2, "")
+    assert "--during takes" in err or "samples" in err or "no sample" in err
+
+
 @pytest.mark.parametrize(
     ("channel", "statistic", "words"),
     [

@@ -124,6 +124,25 @@ def test_a_value_of_another_dimension_fails_however_wide_the_tolerance(
     assert ("measure different things" in verdict.problem) is not passed
 
 
+def test_a_time_window_limits_what_is_judged_and_is_shown(
+    tmp_path: Path, crashpost: Command
+) -> None:
+    whole = expectation("rbdout.A.velocity.x", "min", SPEED / 3, 1e-9)
+    early = expectation("rbdout.A.velocity.x", "min", 0.0, SPEED / 2, during=[0, 0.01])
+    late = expectation("rbdout.A.velocity.x", "max", SPEED / 3, 0.1, during=[0.135, 0.1404])
+    code, out, _ = crashpost("expect", result_expecting(tmp_path, whole, early, late))
+    lines = out.splitlines()[2:]
+    assert [line.split()[-1] for line in lines[:3]] == ["pass", "FAIL", "pass"]
+    assert (code, "max, 0.135 to 0.1404 s" in lines[2]) == (1, True)
+
+
+def test_a_window_the_run_has_not_reached_fails(tmp_path: Path, crashpost: Command) -> None:
+    entry = expectation("rbdout.A.velocity.x", "max", 0.0, 1e9, during=[0, 0.2])
+    code, out, _ = crashpost("expect", result_expecting(tmp_path, entry))
+    assert code == 1
+    assert "0 s to 0.2 s is outside the samples, 0 s to 0.140496 s" in out
+
+
 def test_entries_may_hold_more_than_crashpost_reads(tmp_path: Path) -> None:
     entry = {**LEFT_OVER, "unit": None, "line": 12}
     (verdict,) = judge(Result(result_expecting(tmp_path, entry)))
@@ -131,7 +150,9 @@ def test_entries_may_hold_more_than_crashpost_reads(tmp_path: Path) -> None:
     assert verdict.expected.line == 12
 
 
-@pytest.mark.parametrize("entry", [{"channel": "a"}, {**LEFT_OVER, "value": "soon"}, 3])
+@pytest.mark.parametrize(
+    "entry", [{"channel": "a"}, {**LEFT_OVER, "value": "soon"}, {**LEFT_OVER, "during": [1]}, 3]
+)
 def test_broken_entries_are_refused(tmp_path: Path, entry: Any) -> None:
     with pytest.raises(PostError, match="broken expect entry"):
         expectations(Result(result_expecting(tmp_path, entry)))

@@ -67,10 +67,47 @@ def test_an_empty_history_has_no_statistic() -> None:
         statistic(Series(np.empty(0), np.empty(0), "m"), "max")
 
 
-def test_windows_are_closed_and_never_empty() -> None:
+def test_windows_are_closed() -> None:
     assert list(within(RAMP, (1.0, 4.0)).time) == [1.0, 4.0]
-    with pytest.raises(PostError, match="no sample between"):
-        within(RAMP, (1.5, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("word", "during", "expected"),
+    [
+        ("max", (0.0, 1.0), 2.0),
+        ("min", (1.0, 4.0), -6.0),
+        ("abs_max", (0.0, 0.5), 2.0),
+        # a sample at 0 s and one at 1 s: what lies beyond them up to 3.9 s is not guessed
+        ("integral", (0.0, 3.9), -2.0),
+        ("mean", (0.0, 3.9), -2.0),
+        ("argmax", (0.5, 4.0), 4.0),
+        ("argmin", (0.0, 0.5), 0.0),
+    ],
+)
+def test_a_window_leaves_the_samples_within_it(
+    word: str, during: tuple[float, float], expected: float
+) -> None:
+    assert statistic(RAMP, word, during) == expected
+
+
+@pytest.mark.parametrize(
+    ("word", "during", "words"),
+    [
+        ("max", (1.5, 2.0), "no sample from 1.5 s to 2 s"),
+        ("max", (2.0, 1.0), "no sample from 2 s to 1 s"),
+        ("max", (3.0, 4.5), "3 s to 4.5 s is outside the samples, 0 s to 4 s"),
+        ("max", (-1.0, 4.0), "outside the samples"),
+        ("max", (float("nan"), 4.0), "outside the samples"),
+        ("final", (0.0, 4.0), "'final' reads one moment, which no time window limits"),
+        ("at:1", (0.0, 4.0), "'at:1' reads one moment"),
+    ],
+)
+def test_a_window_without_meaning_is_refused(
+    word: str, during: tuple[float, float], words: str
+) -> None:
+    with pytest.raises(PostError) as refusal:
+        statistic(RAMP, word, during)
+    assert words in str(refusal.value)
 
 
 def test_times_come_in_seconds_and_integrals_with_a_second_more() -> None:

@@ -1,20 +1,17 @@
 """What a deck expects of its own run: a deck is also its own test."""
 
-import re
 from collections.abc import Mapping
 from typing import Any, Literal
 
 from pydantic import ValidationInfo, field_validator, model_validator
 
-from crashsolve.deck.card import Card, word
-from crashsolve.deck.laws import choices
+from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.mistakes import refuse
 from crashsolve.deck.numbers import Context, number_in, unit_named
+from crashsolve.deck.statistic import STATISTICS, Window, check_window, known_statistic
 from crashsolve.foundation.units import PURE, Unit, describe, parse_unit
 
-STATISTICS = ("max", "min", "abs_max", "mean", "final", "integral", "argmax", "argmin")
 PERCENT = parse_unit("%")
-_AT = re.compile(r"at:[0-9]+\.?[0-9]*([eE][-+]?[0-9]+)?")
 
 
 class Expect(Card):
@@ -26,6 +23,7 @@ class Expect(Card):
 
     channel: str = word("channel, or arithmetic of channels")
     statistic: str = word(f"{', '.join(STATISTICS)}, or at:T with T in seconds")
+    during: Window | None = quantity("s", "[from, to], when only these samples count", None)
     unit: str | None = word("unit of bare numbers; the channel's own when absent", None)
     value: float = word("what the run must give, in any unit")
     tolerance: float = word("allowed difference: in the unit of the value, or relative as '1 %'")
@@ -56,13 +54,11 @@ class Expect(Card):
     @field_validator("statistic")
     @classmethod
     def _known_statistic(cls, text: str) -> str:
-        if text not in STATISTICS and not _AT.fullmatch(text):
-            known = (*STATISTICS, "at:T")
-            refuse(f"unknown statistic '{text}'", choices(text, known, "statistics"))
-        return text
+        return known_statistic(text)
 
     @model_validator(mode="after")
     def _can_fail_and_pass(self) -> "Expect":
+        check_window(self.statistic, self.during)
         if self.tolerance < 0:
             raise ValueError("tolerance: must be at least 0")
         if self.relative and self.value == 0:

@@ -2,9 +2,10 @@
 
 from typing import ClassVar, Literal
 
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from crashsolve.deck.card import Card, quantity, word
+from crashsolve.deck.statistic import Window, check_window, known_statistic
 
 Pair = tuple[float, float]
 
@@ -54,9 +55,14 @@ class Reference(Card):
     points: tuple[Pair, ...] = quantity("1", "[x, y] of a point or of a curve's points", ())
     source: str = word("where it was published", "")
     channel: str = word("channel to compare with it", "")
-    statistic: str = word("statistic of that channel", "")
-    during: Pair | None = quantity("s", "time window of the comparison", None)
+    statistic: str = word("statistic of that channel, as under expect", "")
+    during: Window | None = quantity("s", "[from, to], when only these samples count", None)
     over: Pair | None = quantity("1", "extent of a level or band along x", None)
+
+    @field_validator("statistic")
+    @classmethod
+    def _known_statistic(cls, text: str) -> str:
+        return known_statistic(text) if text else text
 
     @model_validator(mode="after")
     def _complete(self) -> "Reference":
@@ -67,6 +73,7 @@ class Reference(Card):
             raise ValueError(f"a {self.kind} needs {needs}")
         if bool(self.channel) != bool(self.statistic):
             raise ValueError("channel and statistic belong together")
+        check_window(self.statistic, self.during)
         return self
 
 

@@ -1,0 +1,28 @@
+"""Words for one number of a channel, and the time window in which it is looked for."""
+
+import re
+
+from crashsolve.deck.laws import choices
+from crashsolve.deck.mistakes import refuse
+
+STATISTICS = ("max", "min", "abs_max", "mean", "final", "integral", "argmax", "argmin")
+Window = tuple[float, float]
+
+_AT = re.compile(r"at:[0-9]+\.?[0-9]*([eE][-+]?[0-9]+)?")
+
+
+def known_statistic(text: str) -> str:
+    """The word itself; refused when it names no statistic."""
+    if text not in STATISTICS and not _AT.fullmatch(text):
+        refuse(f"unknown statistic '{text}'", choices(text, (*STATISTICS, "at:T"), "statistics"))
+    return text
+
+
+def check_window(statistic: str, during: Window | None) -> None:
+    """Raises ValueError for a window that is empty, or of a statistic that reads one moment."""
+    if during is None:
+        return
+    if not during[0] < during[1]:
+        raise ValueError("during: must be [from, to], the earlier time first")
+    if statistic == "final" or statistic.startswith("at:"):
+        raise ValueError(f"during: '{statistic}' reads one moment, which no window limits")
