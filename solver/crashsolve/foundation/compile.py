@@ -4,6 +4,7 @@ Numba trusts a cached caller even after a callee in another file has changed. Th
 therefore named after a hash of every source file of the package, and set before numba loads.
 """
 
+import gc
 import hashlib
 import os
 import tempfile
@@ -94,16 +95,22 @@ def compile_apart(function: Any, arguments: tuple[Any, ...]) -> None:
     if child == 0:
         # whatever goes wrong will go wrong again, and be told, in the parent
         with suppress(BaseException):
+            # the compiler's garbage goes with the process: a tenth of the time
+            gc.disable()
             function.compile(tuple(typeof(argument) for argument in arguments))
         os._exit(0)
     os.waitpid(child, 0)
 
 
-def _compile(function: F, **options: Any) -> F:
+def set_up_numba() -> None:
+    """What numba must know before it is imported."""
     os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
     # scalar kernels have nothing to vectorise, and the search for it costs a fifth of compilation
     os.environ.setdefault("NUMBA_LOOP_VECTORIZE", "0")
     os.environ.setdefault("NUMBA_SLP_VECTORIZE", "0")
+
+
+def _compile(function: F, **options: Any) -> F:
     from numba import njit
     from numba.core.errors import NumbaExperimentalFeatureWarning
 

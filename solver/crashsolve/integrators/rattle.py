@@ -12,7 +12,7 @@ Geometric Numerical Integration, VII.1.4.
 """
 
 from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
-from crashsolve.foundation.saddle import solve_phi, solve_rate
+from crashsolve.foundation.saddle import Saddle, solve_phi, solve_rate
 from crashsolve.model.clock import (
     CURVE_END,
     ENERGY,
@@ -77,11 +77,14 @@ POOR_GUESS = 1e-4  # first residual, in model sizes, above which lambda is guess
 
 
 @entry
-def advance(until, sampling, clock, control, nodes, rows, saddle, curves, groups, ledger):
+def advance(until, sampling, scene):
     """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
 
     A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
     """
+    clock, control, ledger = scene.clock[0], scene.control[0], scene.ledger
+    nodes, rows, curves, groups = scene.nodes, scene.rows, scene.curves, scene
+    saddle = Saddle(scene.columns, scene.blocks, scene.updates, scene.pairs)
     clock.status = RUNNING
     while clock.status == RUNNING and (sampling or clock.time < until):
         h, time = 0.0, clock.time

@@ -231,7 +231,7 @@ class GroupBuilder:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
         elements = (self.sides[0].elements, self.sides[1].elements)
         # the arrays of all elements come first: they may note in an element where its part starts
-        data = getattr(self.home, "data", lambda *_: (np.zeros(0),))(*elements)
+        data = getattr(self.home, "data", lambda *_: ())(*elements)
         pairing = self._pairing(parameters)
         search = Search(pairing) if pairing.worth_searching() else None
         rows = pairing.everything() if search is None else search.look(nodes)

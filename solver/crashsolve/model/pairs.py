@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.broad import near_pairs
+from crashsolve.foundation.record import Record
 from crashsolve.model.model import ContactGroup, State
 
 # more possible pairs than this, and a group looks for the near ones
@@ -21,6 +22,7 @@ SEARCH_ABOVE = 500
 # margin of the list of near pairs, in shares of the mean radius of the bounding spheres
 MARGIN = 0.5
 APART = -1e300
+SEEN = Record(r=("m", 3, "centre of an element when the list was made"))
 
 
 @dataclass
@@ -100,7 +102,7 @@ class Search:
         radii = np.concatenate([side.radius for side in pairing.sides])
         self.margin = MARGIN * float(radii[np.isfinite(radii)].mean())
         self.slack = np.array([0.5 * self.margin])
-        self.seen = tuple(np.zeros_like(side.centre) for side in pairing.sides)
+        self.seen = tuple(np.zeros(len(side.centre), SEEN.dtype) for side in pairing.sides)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """What the step needs to know when to look again."""
@@ -110,18 +112,22 @@ class Search:
         """Parameters of the near pairs now. Writes: seen."""
         for side, seen in zip(self.pairing.sides, self.seen, strict=True):
             A = nodes["A"][side.node].reshape(-1, 3, 3)
-            seen[:] = nodes["r"][side.node] + np.einsum("nij,nj->ni", A, side.centre)
+            seen["r"] = nodes["r"][side.node] + np.einsum("nij,nj->ni", A, side.centre)
         first, second = self.pairing.sides
         if np.isinf(second.radius).all():
             near = self._near_planes()
         else:
-            near = near_pairs(self.seen[0], first.radius, self.margin, self.seen[1], second.radius)
+            near = near_pairs(
+                self.seen[0]["r"], first.radius, self.margin, self.seen[1]["r"], second.radius
+            )
         return self.pairing.chosen(near[:, 0], near[:, 1])
 
     def _near_planes(self) -> np.ndarray:
         """Pairs (m, 2) of spheres and planes at rest whose gap is below the margin."""
         first, second = self.pairing.sides
-        height = self.seen[0] @ second.normal.T - (self.seen[1] * second.normal).sum(axis=1)
+        height = self.seen[0]["r"] @ second.normal.T - (self.seen[1]["r"] * second.normal).sum(
+            axis=1
+        )
         return np.argwhere(height - first.radius[:, None] < self.margin)
 
 

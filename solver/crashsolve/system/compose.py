@@ -78,7 +78,7 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
         arrays |= {
             f"{c.word}_a": c.elements_a,
             f"{c.word}_b": c.elements_b,
-            f"{c.word}_data": c.data,
+            **{f"{c.word}_data_{k}": array for k, array in enumerate(c.data)},
             f"{c.word}_p": c.parameters,
             f"{c.word}_h": c.history,
             f"{c.word}_o": c.output,
@@ -87,12 +87,12 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
             arrays |= {f"{c.word}_{name}": array for name, array in c.search.arrays().items()}
     if model.contact_groups:
         arrays |= {"cards": state.cards, "card_history": state.card_history}
-    return arrays or {"nothing": state.ledger}
+    return arrays
 
 
 def scene_text(model: Any) -> str:
     """The scene's own functions, as Python text."""
-    parts = [_imports(model), _groups_class(model)]
+    parts = [_imports(model)]
     parts.append(
         f"JOINTS = {bool(model.joints)}\n"
         f"CONTACTS = {bool(model.contact_groups)}\n"
@@ -115,9 +115,7 @@ def scene_text(model: Any) -> str:
 
 def _function(name: str, body: list[str]) -> str:
     lines = "\n".join(f"    {line}" for line in (body or ["pass"]))
-    # called from two places: compiled once, not twice
-    decorator = "kernel" if name == "jacobian" else "stage"
-    return f"@{decorator}\ndef {name}({SIGNATURES[name]}):\n{lines}\n"
+    return f"@kernel\ndef {name}({SIGNATURES[name]}):\n{lines}\n"
 
 
 def _imports(model: Any) -> str:
@@ -126,7 +124,7 @@ def _imports(model: Any) -> str:
         for module in (c.narrow, c.normal, c.friction):
             if module is not None:
                 modules.add((module.__name__, _alias(module)))
-    lines = ["from typing import Any, NamedTuple", "", "from crashsolve.system import contacts"]
+    lines = ["from crashsolve.system import contacts"]
     for name, alias in sorted(modules):
         package, _, leaf = name.rpartition(".")
         lines.append(f"from {package} import {leaf} as {alias}")
@@ -140,20 +138,6 @@ def _imports(model: Any) -> str:
 def _alias(module: Any) -> str:
     package, _, leaf = module.__name__.rpartition(".")
     return f"{package.rpartition('.')[2]}_{leaf}"
-
-
-def _groups_class(model: Any) -> str:
-    fields = []
-    for g in model.groups:
-        fields += [f"{g.word}_p", f"{g.word}_h", f"{g.word}_o"]
-    for c in model.contact_groups:
-        fields += [f"{c.word}_{x}" for x in ("a", "b", "data", "p", "h", "o")]
-        if c.search is not None:
-            fields += [f"{c.word}_{x}" for x in c.search.arrays()]
-    if model.contact_groups:
-        fields += ["cards", "card_history"]
-    lines = "\n".join(f"    {name}: Any" for name in fields or ["nothing"])
-    return f"class Groups(NamedTuple):\n{lines}\n"
 
 
 def _joint_calls(model: Any, stage: str) -> list[str]:
@@ -199,7 +183,7 @@ def _contact(c: Any) -> str:
     """The loop over the pairs of one contact group."""
     g, normal = f"groups.{c.word}", _alias(c.normal)
     lines = [
-        "@stage",
+        "@kernel",
         f"def {c.word}(current, time, h, nodes, rows, curves, groups):",
         f"    params, history, output = {g}_p, {g}_h, {g}_o",
         "    counts = groups.card_history[1 - current]",
@@ -207,7 +191,7 @@ def _contact(c: Any) -> str:
         "        p, out = params[i], output[i]",
         "        old, new = history[current, i], history[1 - current, i]",
         f"        a, b = {g}_a[p.a], {g}_b[p.b]",
-        f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {g}_data)",
+        f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
         "        if depth <= 0.0:",
         "            contacts.separate(old, new, out, depth, x)",
         f"            {normal}.release(p, old, new)",
@@ -250,6 +234,12 @@ def _contact(c: Any) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _data(c: Any) -> str:
+    """The arrays that all elements of a gap routine share, as a tuple."""
+    names = ", ".join(f"groups.{c.word}_data_{k}" for k in range(len(c.data)))
+    return f"({names})" if len(c.data) != 1 else f"({names},)"
+
+
 def _approach_calls(model: Any) -> list[str]:
     lines = ["deepest = -1e300"]
     for c in model.contact_groups:
@@ -259,7 +249,7 @@ def _approach_calls(model: Any) -> list[str]:
             "for i in range(params.shape[0]):",
             "    if history[current, i].active == 0:",
             f"        a, b = {g}_a[params[i].a], {g}_b[params[i].b]",
-            f"        depth, _, _ = {_alias(c.narrow)}.gap(a, b, nodes, {g}_data)",
+            f"        depth, _, _ = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
             "        deepest = max(deepest, depth)",
         ]
     return [*lines, "return deepest"]

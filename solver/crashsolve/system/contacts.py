@@ -146,7 +146,7 @@ def strayed(clock, elements, nodes, seen, slack):
         body = nodes[e.node]
         d = arm(body, vec(e.point))
         v = point_velocity(body, d)
-        way = sub(point_at(body, d), vec(seen[i]))
+        way = sub(point_at(body, d), vec(seen[i].r))
         farthest = max(farthest, dot(way, way))
         fastest = max(fastest, dot(v, v))
     if fastest * clock.next_step**2 > (0.2 * slack) ** 2:

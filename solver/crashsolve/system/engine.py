@@ -1,12 +1,12 @@
 """The engine: the compiled step of one scene with its arrays. The only place that calls it."""
 
-import os
 from typing import Any
 
 import numpy as np
 
 from crashsolve.foundation.compile import compile_apart
 from crashsolve.foundation.errors import SolverError
+from crashsolve.foundation.table import Tables
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
     CURVE_END,
@@ -31,11 +31,10 @@ class Engine:
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state
         self.module = load(compose(model))
-        self.bind()
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
-        self.ledger = state.ledger.copy()
-        arguments = self._arguments(self.clock, state.nodes, state.rows, state.ledger)
-        compile_apart(self.module.advance, (0.0, False, *arguments))
+        self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
+        self.bind()
+        compile_apart(self.module.advance, (0.0, False, self._present))
 
     @property
     def clock(self) -> Any:
@@ -43,15 +42,21 @@ class Engine:
         return self.state.clock.view(np.recarray)[0]
 
     def bind(self) -> None:
-        """Hand the present arrays of all groups to the compiled step."""
-        self.groups = self.module.Groups(**group_arrays(self.model, self.state))
+        """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
+        m, s = self.model, self.state
+        shared = (
+            group_arrays(m, s) | m.saddle._asdict() | {"control": m.control, "curves": m.curves}
+        )
+        state = {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": s.ledger}
+        copies = zip(state, (self._clock, self.nodes, self.rows, self.ledger), strict=True)
+        self._present, self._sampled = Tables(shared | state), Tables(shared | dict(copies))
 
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
         s = self.state
         # friction in joints needs the reactions, which only the first pass finds
         for _ in range(2):
-            self._call(self.clock["time"], True, self.clock, s.nodes, s.rows, s.ledger)
+            self.module.advance(self.clock["time"], True, self._present)
         s.rows["multiplier"] = s.rows["before"] = s.rows["reaction"]
         stored = [
             energy.KINETIC,
@@ -68,7 +73,7 @@ class Engine:
         """Step to exactly `until` [s]. Raises SolverError at a numerical stop."""
         s = self.state
         while True:
-            self._call(until, False, self.clock, s.nodes, s.rows, s.ledger)
+            self.module.advance(until, False, self._present)
             status = int(self.clock["status"])
             if status == REACHED:
                 return
@@ -80,9 +85,9 @@ class Engine:
     def sample(self) -> None:
         """Outputs, reactions and energies of the present state. Raises SolverError."""
         self.nodes[:], self.rows[:] = self.state.nodes, self.state.rows
-        self.ledger[:] = self.state.ledger
-        clock = self.state.clock.copy().view(np.recarray)[0]
-        self._call(clock["time"], True, clock, self.nodes, self.rows, self.ledger)
+        self.ledger[:], self._clock[:] = self.state.ledger, self.state.clock
+        clock = self._clock[0]
+        self.module.advance(clock["time"], True, self._sampled)
         if clock["status"] in (NOT_FINITE, ENERGY):
             raise self._stop(clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
@@ -138,17 +143,6 @@ class Engine:
                 total[first] += total[start : start + joint.rows]
         return np.abs(total)
 
-    def _call(
-        self, until: float, sampling: bool, clock: Any, nodes: Any, rows: Any, ledger: Any
-    ) -> None:
-        self.module.advance(until, sampling, *self._arguments(clock, nodes, rows, ledger))
-
-    def _arguments(self, clock: Any, nodes: Any, rows: Any, ledger: Any) -> tuple[Any, ...]:
-        m = self.model
-        control = m.control.view(np.recarray)[0]
-        arrays = (clock, control, nodes, rows, m.saddle, m.curves, self.groups, ledger)
-        return tuple(_readable(a) for a in arrays)
-
     def _stop(self, clock: Any, ledger: np.ndarray) -> SolverError:
         """What went wrong, where, why probably, and what to try."""
         name, cause, advice = self._diagnosis(clock, ledger)
@@ -194,14 +188,3 @@ class Engine:
             f"read at {x:.6g}, outside its range {self.model.curves[first]['x']:.6g} to {last:.6g}",
             "extend the curve, or say extrapolate: hold or linear on its card",
         )
-
-
-def _readable(value: Any) -> Any:
-    """The same memory, with columns as attributes, where kernels run as plain Python."""
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
-        return value
-    if hasattr(value, "_make"):
-        return value._make(_readable(part) for part in value)
-    if isinstance(value, np.ndarray) and value.dtype.names is not None:
-        return value.view(np.recarray)
-    return value

@@ -1,0 +1,68 @@
+"""Claim: a compiled kernel sees the same numbers through tables as numpy does in its arrays."""
+
+import numpy as np
+import pytest
+from numba import typeof
+
+from crashsolve.foundation.compile import entry
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.table import Tables
+
+THING = Record(
+    mass=("kg", "a number"),
+    place=("m", 3, "several numbers"),
+    mark=("count", "a whole number"),
+    marks=("count", 2, "several whole numbers"),
+)
+
+
+@entry
+def work(scene):
+    """Read and write everything that a table offers."""
+    things, pages, sums = scene.things, scene.pages, scene.sums
+    for i in range(things.shape[0]):
+        thing = things[i]
+        thing.mass *= 2.0
+        thing.place[1] = thing.place[0] + 10.0 * thing.place[2]
+        thing.place[2] -= 1.0
+        thing.mark += thing.marks[0]
+        thing.marks[1] = i
+        sums[0] += thing.mass
+    page = pages[1]
+    for i in range(pages.shape[1]):
+        page[i].mass = pages[0, i].mass + 1.0
+        pages[0, i].mark = 7
+    sums[1] = things.shape[0] + page.shape[0] + 100 * pages.shape[0]
+
+
+def arrays() -> dict[str, np.ndarray]:
+    things, pages = np.zeros(4, THING.dtype), np.zeros((2, 3), THING.dtype)
+    things["mass"], things["marks"] = [1, 2, 3, 4], 5
+    things["place"] = np.arange(12).reshape(4, 3)
+    pages["mass"][0] = [10, 20, 30]
+    return {"things": things, "pages": pages, "sums": np.zeros(2)}
+
+
+def test_a_compiled_kernel_does_what_plain_python_does() -> None:
+    compiled, plain = arrays(), arrays()
+    work(Tables(compiled))
+    work.py_func(Tables(plain))
+    for name in plain:
+        assert compiled[name].tobytes() == plain[name].tobytes(), name
+    # and both did something: 2 (1 + 2 + 3 + 4), then 4 + 3 + 200
+    assert list(plain["sums"]) == [20.0, 207.0]
+    assert list(plain["pages"]["mass"][1]) == [11, 21, 31]
+    assert list(plain["things"]["marks"][:, 1]) == [0, 1, 2, 3]
+
+
+def test_the_kind_of_a_scene_depends_on_names_and_layouts_alone() -> None:
+    one, same, other = Tables(arrays()), Tables(arrays()), arrays()
+    other["things"] = np.zeros(9, THING.dtype)
+    assert typeof(one) == typeof(same) == typeof(Tables(other))
+    other["more"] = np.zeros(3)
+    assert typeof(one) != typeof(Tables(other))
+
+
+def test_an_array_in_pieces_is_refused() -> None:
+    with pytest.raises(ValueError, match="must lie in one piece"):
+        Tables({"things": np.zeros(6, THING.dtype)[::2]})
