@@ -1,6 +1,5 @@
-"""What limits and friction of a named joint share: the joint, its stops, the bristle."""
+"""What limits and friction of a named joint share: the joint and its stops."""
 
-from math import sqrt
 from typing import Any
 
 from pydantic import model_validator
@@ -18,14 +17,6 @@ STOPS = Record(
     curve=("index", "force over the travel beyond the stop; 0 for none"),
     damping=("N s/m or N m s/rad", "c"),
     stiffest=("N/m or N m/rad", "largest slope of the force"),
-)
-BRISTLE = Record(
-    level=("N or N m", "constant part of the limit"),
-    pressed=("1 or m", "limit per force that presses the joint: mu, times the pin radius"),
-    first_row=("index", "first row of the joint"),
-    pressing=("count", "rows whose reactions press the joint"),
-    stiffness=("N/m or N m/rad", "K"),
-    damping=("N s/m or N m s/rad", "c"),
 )
 
 
@@ -91,18 +82,3 @@ def stop(p, x, rate, out, curves):
     total = max(elastic + p.damping * side * rate, 0.0)
     out.power = (total - elastic) * side * rate
     return side * total
-
-
-@kernel
-def friction_limit(p, rows):
-    """Level and coefficient times the force that presses the joint [N or N m]."""
-    square = 0.0
-    for k in range(p.first_row, p.first_row + p.pressing):
-        square += rows[k].reaction * rows[k].reaction
-    return p.level + p.pressed * sqrt(square)
-
-
-@kernel
-def kept_share(stiffness, stretch, limit):
-    """Share of its stretch that a bristle keeps: 1 while it holds, less when it slides."""
-    return 1.0 if stiffness * stretch <= limit else limit / (stiffness * stretch)

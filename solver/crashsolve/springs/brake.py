@@ -3,16 +3,15 @@
     f = K z + c z_dot while it holds,  z = s - s_p,   |f| <= F(t);   it slides (s_p follows) at F
 
 s is the displacement of b against a along an axis of a, or in the plane at right angles to it. The
-bristle z is elastic and the slider s_p moves only at the limit: what is held does not creep. The
-return to the limit and the energy lost are exact for a limit that changes linearly over the step.
+bristle z is elastic and the slider s_p moves only at the limit: what is held does not creep.
 
 Consequence to test: a mass m sliding at v_0 stops after m v_0^2 / 2 F; below F it stays for ever.
+The energy lost is the work of f less what the bristle stores.
 
 Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158; with the
 elastic-perfectly plastic limit of Simo and Hughes (1998), Computational Inelasticity, 1.2.
 """
 
-from math import sqrt
 from typing import Any, Literal
 
 import numpy as np
@@ -22,8 +21,9 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.posture import perpendicular
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along
+from crashsolve.springs._bristle import kept_share, lost
 from crashsolve.springs._card import PointSpringCard
 
 LEDGER = "brake"
@@ -52,9 +52,9 @@ PARAMETERS = POINTS + Record(
     damping=("N s/m", "c"),
 )
 HISTORY = Record(
-    slider=("m", 2, "s_p"),
-    stretch=("m", "|z|"),
-    limit=("N", "F(t)"),
+    slider=("m", 3, "s_p, axes of a"),
+    bristle=("m", 3, "z, axes of a"),
+    force=("N", 3, "f, axes of a"),
     slid=("m", "way of the slider"),
 )
 OUTPUT = Record(
@@ -84,32 +84,36 @@ def build(card: Brake, scene: Any) -> dict[str, Any]:
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
-    first, second = vec(p.first), vec(p.second)
-    x = sub(x, vec(p.offset))
-    z = (dot(first, x) - old.slider[0], dot(second, x) - old.slider[1])
+    trial = sub(braked(p, sub(x, vec(p.offset))), vec(old.slider))
     limit = level(p, t, curves)
-    z, slip, loss = hold_or_slide(p.stiffness, z, old.stretch, old.limit, limit)
+    share = kept_share(p.stiffness, norm(trial), limit)
+    z = scale(share, trial)
+    f = add_scaled(scale(p.stiffness, z), p.damping, braked(p, x_dot))
+    if norm(f) > limit:
+        f = scale(limit / norm(f), f)
+    put(new.slider, add_scaled(vec(old.slider), 1.0 - share, trial))
+    put(new.bristle, z)
+    put(new.force, f)
+    new.slid = old.slid + (1.0 - share) * norm(trial)
+    out.stored = 0.5 * p.stiffness * dot(z, z)
+    out.power = 0.0
+    way = sub(trial, vec(old.bristle))
     # a sample repeats the last step: what it slides is round-off
-    out.loss = loss if h > 0.0 else 0.0
-    new.slider[0] = dot(first, x) - z[0]
-    new.slider[1] = dot(second, x) - z[1]
-    new.stretch = sqrt(z[0] * z[0] + z[1] * z[1])
-    new.limit = limit
-    new.slid = old.slid + slip
-    v = (dot(first, x_dot), dot(second, x_dot))
-    f = (p.stiffness * z[0] + p.damping * v[0], p.stiffness * z[1] + p.damping * v[1])
-    size = sqrt(f[0] * f[0] + f[1] * f[1])
-    share = limit / size if size > limit else 1.0
-    f = (share * f[0], share * f[1])
-    out.stored = 0.5 * p.stiffness * new.stretch**2
-    out.power = (f[0] - p.stiffness * z[0]) * v[0] + (f[1] - p.stiffness * z[1]) * v[1]
-    put(out.force, add(scale(-f[0], first), scale(-f[1], second)))
+    out.loss = lost(p.stiffness, vec(old.bristle), z, vec(old.force), f, way) if h > 0.0 else 0.0
+    put(out.force, scale(-1.0, f))
     out.limit = limit
     out.slid = new.slid
     push(p, nodes, vec(out.force), d_a, d_b)
     stiffen_along(p, nodes, p.first, d_a, d_b, p.stiffness, p.damping)
-    if dot(second, second) > 0.0:
+    if p.second[0] != 0.0 or p.second[1] != 0.0 or p.second[2] != 0.0:
         stiffen_along(p, nodes, p.second, d_a, d_b, p.stiffness, p.damping)
+
+
+@kernel
+def braked(p, x):
+    """Part of a vector in the directions braked, axes of a."""
+    first, second = vec(p.first), vec(p.second)
+    return add_scaled(scale(dot(first, x), first), dot(second, x), second)
 
 
 @kernel
@@ -119,22 +123,3 @@ def level(p, t, curves):
         return p.force
     factor, _, _ = curve_value(curves, p.force_curve, t)
     return p.force * max(factor, 0.0)
-
-
-@kernel
-def hold_or_slide(stiffness, z, before, limit_before, limit):
-    """Bristle after the slider has given way, its way [m] and the energy lost [J].
-
-    `before` and `limit_before` are |z| and the limit at the start of the step; both run linearly to
-    their ends, and sliding begins where they meet.
-    """
-    trial = sqrt(z[0] * z[0] + z[1] * z[1])
-    excess = stiffness * trial - limit
-    if excess <= 0.0:
-        return z, 0.0, 0.0
-    room = max(limit_before - stiffness * before, 0.0)
-    begin = room / (room + excess)
-    slip = excess / stiffness
-    mean = 0.5 * (limit_before + begin * (limit - limit_before) + limit)
-    share = limit / (stiffness * trial)
-    return (share * z[0], share * z[1]), slip, mean * slip

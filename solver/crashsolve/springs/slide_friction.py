@@ -21,7 +21,8 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
-from crashsolve.springs._joint import BRISTLE, friction_limit, kept_share, named_joint
+from crashsolve.springs._bristle import BRISTLE, friction_limit, kept_share
+from crashsolve.springs._joint import named_joint
 
 LEDGER = "joint_friction"
 

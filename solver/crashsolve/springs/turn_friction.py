@@ -24,7 +24,8 @@ from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiff
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import posture_in, turn_between
 from crashsolve.foundation.vec3 import add, add_scaled, dot, matvec_t, norm, put, scale, sub, vec
-from crashsolve.springs._joint import BRISTLE, friction_limit, kept_share, named_joint
+from crashsolve.springs._bristle import BRISTLE, friction_limit, kept_share, lost
+from crashsolve.springs._joint import named_joint
 
 LEDGER = "joint_friction"
 
@@ -106,11 +107,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.limit = limit
     out.slid = new.slid
     out.stored = 0.5 * p.stiffness * dot(z, z)
-    out.power = out.loss = 0.0
-    if h > 0.0:
-        absorbed = 0.5 * dot(add(vec(old.torque), torque), turn)
-        z = vec(old.bristle)
-        out.loss = absorbed - (out.stored - 0.5 * p.stiffness * dot(z, z))
+    out.power = 0.0
+    was, held = vec(old.bristle), vec(old.torque)
+    out.loss = lost(p.stiffness, was, z, held, torque, turn) if h > 0.0 else 0.0
     put(out.torque, arm(a, scale(-1.0, torque)))
     apply_torque(b, vec(out.torque))
     apply_torque(a, scale(-1.0, vec(out.torque)))

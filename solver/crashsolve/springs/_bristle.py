@@ -1,0 +1,45 @@
+"""A bristle on a slider, which holds up to a limit and slides at it: brakes, friction of joints.
+
+    f = K z + c z_dot,   |f| <= F;   beyond F / K the stretch z is cut and the slider follows
+
+The energy lost in a step is the work of f, by the trapezoid of f over the way, less the change of
+K z^2 / 2. That is what the integrator takes from the bodies, to its own order, also when the
+bristle is stretched to its limit within one step.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, dot, sub
+
+BRISTLE = Record(
+    level=("N or N m", "constant part of the limit"),
+    pressed=("1 or m", "limit per force that presses the joint: mu, times the pin radius"),
+    first_row=("index", "first row of the joint"),
+    pressing=("count", "rows whose reactions press the joint"),
+    stiffness=("N/m or N m/rad", "K"),
+    damping=("N s/m or N m s/rad", "c"),
+)
+
+
+@kernel
+def friction_limit(p, rows):
+    """Level and coefficient times the force that presses the joint [N or N m]."""
+    square = 0.0
+    for k in range(p.first_row, p.first_row + p.pressing):
+        square += rows[k].reaction * rows[k].reaction
+    return p.level + p.pressed * sqrt(square)
+
+
+@kernel
+def kept_share(stiffness, stretch, limit):
+    """Share of its stretch that a bristle keeps: 1 while it holds, less when it slides."""
+    return 1.0 if stiffness * stretch <= limit else limit / (stiffness * stretch)
+
+
+@kernel
+def lost(stiffness, z_old, z, f_old, f, way):
+    """Energy lost over a way of the step: work of the force less what the bristle stores [J]."""
+    taken = 0.5 * dot(add(f_old, f), way)
+    return taken - 0.5 * stiffness * dot(add(z_old, z), sub(z, z_old))
