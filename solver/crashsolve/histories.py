@@ -146,10 +146,11 @@ def _columns(record: Record) -> list[Column]:
 
 
 def _spread(c: Any) -> list[Column]:
+    unit = "1" if c.unit == "count" else c.unit
     if c.size == 1:
-        return [Column(c.name, "", c.unit, c.meaning)]
+        return [Column(c.name, "", unit, c.meaning)]
     parts = AXES if c.size == 3 else tuple(str(k + 1) for k in range(c.size))
-    return [Column(c.name, part, c.unit, c.meaning) for part in parts]
+    return [Column(c.name, part, unit, c.meaning) for part in parts]
 
 
 def _flat(table: np.ndarray, names: Any) -> np.ndarray:

@@ -51,7 +51,7 @@ SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
-    begun = cpu_time()
+    begun, wall_begun = cpu_time(), time.monotonic()
     deck = read_deck(deck_path, overrides)
     model, state = build(deck)
     with reported(folder):
@@ -59,7 +59,7 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
     built = cpu_time()
     engine = Engine(model, state)
     spent = {"read and build": built - begun, "compile or load": cpu_time() - built}
-    return Run(deck, engine, folder, spent).execute(restart)
+    return Run(deck, engine, folder, spent, wall_begun).execute(restart)
 
 
 def cpu_time() -> float:
@@ -70,10 +70,16 @@ def cpu_time() -> float:
 class Run:
     """A deck being solved into a results folder."""
 
-    def __init__(self, deck: Deck, engine: Engine, folder: Path, spent: dict[str, float]) -> None:
+    def __init__(
+        self,
+        deck: Deck,
+        engine: Engine,
+        folder: Path,
+        spent: dict[str, float],
+        wall_begun: float,
+    ) -> None:
         self.deck, self.engine, self.folder = deck, engine, folder
-        self.cpu = spent
-        self.wall_begun = time.monotonic()
+        self.cpu, self.wall_begun = spent, wall_begun
         self.requests: set[str] = set()
         self.files = ExitStack()
         span = deck.control.end_time - deck.control.start_time
@@ -311,6 +317,7 @@ class Run:
                 "python": platform.python_version(),
                 "numpy": np.__version__,
                 "numba": importlib.import_module("numba").__version__,
+                "h5py": importlib.import_module("h5py").__version__,
             },
             "host": socket.gethostname(),
             "started": datetime.now(UTC).isoformat(timespec="seconds"),

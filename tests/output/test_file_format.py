@@ -8,6 +8,7 @@ import numpy as np
 from history_sample import FAMILIES, sample_row, sample_time
 
 from crashsolve.output import channels, layout, restart, states
+from crashsolve.output.channels import Column, Family
 from crashsolve.output.history import HistoryWriter
 from crashsolve.output.log import ERROR, NORMAL
 
@@ -15,7 +16,7 @@ PAGE = Path(channels.__file__).parents[2] / "FILE_FORMAT.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 
 
-def test_ten_lines_of_the_page_read_a_running_and_a_finished_history(tmp_path: Path) -> None:
+def test_the_code_of_the_page_reads_a_running_and_a_finished_history(tmp_path: Path) -> None:
     code = re.search(r"```python\n(.*?)```", TEXT, re.DOTALL)
     assert code is not None
     page: dict[str, Any] = {}
@@ -31,6 +32,21 @@ def test_ten_lines_of_the_page_read_a_running_and_a_finished_history(tmp_path: P
         np.testing.assert_array_equal(values, 2.0 * np.arange(5))
         assert unit == "m/s"
         assert len(page["read"](path, "glstat.model.step")[0]) == 5
+
+
+def test_the_page_finds_a_channel_among_the_types_of_a_family(tmp_path: Path) -> None:
+    code = re.search(r"```python\n(.*?)```", TEXT, re.DOTALL)
+    assert code is not None
+    page: dict[str, Any] = {}
+    exec(code.group(1), page)
+    columns = (Column("force", "", "N", ""),)
+    names = {"deforc-linear": ("stay", "strut"), "deforc-brake": ("shoe",)}
+    families = tuple(Family(name, ids, columns) for name, ids in names.items())
+    writer = HistoryWriter(tmp_path / "history.h5", families, {})
+    writer.append(0.0, {"deforc-linear": np.array([[1.0], [2.0]]), "deforc-brake": np.ones((1, 1))})
+    writer.close()
+    times, values, unit = page["read"](tmp_path / "history.h5", "deforc.strut.force")
+    assert (times.tolist(), values.tolist(), unit) == ([0.0], [2.0], "N")
 
 
 def test_families_are_those_of_the_code() -> None:
