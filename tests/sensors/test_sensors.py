@@ -7,8 +7,19 @@ import numpy as np
 import pytest
 from bench import Bench, exponential, product, written
 
+from crashsolve.deck.laws import types_in
 from crashsolve.foundation.errors import DeckErrors
 
+# every sensor, in each of its ways
+SENSORS = {
+    "chip": "type: accelerometer, body: b, at: [0.4, -0.2, 0.1]",
+    "real": "type: accelerometer, body: b, at: [0.4, -0.2, 0.1], gravity: true",
+    "apart": "type: displacement, a: a, b: b, at_a: [0.1, 0.2, 0], at_b: [0, 0.3, 0]",
+    "seen": "type: displacement, a: a, b: b, at_a: [0.1, 0.2, 0], at_b: [0, 0.3, 0], axes: a",
+    "turned": "type: angle, a: a, b: b, axis: [1, -1, 2]",
+    "cut": "type: section_force, joint: pin",
+    "cut_at": "type: section_force, joint: pin, axes: a, at: [1, 1, 1]",
+}
 TEXT = """
 joints:
   pin: {type: weld, a: a, b: b, at: [0.5, 0.3, 0.1]}
@@ -16,15 +27,7 @@ loads:
   weight: {type: gravity, acceleration: [0, 0, -10]}
   drift: {type: gravity, acceleration: [1, 0, 0]}
 sensors:
-  chip: {type: accelerometer, body: b, at: [0.4, -0.2, 0.1]}
-  real: {type: accelerometer, body: b, at: [0.4, -0.2, 0.1], gravity: true}
-  apart: {type: displacement, a: a, b: b, at_a: [0.1, 0.2, 0], at_b: [0, 0.3, 0]}
-  seen: {type: displacement, a: a, b: b, at_a: [0.1, 0.2, 0], at_b: [0, 0.3, 0], axes: a}
-  turned: {type: angle, a: a, b: b, axis: [1, -1, 2]}
-  cut: {type: section_force, joint: pin}
-  cut_at: {type: section_force, joint: pin, axes: a, at: [1, 1, 1]}
-"""
-SENSORS = ["chip", "real", "apart", "seen", "turned", "cut", "cut_at"]
+""" + "".join(f"  {name}: {{{words}}}\n" for name, words in SENSORS.items())
 Motion = Callable[[float], None]
 
 
@@ -59,6 +62,10 @@ def both(bench: Bench) -> Motion:
         second(t)
 
     return at
+
+
+def test_every_sensor_is_under_this_contract() -> None:
+    assert set(types_in("sensors")) == {w.split(",")[0].split()[1] for w in SENSORS.values()}
 
 
 @pytest.mark.parametrize("name", SENSORS)
