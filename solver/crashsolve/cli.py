@@ -42,7 +42,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="crashsolve",
-        description="Solves the impact of rigid and flexible multibody systems from an input deck.",
+        description="Solves the impact of multibody systems from an input deck.",
         epilog="exit codes: 0 normal, 1 internal, 2 deck, 3 stopped on request, 4 numerical stop, "
         "5 output failed",
     )

@@ -263,7 +263,8 @@ def equations_markdown() -> str:
         for source, number in _citations(path):
             files = index.setdefault(source, {}).setdefault(number, {})
             files[path.relative_to(root.parent).as_posix()] = None
-    lines = ["# Equations", "", "Generated from the docstrings; do not edit."]
+    lines = ["# Equations", "", "Generated from the docstrings; do not edit.", ""]
+    lines += ["Equations that are not listed are not in this version."]
     for source, equations in sorted(index.items()):
         lines += ["", f"## {source}", "", "| Eq. | files |", "|---|---|"]
         for number, files in sorted(equations.items()):
