@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refine import last, run, slopes
+from small_runs import last, run, slopes
 
 STEPS = (2e-3, 1e-3, 5e-4)
 END = 0.05

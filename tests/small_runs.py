@@ -1,6 +1,6 @@
-"""Runs of small scenes with a fixed step, made shorter and shorter to see the order of an error.
+"""Runs of small scenes as plain Python, in processes of their own, and orders of their errors.
 
-They run as plain Python, in processes of their own: a few hundred steps cost less than a compiler.
+A few hundred steps cost less than a compiler.
 """
 
 from pathlib import Path
@@ -13,13 +13,14 @@ from command import crashsolve
 from crashpost.result import Result
 
 
-def run(folder: Path, scene: dict[str, Any], end: float, step: float) -> Result:
-    """Result of the scene with a fixed step."""
-    deck, out = folder / "deck.yaml", folder / f"{step:g}"
-    control = {"end_time": end, "step": step, "energy_limit": "off"}
+def run(folder: Path, scene: dict[str, Any], end: float, step: float | None = None) -> Result:
+    """Result of the scene with a fixed step, or with the automatic one."""
+    deck, out = folder / "deck.yaml", folder / f"{step}"
+    control = {"end_time": end, "energy_limit": "off"} | ({"step": step} if step else {})
     # a sample cuts the step that would pass it: no more of them than these
     output = {"history": {"interval": end}, "states": {"interval": end}}
-    deck.write_text(yaml.safe_dump({"control": control, "output": output} | scene), "utf-8")
+    text = yaml.safe_dump({"control": control, "output": output} | scene, sort_keys=False)
+    deck.write_text(text, "utf-8")
     done = crashsolve(deck, "-o", out, NUMBA_DISABLE_JIT="1")
     assert done.returncode == 0, done.stdout + done.stderr
     return Result(out)
