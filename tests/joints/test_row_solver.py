@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from bench import plain
 
-from crashsolve.foundation.saddle import factorise, plan, solve_rate
+from crashsolve.foundation.saddle import factorise, plan, solve_rows
 from crashsolve.model.nodes import ROW
 
 Block = tuple[int, tuple[int, ...]]
@@ -55,19 +55,19 @@ class Rows:
     def solve(self, factor: float) -> np.ndarray:
         """Multipliers; all parts of a row have the same."""
         plain(factorise)(self.saddle, self.table)
-        plain(solve_rate)(self.saddle, self.table, factor)
+        plain(solve_rows)(self.saddle, self.table, factor)
         for part in self.parts("delta"):
             assert (part == part[0]).all()
         return np.concatenate([part[0] for part in self.parts("delta")])
 
     def right_side(self) -> np.ndarray:
-        return np.concatenate([part.sum(axis=0) for part in self.parts("rate")])
+        return np.concatenate([part.sum(axis=0) for part in self.parts("right")])
 
 
 def test_sparse_solution_equals_dense_solution() -> None:
     rng = np.random.default_rng(1)
     rows = Rows(rng, JOINTS, twin=None)
-    rows.table.rate = rng.normal(size=len(rows.table))
+    rows.table.right = rng.normal(size=len(rows.table))
     expected = np.linalg.solve(rows.S, -2.0 * rows.right_side())
     # round-off times the condition of S
     tolerance = 1e-14 * np.linalg.cond(rows.S) * np.abs(expected).max()
@@ -80,10 +80,10 @@ def test_rows_given_twice_are_found_and_the_others_satisfy_them() -> None:
         rng = np.random.default_rng(2)
         rows = Rows(rng, [*JOINTS, JOINTS[twin]], twin)
         # twins that agree: the right side lies in the range of S
-        rows.table.rate[: len(rows.table)] = 0.0
+        rows.table.right[: len(rows.table)] = 0.0
         right = rows.S @ rng.normal(size=len(rows.S))
         first = 0
-        for part in rows.parts("rate"):
+        for part in rows.parts("right"):
             part[0] = right[first : first + part.shape[1]]
             first += part.shape[1]
         residual = rows.S @ rows.solve(1.0) - right

@@ -47,6 +47,7 @@ PAIR = Record(
     half_j=("flag", "half"),
     rows_j=("count", "rows"),
     block=("index", "block to which D_k X_j^T adds"),
+    lower=("flag", "whether that is a diagonal block: its lower triangle is enough"),
 )
 
 
@@ -160,7 +161,7 @@ def _pairs(
         return [(entries[k] + side // 2 * rows[k], side % 2, rows[k]) for side in ends]
 
     return [
-        (*a, *b, address[position[k], position[j]])
+        (*a, *b, address[position[k], position[j]], k == j)
         for node, joints in sorted(_joints_by_node(nodes).items())
         for k in joints
         for j in joints
@@ -217,7 +218,7 @@ def add_product(x, rows, pair, height, width):
     """x += D_k X_j^T over one body. Writes: x."""
     for p in range(height):
         d = half(rows[pair.row_k + p].D, pair.half_k)
-        for q in range(width):
+        for q in range(p + 1 if pair.lower == 1 else width):
             w = half(rows[pair.row_j + q].X, pair.half_j)
             x[6 * p + q] += (
                 d[0] * w[0] + d[1] * w[1] + d[2] * w[2] + d[3] * w[3] + d[4] * w[4] + d[5] * w[5]
@@ -343,34 +344,17 @@ def solve_up(c, columns, blocks, m):
 
 
 @kernel
-def solve_phi(saddle, rows, factor):
-    """rows.delta = S^-1 (factor * phi). Writes: rows.delta, saddle."""
+def solve_rows(saddle, rows, factor):
+    """rows.delta = S^-1 (factor * right). Writes: rows.delta, saddle."""
     columns = saddle.columns
     for p in range(columns.shape[0]):
         c = columns[p]
         for i in range(c.rows):
             k = c.entry + i
-            total = rows[k].phi
+            total = rows[k].right
             while k + c.rows < c.end:
                 k += c.rows
-                total += rows[k].phi
-            c.work[i] = factor * total
-    solve(saddle)
-    spread_solution(columns, rows)
-
-
-@kernel
-def solve_rate(saddle, rows, factor):
-    """rows.delta = S^-1 (factor * rate). Writes: rows.delta, saddle."""
-    columns = saddle.columns
-    for p in range(columns.shape[0]):
-        c = columns[p]
-        for i in range(c.rows):
-            k = c.entry + i
-            total = rows[k].rate
-            while k + c.rows < c.end:
-                k += c.rows
-                total += rows[k].rate
+                total += rows[k].right
             c.work[i] = factor * total
     solve(saddle)
     spread_solution(columns, rows)

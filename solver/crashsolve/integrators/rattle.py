@@ -12,7 +12,7 @@ Geometric Numerical Integration, VII.1.4.
 """
 
 from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
-from crashsolve.foundation.saddle import Saddle, solve_phi, solve_rate
+from crashsolve.foundation.saddle import Saddle, solve_rows
 from crashsolve.model.clock import (
     CURVE_END,
     ENERGY,
@@ -34,7 +34,6 @@ from crashsolve.system.constraints import (
     kick_by_joints,
     kick_half_by_joints,
     scatter_delta,
-    scatter_reaction,
     scatter_trial,
     velocity_residual,
     worst_rate,
@@ -153,13 +152,14 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
 
     Writes: nodes.*_half, r, q, A, rows.trial.
     """
-    kick_off(nodes, h)
     if JOINTS:
         extrapolate_trial(rows, h / clock.step if clock.step > 0.0 else 0.0)
         scatter_trial(rows, nodes)
-        kick_half_by_joints(nodes, 0.5 * h)
     previous, renewed = 1e300, False
     for iteration in range(POSITION_ITERATIONS):
+        kick_off(nodes, h)
+        if JOINTS:
+            kick_half_by_joints(nodes, 0.5 * h)
         drift(nodes, h)
         if not JOINTS:
             break
@@ -175,15 +175,14 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
             break
         # with hardly any inertia the line through old lambdas misses wildly: begin from zero
         if iteration == 0 and worst > POOR_GUESS:
-            clear_trial(rows)
-            kick_off(nodes, h)
+            clear_trial(rows, nodes)
             continue
         # far apart in mass and inertia, or in a sharp turn, D of the start is no guide any more;
         # past a singular posture it points the wrong way: begin anew along D of the end
         anew = worst > 0.5 * previous and not renewed
         if anew or (iteration >= 3 and worst > 0.1 * previous):
             if anew:
-                clear_trial(rows)
+                clear_trial(rows, nodes)
                 kick_off(nodes, h)
                 drift(nodes, h)
             refresh(nodes)
@@ -194,9 +193,8 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
                 continue
         previous = worst
         clock.iterations += 1
-        solve_phi(saddle, rows, -2.0 / (h * h))
+        solve_rows(saddle, rows, -2.0 / (h * h))
         scatter_delta(rows, nodes)
-        kick_half_by_joints(nodes, 0.5 * h)
 
 
 @stage
@@ -209,7 +207,6 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
     if h > 0.0:
         if JOINTS:
             keep_trial(rows)
-            scatter_trial(rows, nodes)
             clock.driver_work += 0.5 * h * driver_power(rows)
         add_impulse(clock, nodes, 0.5 * h)
         predict(nodes, h)
@@ -223,14 +220,14 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, curves, groups)
         factor_constraints(rows, saddle, nodes)
-        clear_reaction(rows)
+        clear_reaction(rows, nodes)
         if h > 0.0:
             project_velocity(h, clock, control, nodes, rows, saddle)
             clock.driver_work += 0.5 * h * driver_power(rows)
         else:
             convective(clock.current, time, nodes, rows, curves, groups)
             acceleration_right_side(rows, nodes)
-            solve_rate(saddle, rows, 1.0)
+            solve_rows(saddle, rows, 1.0)
             scatter_delta(rows, nodes)
     add_impulse(clock, nodes, 0.5 * h)
     if CONTACTS:
@@ -244,19 +241,16 @@ def project_velocity(h, clock, control, nodes, rows, saddle):
     Writes: nodes.v, L, w, joint_*, rows.reaction.
     """
     velocity_residual(rows, nodes)
-    passes = 0
     for _ in range(VELOCITY_ITERATIONS):
-        passes += 1
-        solve_rate(saddle, rows, -2.0 / h)
+        solve_rows(saddle, rows, -2.0 / h)
         scatter_delta(rows, nodes)
+        kick_end(nodes, h)
         kick_by_joints(nodes, 0.5 * h)
         velocity_residual(rows, nodes)
         worst = worst_rate(rows, saddle)
         if worst <= 0.1 * control.constraint_tolerance:
             break
     clock.rate_residual = max(clock.rate_residual, worst)
-    if passes > 1:
-        scatter_reaction(rows, nodes)
 
 
 @stage

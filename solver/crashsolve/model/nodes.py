@@ -42,7 +42,7 @@ ROW = Record(
     X=("1/kg", 12, "D M^-1"),
     nu=("m/s", "-Phi_t: D v = nu"),
     gamma=("m/s^2", "-D_dot v - Phi_tt: D v_dot = gamma"),
-    rate=("m/s or m/s^2", "D v - nu, or gamma - D M^-1 g: what reactions must cancel or supply"),
+    right=("m, m/s or m/s^2", "Phi, D v - nu or gamma - D M^-1 g: what lambda must answer for"),
     multiplier=("N or N m", "lambda of the last drift"),
     before=("N or N m", "lambda of the drift before it"),
     trial=("N or N m", "lambda of the drift being tried"),

@@ -63,20 +63,11 @@ def scatter_trial(rows, nodes):
 
 @kernel
 def scatter_delta(rows, nodes):
-    """Forces of a correction, taken into both lambdas. Writes: rows.trial, reaction, nodes."""
-    clear_joint_forces(nodes)
+    """Add a correction to both lambdas and to the forces. Writes: rows.trial, reaction, nodes."""
     for k in range(rows.shape[0]):
         rows[k].trial += rows[k].delta
         rows[k].reaction += rows[k].delta
         scatter(rows[k], rows[k].delta, nodes)
-
-
-@kernel
-def scatter_reaction(rows, nodes):
-    """Constraint forces of the velocity kick or the sample. Writes: nodes.joint_*."""
-    clear_joint_forces(nodes)
-    for k in range(rows.shape[0]):
-        scatter(rows[k], rows[k].reaction, nodes)
 
 
 @kernel
@@ -100,23 +91,23 @@ def kick_by_joints(nodes, factor):
 
 @kernel
 def velocity_residual(rows, nodes):
-    """D v - nu of every row. Writes: rows.rate."""
+    """D v - nu of every row. Writes: rows.right."""
     for k in range(rows.shape[0]):
         row = rows[k]
         a, b, D = nodes[row.node_a], nodes[row.node_b], row.D
         x = dot((D[0], D[1], D[2]), vec(a.v)) + dot((D[3], D[4], D[5]), vec(a.w))
         x += dot((D[6], D[7], D[8]), vec(b.v)) + dot((D[9], D[10], D[11]), vec(b.w))
-        row.rate = x - row.nu
+        row.right = x - row.nu
 
 
 @kernel
 def acceleration_right_side(rows, nodes):
-    """gamma - D M^-1 g of every row. Writes: rows.rate."""
+    """gamma - D M^-1 g of every row. Writes: rows.right."""
     for k in range(rows.shape[0]):
         row = rows[k]
         a = weighed_force(row.X, 0, nodes[row.node_a])
         b = weighed_force(row.X, 6, nodes[row.node_b])
-        row.rate = row.gamma - a - b
+        row.right = row.gamma - a - b
 
 
 @kernel
@@ -130,9 +121,10 @@ def weighed_force(X, c, body):
 
 @kernel
 def worst_residual(rows):
-    """Largest |Phi| in units of the model's size, and its row."""
+    """Largest |Phi| in units of the model's size, and its row. Writes: rows.right."""
     worst, at = 0.0, 0
     for k in range(rows.shape[0]):
+        rows[k].right = rows[k].phi
         x = abs(rows[k].phi) / rows[k].scale
         # a NaN must win the comparison
         if not x <= worst:
@@ -168,8 +160,9 @@ def driver_power(rows):
 
 
 @kernel
-def clear_reaction(rows):
-    """Writes: rows.reaction."""
+def clear_reaction(rows, nodes):
+    """Writes: rows.reaction, nodes.joint_*."""
+    clear_joint_forces(nodes)
     for k in range(rows.shape[0]):
         rows[k].reaction = 0.0
 
@@ -188,7 +181,7 @@ def worst_rate(rows, saddle):
             k = c.entry + i
             total = 0.0
             while k < c.end:
-                total += rows[k].rate
+                total += rows[k].right
                 k += c.rows
             x = abs(total) / rows[c.entry + i].scale
             if not x <= worst:
@@ -197,7 +190,8 @@ def worst_rate(rows, saddle):
 
 
 @kernel
-def clear_trial(rows):
-    """Writes: rows.trial."""
+def clear_trial(rows, nodes):
+    """Writes: rows.trial, nodes.joint_*."""
+    clear_joint_forces(nodes)
     for k in range(rows.shape[0]):
         rows[k].trial = 0.0
