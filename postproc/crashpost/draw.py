@@ -15,13 +15,13 @@ from matplotlib.figure import Figure as Canvas
 
 from crashpost.errors import PostError
 from crashpost.expression import Series
-from crashpost.figure import AUTO, Curve, Figure, Reference
+from crashpost.figure import AUTO, Curve, Figure, Pair, Reference
 from crashpost.result import Result
 from crashpost.units import factor, readable
 
 INK, MUTED, RULE = "#1c2126", "#66707a", "#e4e7ea"
 COLOURS = ("#1f5a99", "#c4472b", "#2e8b63", "#c98a12", "#74509e", "#3f9fc4", "#7d5a44", "#8a9199")
-REFERENCE_COLOURS = ("#93804f", "#8b6f86", "#6f7f73")
+REFERENCE_COLOURS = ("#93804f", "#a0527d", "#3c7d78")
 DASHES: tuple[str, ...] = ("-", "--", ":")
 MOST_POINTS = 3000
 MINUS = "\N{MINUS SIGN}"
@@ -134,12 +134,12 @@ def _draw(axes: Axes, result: Result, figure: Figure) -> list[Key]:
         keys.append(Key(line.label, colour, {"-": "line", "--": "dash", ":": "dots"}[dash]))
     for number, reference in enumerate(figure.reference):
         colour = REFERENCE_COLOURS[number % len(REFERENCE_COLOURS)]
-        keys.append(_draw_reference(axes, reference, colour))
+        keys.append(_draw_reference(axes, reference, colour, figure))
     _finish_axes(axes, figure, scaled)
     return keys
 
 
-def _draw_reference(axes: Axes, reference: Reference, colour: str) -> Key:
+def _draw_reference(axes: Axes, reference: Reference, colour: str, figure: Figure) -> Key:
     """Draw one reference behind the curves."""
     style: dict[str, Any] = {"color": colour, "label": reference.label, "zorder": 2}
     # a level or band without limits spans the whole figure
@@ -158,8 +158,16 @@ def _draw_reference(axes: Axes, reference: Reference, colour: str) -> Key:
     if reference.kind == "curve":
         axes.plot(x, y, ":", linewidth=2, **style)
         return Key(reference.label, colour, "dots")
-    axes.plot(x, y, "o", markersize=6, markerfacecolor="white", **style)
+    # a point on the border of the figure is drawn whole, one beyond it not at all
+    seen = _between(x, figure.x_range) & _between(y, figure.y_range)
+    axes.plot(x[seen], y[seen], "o", markersize=6, markerfacecolor="white", clip_on=False, **style)
     return Key(reference.label, colour, "point")
+
+
+def _between(values: np.ndarray, ends: Pair | None) -> np.ndarray:
+    """Which values lie between the ends of an axis; all when it has none."""
+    low, high = (min(ends), max(ends)) if ends else (-np.inf, np.inf)
+    return (values >= low) & (values <= high)
 
 
 def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:

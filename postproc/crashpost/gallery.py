@@ -10,36 +10,44 @@ from crashpost.figure import AUTO, Curve, Figure
 from crashpost.result import Column, Family, Result
 
 MOST_CURVES = 8
+# what is worth a look, by the first word of the channels; where it rests, what moves
+WORTH = {"rbdout": ("velocity",), "nodout": ("acceleration",), "disbout": ("distance", "angle")}
+FORCES = ("force", "torque")
 
 
 def energy_figures(result: Result) -> list[Figure]:
     """Energies of the model and what is missing from their sum."""
     figures = []
-    # a curve that never reaches a thousandth of the largest cannot be seen
-    entries = ledger.energies(result)
-    visible = max((e.largest for e in entries), default=0.0) / 1000
-    curves = tuple(Curve(e.channel.name, e.label) for e in entries if e.largest > visible)
+    curves = tuple(Curve(e.channel.name, e.label) for e in _visible(ledger.energies(result)))
     if curves:
-        figures.append(_over_time("Energies", curves[:MOST_CURVES], "energy"))
+        figures.append(_over_time("Energies", curves, "energy"))
     if balance := ledger.balance_channel(result):
         curves = (Curve(balance, "energy balance"),)
-        figures.append(_over_time("Energy balance", curves, "missing, of the largest energy", "%"))
+        figures.append(_over_time("Energy balance", curves, "missing over the largest energy", "%"))
     return figures
+
+
+def _visible(entries: list[ledger.Entry]) -> list[ledger.Entry]:
+    """The largest, without those that never reach a thousandth of it: they cannot be seen."""
+    sizes = sorted((entry.largest for entry in entries), reverse=True)
+    least = max([sizes[0] / 1000, *sizes[MOST_CURVES : MOST_CURVES + 1]]) if sizes else 0.0
+    return [entry for entry in entries if entry.largest > least]
 
 
 def momentum_figures(result: Result) -> list[Figure]:
     """Momentum and angular momentum, when they are not zero throughout."""
     figures = []
-    for title, unit in (("Momentum", "kg m/s"), ("Angular momentum", "kg m^2/s")):
-        entries = [e for e in ledger.momenta(result) if e.channel.unit == unit and e.largest > 0]
-        curves = tuple(Curve(e.channel.name) for e in entries[:MOST_CURVES])
+    kinds = {"Momentum": ledger.MOMENTUM, "Angular momentum": ledger.ANGULAR_MOMENTUM}
+    for title, unit in kinds.items():
+        entries = _visible(ledger.momenta(result, unit))
+        curves = tuple(Curve(e.channel.name, e.label) for e in entries)
         if curves:
             figures.append(_over_time(title, curves, title.lower()))
     return figures
 
 
 def family_figures(result: Result) -> list[Figure]:
-    """For each family but glstat, the first quantity that moves, in the entities that move most."""
+    """For each family but glstat, a quantity that moves, in the entities that move most."""
     families = [family for family in result.families.values() if family.name != "glstat"]
     figures = [_family_figure(result, family) for family in families]
     return [figure for figure in figures if figure]
@@ -52,7 +60,9 @@ def _over_time(
 
 
 def _family_figure(result: Result, family: Family) -> Figure | None:
-    for quantity in dict.fromkeys(column.path.split("/")[0] for column in family.columns):
+    quantities = dict.fromkeys(column.path.split("/")[0] for column in family.columns)
+    worth = WORTH.get(family.word, FORCES)
+    for quantity in sorted(quantities, key=lambda name: name not in worth):
         columns = [c for c in family.columns if c.path.split("/")[0] == quantity]
         columns = [c for c in columns if c.unit == columns[0].unit]
         ranges = _ranges(result, family, columns)

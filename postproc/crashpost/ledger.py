@@ -1,8 +1,8 @@
-"""Energies and momenta of the whole model, found among the `glstat` channels by their units.
+"""Energies and momenta of the whole model, found among the `glstat` channels by what they measure.
 
-    balance = 100 imbalance / largest          drift = 100 max|p(t) - p(0)| / max|p(t)|
+    balance = 100 imbalance / largest
 
-Momentum drifts only where something outside pushes: gravity, ground reactions, loads.
+What is missing from the momenta is stored by the run, which knows the impulses from outside.
 """
 
 from dataclasses import dataclass
@@ -12,10 +12,17 @@ import numpy as np
 from crashpost.expression import Series
 from crashpost.result import Channel, Result
 from crashpost.statistic import statistic
-from crashpost.units import factor
+from crashpost.units import Unit, factor, same_dimension
 
+MOMENTUM, ANGULAR_MOMENTUM = "N s", "N m s"
 # columns of glstat that sum up or scale the others
 SUMS = ("imbalance", "largest", "initial")
+# what there is and its sum, then what was lost, then what came from outside
+ORDER = (
+    *("kinetic", "potential", "spring stored", "contact stored", "friction stored", "mechanical"),
+    *("spring dissipated", "contact dissipated", "friction dissipated", "joint friction", "brake"),
+    *("external work", "driver work"),
+)
 
 
 @dataclass(frozen=True)
@@ -35,22 +42,17 @@ class Entry:
         """Largest size over the run."""
         return float(np.max(np.abs(self.series.values), initial=0.0))
 
-    @property
-    def drift(self) -> float:
-        """Largest departure from the first sample."""
-        values = self.series.values
-        return float(np.max(np.abs(values - values[:1]), initial=0.0))
-
 
 def energies(result: Result) -> list[Entry]:
     """Every energy of the model that is not zero throughout."""
     entries = [entry for entry in _entries(result, "J") if entry.largest > 0]
-    return [entry for entry in entries if entry.label not in SUMS]
+    entries = [entry for entry in entries if entry.label not in SUMS]
+    return sorted(entries, key=lambda e: ORDER.index(e.label) if e.label in ORDER else len(ORDER))
 
 
-def momenta(result: Result) -> list[Entry]:
-    """Linear momenta, then angular momenta."""
-    return [*_entries(result, "kg m/s"), *_entries(result, "N s"), *_entries(result, "kg m^2/s")]
+def momenta(result: Result, unit: str = MOMENTUM) -> list[Entry]:
+    """Components of the linear or angular momentum that are not zero throughout."""
+    return [entry for entry in _entries(result, unit) if entry.largest > 0]
 
 
 def balance_channel(result: Result) -> str:
@@ -73,13 +75,19 @@ def worst_balance(result: Result) -> float | None:
     return statistic(series, "abs_max") * factor(series.unit, "%")
 
 
-def momentum_drift(result: Result, unit: str = "kg m/s") -> float | None:
-    """The largest change of momentum in % of its largest size, None when unknown or at rest."""
-    entries = [entry for entry in momenta(result) if entry.channel.unit == unit]
-    largest = max([entry.largest for entry in entries], default=0.0)
-    return 100 * max(entry.drift for entry in entries) / largest if largest else None
+def worst_momentum(result: Result, name: str = "momentum_error") -> float | None:
+    """The largest momentum not accounted for, in % of its largest size; None when unknown."""
+    channel = next(result.channels(f"glstat.*.{name}"), None)
+    if channel is None or not len(result.time):
+        return None
+    return statistic(result.series(channel.name), "abs_max") * factor(channel.unit, "%")
 
 
 def _entries(result: Result, unit: str) -> list[Entry]:
-    channels = [channel for channel in result.channels("glstat.*") if channel.unit == unit]
+    wanted = Unit.parse(unit)
+    channels = [
+        channel
+        for channel in result.channels("glstat.*")
+        if same_dimension(Unit.parse(channel.unit), wanted)
+    ]
     return [Entry(channel, result.series(channel.name)) for channel in channels]

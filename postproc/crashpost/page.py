@@ -29,7 +29,7 @@ def block(anchor: str, title: str, *parts: str) -> str:
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[str]) -> str:
-    """Rows of cells; `looks` gives each column's class: "", "num" or "name"."""
+    """Rows of cells; `looks` gives each column's class: "", "num", "unit" or "name"."""
     if not rows:
         return ""
     heads = [

@@ -94,10 +94,10 @@ def _facts(result: Result, verdicts: list[Verdict]) -> list[tuple[str, str]]:
         facts.append((f"{passed} of {len(verdicts)}", "expectations met"))
     for caption, value in (
         ("energy missing at most", ledger.worst_balance(result)),
-        ("change of momentum at most", ledger.momentum_drift(result)),
+        ("momentum missing at most", ledger.worst_momentum(result)),
     ):
         if value is not None:
-            facts.append((f"{value:.2g} %", caption))
+            facts.append((f"{draw.tick(float(f'{value:.2g}'))} %", caption))
     warnings = sum(count for count, _ in logbook.warnings(result.log))
     return [*facts, (str(warnings), "warning" if warnings == 1 else "warnings")]
 
@@ -105,9 +105,10 @@ def _facts(result: Result, verdicts: list[Verdict]) -> list[tuple[str, str]]:
 def _comparisons(found: list[Comparison]) -> str:
     rows = []
     for c in found:
-        percent = f" ({c.percent:+.3g}\u00a0%)" if c.percent is not None else ""
+        percent = f" ({c.percent:+.3g}\u00a0%)" if c.percent else ""
         inside = c.low != c.high and not c.difference
-        difference = "in range" if inside else f"{c.difference:+.3g}{percent}"
+        number = f"{c.difference:+.3g}" if c.difference else "0"
+        difference = "in range" if inside else f"{number} {c.unit}{percent}"
         ours, published = f"{c.ours:.4g} {c.unit}", f"{c.published} {c.unit}"
         rows.append([c.label, ours, published, difference, c.source])
     header = ("", "this run", "published", "difference", "source")
@@ -119,7 +120,7 @@ def _verdicts(verdicts: list[Verdict]) -> str:
     for verdict in verdicts:
         expected = verdict.expected
         found = "-" if verdict.found is None else f"{verdict.found:.7g}"
-        deviation = "-" if verdict.deviation is None else f"{verdict.deviation:.1e}"
+        deviation = "-" if verdict.deviation is None else f"{verdict.deviation or 0:.2g}"
         numbers = [found, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
         why = verdict.problem or f"{expected.because}: {expected.source}"
         outcome = "pass" if verdict.passed else "FAIL"
@@ -135,7 +136,7 @@ def _verdicts(verdicts: list[Verdict]) -> str:
         "",
         "because",
     )
-    return table(header, rows, ("", "name", "", "num", "num", "num", "num", "", ""))
+    return table(header, rows, ("", "name", "", "num", "num", "num", "num", "unit", ""))
 
 
 def _energies(result: Result) -> str:
@@ -150,7 +151,7 @@ def _energies(result: Result) -> str:
             f"{value:.4g}" for value in (values[0], values[-1], entry.largest * factor("J", unit))
         ]
         rows.append([entry.label, *numbers, f"{share:.3g} %"])
-    header = ("energy", f"initial, {unit}", f"final, {unit}", f"largest, {unit}", "share")
+    header = ("energy", f"initial, {unit}", f"final, {unit}", f"largest, {unit}", "of the largest")
     return table(header, rows, ("", "num", "num", "num", "num"))
 
 

@@ -48,8 +48,9 @@ th { text-align: left; font-weight: 500; color: var(--muted); border-bottom: 1px
 th, td { padding: .34rem 1.1rem .34rem 0; }
 td { border-bottom: 1px solid var(--rule); vertical-align: top; }
 .num { text-align: right; white-space: nowrap; }
+.unit { white-space: nowrap; }
 figure table { font-size: .8rem; } figure th, figure td { padding-right: .7rem; }
-figure td:nth-child(n+4) { white-space: normal; }
+figure td:nth-child(n+5) { white-space: normal; }
 .name { font-family: var(--mono); font-size: .93em; min-width: 11rem; }
 .pass { color: var(--good); font-weight: 600; } .fail { color: var(--bad); font-weight: 600; }
 .problem { color: var(--bad); border-left: 3px solid var(--bad); padding: .2rem 0 .2rem .8rem; }

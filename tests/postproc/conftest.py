@@ -44,6 +44,7 @@ def two_cars() -> Families:
                 "energy/spring_stored": ("J", "energy in springs", one(spring)),
                 "energy/balance": ("%", "missing energy", one(missing)),
                 "momentum/x": ("kg m/s", "linear momentum", one(momentum)),
+                "momentum_error": ("1", "not accounted for", one(1e-12 * TIME / TIME[-1])),
             },
         ),
         "rbdout": (["A", "car-b"], {"velocity/x": ("m/s", "of the mass centre", velocity)}),

@@ -67,7 +67,7 @@ def test_summary_shows_status_energies_balances_peaks_and_warnings(
         "Two cars",
         "status   finished, t = 0.1405 s",
         "spring stored",
-        "momentum change",
+        "momentum missing         1e-10 %",
         "deforc.buffer.force",
         "1 x  too fast",
     ):

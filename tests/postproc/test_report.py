@@ -10,11 +10,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from conftest import SPEED, TIME, Command, expectation, two_cars, write_result, write_status
+from matplotlib.figure import Figure as Canvas
 
-from crashpost import draw
+from crashpost import draw, ledger
 from crashpost.comparison import comparisons
 from crashpost.errors import PostError
 from crashpost.figure import figures_of
+from crashpost.gallery import family_figures, momentum_figures
 from crashpost.report import report
 from crashpost.result import Result
 
@@ -118,6 +120,52 @@ def test_without_a_description_every_family_that_moves_has_a_figure(tmp_path: Pa
     titles = re.findall(r"<h3>(.*?)</h3>", text)
     wanted = ["deforc: force", "rbdout: velocity", "Energies", "Energy balance", "Momentum"]
     assert (titles, problems) == (wanted, [])
+
+
+def test_a_family_shows_what_is_worth_a_look_rather_than_its_first_quantity(tmp_path: Path) -> None:
+    moving = np.linspace(0.0, 1.0, len(TIME))[:, None]
+    columns = {name: ("m", "", moving) for name in ("depth", "force/x", "normal")}
+    motion = {name: ("m", "", moving) for name in ("acceleration/x", "velocity/x")}
+    still = {"angle": ("rad", "", moving), "distance": ("m", "", 0.0 * moving)}
+    families = {
+        "rcforc": (["touch"], columns),
+        "rbdout": (["A"], motion),
+        "nodout": (["chip"], motion),
+        "disbout": (["gap"], still),
+    }
+    write_result(tmp_path, families)
+    titles = {figure.title for figure in family_figures(Result(tmp_path))}
+    wanted = {"rcforc: force", "rbdout: velocity", "nodout: acceleration", "disbout: angle"}
+    assert titles == wanted
+
+
+def test_energies_are_listed_before_what_was_lost_and_momenta_found_in_any_unit(
+    tmp_path: Path,
+) -> None:
+    one = np.ones((len(TIME), 1))
+    names = ("brake", "kinetic", "spring_stored", "potential")
+    columns = {f"energy/{name}": ("J", "", one) for name in names}
+    columns |= {"mechanical": ("J", "", one), "angular_momentum/z": ("N m s", "", one)}
+    columns |= {"momentum/x": ("N s", "", one), "momentum/y": ("N s", "", 1e-9 * one)}
+    write_result(tmp_path, {"glstat": (["model"], columns)})
+    result = Result(tmp_path)
+    labels = [entry.label for entry in ledger.energies(result)]
+    assert labels == ["kinetic", "potential", "spring stored", "mechanical", "brake"]
+    figures = momentum_figures(result)
+    assert [figure.title for figure in figures] == ["Momentum", "Angular momentum"]
+    # a curve that cannot be seen is not drawn
+    assert [[curve.label for curve in figure.y] for figure in figures] == [["x"], ["z"]]
+
+
+def test_points_on_the_border_are_drawn_and_those_beyond_are_not(tmp_path: Path) -> None:
+    points = {"label": "p", "kind": "point", "points": [[140, 1], [200, 1]]}
+    figure = {**FIGURE, "x_range": [0, 140], "y_range": [0, 10], "reference": [points]}
+    result = write(tmp_path, figure)
+    (drawn,) = figures_of(result.stored_json("report"))
+    canvas = Canvas().subplots()
+    draw._draw(canvas, result, drawn)
+    (line,) = [line for line in canvas.lines if line.get_label() == "p"]
+    assert (line.get_xdata().tolist(), line.get_clip_on()) == ([140.0], False)
 
 
 def test_a_figure_that_cannot_be_drawn_leaves_its_reason(

@@ -19,7 +19,7 @@ from crashpost.result import Result
 
 def test_channels_carry_name_unit_meaning_and_sample_count(cars: Path) -> None:
     channels = {channel.name: channel for channel in Result(cars).channels()}
-    assert len(channels) == 8
+    assert len(channels) == 9
     force = channels["deforc.buffer.force"]
     assert (force.unit, force.meaning, force.samples) == ("N", "tension positive", len(TIME))
 

@@ -57,6 +57,7 @@ def test_products_cancel_and_print_in_the_notation_of_the_result_files() -> None
         ("s", 0.3, "ms"),
         ("J", 0.0, "J"),
         ("kg m/s", 1e6, "kg m/s"),
+        ("N s", 9e5, "kN s"),
         ("N", float("nan"), "N"),
     ],
 )
