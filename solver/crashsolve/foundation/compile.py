@@ -104,7 +104,8 @@ def compile_apart(function: Any, arguments: tuple[Any, ...]) -> None:
 
 def set_up_numba() -> None:
     """What numba must know before it is imported."""
-    os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
+    # never that of a process which started this one, for other sources perhaps
+    os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())
     # scalar kernels have nothing to vectorise, and the search for it costs a fifth of compilation
     os.environ.setdefault("NUMBA_LOOP_VECTORIZE", "0")
     os.environ.setdefault("NUMBA_SLP_VECTORIZE", "0")

@@ -212,6 +212,11 @@ class Tables:
         self._places, self._pointer = places, places.ctypes.data
         self._kind = TablesKind({name: _kind_of(array) for name, array in arrays.items()})
 
+    @property
+    def layout(self) -> str:
+        """Names and columns of all tables, in a word: equal for scenes that share compiled code."""
+        return str(self._kind.name)
+
 
 def _kind_of(array: np.ndarray) -> Any:
     if not array.flags.c_contiguous:

@@ -36,9 +36,9 @@ def compose(model: Any, integrator: str = "rattle") -> str:
     return before + scene_text(model) + after
 
 
-def load(text: str) -> ModuleType:
-    """Import the composed text, under a name and file that depend on nothing but the text."""
-    name = "crashsolve_step_" + hashlib.sha256(text.encode()).hexdigest()[:16]
+def load(text: str, layout: str) -> ModuleType:
+    """Import the composed text, under a name and file of its own for each layout of tables."""
+    name = "crashsolve_step_" + hashlib.sha256((text + layout).encode()).hexdigest()[:16]
     path = cache_folder() / f"{name}.py"
     # a new time stamp would void the compiled code kept beside it
     if not path.exists():

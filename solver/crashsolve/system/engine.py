@@ -30,10 +30,10 @@ class Engine:
 
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state
-        self.module = load(compose(model))
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
         self.bind()
+        self.module = load(compose(model), self._present.layout)
         compile_apart(self.module.advance, (0.0, False, self._present))
 
     @property
