@@ -65,6 +65,13 @@ class Bench:
             r = self.nodes[node].r + rng.uniform(-0.3, 0.3, 3)
             self.move(node, r=r, v=speed * rng.normal(size=3), w=speed * rng.normal(size=3))
 
+    def drift(self, time: float) -> None:
+        """Move every body by its present velocity."""
+        for node in range(1, len(self.nodes)):
+            b = self.nodes[node]
+            self.turn(node, time * b.w)
+            self.move(node, r=b.r + time * b.v)
+
     def state(self) -> Any:
         return self.nodes.copy()
 
@@ -95,6 +102,21 @@ class Law:
         args = (t, h, nodes, self.bench.rows, self.bench.curves)
         kernel(self.p, self.old, self.new, self.out, *args)
         return self.out
+
+    def power_on_bodies(self) -> float:
+        """Power of the forces of this law."""
+        n = self.bench.nodes
+        return float((n.force * n.v).sum() + (n.torque * n.w).sum())
+
+    def growth(self, time: float) -> float:
+        """Rate of the stored energy as the bodies move on: difference over -time to time [W]."""
+        start, stored = self.bench.state(), []
+        for t in (-time, time):
+            self.bench.nodes[:] = start
+            self.bench.drift(t)
+            stored.append(float(self.force().stored))
+        self.bench.nodes[:] = start
+        return (stored[1] - stored[0]) / (2.0 * time)
 
     def accept(self) -> None:
         """The step is accepted: new becomes old."""

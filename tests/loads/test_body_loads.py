@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, Law, written
+from bench import Bench, written
 
 from crashsolve.deck.laws import types_in
 from crashsolve.foundation.errors import DeckErrors
@@ -31,11 +31,6 @@ def bench(tmp_path: Path) -> Bench:
     return bench
 
 
-def power(law: Law) -> float:
-    n = law.bench.nodes
-    return float((n.force * n.v).sum() + (n.torque * n.w).sum())
-
-
 def test_every_load_is_under_this_contract() -> None:
     assert set(types_in("loads")) == {words.split(",")[0].split()[1] for words in LOADS.values()}
 
@@ -50,7 +45,7 @@ def test_power_or_potential_is_what_the_bodies_receive(bench: Bench, name: str) 
         assert float(out.power) == 0.0
     else:
         # the same products in another order
-        assert float(out.power) == pytest.approx(power(law), rel=1e-12)
+        assert float(out.power) == pytest.approx(law.power_on_bodies(), rel=1e-12)
         assert float(out.stored) == 0.0
 
 
