@@ -40,6 +40,7 @@ from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
+from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.resume import changing, restore
 from crashsolve.system.engine import Engine
@@ -64,7 +65,8 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
 
 def cpu_time() -> float:
     """CPU time of this process and of the one that compiled for it [s]."""
-    return sum(os.times()[:4])
+    # os.times() counts in hundredths of a second, and a short run is over within one
+    return time.process_time() + sum(os.times()[2:4])
 
 
 class Run:
@@ -174,7 +176,8 @@ class Run:
     def _march(self) -> None:
         """Advance from sample to sample until the end."""
         start, end = self.deck.control.start_time, self.deck.control.end_time
-        cpu = cpu_time()
+        self.cpu |= {"steps": 0.0, "output": 0.0}
+        self.phases = ContactPhases(self.engine)
         # the k-th sample lies at k intervals, not at a sum of them
         k = round((self.engine.clock["time"] - start) / self.history_step)
         while self.engine.clock["time"] < end:
@@ -182,11 +185,18 @@ class Run:
             target = start + k * self.history_step
             if target > end - 1e-9 * self.history_step:
                 target = end
-            self.engine.advance(target)
+            # no run has children while it marches: their times need not be asked for
+            begun = time.process_time()
+            try:
+                self.engine.advance(target)
+            finally:
+                advanced = time.process_time()
+                self.cpu["steps"] += advanced - begun
             self.engine.sample()
+            self.phases.count()
             self._write(target, force=target == end)
             self._obey()
-        self.cpu["steps and output"] = cpu_time() - cpu
+            self.cpu["output"] += time.process_time() - advanced
 
     def _write(self, now: float, force: bool) -> None:
         """Whatever is due at this sample."""
@@ -241,6 +251,7 @@ class Run:
                 time.monotonic() - self.wall_begun,
                 None if code is None else int(code),
                 message,
+                cpu_steps=self.cpu.get("steps", 0.0),
             ),
         )
 
@@ -270,10 +281,20 @@ class Run:
                 f"{float(clock['residual']):.2g} of the model's size"
             )
         self.log.line()
-        self.log.facts(facts)
+        self.log.facts(facts | self._cost())
         self._energies()
         self.log.timing(self.cpu)
         self.log.citations(self.engine.model.citations)
+
+    def _cost(self) -> dict[str, str]:
+        """Average steps and what they cost; nothing of a run that took none."""
+        if not hasattr(self, "phases") or not self.phases.cycles():
+            return {}
+        spent, simulated = self.cpu["steps"] + self.cpu["output"], self.phases.simulated()
+        return self.phases.average_steps() | {
+            "CPU per step": f"{1e6 * self.cpu['steps'] / self.phases.cycles():.3g} us",
+            "real-time factor": f"{spent / simulated:.3g} s of CPU per simulated second",
+        }
 
     def _energies(self) -> None:
         """The ledger at the end, in J and in % of the largest energy."""

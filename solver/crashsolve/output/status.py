@@ -15,7 +15,7 @@ State = Literal["running", "finished", "stopped", "failed"]
 
 @dataclass
 class Status:
-    """One look at a run; times in s, cpu and wall in s, energy balance in %."""
+    """One look at a run; times in s, energy balance in %, `cpu_steps` the part of cpu in steps."""
 
     state: State
     time: float
@@ -27,6 +27,7 @@ class Status:
     wall: float
     exit_code: int | None = None
     message: str = ""
+    cpu_steps: float = 0.0
     pid: int = field(default_factory=os.getpid)
     host: str = field(default_factory=socket.gethostname)
 
