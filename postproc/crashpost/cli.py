@@ -52,6 +52,12 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--statistic", required=True, metavar="WORD", help=STATISTICS_HELP)
     sub.add_argument("--during", metavar="FROM:TO", help="only samples of these times (seconds)")
     sub.add_argument("--unit", help="unit of the channel's values; its own when absent")
+    sub = add("values", _values, "many numbers at once, for programs: JSON in, JSON out")
+    sub.add_argument(
+        "questions",
+        type=Path,
+        help="JSON list of {channel, statistic, during, unit}; statistic: as of value, or path",
+    )
     sub = add("expect", _expect, "evaluate the deck's expectations")
     sub.add_argument("--partial", action="store_true", help="also of a run that did not finish")
     sub = add("plot", _plot, "draw channels")
@@ -110,6 +116,15 @@ def _value(options: argparse.Namespace) -> int:
     series = Series(time, values, options.unit or unit)
     during = _window(options.during) if options.during else None
     print(repr(statistic(series, options.statistic, during)))
+    return 0
+
+
+def _values(options: argparse.Namespace) -> int:
+    import json
+
+    from crashpost.questions import answers
+
+    print(json.dumps(answers(_open(options), options.questions)))
     return 0
 
 

@@ -2,6 +2,7 @@
 
 crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart]
 crashsolve check DECK    crashsolve explain DECK
+crashsolve study DECK [--steps A,B,...] [--integrators A,B] [--channel CHANNEL[:STATISTIC]]
 crashsolve schema    crashsolve keywords    crashsolve equations
 """
 
@@ -14,7 +15,9 @@ from pathlib import Path
 from crashsolve import __version__
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
 
-COMMANDS = ("run", "check", "explain", "schema", "keywords", "equations")
+COMMANDS = ("run", "check", "explain", "study", "schema", "keywords", "equations")
+
+STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -61,6 +64,9 @@ def _parser() -> argparse.ArgumentParser:
         command = commands.add_parser(word, help=text)
         _deck_arguments(command)
         command.set_defaults(act=act)
+    _study_arguments(
+        commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
+    )
     for word, act, text in (
         ("schema", _schema, "JSON Schema of the deck, for editors"),
         ("keywords", _keywords, "the keyword manual, as Markdown"),
@@ -77,8 +83,41 @@ def _deck_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="override a parameter of the deck; may be repeated",
+        help="override a parameter of the deck, or a field of its control as in control.step=1e-4; "
+        "may be repeated",
     )
+
+
+def _study_arguments(parser: argparse.ArgumentParser) -> None:
+    _deck_arguments(parser)
+    parser.set_defaults(act=_study)
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="default DECK.study")
+    parser.add_argument(
+        "--steps",
+        metavar="H,...",
+        help="time steps in s, or auto; default: those of the deck times 4, 2, 1, 1/2, 1/4, 1/8",
+    )
+    parser.add_argument("--accuracies", metavar="A,...", help="for methods that choose their step")
+    parser.add_argument("--integrators", default="", metavar="NAME,...", help="default: the deck's")
+    parser.add_argument(
+        "--channel",
+        action="append",
+        default=[],
+        metavar="CHANNEL[:STATISTIC]",
+        help="what is compared; without a statistic the whole history. Default: what the deck "
+        "expects, else final energies, impulses of contacts and the largest speed; may be repeated",
+    )
+    parser.add_argument(
+        "--reference",
+        type=Path,
+        metavar="RESULTS",
+        help="results to compare with where the deck gives no exact or published value; "
+        "default: extrapolation of the runs",
+    )
+    parser.add_argument(
+        "--target", type=float, metavar="E", help="name the cheapest setting of this relative error"
+    )
+    parser.add_argument("--jobs", type=int, metavar="N", help="runs at a time; default: all cores")
 
 
 def _overrides(options: argparse.Namespace) -> dict[str, str]:
@@ -96,6 +135,24 @@ def _run(options: argparse.Namespace) -> int:
 
     folder = options.output or Path(options.deck.stem + ".results")
     return solve(options.deck, folder, _overrides(options), options.restart)
+
+
+def _study(options: argparse.Namespace) -> int:
+    from crashsolve.study.conduct import Request, study
+
+    request = Request(
+        deck=options.deck,
+        folder=options.output or Path(options.deck.stem + ".study"),
+        overrides=_overrides(options),
+        methods=[name.strip() for name in options.integrators.split(",") if name.strip()],
+        steps=options.steps,
+        accuracies=options.accuracies,
+        channels=options.channel,
+        reference=options.reference,
+        target=options.target,
+        jobs=options.jobs,
+    )
+    return study(request)
 
 
 def _check(options: argparse.Namespace) -> int:

@@ -183,6 +183,24 @@ def test_a_wrong_override_is_refused(name: str, text: str, message: str, tmp_pat
     assert messages(tmp_path, TRAIN, **{name: text})[0] == message
 
 
+def test_an_override_sets_a_field_of_control(tmp_path: Path) -> None:
+    text = "units: {time: ms}\ncontrol: {end_time: 20, step: 1}\n"
+    for given, found in (("0.5", 5e-4), ("2e-4 s", 2e-4), ("auto", "auto")):
+        overrides = {"control.step": given, "control.step_max": "0.1 s"}
+        control = deck_of(tmp_path, text, **overrides).control
+        assert (control.step, control.step_max, control.end_time) == (found, 0.1, 0.02)
+    assert deck_of(tmp_path, "title: none", **{"control.end_time": "3"}).control.end_time == 3.0
+
+
+def test_a_wrong_field_of_control_is_refused(tmp_path: Path) -> None:
+    text = "control: {end_time: 1}\n"
+    (message,) = messages(tmp_path, text, **{"control.step": "-1"})
+    assert "control: step" in message
+    (message,) = messages(tmp_path, text, **{"control.stp": "1"})
+    start = "--set control.stp=1: error: control: unknown field 'stp'; did you mean 'step'?"
+    assert message.startswith(start)
+
+
 def test_an_override_may_be_an_expression(tmp_path: Path) -> None:
     assert deck_of(tmp_path, TRAIN, half="${speed/5}").parameters["half"] == 3.0
 

@@ -1,6 +1,7 @@
 """The commands as a shell sees them: standard output, standard error, exit code."""
 
 import csv
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -55,6 +56,32 @@ def test_value_refuses_with_code_2_and_an_empty_output(
     code, out, err = crashpost("value", cars, channel, "--statistic", statistic)
     assert (code, out) == (2, "")
     assert words in err
+
+
+def test_values_answers_many_questions_at_once(
+    cars: Path, crashpost: Command, tmp_path: Path
+) -> None:
+    speed = "rbdout.A.velocity.x"
+    asked = [
+        {"channel": speed, "statistic": "at:0", "unit": "km/h"},
+        {"channel": speed, "statistic": "argmax", "during": [0.02, 0.05]},
+        {"channel": "rbdout.A.velocty.x", "statistic": "max"},
+        {"channel": f"2 * {speed}", "statistic": "path"},
+        {"statistic": "max"},
+    ]
+    path = tmp_path / "questions.json"
+    path.write_text(json.dumps(asked), "utf-8")
+    code, out, err = crashpost("values", cars, path)
+    first, window, wrong, whole, broken = json.loads(out)
+    assert (code, err) == (0, "")
+    assert first == {"value": 54.0, "unit": "km/h"}
+    assert window == {"value": TIME[TIME >= 0.02][0], "unit": "s"}
+    assert "did you mean 'velocity.x'?" in wrong["problem"]
+    np.testing.assert_array_equal(whole["time"], TIME)
+    assert (whole["value"][0], whole["unit"]) == (2 * SPEED, "m/s")
+    assert broken == {"problem": "'channel' is missing"}
+    path.write_text("{}", "utf-8")
+    assert crashpost("values", cars, path)[0] == 2
 
 
 def test_summary_shows_status_energies_balances_peaks_and_warnings(

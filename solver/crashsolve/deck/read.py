@@ -19,6 +19,7 @@ from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
 from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.output import Output
+from crashsolve.deck.overrides import set_control
 from crashsolve.deck.parameters import Parameters
 from crashsolve.deck.sections import SECTIONS
 from crashsolve.deck.source import BROKEN, Position, Table, locate
@@ -73,7 +74,10 @@ class Deck:
 
 
 def read_deck(path: Path | str, overrides: Mapping[str, str] | None = None) -> Deck:
-    """The deck in a file; `overrides` replace parameters. Raises DeckErrors with all mistakes."""
+    """The deck in a file; `overrides` replace parameters, and fields of control as `control.step`.
+
+    Raises DeckErrors with all mistakes.
+    """
     return _Reader(Path(path), overrides or {}).deck()
 
 
@@ -88,7 +92,8 @@ class _Reader:
         if files.incomplete:
             raise DeckErrors(self.in_order())
         self.items = items_of(self.tables, self.mistakes)
-        self.parameters = Parameters(self.items["parameters"], overrides, self.mistakes)
+        others = set_control(self.items, overrides, path, self.mistakes)
+        self.parameters = Parameters(self.items["parameters"], others, self.mistakes)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
     def deck(self) -> Deck:

@@ -1,0 +1,145 @@
+"""A study from end to end: settings, runs, answers, findings, table and picture."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+from pathlib import Path
+
+from crashsolve.deck.read import Deck, read_deck
+from crashsolve.foundation.errors import DeckError, ExitCode
+from crashsolve.output.files import replace_text, reported
+from crashsolve.study.convergence import NEAR
+from crashsolve.study.findings import Finding, cheapest, find, worst
+from crashsolve.study.plot import draw
+from crashsolve.study.settings import order_of, settings
+from crashsolve.study.table import csv_text, legend, text_table
+from crashsolve.study.trials import Trial, cores, run_all
+from crashsolve.study.watch import Watch, ask, overall, watched
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be studied, as the command line says it."""
+
+    deck: Path
+    folder: Path
+    overrides: dict[str, str] = field(default_factory=dict)
+    methods: Sequence[str] = ()
+    steps: str | None = None
+    accuracies: str | None = None
+    channels: Sequence[str] = ()
+    reference: Path | None = None
+    target: float | None = None
+    jobs: int | None = None
+
+
+def study(request: Request) -> int:
+    """Run a deck over its settings and report; the exit code is that of the runs if all failed.
+
+    Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
+    """
+    deck = read_deck(request.deck, request.overrides)
+    grid = settings(deck, request.methods, request.steps, request.accuracies)
+    watches = watched(deck, request.channels)
+    # where a path does not converge, these may
+    more = [watch for watch in overall(deck) if watch not in watches]
+    with reported(request.folder):
+        request.folder.mkdir(parents=True, exist_ok=True)
+    known = _reference(request, watches)
+    print(f"{len(grid)} runs of {request.deck} in {request.folder}", flush=True)
+    trials = run_all(
+        request.deck, grid, request.overrides, request.folder, request.jobs or cores(), _tell
+    )
+    span = deck.control.end_time - deck.control.start_time
+    for trial in trials:
+        if trial.is_good:
+            trial.step = span / max(trial.cycles, 1)
+            trial.answers = ask(trial.folder, [*watches, *more])
+    findings = [
+        find(watch, at, trials, known[at] if known else None) for at, watch in enumerate(watches)
+    ]
+    extra = [find(watch, len(watches) + i, trials, None) for i, watch in enumerate(more)]
+    _report(request, deck, trials, findings, extra)
+    return ExitCode.NORMAL if any(t.is_good for t in trials) else max(t.code for t in trials)
+
+
+def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]] | None:
+    """The answers of the reference folder. Raises DeckError when it holds no results."""
+    if request.reference is None:
+        return None
+    if not (request.reference / "history.h5").exists():
+        place, advice = f"--reference {request.reference}", "name the results folder of a run"
+        raise DeckError(place, None, None, "", "no results there", advice)
+    return ask(request.reference, watches)
+
+
+def _tell(trial: Trial) -> None:
+    """One line as soon as a run has ended."""
+    how = "kept" if trial.was_kept else "done"
+    words = how if trial.is_good else f"exit code {trial.code}, {trial.message}"
+    # in one piece: several threads tell
+    sys.stdout.write(f"  {trial.setting.method} {trial.setting.label}: {words}\n")
+    sys.stdout.flush()
+
+
+def _report(
+    request: Request,
+    deck: Deck,
+    trials: list[Trial],
+    findings: list[Finding],
+    extra: list[Finding],
+) -> None:
+    """Write study.csv and study.png, print the table and what it says."""
+    replace_text(request.folder / "study.csv", csv_text(trials, findings))
+    title = deck.title or request.deck.stem
+    missing = draw(request.folder / "study.png", title, trials, findings)
+    print()
+    print(text_table(trials, findings))
+    print()
+    print(legend(findings))
+    if any(finding.stalls for finding in findings):
+        print(_still_converging(extra))
+    if request.target is not None:
+        print()
+        print(_verdict(findings, trials, request.target))
+    print()
+    print(f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png"))
+    if missing:
+        print(missing)
+
+
+def _still_converging(extra: list[Finding]) -> str:
+    """Which overall numbers converge although a watched channel does not."""
+    names = [
+        f"{finding.watch.name} (order {max(orders):.1f})"
+        for finding in extra
+        if not finding.stalls and (orders := [p for p in finding.orders.values() if isfinite(p)])
+    ]
+    if not names:
+        return "No energy, impulse or largest speed converges either."
+    return "What still converges: " + "; ".join(names) + "."
+
+
+def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str:
+    """The cheapest setting that meets the wanted error, or what would be needed."""
+    absolute = [finding.watch.name for finding in findings if finding.is_absolute]
+    left_out = f" (not judged, its reference is zero: {', '.join(absolute)})" if absolute else ""
+    best = cheapest(findings, trials, target)
+    if best is not None:
+        return (
+            f"target {target:g}: {best.setting.method} {best.setting.label}, "
+            f"{best.cpu_steps:.3g} s of CPU in steps, error {worst(findings, best):.2g}{left_out}"
+        )
+    text = f"target {target:g}: none of these settings meets it{left_out}"
+    able = [trial for trial in trials if isfinite(worst(findings, trial))]
+    if not able:
+        return text
+    nearest = min(able, key=lambda trial: worst(findings, trial))
+    error = worst(findings, nearest)
+    text += f"; the nearest is {nearest.setting.method} {nearest.setting.label}, error {error:.2g}"
+    order = order_of(nearest.setting.method)
+    own = [f.order(nearest) for f in findings if not f.is_absolute]
+    if order and error > target and all(abs(p - order) <= NEAR for p in own):
+        text += f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should do"
+    return text

@@ -1,0 +1,122 @@
+"""Orders of convergence and estimates of error from runs with ever shorter steps.
+
+    |x1 - x2| / |x2 - x3| = (h1^p - h2^p) / (h2^p - h3^p)        p, the observed order
+    x* = x3 + (x3 - x2) / ((h2/h3)^p - 1)                        x*, the extrapolated value
+
+A value x is an array: one number, or a history at equal sample times; |.| is its largest element.
+Consequence to test: x = 1 + h^2 gives p = 2 and x* = 1 for any three steps.
+
+Reference: Roache (1994), J. Fluids Eng. 116, 405-413.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import inf, log, nan
+
+import numpy as np
+
+# differences that shrink by less than a tenth do not count as shrinking
+SHRINKS = 0.9
+# differences below this share of the value are round-off and the tolerance of the constraints
+ROUND_OFF = 1e-9
+# an observed order this near the method's is taken for it
+NEAR = 0.5
+HIGHEST = 16.0
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """What the runs of one method, from the longest step to the shortest, say of one value.
+
+    `error` is the estimated error of the last one, in the unit of the value; `orders` begin with
+    the third run; `stalls` is the run from which on the differences shrink no more.
+    """
+
+    value: np.ndarray
+    error: float
+    orders: list[float] = field(default_factory=list)
+    stalls: int | None = None
+    is_extrapolated: bool = False
+
+    @property
+    def order(self) -> float:
+        """The last order that could be observed; NaN when none could."""
+        return next((p for p in reversed(self.orders) if np.isfinite(p)), nan)
+
+
+def distance(a: np.ndarray, b: np.ndarray) -> float:
+    """Largest difference of two values."""
+    return float(np.max(np.abs(a - b)))
+
+
+def examine(
+    steps: Sequence[float], values: Sequence[np.ndarray], order: float | None
+) -> Convergence:
+    """Observed orders, extrapolated value and estimated error of runs of a method of an order."""
+    apart = [distance(a, b) for a, b in pairwise(values)]
+    last = values[-1]
+    if len(values) < 3:
+        # two runs tell how far they are apart, not how much of that is left
+        return Convergence(last, apart[-1] if apart else inf)
+    floor = ROUND_OFF * float(np.max(np.abs(last)))
+    orders = [
+        observed_order(steps[i : i + 3], apart[i : i + 2]) if min(apart[i : i + 2]) > floor else nan
+        for i in range(len(apart) - 1)
+    ]
+    stalls = _stall(apart, floor)
+    if apart[-1] <= floor or stalls is not None:
+        return Convergence(last, max(apart[-2:]) if stalls else apart[-1], orders, stalls)
+    p = orders[-1]
+    is_near = order is not None and abs(p - order) <= NEAR
+    # an order higher than the method's is luck and no ground for a smaller error
+    power = order if order and (is_near or p > order) else p
+    rest = (last - values[-2]) / ((steps[-2] / steps[-1]) ** power - 1.0)
+    left = float(np.max(np.abs(rest)))
+    return Convergence(last + rest if is_near else last, left, orders, None, is_near)
+
+
+def observed_order(steps: Sequence[float], apart: Sequence[float]) -> float:
+    """Order from three steps and the two differences; NaN when these do not shrink."""
+    h1, h2, h3 = steps
+    if not apart[1] < apart[0] or not h1 > h2 > h3:
+        return nan
+    wanted, low, high = apart[0] / apart[1], 1e-3, HIGHEST
+
+    def ratio(p: float) -> float:
+        return float((h1**p - h2**p) / (h2**p - h3**p))
+
+    if not ratio(low) < wanted < ratio(high):
+        return nan
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if ratio(middle) < wanted else (low, middle)
+    return low
+
+
+def order_of_errors(steps: Sequence[float], errors: Sequence[float]) -> float:
+    """Order from two steps and their errors; NaN when an error is zero or unknown."""
+    (h1, h2), (e1, e2) = steps, errors
+    if not (h1 > h2 > 0.0 and e1 > 0.0 and e2 > 0.0):
+        return nan
+    return log(e1 / e2) / log(h1 / h2)
+
+
+def parting_time(time: np.ndarray, values: Sequence[np.ndarray]) -> float | None:
+    """First time [s] at which the differences of the three last histories shrink no more."""
+    coarse, middle, fine = values[-3:]
+    # what has once been apart counts as apart: histories cross
+    before = np.maximum.accumulate(np.abs(coarse - middle))
+    after = np.maximum.accumulate(np.abs(middle - fine))
+    apart = (after > SHRINKS * before) & (after > 1e-3 * after[-1])
+    return float(time[np.argmax(apart)]) if apart.any() else None
+
+
+def _stall(apart: Sequence[float], floor: float) -> int | None:
+    """The run from which on the differences shrink no more; None when the last ones do."""
+    shrinks = [b <= max(SHRINKS * a, floor) for a, b in pairwise(apart)]
+    if shrinks[-1]:
+        return None
+    # the trailing pairs that do not shrink begin after the last one that does
+    first = max((i + 1 for i, good in enumerate(shrinks) if good), default=0)
+    return first + 1

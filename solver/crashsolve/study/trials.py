@@ -1,0 +1,153 @@
+"""The runs of a study: ordinary commands in folders of their own, side by side on the cores.
+
+A run that fails is a trial with its exit code and message. A run that is there already, of the same
+deck text and the same version, is not repeated.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import crashsolve
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.errors import CrashsolveError, ExitCode
+from crashsolve.study.settings import Setting
+
+# runs that would end the same way once more
+COMPLETE = {ExitCode.NORMAL, ExitCode.SOLVER}
+
+
+@dataclass
+class Trial:
+    """One setting after its run: average step and CPU times [s], an answer per watched channel."""
+
+    setting: Setting
+    folder: Path
+    code: int
+    message: str = ""
+    cycles: int = 0
+    step: float = nan
+    cpu_steps: float = nan
+    cpu: float = nan
+    was_kept: bool = False
+    # whether it took the same steps as the trial before it
+    is_same: bool = False
+    answers: list[dict[str, Any]] = field(default_factory=list)
+
+    @property
+    def is_good(self) -> bool:
+        """Whether it reached its end."""
+        return self.code == ExitCode.NORMAL
+
+
+Tell = Callable[[Trial], None]
+
+
+def run_all(
+    deck: Path,
+    settings: list[Setting],
+    overrides: Mapping[str, str],
+    folder: Path,
+    jobs: int,
+    tell: Tell,
+) -> list[Trial]:
+    """All trials in the order of their settings; `tell` hears of each as it ends."""
+
+    def run(setting: Setting) -> Trial:
+        trial = _trial(deck, setting, {**overrides, **setting.overrides}, folder / setting.folder)
+        tell(trial)
+        return trial
+
+    # the first of each method compiles for the others; then the dearest first, to end together
+    first = list({setting.method: setting for setting in reversed(settings)}.values())
+    others = [setting for setting in reversed(settings) if setting not in first]
+    done: dict[str, Trial] = {}
+    with ThreadPoolExecutor(jobs) as pool:
+        for wave in (first, others):
+            done |= {trial.setting.folder: trial for trial in pool.map(run, wave)}
+    trials = [done[setting.folder] for setting in settings]
+    _mark_repeated(trials)
+    return trials
+
+
+def _trial(deck: Path, setting: Setting, overrides: Mapping[str, str], folder: Path) -> Trial:
+    """Run one setting, unless its results are there."""
+    try:
+        text = read_deck(deck, overrides).text
+    except CrashsolveError as error:
+        return Trial(setting, folder, int(error.exit_code), str(error).splitlines()[0])
+    status = _status(folder)
+    if status.get("exit_code") in COMPLETE and _is_of(folder, text):
+        return _finished(setting, folder, int(status["exit_code"]), "", was_kept=True)
+    words = [word for name, value in overrides.items() for word in ("--set", f"{name}={value}")]
+    done = subprocess.run(
+        [sys.executable, "-m", "crashsolve", "run", str(deck), "-o", str(folder), *words],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        errors="replace",
+    )
+    return _finished(setting, folder, done.returncode, done.stderr)
+
+
+def _finished(
+    setting: Setting, folder: Path, code: int, errors: str, was_kept: bool = False
+) -> Trial:
+    """What the files of a run say of it."""
+    status = _status(folder)
+    trial = Trial(setting, folder, code, was_kept=was_kept)
+    if code in COMPLETE:
+        trial.cycles = int(status["cycle"])
+        trial.cpu, trial.cpu_steps = float(status["cpu"]), float(status.get("cpu_steps", nan))
+        trial.message = str(status["message"])
+    elif errors.strip():
+        trial.message = errors.strip().splitlines()[-1]
+    elif code < 0:
+        trial.message = f"killed by signal {-code}"
+    return trial
+
+
+def _status(folder: Path) -> dict[str, Any]:
+    """status.json of a run; empty when there is none."""
+    try:
+        status = json.loads((folder / "status.json").read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return status if isinstance(status, dict) else {}
+
+
+def _is_of(folder: Path, text: str) -> bool:
+    """Whether the results in a folder are of this deck text and of this version."""
+    import h5py
+
+    try:
+        with h5py.File(folder / "history.h5") as file:
+            versions = json.loads(file.attrs["versions"])
+            is_same = file.attrs["deck_text"] == text
+    except (OSError, KeyError, ValueError):
+        return False
+    return bool(is_same and versions.get("crashsolve") == crashsolve.__version__)
+
+
+def _mark_repeated(trials: list[Trial]) -> None:
+    """Find trials whose steps samples or other bounds made those of the trial before."""
+    before: dict[str, int] = {}
+    for trial in trials:
+        method = trial.setting.method
+        if trial.is_good and trial.cycles == before.get(method):
+            trial.is_same = True
+            trial.message = "same steps as before: bound by samples, not by the setting"
+        elif trial.is_good:
+            before[method] = trial.cycles
+
+
+def cores() -> int:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

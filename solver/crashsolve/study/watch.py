@@ -1,0 +1,127 @@
+"""The watched channels of a study, and asking the results of its runs for them.
+
+`crashpost values` answers, in a process of its own: the result files are the contract.
+"""
+
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from crashsolve.deck.expect import Expect
+from crashsolve.deck.laws import choices
+from crashsolve.deck.read import Deck
+from crashsolve.deck.statistic import STATISTICS, Window
+from crashsolve.foundation.errors import DeckError
+from crashsolve.output.errors import OutputError
+
+PATH = "path"
+KNOWN = ("exact", "published")
+
+
+@dataclass(frozen=True)
+class Watch:
+    """A statistic of a channel, or the largest of several channels', and its value where known."""
+
+    name: str
+    channels: tuple[str, ...]
+    statistic: str
+    during: Window | None = None
+    unit: str | None = None
+    value: float | None = None
+    because: str = ""
+
+    def questions(self) -> list[dict[str, Any]]:
+        """What to ask a result for."""
+        common = {"statistic": self.statistic, "during": self.during, "unit": self.unit}
+        return [{"channel": channel, **common} for channel in self.channels]
+
+
+def watched(deck: Deck, words: Sequence[str]) -> list[Watch]:
+    """The channels asked for, else those the deck expects, else the deck's energies and motion.
+
+    Raises DeckError for a statistic that does not exist.
+    """
+    expected = [_expected(card) for card in deck.expect]
+    if not words:
+        return list(dict.fromkeys(expected)) or overall(deck)
+    known = {(w.channels[0], w.statistic): w for w in reversed(expected) if not w.during}
+    found = [_from_word(word) for word in words]
+    return [known.get((w.channels[0], w.statistic), w) for w in found]
+
+
+def overall(deck: Deck) -> list[Watch]:
+    """Numbers that every deck has, and that converge where single paths do not."""
+    energies = ("energy.kinetic", "mechanical", "energy.contact_dissipated")
+    watches = [_plain(f"glstat.model.{energy}", "final") for energy in energies]
+    for contact in deck.entries["contacts"]:
+        parts = ", ".join(f"'rcforc.{contact}.impulse.{axis}'" for axis in "xyz")
+        watches.append(Watch(f"impulse of {contact}", (f"norm({parts})",), "final"))
+    bodies = [
+        "norm(" + ", ".join(f"'rbdout.{body}.velocity.{axis}'" for axis in "xyz") + ")"
+        for body in deck.entries["bodies"]
+    ]
+    if bodies:
+        watches.append(Watch("largest speed of a body", tuple(bodies), "max"))
+    return watches
+
+
+def ask(folder: Path, watches: Sequence[Watch]) -> list[dict[str, Any]]:
+    """The answer for each watch, {value, unit, time} or {problem}. Raises OutputError."""
+    path = folder / "questions.json"
+    try:
+        path.write_text(json.dumps([q for watch in watches for q in watch.questions()]), "utf-8")
+    except OSError as error:
+        raise OutputError(path, error) from error
+    done = subprocess.run(
+        [sys.executable, "-m", "crashpost", "values", str(folder), str(path)],
+        capture_output=True,
+        text=True,
+    )
+    path.unlink(missing_ok=True)
+    if done.returncode != 0:
+        problem = done.stderr.strip().splitlines()[-1:] or ["crashpost failed"]
+        return [{"problem": problem[0]} for _ in watches]
+    answers = iter(json.loads(done.stdout))
+    return [_largest([next(answers) for _ in watch.channels]) for watch in watches]
+
+
+def _largest(answers: list[dict[str, Any]]) -> dict[str, Any]:
+    """The one answer; of several the one with the largest value, or with a problem."""
+    problems = [answer for answer in answers if "problem" in answer]
+    if problems or len(answers) == 1:
+        return (problems or answers)[0]
+    return max(answers, key=lambda answer: float(answer["value"]))
+
+
+def _expected(card: Expect) -> Watch:
+    during = f" from {card.during[0]:g} to {card.during[1]:g} s" if card.during else ""
+    name = f"{card.channel} {card.statistic}{during}"
+    is_known = card.because in KNOWN
+    return Watch(
+        name,
+        (card.channel,),
+        card.statistic,
+        card.during,
+        card.unit,
+        card.value if is_known else None,
+        card.because if is_known else "",
+    )
+
+
+def _plain(channel: str, statistic: str) -> Watch:
+    return Watch(f"{channel} {statistic}", (channel,), statistic)
+
+
+def _from_word(word: str) -> Watch:
+    """CHANNEL, whose whole history is meant, or CHANNEL:STATISTIC."""
+    channel, _, statistic = word.partition(":")
+    statistic = statistic or PATH
+    if statistic not in (*STATISTICS, PATH) and not statistic.startswith("at:"):
+        advice = choices(statistic, (*STATISTICS, "at:T", PATH), "statistics")
+        message = f"unknown statistic '{statistic}'"
+        raise DeckError(f"--channel {word}", None, None, "", message, advice)
+    return _plain(channel.strip(), statistic)

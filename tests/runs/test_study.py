@@ -1,0 +1,186 @@
+"""Claim: a study tells of every setting how wrong it is and what it costs, whatever fails."""
+
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command import crashsolve
+
+from crashsolve.deck.read import read_deck
+from crashsolve.integrators.rattle import ORDER
+from crashsolve.study.convergence import examine, parting_time
+from crashsolve.study.settings import settings
+
+HERE = Path(__file__).parent
+PENDULUM = HERE / "pendulum.yaml"
+X, Y = "rbdout.bob.position.x final", "rbdout.bob.position.y final"
+EXACT = {X: 0.9862917511, Y: -0.1650108531}
+# the longest step breaks the deck's bound on the energy
+STEPS = ("0.25", "8e-3", "4e-3", "2e-3", "1e-3")
+SLOPE = 0.15
+pytestmark = pytest.mark.xdist_group("runs")
+
+
+def study(folder: Path, *words: Any, **changes: str) -> str:
+    """What a study of the pendulum prints; a few hundred steps cost less than a compiler."""
+    done = crashsolve(
+        *("study", PENDULUM, "-o", folder, "--steps", ",".join(STEPS), *words),
+        **({"NUMBA_DISABLE_JIT": "1"} | changes),
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def rows(folder: Path) -> dict[str, dict[str, str]]:
+    """study.csv by setting."""
+    with (folder / "study.csv").open(encoding="utf-8") as file:
+        return {row["setting"]: row for row in csv.DictReader(file)}
+
+
+def column(folder: Path, word: str) -> list[float]:
+    """Numbers of the runs that reached their end, in the column that begins with a word."""
+    good = [row for row in rows(folder).values() if row["exit code"] == "0"]
+    (name,) = [name for name in good[0] if name.startswith(word)]
+    return [float(row[name] or "nan") for row in good]
+
+
+@pytest.fixture(scope="module")
+def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, str]]:
+    """A finished study, and what it printed."""
+    folder = tmp_path_factory.mktemp("study")
+    yield folder, study(folder, "--target", "1e-4")
+
+
+def test_errors_are_those_against_the_exact_value(pendulum: tuple[Path, str]) -> None:
+    folder, printed = pendulum
+    for name, exact in EXACT.items():
+        values, errors = column(folder, f"{name} ["), column(folder, f"{name}: error against exact")
+        np.testing.assert_allclose(errors, np.abs(np.array(values) / exact - 1.0), rtol=1e-6)
+        assert f"{name} = {exact:.9g} m (exact)" in printed
+
+
+def test_the_order_of_the_method_is_observed(pendulum: tuple[Path, str]) -> None:
+    folder, _ = pendulum
+    for name in EXACT:
+        orders = column(folder, f"{name}: order")[1:]
+        assert np.allclose(orders, ORDER, atol=SLOPE)
+
+
+def test_a_failing_setting_is_a_row(pendulum: tuple[Path, str]) -> None:
+    folder, printed = pendulum
+    row = rows(folder)["0.25"]
+    assert row["exit code"] == "4"
+    assert "energy balance" in row["message"]
+    assert row[f"{X}: order"] == ""
+    assert "rattle 0.25: exit code 4, t = " in printed
+
+
+def test_the_cheapest_setting_that_meets_the_target_is_named(pendulum: tuple[Path, str]) -> None:
+    folder, printed = pendulum
+    good = [label for label in STEPS if rows(folder)[f"{float(label):g}"]["exit code"] == "0"]
+    errors = np.max([column(folder, f"{name}: error") for name in EXACT], axis=0)
+    first = next(float(h) for h, error in zip(good, errors, strict=True) if error <= 1e-4)
+    assert f"target 0.0001: rattle {first:g}, " in printed
+    assert first not in (float(good[0]), float(good[-1]))
+
+
+def test_complete_runs_are_kept(pendulum: tuple[Path, str]) -> None:
+    folder, _ = pendulum
+    before = {path: path.stat().st_mtime_ns for path in folder.glob("*/log.txt")}
+    printed = study(folder, "--target", "1e-12")
+    assert {path: path.stat().st_mtime_ns for path in folder.glob("*/log.txt")} == before
+    assert printed.count(": kept") == len(before) - 1 == 4
+    assert "none of these settings meets it; the nearest is rattle 0.001" in printed
+    assert "s should do" in printed
+
+
+def test_without_a_known_value_the_runs_are_their_own_reference(
+    pendulum: tuple[Path, str],
+) -> None:
+    folder, _ = pendulum
+    words = ("--channel", "rbdout.bob.velocity.y:final", "--channel", "'rbdout.bob.position.x' * 1")
+    printed = study(folder, *words)
+    assert "rbdout.bob.velocity.y final = " in printed
+    assert "(extrapolated)" in printed
+    assert "'rbdout.bob.position.x' * 1 path against the extrapolated" in printed
+    orders = column(folder, "rbdout.bob.velocity.y final: order")
+    assert np.allclose(orders[2:], ORDER, atol=SLOPE)
+    # a path of two samples, the second the one whose exact value is known
+    name = "'rbdout.bob.position.x' * 1 path"
+    estimated = column(folder, f"{name}: error against extrapolated")
+    true = np.abs(np.array(column(folder, f"{name} [")) - EXACT[X])
+    np.testing.assert_allclose(estimated, true, rtol=0.05)
+
+
+def test_results_in_a_folder_serve_as_reference(pendulum: tuple[Path, str]) -> None:
+    folder, _ = pendulum
+    words = ("--channel", "rbdout.bob.velocity.x", "--reference", folder / "rattle_0.001")
+    printed = study(folder, *words)
+    assert "rbdout.bob.velocity.x path against the file" in printed
+    errors = column(folder, "rbdout.bob.velocity.x path: error against file")
+    assert errors[-1] == 0.0
+    assert errors[0] > errors[1] > errors[2] > 0.0
+
+
+def test_without_matplotlib_there_is_a_table_and_a_word(
+    pendulum: tuple[Path, str], tmp_path: Path
+) -> None:
+    folder, _ = pendulum
+    assert (folder / "study.png").read_bytes().startswith(b"\x89PNG")
+    (tmp_path / "matplotlib.py").write_text("raise ImportError('not there')\n", "utf-8")
+    root = HERE.parents[1]
+    search = ":".join(map(str, (tmp_path, root / "solver", root / "postproc")))
+    printed = study(folder, PYTHONPATH=search)
+    assert "no plot: matplotlib is missing; pip install 'crashsolve[post]'" in printed
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--steps", "1e-3,-1"), "'-1' is not a positive number"),
+        (("--channel", "a.b.c:maximum"), "unknown statistic 'maximum'; did you mean 'max'?"),
+        (("--reference", "nowhere"), "--reference nowhere: error: no results there"),
+        (("--set", "lenth=1"), "unknown parameter 'lenth'"),
+    ],
+)
+def test_a_wrong_request_exits_with_2(words: tuple[str, str], message: str, tmp_path: Path) -> None:
+    done = crashsolve("study", PENDULUM, "-o", tmp_path / "study", *words)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_default_settings_are_multiples_of_the_steps_of_the_deck(tmp_path: Path) -> None:
+    fixed = settings(read_deck(PENDULUM), (), None, None)
+    assert [s.label for s in fixed] == ["0.008", "0.004", "0.002", "0.001", "0.0005", "0.00025"]
+    deck = read_deck(PENDULUM, {"control.step": "auto", "control.step_max": "0.5"})
+    auto = settings(deck, ("rattle", "other"), None, None)
+    assert [s.label for s in auto[:6]] == ["auto*4", "auto*2", "auto", "auto/2", "auto/4", "auto/8"]
+    assert [s.method for s in auto] == ["rattle"] * 6 + ["other"] * 6
+    assert auto[3].overrides["control.safety"] == "0.05"
+    assert auto[3].overrides["control.step_max"] == "0.25 s"
+
+
+def test_three_steps_of_any_ratio_give_order_and_limit() -> None:
+    steps = [0.4, 0.25, 0.1]
+    found = examine(steps, [np.array([1.0 + h**2]) for h in steps], 2.0)
+    assert found.order == pytest.approx(2.0)
+    assert found.value[0] == pytest.approx(1.0)
+    assert found.error == pytest.approx(0.01)
+    assert found.stalls is None
+
+
+def test_differences_that_do_not_shrink_are_told() -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    steps = [0.1 / 2**k for k in range(5)]
+    # smooth until 0.6 s, then another branch with every run
+    late = np.where(time > 0.605, 1.0, 0.0)
+    paths = [np.sin(time) * (1 + h**2) + late * (-1) ** k for k, h in enumerate(steps)]
+    found = examine(steps, paths, 2.0)
+    assert found.stalls == 1
+    assert found.error == pytest.approx(2.0, rel=0.02)
+    assert parting_time(time, paths) == pytest.approx(0.61)
+    assert examine(steps, [np.sin(time) * (1 + h**2) for h in steps], 2.0).stalls is None
