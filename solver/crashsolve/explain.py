@@ -30,5 +30,5 @@ def explain(deck: Deck, model: Model) -> str:
         left = sorted(set(types_in(section.folder)) - used.get(keyword, set()))
         if left:
             lines.append(f"  {keyword}: {', '.join(left)}")
-    lines += ["", "composed step", "-" * 13, compose(model, deck.control.integrator)]
+    lines += ["", "composed step", "-" * 13, compose(model)]
     return "\n".join(lines)

@@ -12,7 +12,16 @@ class Control(Card):
 
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
-    integrator: Literal["rattle"] = word("method of integration", "rattle")
+    integrator: Literal["rattle", "dormand_prince_5", "dormand_prince_8"] = word(
+        "method of integration", "rattle"
+    )
+    accuracy: float = quantity(
+        "1",
+        "error of a step over the model's size and speed, where the method chooses its step",
+        1e-6,
+        gt=0,
+        lt=1,
+    )
     step: float | Literal["auto"] = quantity(
         "s", "time step; auto: from the stiffest active spring and contact", "auto", gt=0
     )

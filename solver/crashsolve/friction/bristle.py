@@ -43,6 +43,8 @@ class Bristle(Card):
         return self
 
 
+# the bristle is stretched by the slip of a whole step
+STEPWISE = True
 PARAMETERS = Record(
     friction_stiffness=("N/m", "k"),
     friction_damping=("1", "c / (2 sqrt(k m))"),

@@ -212,7 +212,9 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
         predict(nodes, h)
     refresh(nodes)
     clear_forces(nodes)
-    force_pass(clock.current, time, h, nodes, rows, curves, groups)
+    clock.opens = clock.closes = 1
+    clock.lead = clock.share = 0.5 * h
+    force_pass(clock, time, h, nodes, rows, curves, groups)
     if CONTACTS:
         take_late(nodes, -1.0)
     if h > 0.0:

@@ -57,6 +57,7 @@ def build(deck: Deck) -> tuple[Model, State]:
         bodies=scene.names,
         mass=scene.mass,
         size=scene.size,
+        integrator=deck.control.integrator,
         groups=groups,
         contact_groups=contact_groups,
         contacts=list(deck.entries["contacts"]),
@@ -143,6 +144,7 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     rest = np.zeros((2, len(entries)), history.dtype)
     for i, entry in enumerate(entries):
         with scene.building(entry):
+            scene.refuse_stepwise(module)
             fill(table[i], module.build(entry.card, scene))
             if hasattr(module, "initial_history"):
                 for side in (0, 1):
@@ -172,6 +174,8 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["constraint_tolerance"] = card.constraint_tolerance
     c["onset_tolerance"] = card.onset_tolerance or 0.0
     c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
+    c["length"] = scene.size
+    c["accuracy"] = card.accuracy
     c["check_every"] = card.check_every
     return control
 

@@ -221,6 +221,7 @@ class GroupBuilder:
         card = entry.card
         law = self.modules[0].build(card.normal, scene, Pair(entry.name, a.radius, b.radius))
         if card.friction is not None:
+            scene.refuse_stepwise(self.modules[1], "friction")
             law = law | self.modules[1].build(card.friction, scene)
         return dict(law)
 

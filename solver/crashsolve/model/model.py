@@ -76,6 +76,7 @@ class Model:
     bodies: list[str]  # node names; the first is the ground
     mass: np.ndarray
     size: float  # model length for tolerances [m]
+    integrator: str
     groups: list[Group]
     contact_groups: list[ContactGroup]
     contacts: list[str]  # contact cards

@@ -36,6 +36,14 @@ NODE = Record(
     L_half=("kg m^2/s", 3, "angular momentum during the drift"),
 )
 
+STAGE = Record(
+    rate_r=("m/s", 3, "velocity at a stage of a Runge-Kutta step; ground: power of drivers [W]"),
+    rate_turn=("1/s", 3, "of turn"),
+    rate_v=("m/s^2", 3, "acceleration; ground: force from outside [N]"),
+    rate_L=("N m", 3, "moment about the mass centre; ground: from outside, about the origin"),
+    turn=("1", 3, "Cayley vector of the turn since the start of the step"),
+)
+
 ROW = Record(
     phi=("m or 1", "Phi(q, t)"),
     D=("1 or m", 12, "Jacobian; columns v_a, w_a, v_b, w_b"),

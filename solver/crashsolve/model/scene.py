@@ -90,6 +90,14 @@ class Scene:
         """The exception for a card that cannot be built: `raise scene.fail(...)`."""
         return CardProblem(message, field)
 
+    def refuse_stepwise(self, module: Any, field: str | None = None) -> None:
+        """A law that counts in whole steps has no order in a method that takes steps in stages."""
+        method = self.deck.control.integrator
+        if getattr(module, "STEPWISE", False) and method != "rattle":
+            law = module.__name__.rpartition(".")[2]
+            message = f"'{law}' counts in whole steps, integrator {method} needs rates at any time"
+            raise self.fail(f"{message}; say integrator: rattle", field)
+
     def warn(self, message: str) -> None:
         if message not in self.warnings:
             self.warnings.append(message)

@@ -42,6 +42,8 @@ class Brake(PointSpringCard):
     damping: float = quantity("N s/m", "c, of the bristle", default=0.0, ge=0)
 
 
+# the bristle is stretched by the slip of a whole step
+STEPWISE = True
 PARAMETERS = POINTS + Record(
     first=("1", 3, "first direction braked, axes of a"),
     second=("1", 3, "second direction; 0 when only the first is braked"),

@@ -43,6 +43,8 @@ class SlideFriction(Card):
         return self
 
 
+# the bristle is stretched by the slip of a whole step
+STEPWISE = True
 PARAMETERS = POINTS + BRISTLE + Record(axis_a=("1", 3, "joint axis, axes of a"))
 HISTORY = Record(
     travel=("m", "of b from the start"),

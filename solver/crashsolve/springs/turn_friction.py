@@ -49,6 +49,8 @@ class TurnFriction(Card):
         return self
 
 
+# the bristle is stretched by the slip of a whole step
+STEPWISE = True
 PARAMETERS = BRISTLE + Record(
     node_a=("index", "first body"),
     node_b=("index", "second body"),

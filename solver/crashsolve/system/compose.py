@@ -9,6 +9,7 @@ import ast
 import hashlib
 import os
 import sys
+from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -20,7 +21,7 @@ SIGNATURES = {
     "residual": "current, time, nodes, rows, curves, groups",
     "jacobian": "current, time, nodes, rows, curves, groups",
     "convective": "current, time, nodes, rows, curves, groups",
-    "force_pass": "current, time, h, nodes, rows, curves, groups",
+    "force_pass": "clock, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
     "approach_before": "current, groups",
     "need_rebuild": "clock, nodes, groups",
@@ -29,9 +30,13 @@ SIGNATURES = {
 }
 
 
-def compose(model: Any, integrator: str = "rattle") -> str:
+def compose(model: Any) -> str:
     """Text of the composed module."""
-    text = (PACKAGE / "integrators" / f"{integrator}.py").read_text("utf-8")
+    integrator = model.integrator
+    folder = PACKAGE / "integrators"
+    recital = getattr(import_module(f"crashsolve.integrators.{integrator}"), "RECITAL", integrator)
+    text = (folder / f"{recital}.py").read_text("utf-8")
+    text = text.replace("integrators.dormand_prince_5 import", f"integrators.{integrator} import")
     before, after = _split_at_scene_import(text)
     return before + scene_text(model) + after
 
@@ -129,7 +134,7 @@ def _imports(model: Any) -> str:
         package, _, leaf = name.rpartition(".")
         lines.append(f"from {package} import {leaf} as {alias}")
     lines += [
-        "from crashsolve.system.energy import clear_ledger, close_ledger",
+        "from crashsolve.system.energy import clear_ledger, close_ledger, lose",
         "from crashsolve.system.kinetics import kinetic_energy",
     ]
     return "\n".join(lines) + "\n"
@@ -157,25 +162,22 @@ def _force_calls(model: Any) -> list[str]:
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
             "for i in range(p.shape[0]):",
-            "    old, new, o = history[current, i], history[1 - current, i], out[i]",
+            "    old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]",
             f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
-            "    new.dissipated = old.dissipated + 0.5 * h * (old.power + o.power) + o.loss",
-            "    new.power = o.power",
+            "    lose(clock, old, new, o.power, o.loss)",
         ]
     for g in model.following_groups():
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
             "for i in range(p.shape[0]):",
-            "    old, new = history[current, i], history[1 - current, i]",
+            "    old, new = history[clock.current, i], history[1 - clock.current, i]",
             f"    {g.word}.follow(p[i], old, new, out[i], nodes)",
         ]
     if model.contact_groups:
         lines += ["contacts.open_cards(groups.cards)"]
-        lines += ["contacts.carry_onsets(current, groups.card_history)"]
-        lines += [
-            f"{c.word}(current, time, h, nodes, rows, curves, groups)" for c in model.contact_groups
-        ]
-        lines += ["contacts.close_cards(current, h, groups.cards, groups.card_history)"]
+        lines += ["contacts.carry_onsets(clock.current, groups.card_history)"]
+        lines += [f"{c.word}(clock, h, nodes, curves, groups)" for c in model.contact_groups]
+        lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
     return lines
 
 
@@ -184,16 +186,16 @@ def _contact(c: Any) -> str:
     g, normal = f"groups.{c.word}", _alias(c.normal)
     lines = [
         "@kernel",
-        f"def {c.word}(current, time, h, nodes, rows, curves, groups):",
+        f"def {c.word}(clock, h, nodes, curves, groups):",
         f"    params, history, output = {g}_p, {g}_h, {g}_o",
-        "    counts = groups.card_history[1 - current]",
+        "    counts = groups.card_history[1 - clock.current]",
         "    for i in range(params.shape[0]):",
         "        p, out = params[i], output[i]",
-        "        old, new = history[current, i], history[1 - current, i]",
+        "        old, new = history[clock.current, i], history[1 - clock.current, i]",
         f"        a, b = {g}_a[p.a], {g}_b[p.b]",
         f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
         "        if depth <= 0.0:",
-        "            contacts.separate(old, new, out, depth, x)",
+        "            contacts.separate(clock, old, new, out, depth, x)",
         f"            {normal}.release(p, old, new)",
     ]
     if c.friction:
@@ -226,7 +228,7 @@ def _contact(c: Any) -> str:
         "        felt = contacts.share_felt(old, depth, rate, h)",
         "        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)",
         "        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)",
-        "        contacts.dissipate(old, new, h, felt, power, loss, t_power, t_loss)",
+        "        contacts.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)",
         "        card, card_new = groups.cards[p.card], counts[p.card]",
         "        contacts.sum_card(card, card_new, p.order, felt, f, t, new, out)",
         "        contacts.sum_losses(card, new)",
@@ -244,14 +246,19 @@ def _approach_calls(model: Any) -> list[str]:
     lines = ["deepest = -1e300"]
     for c in model.contact_groups:
         g = f"groups.{c.word}"
-        lines += [
-            f"params, history = {g}_p, {g}_h",
-            "for i in range(params.shape[0]):",
-            "    if history[current, i].active == 0:",
-            f"        a, b = {g}_a[params[i].a], {g}_b[params[i].b]",
-            f"        depth, _, _ = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
-            "        deepest = max(deepest, depth)",
+        measure = [
+            f"a, b = {g}_a[params[i].a], {g}_b[params[i].b]",
+            f"depth, _, _ = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
         ]
+        lines += [f"params, history = {g}_p, {g}_h", "for i in range(params.shape[0]):"]
+        if _locates_ends(model):
+            lines += [f"    {line}" for line in measure]
+            lines += [
+                "    deepest = max(deepest, depth if history[current, i].active == 0 else -depth)"
+            ]
+        else:
+            lines += ["    if history[current, i].active == 0:"]
+            lines += [f"        {line}" for line in [*measure, "deepest = max(deepest, depth)"]]
     return [*lines, "return deepest"]
 
 
@@ -261,10 +268,23 @@ def _approach_before_calls(model: Any) -> list[str]:
         lines += [
             f"history = groups.{c.word}_h",
             "for i in range(history.shape[1]):",
-            "    if history[current, i].active == 0:",
-            "        deepest = max(deepest, history[current, i].depth)",
+            "    depth = history[current, i].depth",
         ]
+        if _locates_ends(model):
+            lines += [
+                "    deepest = max(deepest, depth if history[current, i].active == 0 else -depth)"
+            ]
+        else:
+            lines += [
+                "    if history[current, i].active == 0:",
+                "        deepest = max(deepest, depth)",
+            ]
     return [*lines, "return min(deepest, 0.0)"]
+
+
+def _locates_ends(model: Any) -> bool:
+    """Whether steps are cut at the end of a contact too: a method of high order feels that kink."""
+    return bool(model.integrator != "rattle")
 
 
 def _rebuild_calls(model: Any) -> list[str]:

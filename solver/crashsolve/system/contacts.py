@@ -32,13 +32,15 @@ def open_cards(cards):
 
 
 @kernel
-def close_cards(current, h, cards, history):
+def close_cards(clock, cards, history):
     """Peaks, impulses and losses per contact card. Writes: history, cards."""
     for k in range(cards.shape[0]):
-        c, old, new = cards[k], history[current, k], history[1 - current, k]
+        c, old, new = cards[k], history[clock.current, k], history[1 - clock.current, k]
         for j in range(3):
-            felt = c.force[j] - new.late[j]
-            new.impulse[j] = old.impulse[j] + 0.5 * h * (old.force_before[j] + felt)
+            total = new.impulse[j]
+            if clock.opens == 1:
+                total = old.impulse[j] + clock.lead * old.force_before[j]
+            new.impulse[j] = total + clock.share * (c.force[j] - new.late[j])
             new.force_before[j] = c.force[j]
         c.dissipated += old.left_dissipated
         c.friction += old.left_friction_dissipated
@@ -77,13 +79,14 @@ def latch(p, old, new, depth, rate, cards):
 
 
 @kernel
-def separate(old, new, out, depth, x):
+def separate(clock, old, new, out, depth, x):
     """No contact: everything rests. Writes: new, out."""
     new.active = 0
     new.depth = depth
     new.impact_speed = 0.0
-    new.dissipated = old.dissipated
-    new.friction_dissipated = old.friction_dissipated
+    if clock.opens == 1:
+        new.dissipated = old.dissipated
+        new.friction_dissipated = old.friction_dissipated
     new.power = new.friction_power = 0.0
     out.stored = out.friction_stored = 0.0
     for k in range(3):
@@ -155,15 +158,18 @@ def strayed(clock, elements, nodes, seen, slack):
 
 
 @kernel
-def dissipate(old, new, h, felt, power, loss, friction_power, friction_loss):
-    """Energy lost over the step by the trapezoidal rule. Writes: new."""
-    new.dissipated = old.dissipated + 0.5 * h * (old.power + felt * power) + loss
+def dissipate(clock, old, new, felt, power, loss, friction_power, friction_loss):
+    """Add up the energy lost over the step, as system/energy.py does for others. Writes: new."""
+    if clock.opens == 1:
+        new.dissipated = old.dissipated + clock.lead * old.power
+        new.friction_dissipated = old.friction_dissipated + clock.lead * old.friction_power
+    share = clock.share * felt
+    new.dissipated += share * power
+    new.friction_dissipated += share * friction_power
+    if clock.closes == 1:
+        new.dissipated += loss
+        new.friction_dissipated += friction_loss
     new.power = power
-    new.friction_dissipated = (
-        old.friction_dissipated
-        + 0.5 * h * (old.friction_power + felt * friction_power)
-        + friction_loss
-    )
     new.friction_power = friction_power
 
 

@@ -20,6 +20,19 @@ from crashsolve.model.ledger import (
 
 
 @kernel
+def lose(clock, old, new, power, loss):
+    """Add up what a law dissipates over the step: power by its weights, and a loss in one piece.
+
+    Writes: new.
+    """
+    total = new.dissipated if clock.opens == 0 else old.dissipated + clock.lead * old.power
+    new.dissipated = total + clock.share * power
+    if clock.closes == 1:
+        new.dissipated += loss
+    new.power = power
+
+
+@kernel
 def clear_ledger(ledger):
     """Zero what is summed anew; keep the initial and the largest energy. Writes: ledger."""
     for k in range(INITIAL):

@@ -1,5 +1,6 @@
 """The engine: the compiled step of one scene with its arrays. The only place that calls it."""
 
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from crashsolve.model.clock import (
     STEP_TOO_SMALL,
 )
 from crashsolve.model.model import Model, State
+from crashsolve.model.nodes import STAGE
 from crashsolve.model.pairs import renew
 from crashsolve.system.compose import compose, group_arrays, load
 
@@ -47,9 +49,18 @@ class Engine:
         shared = (
             group_arrays(m, s) | m.saddle._asdict() | {"control": m.control, "curves": m.curves}
         )
+        shared |= self._scratch()
         state = {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": s.ledger}
         copies = zip(state, (self._clock, self.nodes, self.rows, self.ledger), strict=True)
         self._present, self._sampled = Tables(shared | state), Tables(shared | dict(copies))
+
+    def _scratch(self) -> dict[str, np.ndarray]:
+        """The tableau of a Runge-Kutta method, and room for its stages."""
+        method = import_module(f"crashsolve.integrators.{self.model.integrator}")
+        if not hasattr(method, "STAGES"):
+            return {}
+        tableau = {name: getattr(method, name).ravel() for name in ("A", "C", "E", "E_LOW")}
+        return tableau | {"stages": np.zeros((method.STAGES, len(self.nodes)), STAGE.dtype)}
 
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
@@ -162,6 +173,14 @@ class Engine:
                 f"the joints cannot be closed (error {error:.3g} of the model's size): "
                 "they contradict each other, or the step is too long",
                 shorter + "; or remove a joint",
+            )
+        if status == STEP_TOO_SMALL and not clock["limit_node"]:
+            return (
+                "the model",
+                "no step is short enough for control.accuracy "
+                f"(the next would be {float(clock['next_step']):.3g} s)",
+                "look for a singular posture, a jump in a curve or in a law; "
+                "integrator: rattle passes them, a larger control.accuracy may",
             )
         if status == STEP_TOO_SMALL:
             body = bodies[int(clock["limit_node"])]

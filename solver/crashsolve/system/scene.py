@@ -21,12 +21,15 @@ def convective(current, time, nodes, rows, curves, groups):
     """gamma = -D_dot v - Phi_tt of every joint. Writes: rows.gamma."""
 
 
-def force_pass(current, time, h, nodes, rows, curves, groups):
+def force_pass(clock, time, h, nodes, rows, curves, groups):
     """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
 
 
 def approach(current, nodes, groups):
-    """Largest depth of what did not touch at the start of the step [m]; negative is a gap."""
+    """Largest depth of what did not touch at the start of the step [m]; negative is a gap.
+
+    Where ends of contacts are located too: and largest gap of what did touch.
+    """
     return -1.0
 
 

@@ -1,0 +1,26 @@
+"""Explicit Runge-Kutta method of order 5, six stages, with an estimate of order 4.
+
+For smooth motion to moderate accuracy: the error of a step falls with its sixth power.
+
+Reference: Dormand and Prince (1980), J. Comput. Appl. Math. 6, 19-26.
+"""
+
+import numpy as np
+
+RECITAL = "_runge_kutta"
+ORDER = 5
+STAGES = 7  # the last is at the end of the step, and the first of the next
+
+# row i: weights of the rates before stage i; the last row, of the step
+A = np.zeros((STAGES, STAGES))
+A[1, :1] = [1 / 5]
+A[2, :2] = [3 / 40, 9 / 40]
+A[3, :3] = [44 / 45, -56 / 15, 32 / 9]
+A[4, :4] = [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729]
+A[5, :5] = [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656]
+A[6, :6] = [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84]
+C = A.sum(axis=1)
+
+# what the step differs by from the embedded method of order 4
+E = np.array([71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+E_LOW = np.zeros(STAGES)
