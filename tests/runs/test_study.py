@@ -180,7 +180,15 @@ def test_differences_that_do_not_shrink_are_told() -> None:
     late = np.where(time > 0.605, 1.0, 0.0)
     paths = [np.sin(time) * (1 + h**2) + late * (-1) ** k for k, h in enumerate(steps)]
     found = examine(steps, paths, 2.0)
-    assert found.stalls == 1
+    assert (found.stalls, found.diverges) == (1, True)
     assert found.error == pytest.approx(2.0, rel=0.02)
     assert parting_time(time, paths) == pytest.approx(0.61)
     assert examine(steps, [np.sin(time) * (1 + h**2) for h in steps], 2.0).stalls is None
+
+
+def test_differences_that_stay_small_are_a_floor() -> None:
+    steps = [0.1 / 2**k for k in range(10)]
+    values = [np.array([1.0 + h**2 + 1e-6 * (-1) ** k]) for k, h in enumerate(steps)]
+    found = examine(steps, values, 2.0)
+    assert (found.diverges, found.has_floor) == (False, True)
+    assert found.error == pytest.approx(2e-6, rel=0.3)

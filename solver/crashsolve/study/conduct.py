@@ -17,6 +17,9 @@ from crashsolve.study.table import csv_text, legend, text_table
 from crashsolve.study.trials import Trial, cores, run_all
 from crashsolve.study.watch import Watch, ask, overall, watched
 
+# an overall number whose estimated error is below this is worth naming
+CONVERGED = 0.01
+
 
 @dataclass(frozen=True)
 class Request:
@@ -98,8 +101,8 @@ def _report(
     print(text_table(trials, findings))
     print()
     print(legend(findings))
-    if any(finding.stalls for finding in findings):
-        print(_still_converging(extra))
+    if any(finding.diverges for finding in findings):
+        print(_still_converging([*findings, *extra]))
     if request.target is not None:
         print()
         print(_verdict(findings, trials, request.target))
@@ -109,15 +112,15 @@ def _report(
         print(missing)
 
 
-def _still_converging(extra: list[Finding]) -> str:
-    """Which overall numbers converge although a watched channel does not."""
+def _still_converging(findings: list[Finding]) -> str:
+    """Which numbers converge although a watched channel does not."""
     names = [
-        f"{finding.watch.name} (order {max(orders):.1f})"
-        for finding in extra
-        if not finding.stalls and (orders := [p for p in finding.orders.values() if isfinite(p)])
+        f"{finding.watch.name} (to {finding.estimate:.1g})"
+        for finding in findings
+        if finding.estimate < CONVERGED and not finding.is_absolute
     ]
     if not names:
-        return "No energy, impulse or largest speed converges either."
+        return "Neither energies, impulses nor the largest speed converge."
     return "What still converges: " + "; ".join(names) + "."
 
 

@@ -22,6 +22,8 @@ SHRINKS = 0.9
 ROUND_OFF = 1e-9
 # an observed order this near the method's is taken for it
 NEAR = 0.5
+# differences that stay, but this far below the largest, are a floor and no divergence
+FLOOR = 1e-3
 HIGHEST = 16.0
 
 
@@ -30,7 +32,8 @@ class Convergence:
     """What the runs of one method, from the longest step to the shortest, say of one value.
 
     `error` is the estimated error of the last one, in the unit of the value; `orders` begin with
-    the third run; `stalls` is the run from which on the differences shrink no more.
+    the third run; `stalls` is the run from which on the differences shrink no more; then
+    `has_floor` tells that they have become small before.
     """
 
     value: np.ndarray
@@ -38,6 +41,19 @@ class Convergence:
     orders: list[float] = field(default_factory=list)
     stalls: int | None = None
     is_extrapolated: bool = False
+    has_floor: bool = False
+
+    @property
+    def diverges(self) -> bool:
+        """Whether shorter steps have led nowhere."""
+        return self.stalls is not None and not self.has_floor
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the last differences shrank twice, or have come to a floor."""
+        return self.has_floor or (
+            len(self.orders) > 1 and bool(np.all(np.isfinite(self.orders[-2:])))
+        )
 
     @property
     def order(self) -> float:
@@ -65,8 +81,11 @@ def examine(
         for i in range(len(apart) - 1)
     ]
     stalls = _stall(apart, floor)
-    if apart[-1] <= floor or stalls is not None:
-        return Convergence(last, max(apart[-2:]) if stalls else apart[-1], orders, stalls)
+    if apart[-1] <= floor:
+        return Convergence(last, apart[-1], orders, has_floor=True)
+    if stalls is not None:
+        left = max(apart[-2:])
+        return Convergence(last, left, orders, stalls, has_floor=left <= FLOOR * max(apart))
     p = orders[-1]
     is_near = order is not None and abs(p - order) <= NEAR
     # an order higher than the method's is luck and no ground for a smaller error

@@ -48,7 +48,8 @@ class Curve:
 class Finding:
     """One watched channel: its reference, and the error and observed order of each trial.
 
-    `errors` and `orders` are by the folder of the setting; `notes` are for people.
+    `errors` and `orders` are by the folder of the setting; `notes` are for people. `estimate` is
+    the least estimated error of a method that converges steadily.
     """
 
     watch: Watch
@@ -59,7 +60,8 @@ class Finding:
     errors: dict[str, float] = field(default_factory=dict)
     orders: dict[str, float] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
-    stalls: bool = False
+    diverges: bool = False
+    estimate: float = inf
 
     def error(self, trial: Trial) -> float:
         """Error of a trial, NaN when it has none."""
@@ -86,9 +88,11 @@ def find(watch: Watch, at: int, trials: Sequence[Trial], known: dict[str, Any] |
     finding.is_absolute = scale == 0.0
     for curve in curves:
         _set_errors(finding, curve, scale or 1.0, curve is best)
-        _set_orders(finding, curve, best is not None)
-        finding.notes.append(_told(finding, curve, scale or 1.0, best is not None))
-        finding.stalls |= curve.convergence.stalls is not None
+        _set_orders(finding, curve, curve is best)
+        finding.notes.append(_told(finding, curve, scale or 1.0, curve is best))
+        finding.diverges |= curve.convergence.diverges
+        if curve.convergence.is_steady:
+            finding.estimate = min(finding.estimate, curve.convergence.error / (scale or 1.0))
     return finding
 
 
@@ -143,7 +147,7 @@ def _set_reference(
 
 
 def _doubt(convergence: Convergence) -> tuple[bool, float]:
-    return convergence.stalls is not None, convergence.error
+    return convergence.diverges, convergence.error
 
 
 def _at_times(known: dict[str, Any], times: np.ndarray) -> np.ndarray | None:
@@ -171,7 +175,7 @@ def _set_errors(finding: Finding, curve: Curve, scale: float, is_best: bool) -> 
 
 
 def _set_orders(finding: Finding, curve: Curve, is_own: bool) -> None:
-    """Orders of errors against what is known from elsewhere, else of the differences of runs."""
+    """Orders of errors against another reference, else of the differences of its own runs."""
     if is_own:
         for trial, order in zip(curve.trials[2:], curve.convergence.orders, strict=False):
             finding.orders[trial.setting.folder] = order
@@ -185,27 +189,38 @@ def _set_orders(finding: Finding, curve: Curve, is_own: bool) -> None:
 
 def _told(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str:
     """One method's convergence in words."""
-    runs, found = curve.trials, curve.convergence
-    words = [f"{curve.method}: "]
+    found = curve.convergence
+    if found.diverges:
+        return f"{curve.method}: {_divergence_told(finding, curve)}"
+    left, words = found.error / scale, [f"{curve.method}: {_order_told(curve, finding)}"]
     if found.stalls is not None:
-        words.append(f"does not converge from step {runs[found.stalls].step:.3g} s on")
-        if finding.watch.statistic == PATH:
-            parted = parting_time(curve.times, curve.values)
-            words.append("" if parted is None else f", and from t = {parted:.6g} s on")
-        words.append(f"; its last two runs differ by {_size(found.error / scale, finding)}")
-        return "".join(words)
-    words.append(_order_told(curve, finding))
-    left = found.error / scale
-    if isfinite(left):
-        words.append(f"; estimated error of its finest run {_size(left, finding)}")
+        step = curve.trials[found.stalls].step
+        words.append(
+            f"its runs differ by {_size(left, finding)} from step {step:.3g} s on, a floor"
+        )
+    elif isfinite(left):
+        words.append(f"estimated error of its finest run {_size(left, finding)}")
     if not is_own:
-        error = finding.error(runs[-1])
-        words.append(f", true {_size(error, finding)}" if finding.kind == "exact" else "")
-        if finding.kind != "exact":
-            words.append(f", {_size(error, finding)} from the {finding.kind} value")
-        if len(runs) > 2 and error > 10.0 * max(left, ROUND_OFF):
-            words.append("; shorter steps do not lead there: the difference is not the step's")
-    return "".join(words)
+        error = finding.error(curve.trials[-1])
+        what = "true" if finding.kind == "exact" else f"against the {finding.kind}"
+        words.append(f"{what} {_size(error, finding)}")
+        if len(curve.trials) > 2 and error > 10.0 * max(left, ROUND_OFF):
+            words.append("shorter steps do not lead there: the difference is not the step's")
+    return "; ".join(words)
+
+
+def _divergence_told(finding: Finding, curve: Curve) -> str:
+    """From which step and, of a history, from which time on there is no convergence."""
+    found, parted = curve.convergence, None
+    first = curve.trials[found.stalls or 0]
+    if finding.watch.statistic == PATH:
+        parted = parting_time(curve.times, curve.values)
+    since = "" if parted is None else f", after t = {parted:.6g} s"
+    apart = distance(*curve.values[-2:]) / (float(np.max(np.abs(finding.reference))) or 1.0)
+    return (
+        f"does not converge from step {first.step:.3g} s on{since}; its last two runs differ by "
+        f"{_size(apart, finding)}"
+    )
 
 
 def _order_told(curve: Curve, finding: Finding) -> str:
@@ -221,7 +236,7 @@ def _order_told(curve: Curve, finding: Finding) -> str:
     near = [(trial, order) for trial, order in seen if abs(order - declared) <= NEAR]
     if near and near[-1] == seen[-1]:
         return f"order {seen[-1][1]:.2f}"
-    if near:
+    if near and abs(near[-1][1] - seen[-1][1]) > NEAR:
         step = f"{near[-1][0].step:.3g}"
         return f"order {near[-1][1]:.2f} down to a step of {step} s, then {seen[-1][1]:.2f}"
     return f"order {seen[-1][1]:.2f}, where the method has {declared:g}"

@@ -55,7 +55,8 @@ def watched(deck: Deck, words: Sequence[str]) -> list[Watch]:
 
 def overall(deck: Deck) -> list[Watch]:
     """Numbers that every deck has, and that converge where single paths do not."""
-    energies = ("energy.kinetic", "mechanical", "energy.contact_dissipated")
+    energies = ["energy.kinetic", "mechanical"]
+    energies += ["energy.contact_dissipated"] if deck.entries["contacts"] else []
     watches = [_plain(f"glstat.model.{energy}", "final") for energy in energies]
     for contact in deck.entries["contacts"]:
         parts = ", ".join(f"'rcforc.{contact}.impulse.{axis}'" for axis in "xyz")
