@@ -70,11 +70,8 @@ def _of_method(deck: Deck, method: str, steps: str | None, accuracies: str | Non
     # weights E of an error estimate make a method choose its own steps
     is_adaptive = hasattr(_module(method), "E") and "accuracy" in Control.model_fields
     if is_adaptive and (accuracies or (not steps and step == AUTO)):
-        wanted = _numbers("--accuracies", accuracies) if accuracies else ACCURACIES
-        return [
-            (f"accuracy {a:g}", {"control.accuracy": repr(float(a)), "control.step": AUTO}, None)
-            for a in sorted(wanted, key=float, reverse=True)
-        ]
+        words = _numbers("--accuracies", accuracies) if accuracies else ACCURACIES
+        return [_accurate(a) for a in sorted(map(float, words), reverse=True)]
     if steps:
         given = _numbers("--steps", steps, AUTO)
         numbers = sorted((float(h) for h in given if h != AUTO), reverse=True)
@@ -82,6 +79,14 @@ def _of_method(deck: Deck, method: str, steps: str | None, accuracies: str | Non
     if step == AUTO:
         return [_automatic(deck, factor) for factor in FACTORS]
     return [_fixed(float(step) * factor) for factor in FACTORS]
+
+
+def _accurate(accuracy: float) -> Words:
+    return (
+        f"accuracy {accuracy:g}",
+        {"control.accuracy": repr(accuracy), "control.step": AUTO},
+        None,
+    )
 
 
 def _fixed(step: float) -> Words:
