@@ -12,7 +12,10 @@ from command import crashsolve
 from crashsolve.deck.read import read_deck
 from crashsolve.integrators.rattle import ORDER
 from crashsolve.study.convergence import examine, parting_time
-from crashsolve.study.settings import settings
+from crashsolve.study.findings import find
+from crashsolve.study.settings import Setting, settings
+from crashsolve.study.trials import Trial
+from crashsolve.study.watch import Watch
 
 HERE = Path(__file__).parent
 PENDULUM = HERE / "pendulum.yaml"
@@ -192,3 +195,25 @@ def test_differences_that_stay_small_are_a_floor() -> None:
     found = examine(steps, values, 2.0)
     assert (found.diverges, found.has_floor) == (False, True)
     assert found.error == pytest.approx(2e-6, rel=0.3)
+
+
+def test_a_published_value_the_runs_do_not_lead_to_is_reported_but_no_reference() -> None:
+    trials = []
+    for k, h in enumerate((0.4, 0.2, 0.1, 0.05)):
+        trial = Trial(
+            Setting("rattle", f"{h}", {}), Path(), 0, cycles=k + 1, step=h, cpu_steps=1 / h
+        )
+        trial.answers = [{"value": 1.0 + h**2, "unit": "m"}]
+        trials.append(trial)
+    for because, value, kind in (
+        ("published", 1.1, "extrapolated"),
+        ("published", 1.0, "published"),
+        ("exact", 1.1, "exact"),
+    ):
+        watch = Watch("x", ("x",), "final", value=value, because=because)
+        finding = find(watch, 0, trials, None)
+        assert finding.kind == kind
+        assert ("0.091 away" in " ".join(finding.notes)) == (kind == "extrapolated")
+        if kind != "exact":
+            assert finding.error(trials[0]) == pytest.approx(0.16)
+    assert "the difference is not the step's" in finding.notes[0]

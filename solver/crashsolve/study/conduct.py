@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
@@ -51,20 +52,20 @@ def study(request: Request) -> int:
         request.folder.mkdir(parents=True, exist_ok=True)
     known = _reference(request, watches)
     print(f"{len(grid)} runs of {request.deck} in {request.folder}", flush=True)
-    trials = run_all(
-        request.deck, grid, request.overrides, request.folder, request.jobs or cores(), _tell
-    )
+    jobs = max(request.jobs or cores(), 1)
+    trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _tell)
+    good = [trial for trial in trials if trial.is_good]
     span = deck.control.end_time - deck.control.start_time
-    for trial in trials:
-        if trial.is_good:
-            trial.step = span / max(trial.cycles, 1)
-            trial.answers = ask(trial.folder, [*watches, *more])
+    with ThreadPoolExecutor(jobs) as pool:
+        answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), good)
+        for trial, answer in zip(good, answers, strict=True):
+            trial.step, trial.answers = span / max(trial.cycles, 1), answer
     findings = [
         find(watch, at, trials, known[at] if known else None) for at, watch in enumerate(watches)
     ]
     extra = [find(watch, len(watches) + i, trials, None) for i, watch in enumerate(more)]
     _report(request, deck, trials, findings, extra)
-    return ExitCode.NORMAL if any(t.is_good for t in trials) else max(t.code for t in trials)
+    return ExitCode.NORMAL if good else max(trial.code for trial in trials)
 
 
 def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]] | None:

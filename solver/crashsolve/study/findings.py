@@ -3,7 +3,8 @@
     error = |x - x_ref| / |x_ref|,   |.| the largest element of a history, or the absolute value
 
 References, best first: an exact or published value of the deck, a results folder, and the runs
-themselves by extrapolation. Where the reference is zero the error is absolute.
+themselves by extrapolation. A published value that the runs clearly do not lead to tells of the
+model, not of the step, and is only reported. Where the reference is zero the error is absolute.
 """
 
 from collections.abc import Sequence
@@ -127,23 +128,41 @@ def _set_reference(
     finding: Finding, curves: list[Curve], known: dict[str, Any] | None
 ) -> Curve | None:
     """Choose the reference; returns the curve it comes from, None when it comes from elsewhere."""
-    watch = finding.watch
+    watch, best = finding.watch, min(curves, key=lambda curve: _doubt(curve.convergence))
     if watch.value is not None:
-        finding.kind, finding.reference = watch.because, np.array([watch.value])
-        return None
-    if known is not None:
+        away = _away(watch, best.convergence)
+        if away is None:
+            finding.kind, finding.reference = watch.because, np.array([watch.value])
+            return None
+        finding.notes.append(
+            f"the published {watch.value:.6g} is {away:.2g} away from where the runs lead: "
+            "no matter of the step, whose error is measured from there"
+        )
+    elif known is not None:
         given = _at_times(known, curves[0].times)
         if given is not None and len(given) == len(curves[0].values[-1]):
             finding.kind, finding.reference = "file", given
             return None
         reason = known.get("problem", "its samples are at other times")
         finding.notes.append(f"the reference folder does not serve: {reason}")
-    best = min(curves, key=lambda curve: _doubt(curve.convergence))
     finding.reference = best.convergence.value
     finding.kind = "extrapolated" if best.convergence.is_extrapolated else "finest run"
     if len(curves) > 1:
         finding.kind += f" of {best.method}"
     return best
+
+
+def _away(watch: Watch, found: Convergence) -> float | None:
+    """Relative distance of a published value from where the runs lead; None where they lead there.
+
+    An exact value is one whatever the runs say.
+    """
+    if watch.because == "exact" or not watch.value or not found.is_steady:
+        return None
+    apart = distance(found.value, np.array([watch.value]))
+    # round-off alone can bring the estimate to nothing
+    is_elsewhere = apart > 10.0 * max(found.error, ROUND_OFF * abs(watch.value))
+    return apart / abs(watch.value) if is_elsewhere else None
 
 
 def _doubt(convergence: Convergence) -> tuple[bool, float]:

@@ -5,19 +5,23 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from crashsolve.foundation.errors import DeckError
+from crashsolve.output.files import reported
 from crashsolve.study.findings import Finding
 from crashsolve.study.trials import Trial
 
 COLOURS = ("#1f5a99", "#c4472b", "#2e8b63", "#c98a12", "#74509e", "#3f9fc4", "#7d5a44", "#8a9199")
 MARKERS = "os^Dv<>p"
+ROUND_OFF = 1e-12
+# letters of a title or label that fit
+LONGEST = 72
 INK, MUTED, RULE = "#1c2126", "#66707a", "#e4e7ea"
 
 
 def draw(path: Path, title: str, trials: Sequence[Trial], findings: Sequence[Finding]) -> str:
-    """Write the picture; returns what is missing when it cannot be drawn, else nothing."""
+    """Write the picture; returns why it cannot be drawn, if so. Raises OutputError."""
     curves = [(f, m, *_points(f, m, trials)) for f in findings for m in _methods(trials)]
-    curves = [curve for curve in curves if len(curve[2]) > 0]
+    # a curve of round-off alone would only press the others together
+    curves = [curve for curve in curves if curve[2] and max(curve[3]) > ROUND_OFF]
     if not curves:
         return "no plot: no run has an error to show"
     try:
@@ -25,21 +29,35 @@ def draw(path: Path, title: str, trials: Sequence[Trial], findings: Sequence[Fin
     except ImportError:
         return "no plot: matplotlib is missing; pip install 'crashsolve[post]'"
     canvas = Figure(figsize=(7.6, 4.6 + 0.24 * len(curves)), layout="constrained", dpi=150)
-    axes = canvas.subplots()
+    axes, methods = canvas.subplots(), _methods(trials)
     for finding, method, work, error in curves:
-        colour = COLOURS[findings.index(finding) % len(COLOURS)]
-        marker = MARKERS[_methods(trials).index(method) % len(MARKERS)]
-        label = (
-            finding.watch.name if len(_methods(trials)) == 1 else f"{method}: {finding.watch.name}"
+        # colour tells methods apart; channels, where there is but one method
+        marker, colour = findings.index(finding), methods.index(method)
+        if len(methods) == 1:
+            # where the colours have run out they begin again with the next marker
+            marker, colour = findings.index(finding) // len(COLOURS), findings.index(finding)
+        axes.loglog(
+            *(work, error, MARKERS[marker % len(MARKERS)] + "-"),
+            color=COLOURS[colour % len(COLOURS)],
+            label=_label(finding, method if len(methods) > 1 else ""),
+            lw=1.6,
+            ms=5,
+            zorder=3,
         )
-        axes.loglog(work, error, marker + "-", color=colour, label=label, lw=1.6, ms=5, zorder=3)
     _dress(axes, title)
     canvas.legend(loc="outside lower left", frameon=False, fontsize=9, labelcolor=INK)
-    try:
+    with reported(path):
         canvas.savefig(path)
-    except OSError as error:
-        raise DeckError(str(path), None, None, "", f"cannot be written: {error}") from error
     return ""
+
+
+def _label(finding: Finding, method: str) -> str:
+    absolute = f" (absolute, {finding.unit})" if finding.is_absolute else ""
+    return f"{method}{': ' if method else ''}{_cut(finding.watch.name)}{absolute}"
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def _methods(trials: Sequence[Trial]) -> list[str]:
@@ -57,7 +75,7 @@ def _points(
 
 
 def _dress(axes: Any, title: str) -> None:
-    axes.set_title(title, loc="left", fontsize=11, color=INK)
+    axes.set_title(_cut(title), loc="left", fontsize=11, color=INK)
     axes.set_xlabel("CPU time of the steps, s", color=MUTED)
     axes.set_ylabel("relative error", color=MUTED)
     axes.grid(True, which="major", color=RULE, lw=0.7)

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import Any
 
 from crashsolve.deck.expect import Expect
@@ -16,7 +17,6 @@ from crashsolve.deck.laws import choices
 from crashsolve.deck.read import Deck
 from crashsolve.deck.statistic import STATISTICS, Window
 from crashsolve.foundation.errors import DeckError
-from crashsolve.output.errors import OutputError
 
 PATH = "path"
 KNOWN = ("exact", "published")
@@ -71,18 +71,15 @@ def overall(deck: Deck) -> list[Watch]:
 
 
 def ask(folder: Path, watches: Sequence[Watch]) -> list[dict[str, Any]]:
-    """The answer for each watch, {value, unit, time} or {problem}. Raises OutputError."""
-    path = folder / "questions.json"
-    try:
-        path.write_text(json.dumps([q for watch in watches for q in watch.questions()]), "utf-8")
-    except OSError as error:
-        raise OutputError(path, error) from error
-    done = subprocess.run(
-        [sys.executable, "-m", "crashpost", "values", str(folder), str(path)],
-        capture_output=True,
-        text=True,
-    )
-    path.unlink(missing_ok=True)
+    """The answer of a results folder for each watch: {value, unit, time} or {problem}."""
+    with NamedTemporaryFile("w", suffix=".json", encoding="utf-8") as file:
+        json.dump([question for watch in watches for question in watch.questions()], file)
+        file.flush()
+        done = subprocess.run(
+            [sys.executable, "-m", "crashpost", "values", str(folder), file.name],
+            capture_output=True,
+            text=True,
+        )
     if done.returncode != 0:
         problem = done.stderr.strip().splitlines()[-1:] or ["crashpost failed"]
         return [{"problem": problem[0]} for _ in watches]
