@@ -4,7 +4,6 @@ Signals: SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is
 send it along). The words stop, dump and states in control.txt of the results folder do the same.
 """
 
-import importlib
 import os
 import platform
 import signal
@@ -13,6 +12,7 @@ import time
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -337,8 +337,8 @@ class Run:
                 "crashsolve": crashsolve.__version__,
                 "python": platform.python_version(),
                 "numpy": np.__version__,
-                "numba": importlib.import_module("numba").__version__,
-                "h5py": importlib.import_module("h5py").__version__,
+                "numba": version("numba"),
+                "h5py": version("h5py"),
             },
             "host": socket.gethostname(),
             "started": datetime.now(UTC).isoformat(timespec="seconds"),

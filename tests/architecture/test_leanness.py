@@ -24,16 +24,11 @@ def imported(*words: object, **changes: str) -> set[str]:
     return {line.rpartition("|")[2].strip() for line in lines}
 
 
-def scipy_of(modules: set[str]) -> set[str]:
-    return {name for name in modules if name.split(".")[0] == "scipy"}
-
-
 def test_a_rigid_run_imports_nothing_foreign(tmp_path: Path) -> None:
     modules = imported("-m", "crashsolve", BALL, "-o", tmp_path)
     assert not {name.split(".")[0] for name in modules} & FOREIGN
-    # numba itself loads scipy.linalg where scipy is installed
-    numba = imported("-c", "import numba; numba.njit(lambda x: x + 1)(1)")
-    assert scipy_of(modules) <= scipy_of(numba)
+    # the compiler works in a process of its own
+    assert not {name.split(".")[0] for name in modules} & {"numba", "scipy"}
     laws = {"springs", "joints", "sensors"}
     assert not [
         name for name in modules if name.startswith("crashsolve.") and name.split(".")[1] in laws

@@ -1,10 +1,12 @@
 """Claim: a compiled kernel sees the same numbers through tables as numpy does in its arrays."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from numba import typeof
 
 from crashsolve.foundation.compile import entry
+from crashsolve.foundation.machine import machine_code
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.table import Tables
 
@@ -17,7 +19,7 @@ THING = Record(
 
 
 @entry
-def work(scene):
+def work(number, flag, scene):
     """Read and write everything that a table offers."""
     things, pages, sums = scene.things, scene.pages, scene.sums
     for i in range(things.shape[0]):
@@ -33,6 +35,8 @@ def work(scene):
         page[i].mass = pages[0, i].mass + 1.0
         pages[0, i].mark = 7
     sums[1] = things.shape[0] + page.shape[0] + 100 * pages.shape[0]
+    if flag:
+        sums[1] += number
 
 
 def arrays() -> dict[str, np.ndarray]:
@@ -43,24 +47,35 @@ def arrays() -> dict[str, np.ndarray]:
     return {"things": things, "pages": pages, "sums": np.zeros(2)}
 
 
-def test_a_compiled_kernel_does_what_plain_python_does() -> None:
+def test_a_compiled_kernel_does_what_plain_python_does(tmp_path: Path) -> None:
     compiled, plain = arrays(), arrays()
-    work(Tables(compiled))
-    work.py_func(Tables(plain))
+    tables = Tables(compiled)
+    machine_code(Path(__file__), "work", tables)(3.0, True, tables)
+    work.py_func(3.0, True, Tables(plain))  # type: ignore[attr-defined]
     for name in plain:
         assert compiled[name].tobytes() == plain[name].tobytes(), name
-    # and both did something: 2 (1 + 2 + 3 + 4), then 4 + 3 + 200
-    assert list(plain["sums"]) == [20.0, 207.0]
+    # and both did something: 2 (1 + 2 + 3 + 4), then 4 + 3 + 200 + 3
+    assert list(plain["sums"]) == [20.0, 210.0]
     assert list(plain["pages"]["mass"][1]) == [11, 21, 31]
     assert list(plain["things"]["marks"][:, 1]) == [0, 1, 2, 3]
 
 
-def test_the_kind_of_a_scene_depends_on_names_and_layouts_alone() -> None:
+def test_the_layout_depends_on_names_and_columns_alone() -> None:
     one, same, other = Tables(arrays()), Tables(arrays()), arrays()
     other["things"] = np.zeros(9, THING.dtype)
-    assert typeof(one) == typeof(same) == typeof(Tables(other))
+    assert one.layout == same.layout == Tables(other).layout
     other["more"] = np.zeros(3)
-    assert typeof(one) != typeof(Tables(other))
+    assert one.layout != Tables(other).layout
+
+
+def test_what_cannot_be_compiled_is_told(tmp_path: Path) -> None:
+    source = tmp_path / "wrong.py"
+    source.write_text(
+        "from crashsolve.foundation.compile import entry\n\n\n"
+        "@entry\ndef work(number, flag, tables):\n    tables.nothing[0] = 1.0\n"
+    )
+    with pytest.raises(RuntimeError, match="(?s)cannot compile .*wrong.py.*nothing"):
+        machine_code(source, "work", Tables(arrays()))
 
 
 def test_an_array_in_pieces_is_refused() -> None:

@@ -6,12 +6,24 @@ of the sort, n log n, as long as the largest sphere is not many times the common
 Consequence to test: the same pairs as comparing all with all.
 """
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from crashsolve.foundation.compile import entry, kernel
+from crashsolve.foundation.machine import machine_code
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.table import Tables
+from crashsolve.foundation.vec3 import dot, sub, vec
 
+SPHERE = Record(
+    centre=("m", 3, "of the sphere"),
+    radius=("m", "of the sphere"),
+    cube=("count", 3, "cube in which its centre lies"),
+)
+KEY = Record(key=("count", "number of a cube"), sphere=("index", "a sphere in it"))
+PAIR = Record(first=("index", "sphere"), second=("index", "sphere"))
 # cubes along one axis at most, so that the three numbers of a cube fit one integer
 WIDEST = 2_000_000
 
@@ -37,18 +49,31 @@ def near_pairs(
     spread = np.maximum(centres.max(axis=0), others.max(axis=0)) - low
     reach = float(radii.max() + other_radii.max() + margin)
     width = max(reach, float(spread.max()) / WIDEST)
-    cubes, other_cubes = (_cubes(x, low, width) for x in (centres, others))
-    order = np.argsort(_keys(other_cubes), kind="stable")
-    keys = _keys(other_cubes)[order]
-    arrays = (centres, radii, cubes, others, other_radii, order, keys)
-    pairs = np.zeros((_visit(*arrays, margin, same, np.zeros((0, 2), np.int64)), 2), np.int64)
-    _visit(*arrays, margin, same, pairs)
-    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+    first, second = (
+        _spheres(x, r, low, width) for x, r in ((centres, radii), (others, other_radii))
+    )
+    keys = np.zeros(len(second), KEY.dtype)
+    keys["key"], keys["sphere"] = _keys(second["cube"]), np.arange(len(second))
+    keys.sort(order="key", kind="stable")
+    count = np.zeros(1, np.int64)
+    tables = {"spheres": first, "others": second, "keys": keys, "count": count}
+    pairs = np.zeros(0, PAIR.dtype)
+    # once to count them, once to note them
+    for _ in range(2):
+        found = Tables(tables | {"pairs": pairs})
+        machine_code(Path(__file__), "visit", found)(margin, same, found)
+        pairs = pairs if len(pairs) else np.zeros(count[0], PAIR.dtype)
+    return np.stack([pairs["first"], pairs["second"]], axis=1)[
+        np.lexsort((pairs["second"], pairs["first"]))
+    ]
 
 
-def _cubes(centres: np.ndarray, low: np.ndarray, width: float) -> np.ndarray:
-    """Cube of each centre; counting starts at 1, so that every neighbour is above 0."""
-    return np.asarray((centres - low) / width, np.int64) + 1
+def _spheres(centres: np.ndarray, radii: np.ndarray, low: np.ndarray, width: float) -> np.ndarray:
+    """Table of spheres; cubes count from 1, so that every neighbour is above 0."""
+    spheres = np.zeros(len(centres), SPHERE.dtype)
+    spheres["centre"], spheres["radius"] = centres, radii
+    spheres["cube"] = np.asarray((centres - low) / width, np.int64) + 1
+    return spheres
 
 
 def _keys(cubes: np.ndarray) -> Any:
@@ -57,30 +82,30 @@ def _keys(cubes: np.ndarray) -> Any:
 
 
 @entry
-def _visit(centres, radii, cubes, others, other_radii, order, keys, margin, same, pairs):
-    """Count the near pairs; note them while there is room. Writes: pairs."""
+def visit(margin, same, tables):
+    """Count the near pairs; note them while there is room. Writes: count, pairs."""
+    spheres, others, keys, pairs = tables.spheres, tables.others, tables.keys, tables.pairs
     count = 0
-    for i in range(centres.shape[0]):
+    for i in range(spheres.shape[0]):
+        s = spheres[i]
         for column in range(9):
-            x, y, z = cubes[i, 0] + column // 3 - 1, cubes[i, 1] + column % 3 - 1, cubes[i, 2]
+            x, y, z = s.cube[0] + column // 3 - 1, s.cube[1] + column % 3 - 1, s.cube[2]
             # three cubes above one another are one run of keys
             first = (x << 42) + (y << 21) + z - 1
             k = _first_at(keys, first)
-            while k < keys.shape[0] and keys[k] <= first + 2:
-                j = order[k]
+            while k < keys.shape[0] and keys[k].key <= first + 2:
+                j = keys[k].sphere
                 k += 1
                 if same and j <= i:
                     continue
-                near = radii[i] + other_radii[j] + margin
-                square = 0.0
-                for axis in range(3):
-                    square += (centres[i, axis] - others[j, axis]) ** 2
-                if square < near * near:
+                near = s.radius + others[j].radius + margin
+                way = sub(vec(s.centre), vec(others[j].centre))
+                if dot(way, way) < near * near:
                     if count < pairs.shape[0]:
-                        pairs[count, 0] = i
-                        pairs[count, 1] = j
+                        pairs[count].first = i
+                        pairs[count].second = j
                     count += 1
-    return count
+    tables.count[0] = count
 
 
 @kernel
@@ -89,7 +114,7 @@ def _first_at(keys, value):
     low, high = 0, keys.shape[0]
     while low < high:
         middle = (low + high) // 2
-        if keys[middle] < value:
+        if keys[middle].key < value:
             low = middle + 1
         else:
             high = middle

@@ -4,13 +4,11 @@ Numba trusts a cached caller even after a callee in another file has changed. Th
 therefore named after a hash of every source file of the package, and set before numba loads.
 """
 
-import gc
 import hashlib
 import os
 import tempfile
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,6 +16,7 @@ from typing import Any, TypeVar
 F = TypeVar("F", bound=Callable[..., Any])
 
 PACKAGE = Path(__file__).resolve().parent.parent
+COMPILING = os.environ.get("CRASHSOLVE_COMPILING") == "1"
 CALLABLE = os.environ.get("CRASHSOLVE_CALL_KERNELS") == "1"
 # contraction and reassociation only: NaN and infinity must keep their meaning for the guards
 FLOAT_FLAGS = {"contract", "nsz", "arcp", "reassoc"}
@@ -52,13 +51,12 @@ def _is_writable(folder: Path) -> bool:
 
 
 def kernel(function: F) -> F:
-    """Compile `function` for other compiled functions; plain Python under NUMBA_DISABLE_JIT=1.
+    """Compile `function` for other compiled functions; plain Python where nothing is compiled.
 
     Without the wrapper that Python would call it by, it compiles in two thirds of the time. Tests
     that call compiled kernels from Python set CRASHSOLVE_CALL_KERNELS=1.
     """
-    bare = not CALLABLE
-    return _compile(function, cache=True, no_cpython_wrapper=bare, no_cfunc_wrapper=True)
+    return _compile(function, cache=True, no_cpython_wrapper=not CALLABLE, no_cfunc_wrapper=True)
 
 
 def inlined(function: F) -> F:
@@ -72,34 +70,8 @@ def stage(function: F) -> F:
 
 
 def entry(function: F) -> F:
-    """Compile a function that Python calls."""
-    return _compile(function, cache=True, no_cfunc_wrapper=True)
-
-
-def compile_apart(function: Any, arguments: tuple[Any, ...]) -> None:
-    """Have the machine code of an entry made by a child process, for this one to load.
-
-    In the process that compiles, a call may reach another compiled version of a kernel than in one
-    that loads the result, with other round-off. So no run uses what it compiled itself: the first
-    run of a scene gives the same bits as the second, and keeps none of the compiler's memory.
-    """
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
-        return
-    # the import is dear and every process that calls `function` has made it
-    from numba import typeof
-
-    source = Path(function.py_func.__code__.co_filename).stem
-    if any(cache_folder().glob(f"*/{source}.{function.__name__}-*.nbc")):
-        return
-    child = os.fork()
-    if child == 0:
-        # whatever goes wrong will go wrong again, and be told, in the parent
-        with suppress(BaseException):
-            # the compiler's garbage goes with the process: a tenth of the time
-            gc.disable()
-            function.compile(tuple(typeof(argument) for argument in arguments))
-        os._exit(0)
-    os.waitpid(child, 0)
+    """Compile a function of a number, a flag and tables, that machine.py hands to Python."""
+    return _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def set_up_numba() -> None:
@@ -112,6 +84,8 @@ def set_up_numba() -> None:
 
 
 def _compile(function: F, **options: Any) -> F:
+    if not (COMPILING or CALLABLE):
+        return function
     from numba import njit
     from numba.core.errors import NumbaExperimentalFeatureWarning
 

@@ -8,14 +8,12 @@ group) followed by the integrator's own text. Nothing that the scene lacks appea
 import ast
 import hashlib
 import os
-import sys
 from importlib import import_module
-from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from crashsolve.foundation.compile import PACKAGE, cache_folder
+from crashsolve.foundation.machine import Function, machine_code
+from crashsolve.foundation.table import Tables
 
 SIGNATURES = {
     "residual": "current, time, nodes, rows, curves, groups",
@@ -41,28 +39,14 @@ def compose(model: Any) -> str:
     return before + scene_text(model) + after
 
 
-def load(text: str, layout: str) -> ModuleType:
-    """Import the composed text, under a name and file of its own for each layout of tables."""
-    name = "crashsolve_step_" + hashlib.sha256((text + layout).encode()).hexdigest()[:16]
-    path = cache_folder() / f"{name}.py"
-    # a new time stamp would void the compiled code kept beside it
+def load(text: str, tables: Tables) -> Function:
+    """The composed step, compiled, under a name and file that depend on nothing but the text."""
+    path = cache_folder() / f"crashsolve_step_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
     if not path.exists():
         temporary = path.with_suffix(f".{os.getpid()}")
         temporary.write_text(text, "utf-8")
         os.replace(temporary, path)
-    return _import(name, path)
-
-
-def _import(name: str, path: Path) -> ModuleType:
-    if name in sys.modules:
-        return sys.modules[name]
-    spec = spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
-    module = module_from_spec(spec)
-    # before execution: numba finds the classes of a cached signature by this name
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
+    return machine_code(path, "advance", tables)
 
 
 def _split_at_scene_import(text: str) -> tuple[str, str]:

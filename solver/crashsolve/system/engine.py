@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import compile_apart
 from crashsolve.foundation.errors import SolverError
 from crashsolve.foundation.table import Tables
 from crashsolve.model import ledger as energy
@@ -35,8 +34,7 @@ class Engine:
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
         self.bind()
-        self.module = load(compose(model), self._present.layout)
-        compile_apart(self.module.advance, (0.0, False, self._present))
+        self._advance = load(compose(model), self._present)
 
     @property
     def clock(self) -> Any:
@@ -67,7 +65,7 @@ class Engine:
         s = self.state
         # friction in joints needs the reactions, which only the first pass finds
         for _ in range(2):
-            self.module.advance(self.clock["time"], True, self._present)
+            self._advance(self.clock["time"], True, self._present)
         s.rows["multiplier"] = s.rows["before"] = s.rows["reaction"]
         stored = [
             energy.KINETIC,
@@ -84,7 +82,7 @@ class Engine:
         """Step to exactly `until` [s]. Raises SolverError at a numerical stop."""
         s = self.state
         while True:
-            self.module.advance(until, False, self._present)
+            self._advance(until, False, self._present)
             status = int(self.clock["status"])
             if status == REACHED:
                 return
@@ -98,7 +96,7 @@ class Engine:
         self.nodes[:], self.rows[:] = self.state.nodes, self.state.rows
         self.ledger[:], self._clock[:] = self.state.ledger, self.state.clock
         clock = self._clock[0]
-        self.module.advance(clock["time"], True, self._sampled)
+        self._advance(clock["time"], True, self._sampled)
         if clock["status"] in (NOT_FINITE, ENERGY):
             raise self._stop(clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]

@@ -1,0 +1,104 @@
+"""Machine code: made by another process, kept in the cache folder, loaded into this one.
+
+A run imports no compiler: it costs memory and time, and in the process that compiles, a call may
+reach another version of a kernel than later, with other round-off. So every run of a scene, the
+first included, executes the same file.
+
+The process that compiles is `python -m crashsolve.foundation.compiler`.
+"""
+
+import ctypes
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+
+from crashsolve.foundation.compile import cache_folder
+from crashsolve.foundation.table import Tables
+
+Function = Callable[[float, bool, Tables], None]
+# numba's words for "returned", and "returned None"
+NORMAL = (0, -2)
+# status = function(place of the result, place of an exception, number, flag, tables)
+SIGNATURE = ctypes.CFUNCTYPE(
+    ctypes.c_int32,
+    ctypes.c_void_p,
+    ctypes.c_void_p,
+    ctypes.c_double,
+    ctypes.c_bool,
+    ctypes.c_void_p,
+)
+
+
+def machine_code(source: Path, name: str, tables: Tables) -> Function:
+    """The function `name` of a source file, compiled for tables of this layout.
+
+    Raises: RuntimeError with the compiler's message when it cannot be compiled.
+    """
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        return plain(source, name)
+    cpu = llvm.get_host_cpu_name()
+    path = cache_folder() / f"{source.stem}.{name}.{tables.layout}.{cpu}.o"
+    if not path.exists():
+        _compile_apart(source, name, tables, path)
+    return _load(path)
+
+
+def plain(source: Path, name: str) -> Function:
+    """The same function as plain Python, for debugging and coverage."""
+    from crashsolve.foundation.compiler import import_file
+
+    function: Function = getattr(import_file(source), name)
+    return function
+
+
+def _compile_apart(source: Path, name: str, tables: Tables, path: Path) -> None:
+    """Write machine code to `path` in a process of its own, which no signal to this one reaches."""
+    environment = {k: v for k, v in os.environ.items() if k != "CRASHSOLVE_CALL_KERNELS"}
+    words = [sys.executable, "-m", "crashsolve.foundation.compiler", source, name, path]
+    done = subprocess.run(
+        [str(word) for word in words],
+        input=pickle.dumps((tables.layout, tables.places)),
+        env=environment | {"CRASHSOLVE_COMPILING": "1"},
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    if done.returncode:
+        raise RuntimeError(f"cannot compile {source}: {done.stderr.decode()[-4000:]}")
+
+
+def _load(path: Path) -> Function:
+    """Link an object file into this process."""
+    name, _, code = path.read_bytes().partition(b"\n")
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    call = SIGNATURE(engine.get_function_address(name.decode()))
+    result, problem = ctypes.c_void_p(), ctypes.c_void_p()
+    places = (ctypes.addressof(result), ctypes.addressof(problem))
+
+    def function(number: float, flag: bool, tables: Tables) -> None:
+        status = call(*places, number, flag, tables.pointer)
+        if status not in NORMAL:
+            raise RuntimeError(f"compiled code of {path.name} ended with status {status}")
+
+    # the code lives as long as its engine, and writes where these two lie
+    function.keep = (engine, result, problem)  # type: ignore[attr-defined]
+    return function
+
+
+def host_machine() -> Any:
+    """The compiler's target: this processor, code to be loaded into a process."""
+    target = llvm.Target.from_default_triple()
+    features = llvm.get_host_cpu_features().flatten()
+    cpu = llvm.get_host_cpu_name()
+    return target.create_target_machine(
+        cpu=cpu, features=features, opt=3, reloc="static", codemodel="jitdefault", jit=True
+    )
