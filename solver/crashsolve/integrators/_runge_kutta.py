@@ -37,7 +37,14 @@ from crashsolve.system.constraints import (
     worst_residual,
 )
 from crashsolve.system.energy import balance_broken
-from crashsolve.system.kinetics import accelerations, bad_node, clear_forces, refresh, save
+from crashsolve.system.kinetics import (
+    accelerations,
+    bad_node,
+    clear_forces,
+    refresh,
+    save,
+    take_late,
+)
 from crashsolve.system.scene import (
     CONTACTS,
     JOINTS,
@@ -60,6 +67,7 @@ from crashsolve.system.stages import (
     next_length,
     reach,
     step_error,
+    typical_speed,
 )
 from crashsolve.system.timestep import fit, onset_step, wanted_step
 
@@ -88,9 +96,7 @@ def advance(until, sampling, scene):
             accelerations(nodes)
             measure(time, nodes, rows, curves, scene)
             if clock.next_step <= 0.0:
-                # a first guess: the error has the last word
-                clock.next_step = wanted_step(clock, control, nodes)
-                clock.limit_node = 0
+                begin(clock, control, nodes)
             h = 0.0
         else:
             if REBUILDS and need_rebuild(clock, nodes, scene):
@@ -115,6 +121,16 @@ def advance(until, sampling, scene):
             clock.status = CURVE_END
     if clock.status == RUNNING:
         clock.status = REACHED
+
+
+@stage
+def begin(clock, control, nodes):
+    """A first guess of the step, and the speed that errors are compared to. Writes: clock."""
+    clock.fastest = typical_speed(nodes, control.length)
+    clock.next_step = wanted_step(clock, control, nodes)
+    clock.limit_node = 0
+    if clock.fastest > 0.0:
+        clock.next_step = min(clock.next_step, 0.01 * control.length / clock.fastest)
 
 
 @stage
@@ -154,16 +170,20 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
         end = STAGES - 1
         weigh_pass(trial, end, clock, scene)
         evaluate(clock.time + trial, trial, clock, nodes, rows, saddle, curves, scene)
+        # a force that begins at the end of the step is no error of the step
+        if CONTACTS:
+            take_late(nodes, -1.0)
         keep_rates(nodes, rows, scene.stages, end)
-        # the step to a located onset is shorter than one known to be accurate, and its last
-        # rates already jump
-        if control.fixed_step > 0.0 or count > 0:
+        if CONTACTS:
+            take_late(nodes, 1.0)
+        if control.fixed_step > 0.0:
             break
-        clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
         speed = clock.fastest if clock.fastest > 0.0 else 1.0
         error = step_error(nodes, scene.stages, scene.E, scene.E_LOW, trial, control.length, speed)
         wanted = next_length(trial, error, control.accuracy, ORDER)
         if error <= control.accuracy:
+            # not of an attempt: one that fails may have run away
+            clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
             # a step cut short by a sample says little about a longer one
             clock.next_step = min(
                 max(wanted, clock.next_step if trial < clock.next_step else 0.0), control.step_max
@@ -246,6 +266,9 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
         solve_rows(saddle, rows, -1.0)
         scatter_delta(rows, nodes)
         kick_by_joints(nodes, 1.0)
+    # per second, in the model's size; fast models have larger numbers to round
+    if not worst <= control.constraint_tolerance * max(1.0, clock.fastest / control.length):
+        return False
     clock.rate_residual = max(clock.rate_residual, worst)
     return True
 

@@ -92,6 +92,17 @@ def fastest_point(nodes, size):
 
 
 @kernel
+def typical_speed(nodes, size):
+    """Largest speed of any body, or that which it would reach over the model's size [m/s]."""
+    fastest = fastest_point(nodes, size)
+    for n in range(1, nodes.shape[0]):
+        b = nodes[n]
+        acceleration = max(norm(vec(b.v_dot)), size * norm(vec(b.w_dot)))
+        fastest = max(fastest, sqrt(size * acceleration))
+    return fastest
+
+
+@kernel
 def step_error(nodes, stages, E, E_LOW, h, size, speed):
     """Estimated error of the step, over the model's size and its largest speed.
 
@@ -101,11 +112,12 @@ def step_error(nodes, stages, E, E_LOW, h, size, speed):
     for n in range(1, nodes.shape[0]):
         high = deviation(nodes[n], stages, E, n, size, speed)
         low = deviation(nodes[n], stages, E_LOW, n, size, speed)
-        if high > 0.0:
-            x = high * high / sqrt(high * high + 0.01 * low * low)
-            worst = max(worst, x)
-        elif not high <= 0.0:
-            return high
+        if high != 0.0:
+            share = low / high
+            x = high / sqrt(1.0 + 0.01 * share * share)
+            # a NaN must win the comparison
+            if not x <= worst:
+                worst = x
     return h * worst
 
 
