@@ -42,6 +42,7 @@ class Histories:
         # what errors of momentum are measured from, and over
         self._start = np.stack(self._momenta())
         self._largest = np.zeros(2)
+        self._margin = self._margins()
         self._parts = [self._model(), self._bodies(), self._joints(), self._contacts()]
         self._parts += [self._group(g) for g in engine.model.groups if g.keyword in FAMILY]
 
@@ -125,8 +126,19 @@ class Histories:
 
     def _cards(self) -> np.ndarray:
         s = self.engine.state
-        now = s.card_history[self.engine.clock["current"]]
-        return np.hstack([_flat(s.cards, None), _flat(now, CARD_COLUMNS)])
+        now, cards = s.card_history[self.engine.clock["current"]], s.cards.copy()
+        # pairs farther apart than the margin of a list are not in it
+        cards["depth"] = np.maximum(cards["depth"], -self._margin)
+        return np.hstack([_flat(cards, None), _flat(now, CARD_COLUMNS)])
+
+    def _margins(self) -> np.ndarray:
+        """Margin of the list of near pairs of every contact card; infinite without a list."""
+        margins = np.full(len(self.engine.model.contacts), np.inf)
+        for group in self.engine.model.contact_groups:
+            if group.search is not None:
+                for card in group.search.cards():
+                    margins[card] = min(margins[card], group.search.margin)
+        return margins
 
     def _group(self, group: Group) -> Part:
         """Outputs of one type; types of a family differ in columns and stand side by side."""

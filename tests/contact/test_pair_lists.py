@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_runs import last, run
 
 from crashsolve.deck.read import read_deck
 from crashsolve.model import pairs
@@ -161,3 +162,51 @@ def test_no_step_is_so_long_that_a_body_outruns_the_list(tmp_path: Path) -> None
     engine.advance(0.5)
     assert int(state.card_history[0, 0]["onsets"]) > 0
     assert state.nodes["v"][48, 2] < 99.0
+
+
+def spread(speed: float) -> dict[str, Any]:
+    """34 balls a metre apart, all of which might touch; the first two meet, the others rest."""
+    scene: dict[str, Any] = {"bodies": {}, "surfaces": {}, "contacts": {}}
+    for k in range(34):
+        scene["bodies"][f"s{k}"] = {"mass": 1, "inertia": [0.01] * 3, "position": [k, 0, 0]}
+        scene["surfaces"][f"s{k}"] = {"type": "sphere", "body": f"s{k}", "radius": 0.1}
+    scene["bodies"]["s1"] |= {"position": [0.2001, 0, 0], "velocity": [-speed, 0, 0]}
+    names = list(scene["surfaces"])
+    rubber = {"young_a": 1e7, "poisson_a": 0.49, "density_a": 1000.0}
+    law = {"type": "hunt_crossley", "restitution": 0.95} | rubber
+    scene["contacts"]["balls"] = {"a": names, "b": names, "normal": law}
+    return scene
+
+
+def test_what_pairs_met_that_left_the_list_is_still_known(tmp_path: Path) -> None:
+    # faster than 1e-5 sqrt(E/rho) = 1e-3 m/s, and 0.2 m apart at the end
+    result = run(tmp_path, spread(2.0), 0.1)
+    assert last(result, "rcforc.balls.onsets") == 1.0
+    assert "contact 'balls': impact faster than" in result.log
+    # mean radius 0.1 m, half of it the margin: nothing is nearer than that
+    assert last(result, "rcforc.balls.depth") == pytest.approx(-0.05, rel=1e-15)
+    assert last(result, "rcforc.balls.peak_depth") > 0.0
+
+
+@pytest.mark.xdist_group("runs")
+def test_an_onset_in_the_first_step_of_a_new_list_is_located(tmp_path: Path) -> None:
+    model, state = built(heap(tmp_path, 48, step_max=0.5))
+    (group,) = model.contact_groups
+    slack = float(group.search.slack[0])
+    state.nodes["v"][1:] = 0.0
+    state.nodes["r"][1:] += np.arange(48)[:, None] * [10.0, 0.0, 0.0]
+    # just too far apart for the list of the build
+    gap = 2.01 * slack
+    state.nodes["r"][2] = state.nodes["r"][1] + [0.18 + gap, 0.0, 0.0]
+    state.nodes["v"][1:3, 0] = 1.0, -1.0
+    pairs.renew(model.contact_groups, state)
+    assert len(group.parameters) == 0
+    engine = Engine(model, state)
+    engine.start()
+    # each goes 0.69 of the slack, which is not yet far, then a step of 0.2, then it is looked again
+    engine.advance(0.69 * slack)
+    engine.advance(0.5 * gap + 1e-5)
+    assert len(group.parameters) == 1
+    assert engine.clock.located == 1
+    # from the onset on the step suits the contact; unlocated, it begins 0.17 of the slack deep
+    assert state.card_history["peak_depth"][engine.clock.current, 0] < 2.1e-5

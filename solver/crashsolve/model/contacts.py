@@ -245,7 +245,7 @@ class GroupBuilder:
             elements_b=_table(elements[1], self.sides[1].record),
             data=data,
             parameters=rows,
-            history=resting(len(rows), history.dtype),
+            history=resting(len(rows), history.dtype, search),
             output=np.zeros(len(rows), touch.OUTPUT.dtype),
             search=search,
         )

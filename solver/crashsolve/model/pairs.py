@@ -21,7 +21,9 @@ from crashsolve.model.model import ContactGroup, State
 SEARCH_ABOVE = 500
 # margin of the list of near pairs, in shares of the mean radius of the bounding spheres
 MARGIN = 0.5
-APART = -1e300
+# share of the slack by which every pair outside the list is apart when the list is renewed: of a
+# margin of two, each of both elements has gone 0.7, and a step of 0.2, at most (system/contacts.py)
+APART = 0.2
 SEEN = Record(r=("m", 3, "centre of an element when the list was made"))
 
 
@@ -104,6 +106,10 @@ class Search:
         self.slack = np.array([0.5 * self.margin])
         self.seen = tuple(np.zeros(len(side.centre), SEEN.dtype) for side in pairing.sides)
 
+    def cards(self) -> list[int]:
+        """Contact cards whose pairs are in the list."""
+        return sorted({block.card for block in self.pairing.blocks})
+
     def arrays(self) -> dict[str, np.ndarray]:
         """What the step needs to know when to look again."""
         return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
@@ -131,10 +137,10 @@ class Search:
         return np.argwhere(height - first.radius[:, None] < self.margin)
 
 
-def resting(count: int, dtype: Any) -> np.ndarray:
-    """Both sides of the history of pairs that are apart."""
+def resting(count: int, dtype: Any, search: Search | None) -> np.ndarray:
+    """Both sides of the history of pairs that are apart, by so much at least."""
     history = np.zeros((2, count), dtype)
-    history["depth"] = APART
+    history["depth"] = -APART * search.slack[0] if search else 0.0
     return history
 
 
@@ -150,11 +156,12 @@ def _renew(group: ContactGroup, search: Search, state: State, current: int) -> N
     rows = search.look(state.nodes)
     before, after = (_identity(group, p) for p in (group.parameters, rows))
     kept = np.isin(before, after, assume_unique=True)
-    history = resting(len(rows), group.history.dtype)
+    history = resting(len(rows), group.history.dtype, search)
     # both lists are in ascending order: what stays is in the same order in both
     stays = np.isin(after, before, assume_unique=True)
     history[:, stays] = group.history[current, kept]
-    _credit(group.parameters[~kept], group.history[current, ~kept], state.card_history)
+    left = group.parameters["card"][~kept], group.history[current, ~kept]
+    _credit(*left, list(getattr(group.normal, "WARNINGS", {})), state.card_history)
     group.parameters, group.history = rows, history
     group.output = np.zeros(len(rows), group.output.dtype)
 
@@ -165,8 +172,10 @@ def _identity(group: ContactGroup, rows: np.ndarray) -> np.ndarray:
     return (rows["card"] * len(group.elements_a) + rows["a"]) * width + rows["b"]
 
 
-def _credit(rows: np.ndarray, history: np.ndarray, cards: np.ndarray) -> None:
-    """What pairs have lost that leave the list. Writes: cards."""
-    for name in ("dissipated", "friction_dissipated"):
-        for side in (0, 1):
-            np.add.at(cards[side][f"left_{name}"], rows["card"], history[name])
+def _credit(card: np.ndarray, history: np.ndarray, warnings: list[str], cards: np.ndarray) -> None:
+    """What pairs have lost and met that leave the list. Writes: cards."""
+    for side in cards:
+        for name in ("dissipated", "friction_dissipated"):
+            np.add.at(side[f"left_{name}"], card, history[name])
+        for bit, name in enumerate(warnings):
+            np.bitwise_or.at(side["left_warnings"], card[history[name] != 0], 1 << bit)

@@ -28,7 +28,7 @@ CARD_OUTPUT = Record(
     force=("N", 3, "on side a, sum of all pairs"),
     normal=("N", "sum of normal forces"),
     tangential=("N", "sum of friction forces"),
-    depth=("m", "deepest pair; negative is a gap"),
+    depth=("m", "deepest pair; negative is a gap, of a list of near pairs up to its margin"),
     impact_speed=("m/s", "largest of the touching pairs"),
     touching=("1", "number of touching pairs"),
     stored=("J", "recoverable energy"),
@@ -44,4 +44,5 @@ CARD_HISTORY = Record(
     onsets=("count", "number of onsets"),
     left_dissipated=("J", "lost by the normal force of pairs that are not near any more"),
     left_friction_dissipated=("J", "lost by their friction"),
+    left_warnings=("flag", "bit k: such a pair met the k-th of the WARNINGS of its normal law"),
 )

@@ -103,13 +103,16 @@ class Engine:
 
     def law_warnings(self) -> list[str]:
         """What contact laws have met outside their range of validity, per contact card."""
-        current, found = int(self.clock["current"]), []
+        current, found = int(self.clock["current"]), set()
         for group in self.model.contact_groups:
-            for name, text in getattr(group.normal, "WARNINGS", {}).items():
+            for bit, (name, text) in enumerate(getattr(group.normal, "WARNINGS", {}).items()):
                 met = group.history[name][current] != 0
-                cards = np.unique(group.parameters["card"][met])
-                found += [f"contact '{self.model.contacts[card]}': {text}" for card in cards]
-        return found
+                found |= {(int(card), text) for card in group.parameters["card"][met]}
+                # of pairs that have left the list of near ones, the card remembers
+                left = self.state.card_history["left_warnings"][current] >> bit & 1
+                listed = group.search.cards() if group.search else []
+                found |= {(card, text) for card in listed if left[card]}
+        return [f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)]
 
     def assembly_errors(self) -> list[tuple[str, str]]:
         """Joints that do not fit the initial posture or velocity: (joint, what is wrong)."""
