@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -170,17 +171,35 @@ def test_what_is_held_springs_back_to_where_it_was(make: Make, way: str) -> None
     np.testing.assert_allclose(wrench(law, way), 0.0, atol=1e-10)
 
 
+def press(law: Law, opening: Any, closing: Any, before: float, h: float = 0.1) -> float:
+    """Limit at the end of a step h, after one of 0.3 s at the start of which `before` pressed."""
+    rows = slice(law.p.first_row, law.p.first_row + len(opening))
+    law.bench.rows.multiplier[rows] = opening
+    law.bench.rows.reaction[rows] = closing
+    law.old.pressing, law.old.step, law.old.limit = before, 0.3, 7.0
+    return float(law.force(h).limit)
+
+
 def test_the_limit_follows_the_reaction(make: Make) -> None:
     law = make(
         "{type: turn_friction, joint: ball, torque: 2, coefficient: 0.5, radius: 0.5, stiffness: 9}"
     )
-    first = law.p.first_row
-    law.bench.rows.reaction[first : first + 3] = (3.0, 4.0, 12.0)
-    assert law.force().limit == pytest.approx(2.0 + PRESSED * 13.0, rel=1e-15)
+    # three quarters of the opening and a quarter of the closing kick, (3, 4, 12), and a third of
+    # the change over three times the step
+    limit = press(law, (2.0, 4.0, 12.0), (6.0, 4.0, 12.0), before=12.7)
+    assert limit == pytest.approx(2.0 + PRESSED * 13.1, rel=1e-15)
     law = make("{type: slide_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
-    first = law.p.first_row
-    law.bench.rows.reaction[first : first + 4] = (3.0, 4.0, 50.0, 60.0)
-    assert law.force().limit == pytest.approx(PRESSED * 5.0, rel=1e-15)
+    across = (3.0, 4.0, 50.0, 60.0)
+    assert press(law, across, across, before=5.3) == pytest.approx(PRESSED * 4.9, rel=1e-15)
+    # a sample repeats the last step
+    assert press(law, across, across, before=5.3, h=0.0) == 7.0
+
+
+def test_a_reaction_that_jumps_has_no_trend(make: Make) -> None:
+    law = make("{type: slide_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
+    for before, taken in ((0.0, 1.1), (50.0, 0.9)):
+        limit = press(law, (3.0, 4.0), (3.0, 4.0), before)
+        assert limit == pytest.approx(PRESSED * 5.0 * taken, rel=1e-15)
 
 
 WRONG = {

@@ -27,6 +27,7 @@ from crashsolve.system.constraints import (
     acceleration_right_side,
     clear_reaction,
     clear_trial,
+    correct_trial,
     driver_power,
     extrapolate_trial,
     factor_constraints,
@@ -194,7 +195,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
         previous = worst
         clock.iterations += 1
         solve_rows(saddle, rows, -2.0 / (h * h))
-        scatter_delta(rows, nodes)
+        correct_trial(rows, nodes)
 
 
 @stage
@@ -206,8 +207,7 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
     """
     if h > 0.0:
         if JOINTS:
-            keep_trial(rows)
-            clock.driver_work += 0.5 * h * driver_power(rows)
+            clock.driver_work += 0.5 * h * keep_trial(rows)
         add_impulse(clock, nodes, 0.5 * h)
         predict(nodes, h)
     refresh(nodes)

@@ -22,14 +22,37 @@ BRISTLE = Record(
     damping=("N s/m or N m s/rad", "c"),
 )
 
+PRESSING = Record(
+    pressing=("N", "force that pressed the joint at the start of the step"),
+    limit=("N or N m", "at which it slides"),
+    step=("s", "length of the step; 0 before the first"),
+)
+TREND = 0.1  # largest change of the force that presses a joint, by its trend, in one step
+
 
 @kernel
-def friction_limit(p, rows):
-    """Level and coefficient times the force that presses the joint [N or N m]."""
+def friction_limit(p, old, new, h, rows):
+    """Level and coefficient times the force that presses the joint [N or N m]. Writes: new.
+
+    The lambdas of closing and opening kick at one moment err by opposite amounts, in proportion to
+    their steps. The force at the end of the step is on the line through the last two moments; one
+    that jumps has no trend.
+    """
+    share = old.step / (old.step + h) if h > 0.0 else 0.0
     square = 0.0
     for k in range(p.first_row, p.first_row + p.pressing):
-        square += rows[k].reaction * rows[k].reaction
-    return p.level + p.pressed * sqrt(square)
+        reaction = share * rows[k].multiplier + (1.0 - share) * rows[k].reaction
+        square += reaction * reaction
+    force = sqrt(square)
+    new.pressing, new.step = force, h
+    if h > 0.0 and old.step > 0.0:
+        force += (force - old.pressing) * h / old.step
+        force = min(max(force, (1.0 - TREND) * new.pressing), (1.0 + TREND) * new.pressing)
+    new.limit = p.level + p.pressed * force
+    if h == 0.0 and old.step > 0.0:
+        # a sample repeats the last step
+        new.pressing, new.step, new.limit = old.pressing, old.step, old.limit
+    return new.limit
 
 
 @kernel

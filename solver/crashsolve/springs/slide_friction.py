@@ -2,8 +2,8 @@
 
     F = K z + c z_dot while it holds,   |F| <= F_0 + mu |lambda|;   it slides at the limit
 
-z is the elastic travel since it last slid and lambda the force across the axis, that of the step
-before; the moments that tilt the slider in its guide are not counted.
+z is the elastic travel since it last slid and lambda the force across the axis, expected from its
+course as in turn_friction; the moments that tilt the slider in its guide are not counted.
 
 Consequence to test: a slider with the speed v_0 stops after m v_0 / F_0; on an axis inclined by
 alpha it stays for ever while tan alpha < mu. The energy lost is the work of F less what the
@@ -21,7 +21,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
-from crashsolve.springs._bristle import BRISTLE, friction_limit, kept_share
+from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share
 from crashsolve.springs._joint import named_joint
 
 LEDGER = "joint_friction"
@@ -46,7 +46,7 @@ class SlideFriction(Card):
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
 PARAMETERS = POINTS + BRISTLE + Record(axis_a=("1", 3, "joint axis, axes of a"))
-HISTORY = Record(
+HISTORY = PRESSING + Record(
     travel=("m", "of b from the start"),
     slider=("m", "travel without stretch of the bristle"),
     force=("N", "F"),
@@ -80,7 +80,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     axis = vec(p.axis_a)
     travel, rate = dot(axis, x), dot(axis, x_dot)
     trial = travel - old.slider
-    limit = friction_limit(p, rows)
+    limit = friction_limit(p, old, new, h, rows)
     z = trial * kept_share(p.stiffness, abs(trial), limit)
     friction = min(max(p.stiffness * z + p.damping * rate, -limit), limit)
     new.travel = travel

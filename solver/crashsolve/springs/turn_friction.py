@@ -4,7 +4,7 @@
 
 z is the elastic turn of b against a since it last slid, R the radius of pin or ball and lambda the
 force that presses the joint: all of it in a ball or hinge, that across the axis in a cylindrical
-joint. lambda is that of the step before.
+joint. It is the one expected from its course, right to second order in the step.
 
 Consequence to test: a disc with the speed w_0 stops after J w_0 / M_0; below the limit it stays for
 ever. The energy lost is the work of M less what the bristle stores.
@@ -24,7 +24,7 @@ from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiff
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import posture_in, turn_between
 from crashsolve.foundation.vec3 import add, add_scaled, dot, matvec_t, norm, put, scale, sub, vec
-from crashsolve.springs._bristle import BRISTLE, friction_limit, kept_share, lost
+from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share, lost
 from crashsolve.springs._joint import named_joint
 
 LEDGER = "joint_friction"
@@ -56,7 +56,7 @@ PARAMETERS = BRISTLE + Record(
     node_b=("index", "second body"),
     axis_a=("1", 3, "joint axis, axes of a; 0 for a ball"),
 )
-HISTORY = Record(
+HISTORY = PRESSING + Record(
     posture=("1", 4, "quaternion of b in a"),
     bristle=("rad", 3, "z, axes of a"),
     torque=("N m", 3, "M, axes of a"),
@@ -98,7 +98,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     before = (old.posture[0], old.posture[1], old.posture[2], old.posture[3])
     turn = turn_between(before, now)
     trial = add(vec(old.bristle), turn)
-    limit = friction_limit(p, rows)
+    limit = friction_limit(p, old, new, h, rows)
     share = kept_share(p.stiffness, norm(trial), limit)
     z = scale(share, trial)
     w = matvec_t(a.A, sub(vec(b.w), vec(a.w)))

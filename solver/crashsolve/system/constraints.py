@@ -62,10 +62,17 @@ def scatter_trial(rows, nodes):
 
 
 @kernel
-def scatter_delta(rows, nodes):
-    """Add a correction to both lambdas and to the forces. Writes: rows.trial, reaction, nodes."""
+def correct_trial(rows, nodes):
+    """Add a correction to the lambda being tried and to its forces. Writes: rows.trial, nodes."""
     for k in range(rows.shape[0]):
         rows[k].trial += rows[k].delta
+        scatter(rows[k], rows[k].delta, nodes)
+
+
+@kernel
+def scatter_delta(rows, nodes):
+    """Add a correction to the lambda of a kick and to its forces. Writes: rows.reaction, nodes."""
+    for k in range(rows.shape[0]):
         rows[k].reaction += rows[k].delta
         scatter(rows[k], rows[k].delta, nodes)
 
@@ -142,12 +149,17 @@ def extrapolate_trial(rows, ratio):
 
 @kernel
 def keep_trial(rows):
-    """The drift is accepted: add up its lambda. Writes: rows.multiplier, before, reaction."""
+    """The drift is accepted: keep its lambda. Writes: rows.multiplier, before.
+
+    Returns the power of prescribed motions at the start of the step [W].
+    """
+    power = 0.0
     for k in range(rows.shape[0]):
         row = rows[k]
         row.before = row.multiplier
         row.multiplier = row.trial
-        row.reaction = row.trial
+        power += row.trial * row.nu
+    return power
 
 
 @kernel

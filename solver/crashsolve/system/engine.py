@@ -24,6 +24,8 @@ from crashsolve.system.compose import compose, group_arrays, load
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
+# at most so many passes for friction and reactions of the initial state to agree
+PASSES = 60
 
 
 class Engine:
@@ -63,9 +65,13 @@ class Engine:
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
         s = self.state
-        # friction in joints needs the reactions, which only the first pass finds
-        for _ in range(2):
+        # friction in joints needs the reactions, which need the friction
+        for _ in range(PASSES):
+            known = s.rows["reaction"].copy()
             self._advance(self.clock["time"], True, self._present)
+            change = np.abs(s.rows["reaction"] - known).max(initial=0.0)
+            if change <= 1e-12 * np.abs(known).max(initial=0.0):
+                break
         s.rows["multiplier"] = s.rows["before"] = s.rows["reaction"]
         stored = [
             energy.KINETIC,
