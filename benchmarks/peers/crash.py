@@ -14,6 +14,11 @@ from crashsolve.system.engine import Engine
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 
+# the methods that choose their step, over what they are asked for
+ACCURACIES = [
+    (integrator, "accuracy", [10.0**-k for k in range(3, 13)])
+    for integrator in ("dormand_prince_5", "dormand_prince_8")
+]
 Watch = Callable[[dict[str, np.void]], Any]
 
 

@@ -167,37 +167,50 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
                     trial = late
                 count += 1
                 continue
-        end = STAGES - 1
-        weigh_pass(trial, end, clock, scene)
-        evaluate(clock.time + trial, trial, clock, nodes, rows, saddle, curves, scene)
-        # a force that begins at the end of the step is no error of the step
-        if CONTACTS:
-            take_late(nodes, -1.0)
-        keep_rates(nodes, rows, scene.stages, end)
-        if CONTACTS:
-            take_late(nodes, 1.0)
+        arrive(trial, clock, nodes, rows, saddle, curves, scene)
         if control.fixed_step > 0.0:
             break
-        speed = clock.fastest if clock.fastest > 0.0 else 1.0
-        error = step_error(nodes, scene.stages, scene.E, scene.E_LOW, trial, control.length, speed)
-        wanted = next_length(trial, error, control.accuracy, ORDER)
-        if error <= control.accuracy:
-            # not of an attempt: one that fails may have run away
-            clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
-            # a step cut short by a sample says little about a longer one
-            clock.next_step = min(
-                max(wanted, clock.next_step if trial < clock.next_step else 0.0), control.step_max
-            )
+        wanted = judge(trial, clock, control, nodes, scene)
+        if wanted == 0.0:
             break
         clock.rejected += 1
-        trial = late = wanted
+        trial = late = clock.next_step = wanted
         early, count = 0.0, 0
         if trial < control.step_min:
             clock.status = STEP_TOO_SMALL
             break
-        clock.next_step = wanted
     clock.located += 1 if count > 0 else 0
     return trial
+
+
+@stage
+def arrive(h, clock, nodes, rows, saddle, curves, scene):
+    """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
+    weigh_pass(h, STAGES - 1, clock, scene)
+    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    # a force that begins at the end of the step is no error of the step
+    if CONTACTS:
+        take_late(nodes, -1.0)
+    keep_rates(nodes, rows, scene.stages, STAGES - 1)
+    if CONTACTS:
+        take_late(nodes, 1.0)
+
+
+@stage
+def judge(h, clock, control, nodes, scene):
+    """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
+    speed = clock.fastest if clock.fastest > 0.0 else 1.0
+    error = step_error(nodes, scene.stages, scene.E, scene.E_LOW, h, control.length, speed)
+    wanted = next_length(h, error, control.accuracy, ORDER)
+    if not error <= control.accuracy:
+        return wanted
+    # not of an attempt: one that fails may have run away
+    clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
+    # a step cut short by a sample says little about a longer one
+    if h < clock.next_step:
+        wanted = max(wanted, clock.next_step)
+    clock.next_step = min(wanted, control.step_max)
+    return 0.0
 
 
 @stage
