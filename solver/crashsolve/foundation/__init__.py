@@ -1,6 +1,7 @@
 """Ground floor: errors, units, records, vectors, rotations, curves and the constraint solver."""
 
-from crashsolve.foundation.compile import set_up_numba
+from crashsolve.foundation.compile import CALLABLE, COMPILING, set_up_numba
 
-# before any module below can import numba
-set_up_numba()
+# before any module below can import numba; a run does not
+if COMPILING or CALLABLE:
+    set_up_numba()

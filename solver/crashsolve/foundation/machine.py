@@ -13,6 +13,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -72,8 +73,9 @@ def _compile_apart(source: Path, name: str, tables: Tables, path: Path) -> None:
         raise RuntimeError(f"cannot compile {source}: {done.stderr.decode()[-4000:]}")
 
 
+@cache
 def _load(path: Path) -> Function:
-    """Link an object file into this process."""
+    """Link an object file into this process, once: the broad phase asks again at every renewal."""
     name, _, code = path.read_bytes().partition(b"\n")
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
