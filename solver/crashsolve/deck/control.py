@@ -12,7 +12,7 @@ class Control(Card):
 
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
-    integrator: Literal["rattle", "dormand_prince_5", "dormand_prince_8"] = word(
+    integrator: Literal["rattle", "dormand_prince_5", "dormand_prince_8", "radau_iia_5"] = word(
         "method of integration", "rattle"
     )
     accuracy: float = quantity(

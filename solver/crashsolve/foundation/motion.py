@@ -5,7 +5,7 @@ f there adds f to the body's force and d x f to its torque about the mass centre
 """
 
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.vec3 import add, add_to, cross, dot, matvec, sub, vec
+from crashsolve.foundation.vec3 import add, add_to, cross, dot, matvec, scale, sub, vec
 
 
 @kernel
@@ -77,6 +77,74 @@ def stiffen(body, mobility, stiffness, damping):
     """Tell the step control of a spring on this body. Writes: body."""
     body.stiffness += stiffness * mobility
     body.damping += damping * mobility
+
+
+@kernel
+def line_tangent(row, a, b, u, length, d_a, d_b, stiffness, damping):
+    """Tangent of a force along the line u from d_a on a to d_b on b. Writes: row."""
+    v = sub(point_velocity(b, d_b), point_velocity(a, d_a))
+    turning = scale(1.0 / length, sub(v, scale(dot(u, v), u))) if length > 0.0 else (0.0, 0.0, 0.0)
+    point_tangent(row, u, d_a, d_b, stiffness, damping)
+    swing(row.G, 0, 1.0, turning, cross(u, vec(a.w)), d_a)
+    swing(row.G, 6, -1.0, turning, cross(u, vec(b.w)), d_b)
+
+
+@kernel
+def axis_tangent(row, a, b, u, d_a, d_b, stiffness, damping):
+    """Tangent of a force along u, fixed in a, in the point d_b of b. Writes: row."""
+    v = sub(point_velocity(b, d_b), point_velocity(a, d_a))
+    at_a, at_b = cross(u, vec(a.w)), cross(u, vec(b.w))
+    point_tangent(row, u, d_a, d_b, stiffness, damping)
+    swing(row.G, 0, -1.0, at_a, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    swing(row.G, 6, 1.0, at_a, scale(-1.0, at_b), d_b)
+    turn = cross(v, u)
+    for k in range(3):
+        row.G[3 + k] = turn[k]
+
+
+@kernel
+def turn_tangent(row, a, b, g, stiffness, damping):
+    """Tangent of a torque along g, fixed in a, on a and against it on b. Writes: row."""
+    D, G = row.D, row.G
+    turn = cross(g, sub(vec(a.w), vec(b.w)))
+    for k in range(3):
+        D[k] = D[6 + k] = G[k] = G[6 + k] = G[9 + k] = 0.0
+        D[3 + k] = g[k]
+        D[9 + k] = -g[k]
+        G[3 + k] = turn[k]
+    row.stiffness = stiffness
+    row.damping = damping
+
+
+@kernel
+def point_tangent(row, u, d_a, d_b, stiffness, damping):
+    """Tangent of a force along u, but for the turn of u, that pulls d_a to d_b. Writes: row."""
+    turn_a, turn_b, D = cross(d_a, u), cross(d_b, u), row.D
+    for k in range(3):
+        D[k] = u[k]
+        D[3 + k] = turn_a[k]
+        D[6 + k] = -u[k]
+        D[9 + k] = -turn_b[k]
+    for k in range(12):
+        row.G[k] = 0.0
+    row.stiffness = stiffness
+    row.damping = damping
+
+
+@kernel
+def swing(G, c, sign, turning, carried, d):
+    """Columns c to c + 5 of G: `turning` is du/dt, `carried` is u x w of the body. Writes: G."""
+    turn = cross(d, add(turning, carried))
+    for k in range(3):
+        G[c + k] = sign * turning[k]
+        G[c + 3 + k] = sign * turn[k]
+
+
+@kernel
+def no_tangent(row):
+    """A force that does not change. Writes: row."""
+    row.stiffness = 0.0
+    row.damping = 0.0
 
 
 @kernel

@@ -174,9 +174,14 @@ def _pairs(
 @kernel
 def factorise(saddle, rows):
     """S = D X^T = L L^T, dropping redundant rows. Writes: saddle."""
-    # arrays are taken out of the tuple once: each time costs a reference count
+    assemble(saddle.pairs, saddle.blocks, rows)
+    eliminate(saddle)
+
+
+@kernel
+def eliminate(saddle):
+    """S = L L^T in place. Writes: saddle."""
     columns, blocks, updates = saddle.columns, saddle.blocks, saddle.updates
-    assemble(saddle.pairs, blocks, rows)
     # before any column has been eliminated
     for p in range(columns.shape[0]):
         keep_diagonal(columns[p], blocks[columns[p].block].x)

@@ -62,3 +62,15 @@ def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
 @kernel
 def release(p, old, new):
     """Nothing is remembered after separation."""
+
+
+@kernel
+def friction_tangent(p, normal_force, slip):
+    """Rise of the friction over the sliding speed, along and across the slip [N s/m]."""
+    v = speed(slip)
+    if v <= p.friction_none_below:
+        return 0.0, 0.0
+    full, rise = p.friction_coefficient * normal_force, p.friction_full_above - p.friction_none_below
+    if v >= p.friction_full_above:
+        return 0.0, full / v
+    return full / rise, full * (v - p.friction_none_below) / (rise * v)

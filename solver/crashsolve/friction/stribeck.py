@@ -70,3 +70,16 @@ def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
 @kernel
 def release(p, old, new):
     """Nothing is remembered after separation."""
+
+
+@kernel
+def friction_tangent(p, normal_force, slip):
+    """Rise of the friction over the sliding speed, along and across the slip [N s/m]."""
+    v, v_s = speed(slip), p.friction_stribeck
+    peak = (p.friction_static - p.friction_dynamic) * exp(-((v / v_s) ** 2))
+    smooth = tanh(v / p.friction_smoothing)
+    mu = p.friction_dynamic + peak
+    along = mu * (1.0 - smooth * smooth) / p.friction_smoothing + p.friction_viscous
+    along -= 2.0 * v / (v_s * v_s) * peak * smooth
+    across = mu * smooth / v + p.friction_viscous if v > 0.0 else along
+    return normal_force * along, normal_force * across

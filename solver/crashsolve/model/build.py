@@ -17,7 +17,7 @@ from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contacts import build_contacts
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import ContactGroup, Group, Joint, Model, State
-from crashsolve.model.nodes import NODE, ROW
+from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -190,7 +190,15 @@ def _state(model: Model, scene: Scene) -> State:
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
         card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),
         ledger=np.zeros(len(ENTRIES)),
+        stages=initial_stages(model),
     )
+
+
+def initial_stages(model: Model) -> np.ndarray:
+    """Room for the stages of a Runge-Kutta method; none for others."""
+    method = import_module(f"crashsolve.integrators.{model.integrator}")
+    kind = IMPLICIT_STAGE if hasattr(method, "T") else STAGE
+    return np.zeros((getattr(method, "STAGES", 0), len(model.bodies)), kind.dtype)
 
 
 def initial_nodes(scene: Scene) -> np.ndarray:

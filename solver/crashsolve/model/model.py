@@ -113,3 +113,4 @@ class State:
     cards: np.ndarray
     card_history: np.ndarray
     ledger: np.ndarray
+    stages: np.ndarray  # of a Runge-Kutta step, from which the next may begin its iteration

@@ -44,6 +44,24 @@ STAGE = Record(
     turn=("1", 3, "Cayley vector of the turn since the start of the step"),
 )
 
+# a stage whose equations are solved by iteration
+IMPLICIT_STAGE = STAGE + Record(
+    rate_w=("rad/s^2", 3, "angular acceleration"),
+    past_v=("m/s^2", 3, "acceleration at this stage of the step before"),
+    past_w=("rad/s^2", 3, "angular acceleration there"),
+    way_r=("m", 3, "displacement since the start of the step"),
+    way_v=("m/s", 3, "change of velocity since then"),
+    way_w=("rad/s", 3, "change of angular velocity since then"),
+    right_r=("m", 3, "what is missing in way_r"),
+    right_turn=("1", 3, "what is missing in turn"),
+    right_v=("m/s", 3, "what is missing in way_v"),
+    right_w=("rad/s", 3, "what is missing in way_w"),
+    slope_r=("m/s", 3, "change of rate_r by the last correction"),
+    slope_turn=("1/s", 3, "change of rate_turn"),
+    slope_v=("m/s^2", 3, "change of rate_v"),
+    slope_w=("rad/s^2", 3, "change of rate_w"),
+)
+
 ROW = Record(
     phi=("m or 1", "Phi(q, t)"),
     D=("1 or m", 12, "Jacobian; columns v_a, w_a, v_b, w_b"),
@@ -60,3 +78,17 @@ ROW = Record(
     node_a=("index", "first node"),
     node_b=("index", "second node"),
 )
+
+COMPLIANT = Record(
+    D=("1 or m", 12, "Jacobian; columns v_a, w_a, v_b, w_b"),
+    G=("1/s or m/s", 12, "derivative of D v by the position"),
+    X=("1/kg", 12, "D M^-1"),
+    right=("m/s", "what the correction of the multiplier must answer for"),
+    delta=("N s or N m s", "that correction"),
+    stiffness=("N/m or N m/rad", "rise of the force over the deformation -D q"),
+    damping=("N s/m or N m s/rad", "rise of the force over its rate -D v"),
+    node_a=("index", "first node"),
+    node_b=("index", "second node"),
+)
+
+TANGENTS = Record(first=("index", "row of a group's first entry in the table of compliant rows"))

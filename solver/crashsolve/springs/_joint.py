@@ -82,3 +82,18 @@ def stop(p, x, rate, out, curves):
     total = max(elastic + p.damping * side * rate, 0.0)
     out.power = (total - elastic) * side * rate
     return side * total
+
+
+@kernel
+def stop_tangent(p, x, rate, curves):
+    """Rise of the force of a stop over x and over its rate."""
+    over = max(x - p.upper, p.lower - x)
+    if over <= 0.0:
+        return 0.0, 0.0
+    elastic, slope = p.stiffness * over, p.stiffness
+    if p.curve > 0:
+        elastic, slope, _ = curve_value(curves, p.curve, over)
+    side = 1.0 if x > p.upper else -1.0
+    if elastic + p.damping * side * rate <= 0.0:
+        return 0.0, 0.0
+    return slope, p.damping

@@ -245,3 +245,54 @@ def growth(p, speed, curves):
     at = max(speed, p.rate_floor)
     secant = p.rate_coefficient * at ** (b - 1.0)
     return 1.0 + p.rate_coefficient * speed**b, max(b, 1.0) * secant
+
+
+@kernel
+def resist_tangent(p, state, x, rate, curves):
+    """Rise of the force over the deformation x and over its rate, from an accepted state."""
+    side = 1.0 if x >= 0.0 else -1.0
+    e = max(side * x - p.gap, 0.0)
+    speed = side * rate
+    if p.only * side < 0.0 or (e == 0.0 and p.loose == 1):
+        return 0.0, 0.0
+    f, slope, _ = curve_value(curves, p.curve, side * e)
+    f *= side
+    if p.unloading != SAME:
+        f, slope = slider_tangent(p, state, side, e, speed, f, slope, curves)
+    factor, factor_slope = 1.0, 0.0
+    if speed > 0.0:
+        factor, factor_slope = growth_tangent(p, speed, curves)
+    if p.loose == 1 and (f <= 0.0 or f * factor + p.damping * speed <= 0.0):
+        return 0.0, 0.0
+    return factor * slope, p.damping + f * factor_slope
+
+
+@kernel
+def slider_tangent(p, state, side, e, speed, upper, upper_slope, curves):
+    """Force and slope of the elastic line, or of the curve along which the slider moves."""
+    k = p.unloading_stiffness
+    f = k * (e - state.set[0 if side > 0.0 else 1])
+    # a slider that moves keeps the force on the curve to round-off
+    near = 1e-12 * k * e
+    if f >= upper - near and speed > 0.0:
+        return upper, upper_slope
+    if p.unloading == BETWEEN:
+        lower, slope, _ = curve_value(curves, p.unloading_curve, side * e)
+        if f <= side * lower + near and speed < 0.0:
+            return side * lower, slope
+    if f <= 0.0:
+        return 0.0, 0.0
+    return f, k
+
+
+@kernel
+def growth_tangent(p, speed, curves):
+    """phi at a rate and its slope; where the power law is vertical, that at rate_floor."""
+    if p.rate_curve > 0:
+        phi, slope, _ = curve_value(curves, p.rate_curve, speed)
+        return phi, slope
+    if p.rate_coefficient == 0.0:
+        return 1.0, 0.0
+    a, b = p.rate_coefficient, p.rate_exponent
+    at = max(speed, p.rate_floor) if b < 1.0 else speed
+    return 1.0 + a * speed**b, a * b * at ** (b - 1.0)

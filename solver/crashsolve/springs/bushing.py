@@ -18,7 +18,14 @@ from typing import Any
 
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen
+from crashsolve.foundation.motion import (
+    apply_torque,
+    arm,
+    axis_tangent,
+    spin_mobility,
+    stiffen,
+    turn_tangent,
+)
 from crashsolve.foundation.posture import relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, matvec_t, scale, sub, vec
@@ -49,6 +56,7 @@ PARAMETERS = POINTS + Record(
     reference=("1", 4, "q_a^-1 q_b at the start"),
 )
 HISTORY = Record()
+TANGENTS = 6
 OUTPUT = Record(
     force=("N", 3, "f, on a, axes of a"),
     torque=("N m", 3, "m, on a, axes of a"),
@@ -78,7 +86,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     theta = rotation_vector(a, b, p.reference)
     c = tangent_factor(sqrt(dot(theta, theta)))
     spin = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
-    theta_dot = tangent(theta, c, -0.5, spin)
+    theta_dot = tangent_map(theta, c, -0.5, spin)
     out.stored = out.power = out.loss = 0.0
     for k in range(3):
         out.displacement[k] = x[k]
@@ -89,13 +97,27 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
         out.stored += 0.5 * p.turning_stiffness[k] * theta[k] ** 2
         out.power += p.damping[k] * x_dot[k] ** 2 + p.turning_damping[k] * theta_dot[k] ** 2
     push(p, nodes, scale(-1.0, vec(out.force)), d_a, d_b)
-    torque = arm(a, tangent(theta, c, 0.5, vec(out.torque)))
+    torque = arm(a, tangent_map(theta, c, 0.5, vec(out.torque)))
     apply_torque(a, torque)
     apply_torque(b, scale(-1.0, torque))
     phi2 = dot(theta, theta)
     stretch = (1.0 - c * phi2) ** 2 + 0.25 * phi2
     for k in range(3):
         stiffen_axis(p, nodes, k, d_a, d_b, stretch)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    _, _, d_a, d_b = seen_from_a(p, nodes)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    theta = rotation_vector(a, b, p.reference)
+    c = tangent_factor(sqrt(dot(theta, theta)))
+    for k in range(3):
+        e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+        axis_tangent(rows[first + k], a, b, arm(a, e), d_a, d_b, p.stiffness[k], p.damping[k])
+        g = arm(a, tangent_map(theta, c, 0.5, e))
+        turn_tangent(rows[first + 3 + k], a, b, g, p.turning_stiffness[k], p.turning_damping[k])
 
 
 @kernel
@@ -135,7 +157,7 @@ def tangent_factor(phi):
 
 
 @kernel
-def tangent(theta, c, half, x):
+def tangent_map(theta, c, half, x):
     """T x for half = -1/2, T^T x for half = 1/2."""
     turn = cross(theta, x)
     return add(x, add_scaled(scale(half, turn), c, cross(theta, turn)))

@@ -10,10 +10,11 @@ from typing import Any, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
-from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resistance
+from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resist_tangent, resistance
 
 
 class Curve(PointSpringCard, ResistanceCard):
@@ -37,6 +38,7 @@ class Curve(PointSpringCard, ResistanceCard):
 
 PARAMETERS = POINTS + RESISTANCE + Record(length=("m", "l_0"))
 HISTORY = SLIDER
+TANGENTS = 1
 OUTPUT = Record(
     force=("N", "tension positive"),
     length=("m", "present length"),
@@ -64,3 +66,12 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.rate = rate
     out.set = new.set[0] if new.set[0] >= new.set[1] else -new.set[1]
     pull(p, nodes, tension, u, d_a, d_b, stiffness, damping)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    u, length, rate, d_a, d_b = line_of_action(p, nodes)
+    stiffness, damping = resist_tangent(p, state, length - p.length, rate, curves)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, damping)

@@ -9,10 +9,11 @@ from typing import Any, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
-from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resistance
+from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resist_tangent, resistance
 
 
 class CurveTorsional(AxisSpringCard, ResistanceCard):
@@ -34,6 +35,7 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
 
 PARAMETERS = TURN + RESISTANCE + Record(angle=("rad", "theta_0"))
 HISTORY = SLIDER + Record(angle=("rad", "counted turn"))
+TANGENTS = 1
 OUTPUT = Record(
     torque=("N m", "positive turns b back"),
     angle=("rad", "turn of b from the start"),
@@ -58,3 +60,11 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.rate = rate
     out.set = new.set[0] if new.set[0] >= new.set[1] else -new.set[1]
     twist(p, nodes, torque, g, stiffness, damping)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    angle, rate, g = turned(p, state.angle, nodes)
+    stiffness, damping = resist_tangent(p, state, angle - p.angle, rate, curves)
+    turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull
 from crashsolve.springs._card import PointSpringCard
@@ -42,6 +43,7 @@ PARAMETERS = POINTS + Record(
     length=("m", "l_0"),
 )
 HISTORY = Record(plastic=("m", "x_p"), flow=("m", "alpha"))
+TANGENTS = 1
 OUTPUT = Record(
     force=("N", "tension positive"),
     length=("m", "present length"),
@@ -90,3 +92,17 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     # a state without a step has no history to lose energy in
     out.loss = lost if h > 0.0 else 0.0
     pull(p, nodes, out.force, u, d_a, d_b, p.stiffness, 0.0)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    u, length, rate, d_a, d_b = line_of_action(p, nodes)
+    x, hardening = length - p.length, p.isotropic + p.kinematic
+    trial = p.stiffness * (x - state.plastic) - p.kinematic * state.plastic
+    stiffness = p.stiffness
+    # at yield, and not on the way back
+    if abs(trial) >= p.yield_force + p.isotropic * state.flow and trial * rate > 0.0:
+        stiffness *= hardening / (p.stiffness + hardening)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, 0.0)

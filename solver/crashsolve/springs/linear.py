@@ -10,6 +10,7 @@ from typing import Any
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull
 from crashsolve.springs._card import PointSpringCard
@@ -31,6 +32,7 @@ PARAMETERS = POINTS + Record(
     length=("m", "l_0"),
 )
 HISTORY = Record()
+TANGENTS = 1
 OUTPUT = Record(
     force=("N", "tension positive"), length=("m", "present length"), rate=("m/s", "of the length")
 )
@@ -54,3 +56,11 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.power = p.damping * rate * rate
     out.loss = 0.0
     pull(p, nodes, out.force, u, d_a, d_b, p.stiffness, p.damping)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    u, length, _, d_a, d_b = line_of_action(p, nodes)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    line_tangent(rows[first], a, b, u, length, d_a, d_b, p.stiffness, p.damping)

@@ -10,10 +10,11 @@ from typing import Any
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import arm, axis_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
-from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stops
+from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stop_tangent, stops
 
 
 class SlideLimit(StopCard):
@@ -27,6 +28,7 @@ class SlideLimit(StopCard):
 
 PARAMETERS = POINTS + STOPS + Record(axis_a=("1", 3, "joint axis, axes of a"))
 HISTORY = Record()
+TANGENTS = 1
 OUTPUT = Record(
     force=("N", "positive pushes b back"),
     travel=("m", "of b from the start"),
@@ -51,3 +53,13 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     push(p, nodes, scale(-out.force, axis), d_a, d_b)
     # counted in the gap as well: nothing else shortens the step before the stop is met
     stiffen_along(p, nodes, p.axis_a, d_a, d_b, p.stiffest, p.damping)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    axis = vec(p.axis_a)
+    stiffness, damping = stop_tangent(p, dot(axis, x), dot(axis, x_dot), curves)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    axis_tangent(rows[first], a, b, arm(a, axis), d_a, d_b, stiffness, damping)

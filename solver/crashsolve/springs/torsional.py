@@ -11,6 +11,7 @@ from typing import Any
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist
 from crashsolve.springs._card import AxisSpringCard
@@ -28,6 +29,7 @@ PARAMETERS = TURN + Record(
     stiffness=("N m/rad", "k"), damping=("N m s/rad", "c"), angle=("rad", "theta_0")
 )
 HISTORY = Record(angle=("rad", "counted turn"))
+TANGENTS = 1
 OUTPUT = Record(
     torque=("N m", "positive turns b back"),
     angle=("rad", "turn of b from the start"),
@@ -53,3 +55,10 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.power = p.damping * rate * rate
     out.loss = 0.0
     twist(p, nodes, out.torque, g, p.stiffness, p.damping)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    _, _, g = turned(p, state.angle, nodes)
+    turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, p.stiffness, p.damping)

@@ -10,9 +10,10 @@ from typing import Any
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist
-from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stops
+from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stop_tangent, stops
 
 
 class TurnLimit(StopCard):
@@ -26,6 +27,7 @@ class TurnLimit(StopCard):
 
 PARAMETERS = TURN + STOPS
 HISTORY = Record(angle=("rad", "theta, with all turns"))
+TANGENTS = 1
 OUTPUT = Record(
     torque=("N m", "positive turns b back"),
     angle=("rad", "of b from the start"),
@@ -48,3 +50,11 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.rate = rate
     # counted in the gap as well: nothing else shortens the step before the stop is met
     twist(p, nodes, out.torque, g, p.stiffest, p.damping)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    angle, rate, g = turned(p, state.angle, nodes)
+    stiffness, damping = stop_tangent(p, angle, rate, curves)
+    turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)

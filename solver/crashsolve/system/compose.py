@@ -14,11 +14,13 @@ from typing import Any
 from crashsolve.foundation.compile import PACKAGE, cache_folder
 from crashsolve.foundation.machine import Function, machine_code
 from crashsolve.foundation.table import Tables
+from crashsolve.model.compliance import contact_rows, tangent_contacts, tangent_groups
 
 SIGNATURES = {
     "residual": "current, time, nodes, rows, curves, groups",
     "jacobian": "current, time, nodes, rows, curves, groups",
     "convective": "current, time, nodes, rows, curves, groups",
+    "tangents": "clock, nodes, curves, compliant, groups",
     "force_pass": "clock, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
     "approach_before": "current, groups",
@@ -34,7 +36,8 @@ def compose(model: Any) -> str:
     folder = PACKAGE / "integrators"
     recital = getattr(import_module(f"crashsolve.integrators.{integrator}"), "RECITAL", integrator)
     text = (folder / f"{recital}.py").read_text("utf-8")
-    text = text.replace("integrators.dormand_prince_5 import", f"integrators.{integrator} import")
+    for example in ("dormand_prince_5", "radau_iia_5"):
+        text = text.replace(f"integrators.{example} import", f"integrators.{integrator} import")
     before, after = _split_at_scene_import(text)
     return before + scene_text(model) + after
 
@@ -99,6 +102,8 @@ def scene_text(model: Any) -> str:
         _function("energy", _energy_calls(model)),
         _function("measure", _measure_calls(model)),
     ]
+    if is_implicit(model):
+        parts.append(_function("tangents", _tangent_calls(model)))
     return "\n\n".join(parts) + "\n"
 
 
@@ -121,6 +126,11 @@ def _imports(model: Any) -> str:
         "from crashsolve.system.energy import clear_ledger, close_ledger, lose",
         "from crashsolve.system.kinetics import kinetic_energy",
     ]
+    if is_implicit(model):
+        lines += [
+            "from crashsolve.foundation.motion import no_tangent, point_tangent",
+            "from crashsolve.foundation.vec3 import cross",
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -224,6 +234,62 @@ def _data(c: Any) -> str:
     """The arrays that all elements of a gap routine share, as a tuple."""
     names = ", ".join(f"groups.{c.word}_data_{k}" for k in range(len(c.data)))
     return f"({names})" if len(c.data) != 1 else f"({names},)"
+
+
+def is_implicit(model: Any) -> bool:
+    """Whether the integrator asks for the tangents of the laws."""
+    return hasattr(import_module(f"crashsolve.integrators.{model.integrator}"), "T")
+
+
+def _tangent_calls(model: Any) -> list[str]:
+    lines, k = [], 0
+    for g in tangent_groups(model):
+        lines += [
+            f"p, history = groups.{g.word}_p, groups.{g.word}_h",
+            f"first = groups.tangents[{k}].first",
+            "for i in range(p.shape[0]):",
+            f"    at = first + {g.module.TANGENTS} * i",
+            f"    {g.word}.tangent("
+            "p[i], history[clock.current, i], nodes, curves, compliant, at)",
+        ]
+        k += 1
+    for c in tangent_contacts(model):
+        lines += _contact_tangent(c, k)
+        k += 1
+    return lines
+
+
+def _contact_tangent(c: Any, k: int) -> list[str]:
+    """The loop over the pairs of one contact group that writes their tangents."""
+    g, normal, rows = f"groups.{c.word}", _alias(c.normal), contact_rows(c)
+    lines = [
+        f"params, history, first = {g}_p, {g}_h, groups.tangents[{k}].first",
+        "for i in range(params.shape[0]):",
+        f"    p, old, at = params[i], history[clock.current, i], first + {rows} * i",
+        "    if old.active == 0:",
+        f"        for j in range({rows}):",
+        "            no_tangent(compliant[at + j])",
+        "        continue",
+        f"    a, b = {g}_a[p.a], {g}_b[p.b]",
+        f"    depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+        "    depth = max(depth, 0.0)",
+        "    m, w = nodes[a.node], nodes[b.node]",
+        "    rate, slip, d_a, d_b = contacts.closing(m, w, x, n)",
+        "    mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)",
+        "    mass = 1.0 / (mob_a + mob_b)",
+        f"    k, c = {normal}.normal_tangent(p, old, depth, rate, mass, curves)",
+        "    point_tangent(compliant[at], n, d_a, d_b, k, c)",
+    ]
+    if c.friction:
+        lines += [
+            f"    f, _, _, _, _, _ = {normal}.normal_force("
+            "p, old, history[1 - clock.current, i], 0.0, depth, rate, mass, curves)",
+            f"    c, c_across = {_alias(c.friction)}.friction_tangent(p, f, slip)",
+            "    u = contacts.along((0.0, 0.0, 0.0), slip, n)",
+            "    point_tangent(compliant[at + 1], u, d_a, d_b, 0.0, c)",
+            "    point_tangent(compliant[at + 2], cross(n, u), d_a, d_b, 0.0, c_across)",
+        ]
+    return lines
 
 
 def _approach_calls(model: Any) -> list[str]:

@@ -17,10 +17,10 @@ from crashsolve.model.clock import (
     REBUILD,
     STEP_TOO_SMALL,
 )
+from crashsolve.model.compliance import compliance
 from crashsolve.model.model import Model, State
-from crashsolve.model.nodes import STAGE
 from crashsolve.model.pairs import renew
-from crashsolve.system.compose import compose, group_arrays, load
+from crashsolve.system.compose import compose, group_arrays, is_implicit, load
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -35,6 +35,8 @@ class Engine:
         self.model, self.state = model, state
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
+        factors = len(state.stages) - 1 if is_implicit(model) else 0
+        self._compliance = compliance(model, factors) if factors else {}
         self.bind()
         self._advance = load(compose(model), self._present)
 
@@ -59,8 +61,10 @@ class Engine:
         method = import_module(f"crashsolve.integrators.{self.model.integrator}")
         if not hasattr(method, "STAGES"):
             return {}
-        tableau = {name: getattr(method, name).ravel() for name in ("A", "C", "E", "E_LOW")}
-        return tableau | {"stages": np.zeros((method.STAGES, len(self.nodes)), STAGE.dtype)}
+        names = [name for name in ("A", "C", "T", "E", "E_LOW") if hasattr(method, name)]
+        tableau = {name: getattr(method, name).ravel() for name in names}
+        tableau["stages"] = self.state.stages
+        return tableau | self._compliance
 
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""

@@ -21,6 +21,10 @@ def convective(current, time, nodes, rows, curves, groups):
     """gamma = -D_dot v - Phi_tt of every joint. Writes: rows.gamma."""
 
 
+def tangents(clock, nodes, curves, compliant, groups):
+    """Tangents of all springs and contacts, for implicit integrators. Writes: compliant."""
+
+
 def force_pass(clock, time, h, nodes, rows, curves, groups):
     """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
 

@@ -95,3 +95,14 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
 def release(p, old, new):
     """Writes: new."""
     new.too_fast = old.too_fast
+
+
+@kernel
+def normal_tangent(p, state, depth, rate, mass, curves):
+    """Rise of the force over the depth and over its rate."""
+    n = p.exponent
+    factor = 1.0 + p.chi * rate / state.impact_speed
+    if factor <= 0.0:
+        return 0.0, 0.0
+    slope = p.stiffness * depth ** (n - 1.0)
+    return n * slope * factor, p.chi * slope * depth / state.impact_speed

@@ -92,3 +92,15 @@ def lost(p, crush, curves):
 def release(p, old, new):
     """The end stays crushed. Writes: new."""
     new.crush = old.crush
+
+
+@kernel
+def normal_tangent(p, state, depth, rate, mass, curves):
+    """Rise of the force over the depth and over its rate."""
+    k = p.unloading_stiffness
+    peak, slope, _ = curve_value(curves, p.curve, state.crush)
+    spring = peak - k * (state.crush - depth)
+    if spring <= 0.0 or spring + p.damping * rate <= 0.0:
+        return 0.0, 0.0
+    grows = depth >= state.crush and rate > 0.0
+    return slope if grows else k, p.damping

@@ -16,7 +16,8 @@ from crashsolve.contact.normal import _damped_power as shared
 from crashsolve.contact.normal._restitution import damping_factor
 
 PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, release = shared.normal_force, shared.release
+normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
+release = shared.release
 
 
 class ExactRestitution(shared.DampedPowerCard):

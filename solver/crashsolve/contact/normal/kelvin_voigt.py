@@ -87,3 +87,12 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
 @kernel
 def release(p, old, new):
     """Nothing is remembered after separation."""
+
+
+@kernel
+def normal_tangent(p, state, depth, rate, mass, curves):
+    """Rise of the force over the depth and over its rate."""
+    c = p.damping + 2.0 * p.damping_ratio * sqrt(p.stiffness * mass)
+    if p.stiffness * depth + c * rate <= 0.0:
+        return 0.0, 0.0
+    return p.stiffness, c

@@ -14,7 +14,8 @@ from typing import Any
 from crashsolve.contact.normal import _damped_power as shared
 
 PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, release = shared.normal_force, shared.release
+normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
+release = shared.release
 
 
 class LankaraniNikravesh(shared.DampedPowerCard):
