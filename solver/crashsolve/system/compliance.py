@@ -26,7 +26,7 @@ NO_PART = 1e150
 
 
 @kernel
-def linearise(rows, compliant, nodes, t):
+def linearise(rows, compliant, nodes, velocity, position):
     """D of the joints, and B and B M^-1 of the springs, at the present place. Writes: compliant."""
     joint_rows = rows.shape[0]
     for k in range(compliant.shape[0]):
@@ -36,20 +36,20 @@ def linearise(rows, compliant, nodes, t):
             for j in range(12):
                 row.D[j] = rows[k].D[j]
         else:
-            lean(row, t)
+            lean(row, velocity, position)
         weigh(row.D, row.X, 0, a)
         weigh(row.D, row.X, 6, b)
 
 
 @kernel
-def lean(row, t):
-    """D becomes B, and G becomes (k D + c G) / (c + k t). Writes: row."""
+def lean(row, velocity, position):
+    """D becomes B, and G becomes (k D + c G) / (c + k t), t = position / velocity. Writes: row."""
     D, G, k, c = row.D, row.G, row.stiffness, row.damping
-    ease = c + k * t
+    ease = velocity * c + position * k
     for j in range(12):
         d, g = D[j], G[j]
-        D[j] = d + c * t / ease * g if ease > 0.0 else d
-        G[j] = (k * d + c * g) / ease if ease > 0.0 else 0.0
+        D[j] = d + c * position / ease * g if ease > 0.0 else d
+        G[j] = velocity * (k * d + c * g) / ease if ease > 0.0 else 0.0
 
 
 @kernel

@@ -32,14 +32,17 @@ SIGNATURES = {
 
 def compose(model: Any) -> str:
     """Text of the composed module."""
-    integrator = model.integrator
     folder = PACKAGE / "integrators"
-    recital = getattr(import_module(f"crashsolve.integrators.{integrator}"), "RECITAL", integrator)
-    text = (folder / f"{recital}.py").read_text("utf-8")
-    for example in ("dormand_prince_5", "radau_iia_5"):
-        text = text.replace(f"integrators.{example} import", f"integrators.{integrator} import")
-    before, after = _split_at_scene_import(text)
-    return before + scene_text(model) + after
+    method = import_module(f"crashsolve.integrators.{model.integrator}")
+    chapter = getattr(method, "CHAPTER", None)
+    text = (folder / f"{'_adaptive' if chapter else model.integrator}.py").read_text("utf-8")
+    if chapter:
+        stages = (folder / f"{chapter}.py").read_text("utf-8")
+        for name in ("crashsolve.integrators._adaptive", "crashsolve.system.scene"):
+            stages = _put_for_import(stages, name, "")
+        stages = stages.replace("integrators.radau_iia_5 import", f"integrators.{model.integrator} import")
+        text = _put_for_import(text, "crashsolve.integrators._explicit_stages", stages)
+    return _put_for_import(text, "crashsolve.system.scene", scene_text(model))
 
 
 def load(text: str, tables: Tables) -> Function:
@@ -52,13 +55,14 @@ def load(text: str, tables: Tables) -> Function:
     return machine_code(path, "advance", tables)
 
 
-def _split_at_scene_import(text: str) -> tuple[str, str]:
+def _put_for_import(text: str, module: str, given: str) -> str:
+    """The text with `given` in the place of what it imports from a module."""
     lines = text.splitlines(keepends=True)
     for node in ast.parse(text).body:
-        if isinstance(node, ast.ImportFrom) and node.module == "crashsolve.system.scene":
+        if isinstance(node, ast.ImportFrom) and node.module == module:
             assert node.end_lineno is not None
-            return "".join(lines[: node.lineno - 1]), "".join(lines[node.end_lineno :])
-    raise ValueError("the integrator does not import its scene")
+            return "".join(lines[: node.lineno - 1]) + given + "".join(lines[node.end_lineno :])
+    raise ValueError(f"an integrator that does not import {module}")
 
 
 def group_arrays(model: Any, state: Any) -> dict[str, Any]:
