@@ -12,7 +12,7 @@ class Control(Card):
 
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
-    integrator: Literal["rattle", "dormand_prince_5", "dormand_prince_8", "radau_iia_5"] = word(
+    integrator: Literal["rattle", "dormand_prince_5", "dormand_prince_8", "generalized_alpha", "radau_iia_5"] = word(
         "method of integration", "rattle"
     )
     accuracy: float = quantity(
@@ -21,6 +21,13 @@ class Control(Card):
         1e-6,
         gt=0,
         lt=1,
+    )
+    spectral_radius: float = quantity(
+        "1",
+        "share of a vibration too fast for the step that a step of generalized_alpha leaves",
+        0.7,
+        ge=0,
+        le=1,
     )
     step: float | Literal["auto"] = quantity(
         "s", "time step; auto: from the stiffest active spring and contact", "auto", gt=0

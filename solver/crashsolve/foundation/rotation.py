@@ -4,7 +4,7 @@ The step uses the Cayley map, q_new = q * (1, h/2 Omega) / |...|: no trigonometr
 the rotation of the energy and momentum conserving midpoint rule (Simo and Wong 1991).
 """
 
-from math import sqrt
+from math import sqrt, tan
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.vec3 import add, cross, dot, matvec, scale, sub
@@ -25,6 +25,14 @@ def rotate_by_cayley(q, half_angle, out):
     out[1] = nx * s
     out[2] = ny * s
     out[3] = nz * s
+
+
+@kernel
+def rotate_by_vector(q, turn, out):
+    """Turn quaternion q by a rotation vector in body axes [rad]. Writes: out."""
+    angle = sqrt(dot(turn, turn))
+    half = tan(0.5 * angle) / angle if angle > 1e-8 else 0.5
+    rotate_by_cayley(q, scale(half, turn), out)
 
 
 @kernel

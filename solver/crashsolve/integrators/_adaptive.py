@@ -100,7 +100,7 @@ def advance(until, sampling, scene):
                 return
             h, is_last = fit(clock.next_step, until - clock.time)
             save(nodes)
-            open_step(nodes, rows, scene)
+            open_step(clock, nodes, rows, scene)
             taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
             time = until if is_last and taken == h else clock.time + taken
             h = taken

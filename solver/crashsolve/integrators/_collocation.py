@@ -40,7 +40,7 @@ CARE = 0.03
 
 
 @stage
-def open_step(nodes, rows, scene):
+def open_step(clock, nodes, rows, scene):
     """Rates at the start of the step. Writes: scene.stages."""
     keep_rates(nodes, rows, scene.stages, 0)
     keep_spin_rates(nodes, scene.stages, 0)

@@ -47,6 +47,10 @@ STAGE = Record(
 # a stage whose equations are solved by iteration
 IMPLICIT_STAGE = STAGE + Record(
     rate_w=("rad/s^2", 3, "angular acceleration"),
+    mean_v=("m/s^2", 3, "weighted mean of accelerations in generalized-alpha"),
+    mean_w=("rad/s^2", 3, "the same of angular accelerations"),
+    closing_r=("m", 3, "displacement by which generalized-alpha closes the joints"),
+    closing_w=("rad", 3, "turn by which it does"),
     past_v=("m/s^2", 3, "acceleration at this stage of the step before"),
     past_w=("rad/s^2", 3, "angular acceleration there"),
     way_r=("m", 3, "displacement since the start of the step"),

@@ -35,12 +35,17 @@ def compose(model: Any) -> str:
     folder = PACKAGE / "integrators"
     method = import_module(f"crashsolve.integrators.{model.integrator}")
     chapter = getattr(method, "CHAPTER", None)
-    text = (folder / f"{'_adaptive' if chapter else model.integrator}.py").read_text("utf-8")
+    recital = "_adaptive" if chapter else getattr(method, "RECITAL", model.integrator)
+    text = (folder / f"{recital}.py").read_text("utf-8")
+    text = text.replace("integrators.dormand_prince_5 import", f"integrators.{model.integrator} import")
     if chapter:
         stages = (folder / f"{chapter}.py").read_text("utf-8")
         for name in ("crashsolve.integrators._adaptive", "crashsolve.system.scene"):
             stages = _put_for_import(stages, name, "")
-        stages = stages.replace("integrators.radau_iia_5 import", f"integrators.{model.integrator} import")
+        for example in ("radau_iia_5", "dormand_prince_5"):
+            stages = stages.replace(
+                f"integrators.{example} import", f"integrators.{model.integrator} import"
+            )
         text = _put_for_import(text, "crashsolve.integrators._explicit_stages", stages)
     return _put_for_import(text, "crashsolve.system.scene", scene_text(model))
 

@@ -41,6 +41,12 @@ def keep_rates(nodes, rows, stages, i):
         put(s.rate_turn, scale(0.5, turning))
         put(s.rate_v, scale(b.mass_inv, add(vec(b.force), vec(b.joint_force))))
         put(s.rate_L, add(vec(b.torque), vec(b.joint_torque)))
+    keep_outside(nodes, rows, stages, i)
+
+
+@kernel
+def keep_outside(nodes, rows, stages, i):
+    """Force, torque and power from outside at stage i. Writes: stages."""
     ground, outside = nodes[0], stages[i, 0]
     for k in range(3):
         outside.rate_v[k] = ground.external[k] - ground.force[k] - ground.joint_force[k]

@@ -1,0 +1,150 @@
+"""Stage of generalized-alpha: a chapter of the recital `_adaptive` (see system/alpha.py).
+
+    accelerations of the end and both multipliers by Newton's method: lambda for D v = nu, eta for
+    Phi = 0
+
+Consequence to test: a spring far too stiff for the step dies away, a soft one converges with order 2.
+
+Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 121-137.
+"""
+
+from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.saddle import Saddle
+from crashsolve.integrators._adaptive import evaluate, project
+from crashsolve.integrators.generalized_alpha import ESTIMATE  # noqa: F401  (for the recital)
+from crashsolve.system.alpha import (
+    alpha_weights,
+    answer_rows,
+    ask_positions,
+    ask_rates,
+    close_positions,
+    guess_end,
+    improve_accelerations,
+    miss_estimate,
+    missing_accelerations,
+    open_accelerations,
+    stand_at_end,
+)
+from crashsolve.system.collocation import correction_size, keep_spin_rates, solve_stage
+from crashsolve.system.compliance import factor_compliant, linearise
+from crashsolve.system.constraints import scatter_trial, velocity_residual
+from crashsolve.system.kinetics import clear_forces, take_late
+from crashsolve.system.scene import CONTACTS, JOINTS, force_pass, jacobian, residual, tangents
+from crashsolve.system.stages import keep_outside, keep_rates
+
+PASSES = 20
+PATIENCE = 4  # passes in which the correction may grow
+FAR = 4.0  # a step longer than so many of the last is not guessed from it
+# the least share of the error that a pass leaves, where the problem is stiff
+SHARE = 0.1
+# the equations of the step are solved so much better than the step
+CARE = 0.03
+
+
+@stage
+def open_step(clock, nodes, rows, scene):
+    """Accelerations at the start of the step. Writes: scene.stages, rows.trial."""
+    keep_rates(nodes, rows, scene.stages, 0)
+    keep_spin_rates(nodes, scene.stages, 0)
+    open_accelerations(scene.stages, is_smooth(clock))
+
+
+@kernel
+def is_smooth(clock):
+    """Whether the last step says something about this one."""
+    return clock.step > 0.0 and clock.kinked == 0
+
+
+@stage
+def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
+    """The end of the step, by iteration. Returns whether that converges and the joints close.
+
+    Writes: nodes, rows, scene.stages, new histories.
+    """
+    weights = alpha_weights(control.spectral_radius, h)
+    _, _, _, t, tt = weights
+    # tangents by the acceleration of the end itself
+    t, tt = weights[0] * t, weights[0] * tt
+    ratio = h / clock.step if is_smooth(clock) else 1.0
+    guess_end(scene.stages, ratio if ratio < FAR else 0.0)
+    for k in range(rows.shape[0]):
+        rows[k].trial = rows[k].multiplier
+    compliant, factor = scene.compliant_0, end_factor(scene)
+    speed = clock.fastest if clock.fastest > 0.0 else 1.0
+    previous, converged = 1e300, False
+    for count in range(PASSES):
+        stand_at_end(nodes, scene.stages, weights, h, ratio)
+        visit_end(h, clock, nodes, rows, curves, scene)
+        if count == 0:
+            tangents(clock, nodes, curves, compliant, scene)
+            linearise(rows, compliant, nodes, t, tt)
+            factor_compliant(factor, compliant, rows.shape[0], tt, t)
+        missing_accelerations(nodes, scene.stages)
+        velocity_residual(rows, nodes)
+        ask_rates(rows, compliant, scene.stages, t)
+        answer_rows(nodes, rows, scene.stages, compliant, factor)
+        worst = improve_accelerations(scene.stages, t, tt, control.length, speed)
+        if JOINTS:
+            ask_positions(rows, compliant)
+            worst += close_positions(scene.stages, compliant, factor, control.length)
+        clock.iterations += 1
+        clock.passes = count + 1
+        share = min(max(worst / previous, SHARE), 0.9)
+        if worst * share <= CARE * control.accuracy * (1.0 - share):
+            converged = True
+            break
+        if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):
+            break
+        previous = worst
+    stand_at_end(nodes, scene.stages, weights, h, ratio)
+    if not converged:
+        return False
+    if not JOINTS:
+        return True
+    for k in range(rows.shape[0]):
+        rows[k].multiplier = rows[k].trial
+    return project(clock.time + h, clock, control, nodes, rows, saddle, curves, scene)
+
+
+@stage
+def visit_end(h, clock, nodes, rows, curves, scene):
+    """Forces, constraints and their multipliers' forces at the end. Writes: nodes, rows, outputs."""
+    clock.opens, clock.closes = 1, 0
+    clock.lead, clock.share = 0.5 * h, 0.0
+    clear_forces(nodes)
+    force_pass(clock, clock.time + h, h, nodes, rows, curves, scene)
+    if JOINTS:
+        residual(clock.current, clock.time + h, nodes, rows, curves, scene)
+        jacobian(clock.current, clock.time + h, nodes, rows, curves, scene)
+    scatter_trial(rows, nodes)
+
+
+@kernel
+def end_factor(scene):
+    """Where the factor of the step's matrix stands."""
+    pairs = scene.compliant_pairs
+    return Saddle(scene.columns_0, scene.blocks_0, scene.compliant_updates, pairs)
+
+
+@stage
+def arrive(h, clock, nodes, rows, saddle, curves, scene):
+    """Forces and losses at the end of the step. Writes: nodes, histories, scene.stages."""
+    clock.opens = clock.closes = 1
+    clock.lead = clock.share = 0.5 * h
+    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    keep_outside(nodes, rows, scene.stages, 1)
+
+
+@stage
+def estimate(h, clock, nodes, scene, size, speed):
+    """Estimated error of the step; what is stiff is damped as the method damps it.
+
+    Writes: scene.stages.right_*.
+    """
+    miss_estimate(nodes, scene.stages, h, clock.step, is_smooth(clock))
+    t = alpha_weights(scene.control[0].spectral_radius, h)[3]
+    for k in range(scene.rows.shape[0]):
+        scene.compliant_0[k].right = 0.0
+    joint_rows = scene.rows.shape[0]
+    solve_stage(nodes, scene.stages, 1, scene.compliant_0, end_factor(scene), joint_rows, t)
+    return correction_size(nodes, scene.stages, 1, size, speed)
