@@ -287,12 +287,12 @@ def slider_tangent(p, state, side, e, speed, upper, upper_slope, curves):
 
 @kernel
 def growth_tangent(p, speed, curves):
-    """phi at a rate and its slope; where the power law is vertical, that at rate_floor."""
+    """phi at a rate and its slope; near rest, where a power law is vertical, that close to rest."""
     if p.rate_curve > 0:
         phi, slope, _ = curve_value(curves, p.rate_curve, speed)
         return phi, slope
     if p.rate_coefficient == 0.0:
         return 1.0, 0.0
     a, b = p.rate_coefficient, p.rate_exponent
-    at = max(speed, p.rate_floor) if b < 1.0 else speed
+    at = max(speed, 1e-3 * p.rate_floor) if b < 1.0 else speed
     return 1.0 + a * speed**b, a * b * at ** (b - 1.0)

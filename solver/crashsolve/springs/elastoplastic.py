@@ -101,8 +101,9 @@ def tangent(p, state, nodes, curves, rows, first):
     x, hardening = length - p.length, p.isotropic + p.kinematic
     trial = p.stiffness * (x - state.plastic) - p.kinematic * state.plastic
     stiffness = p.stiffness
-    # at yield, and not on the way back
-    if abs(trial) >= p.yield_force + p.isotropic * state.flow and trial * rate > 0.0:
+    # at yield but for round-off, and not on the way back
+    at_yield = p.yield_force + p.isotropic * state.flow
+    if abs(trial) >= (1.0 - 1e-12) * at_yield and trial * rate > 0.0:
         stiffness *= hardening / (p.stiffness + hardening)
     a, b = nodes[p.node_a], nodes[p.node_b]
     line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, 0.0)

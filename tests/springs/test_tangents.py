@@ -1,0 +1,132 @@
+"""Claim: the tangents that implicit integrators get are the derivatives of the forces.
+
+A law acts through rows: its force on the bodies is D^T f. Along any change of place and velocity
+
+    dF = dD^T f - D^T (k D dq + c (D dv + G dq))
+
+The left side and dD come from central differences.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import Bench, Law, plain
+from test_contract import ALL, CURVES, REVERSIBLE
+
+from crashsolve.deck.laws import package_folder
+from crashsolve.model.nodes import COMPLIANT
+
+STEP = 1e-6
+# stops act on a joint; their rows are those of other laws, and stop_tangent has a test below
+SMOOTH = [way for way in ALL if not way.startswith("brake")]
+# directions turn with both points, or with one body: dv/dq is in closed form
+POINTS = ["linear", "curve", "bushing along"]
+LAWS = ALL | {
+    "bushing along": "{type: bushing, a: a, b: b, at_a: [0.1, 0, 0.2], at_b: [0, 0.2, -0.1],"
+    " stiffness: [50, 90, 20], damping: [1, 2, 3]}"
+}
+Make = Callable[[str], Law]
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    return lambda way: Bench(tmp_path, f"{CURVES}springs:\n  s: {LAWS[way]}\n").law("springs", "s")
+
+
+def load(law: Law) -> np.ndarray:
+    """Forces and torques on both bodies (12,)."""
+    law.force()
+    n = law.bench.nodes
+    return np.concatenate([n.force[1], n.torque[1], n.force[2], n.torque[2]])
+
+
+def rows(law: Law) -> np.recarray:
+    """The law's compliant rows at the present place."""
+    found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
+    plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+    return found
+
+
+def shift(law: Law, start: np.ndarray, way: np.ndarray, rate: np.ndarray, step: float) -> None:
+    """Both bodies from `start` by step times a change of place and of velocity (12,) each."""
+    bench = law.bench
+    bench.nodes[:] = start
+    for node in (1, 2):
+        part = slice(6 * node - 6, 6 * node)
+        dq, dv = step * way[part], step * rate[part]
+        b = bench.nodes[node]
+        bench.turn(node, dq[3:])
+        bench.move(node, r=b.r + dq[:3], v=b.v + dv[:3], w=b.w + dv[3:])
+
+
+def compare(law: Law, way: np.ndarray, rate: np.ndarray, sides: tuple[float, float]) -> None:
+    """Differences over `sides` steps against the rows in the middle."""
+    start = law.bench.state()
+    here = rows(law)
+    force = np.linalg.lstsq(here.D.T, load(law), rcond=None)[0]
+    ends = []
+    for side in sides:
+        shift(law, start, way, rate, side * STEP)
+        ends.append((load(law), rows(law).D.copy()))
+    law.bench.nodes[:] = start
+    span = (sides[1] - sides[0]) * STEP
+    change = (ends[1][0] - ends[0][0]) / span - ((ends[1][1] - ends[0][1]) / span).T @ force
+    given = here.stiffness * (here.D @ way) + here.damping * (here.D @ rate + here.G @ way)
+    scale = 1.0 + np.abs(change).max()
+    # round-off of forces of 1e3 over the step; on one side, second derivatives of some 1e3 times it
+    bound = 1e-6 * scale + (5e-3 if sides[0] == 0.0 else 0.0)
+    np.testing.assert_allclose(change, -here.D.T @ given, atol=bound)
+
+
+def test_every_spring_without_whole_steps_has_a_tangent() -> None:
+    for path in (package_folder() / "springs").glob("[!_]*.py"):
+        text = path.read_text("utf-8")
+        assert ("STEPWISE = True" in text) != ("def tangent(" in text), path.stem
+
+
+@pytest.mark.parametrize("way", list(REVERSIBLE))
+@pytest.mark.parametrize("seed", range(3))
+def test_stiffness_is_the_derivative_by_the_place(make: Make, way: str, seed: int) -> None:
+    law = make(way)
+    law.bench.shake(seed, speed=0.0)
+    law.force()
+    law.accept()
+    direction = np.random.default_rng(seed).normal(size=12)
+    compare(law, direction, np.zeros(12), (-1.0, 1.0))
+
+
+@pytest.mark.parametrize("way", SMOOTH)
+@pytest.mark.parametrize("seed", range(3))
+def test_damping_is_the_derivative_by_the_velocity(make: Make, way: str, seed: int) -> None:
+    law = make(way)
+    law.bench.shake(seed)
+    law.force()
+    law.accept()
+    direction = np.random.default_rng(seed).normal(size=12)
+    compare(law, np.zeros(12), direction, (-1.0, 1.0))
+
+
+@pytest.mark.parametrize("way", POINTS)
+@pytest.mark.parametrize("seed", range(3))
+def test_damping_turns_with_the_bodies(make: Make, way: str, seed: int) -> None:
+    law = make(way)
+    law.bench.shake(seed)
+    law.force()
+    law.accept()
+    rng = np.random.default_rng(seed)
+    compare(law, rng.normal(size=12), rng.normal(size=12), (-1.0, 1.0))
+
+
+@pytest.mark.parametrize("way", [way for way in SMOOTH if way not in REVERSIBLE])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_sliding_spring_is_as_stiff_as_the_way_it_goes(make: Make, way: str, seed: int) -> None:
+    law = make(way)
+    law.bench.shake(seed)
+    law.force()
+    law.accept()
+    n = law.bench.nodes
+    onward = np.concatenate([n.v[1], n.w[1], n.v[2], n.w[2]])
+    # past the point where the slider moves there is a corner: look ahead only
+    compare(law, onward, np.zeros(12), (0.0, 1.0))
