@@ -175,7 +175,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["onset_tolerance"] = card.onset_tolerance or 0.0
     c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
     c["length"] = scene.size
-    c["accuracy"] = card.accuracy
+    c["tolerance"] = card.tolerance
     c["check_every"] = card.check_every
     return control
 
