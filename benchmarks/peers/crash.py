@@ -15,8 +15,8 @@ from crashsolve.system.engine import Engine
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 
 # the methods that choose their step, over what they are asked for
-ACCURACIES = [
-    (integrator, "accuracy", [10.0**-k for k in range(3, 13)])
+TOLERANCES = [
+    (integrator, "tolerance", [10.0**-k for k in range(3, 13)])
     for integrator in ("dormand_prince_5", "dormand_prince_8")
 ]
 Watch = Callable[[dict[str, np.void]], Any]
@@ -37,7 +37,7 @@ def methods(
 
     def prepare(integrator: str, word: str, value: float) -> Run:
         words = {"energy_limit": "off", **control, "integrator": integrator}
-        if word == "accuracy":
+        if word == "tolerance":
             # the method chooses its step, also where the deck states one
             words["step"] = "auto"
         words[word] = value

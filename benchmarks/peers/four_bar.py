@@ -93,7 +93,7 @@ PROBLEM = Problem(
     methods=[
         *crash.methods(
             crash.DECKS / "benchmark/four_bar_singular.yaml",
-            [("rattle", "step", [5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5]), *crash.ACCURACIES],
+            [("rattle", "step", [5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5]), *crash.TOLERANCES],
             lambda body: 2 * body["crank_1"]["r"][:2],
             constraint_tolerance=1e-13,
         ),

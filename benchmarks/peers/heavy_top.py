@@ -84,7 +84,7 @@ PROBLEM = Problem(
     methods=[
         *crash.methods(
             crash.DECKS / "benchmark/heavy_top.yaml",
-            [("rattle", "step", [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6]), *crash.ACCURACIES],
+            [("rattle", "step", [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6]), *crash.TOLERANCES],
             lambda body: crash.rotation(body["top"]).ravel(),
             constraint_tolerance=1e-13,
         ),

@@ -62,7 +62,7 @@ PROBLEM = Problem(
             crash.DECKS / "benchmark/pendulum.yaml",
             [
                 ("rattle", "step", [3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5]),
-                *crash.ACCURACIES,
+                *crash.TOLERANCES,
             ],
             lambda body: body["bob"]["r"][:2],
             constraint_tolerance=1e-13,

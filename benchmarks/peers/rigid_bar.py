@@ -103,7 +103,7 @@ PROBLEM = Problem(
                 ("rattle", "step_max", [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6]),
                 ("rattle", "safety", [0.3, 0.1, 0.03, 0.01, 1e-3]),
                 ("rattle", "step", [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6]),
-                *crash.ACCURACIES,
+                *crash.TOLERANCES,
             ],
             crashsolve_watch,
             # of the automatic step, where that is not what is varied

@@ -133,7 +133,7 @@ PROBLEM = Problem(
     methods=[
         *crash.methods(
             PATH,
-            [("rattle", "step", [1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 2e-7]), *crash.ACCURACIES],
+            [("rattle", "step", [1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 2e-7]), *crash.TOLERANCES],
             crashsolve_turns,
             constraint_tolerance=1e-13,
         ),

@@ -202,7 +202,7 @@ PROBLEM = Problem(
     methods=[
         *crash.methods(
             deck(),
-            [("rattle", "step", [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5]), *crash.ACCURACIES],
+            [("rattle", "step", [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5]), *crash.TOLERANCES],
             crashsolve_watch,
         ),
         *exudyn_runs.methods(

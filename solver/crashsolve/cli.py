@@ -97,7 +97,7 @@ def _study_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="H,...",
         help="time steps in s, or auto; default: those of the deck times 4, 2, 1, 1/2, 1/4, 1/8",
     )
-    parser.add_argument("--accuracies", metavar="A,...", help="for methods that choose their step")
+    parser.add_argument("--tolerances", metavar="T,...", help="for methods that choose their step")
     parser.add_argument("--integrators", default="", metavar="NAME,...", help="default: the deck's")
     parser.add_argument(
         "--channel",
@@ -146,7 +146,7 @@ def _study(options: argparse.Namespace) -> int:
         overrides=_overrides(options),
         methods=[name.strip() for name in options.integrators.split(",") if name.strip()],
         steps=options.steps,
-        accuracies=options.accuracies,
+        tolerances=options.tolerances,
         channels=options.channel,
         reference=options.reference,
         target=options.target,

@@ -84,8 +84,8 @@ def test_a_tableau_is_consistent(method: str) -> None:
 
 @TABLEAUX
 def test_the_order_is_the_declared_one(method: str, tmp_path: Path) -> None:
-    # accuracy sets how closely the projection closes the joints; the step is given
-    close = {"accuracy": 1e-12}
+    # tolerance sets how closely the projection closes the joints; the step is given
+    close = {"tolerance": 1e-12}
     finest = run(tmp_path, SCENE, END, integrator="dormand_prince_8", step=END / 800, **close)
     z = finest.state.nodes["r"][2, 2]
     # z = l_0 - m g / k + a cos(omega t), an independent measure of the reference itself
@@ -106,19 +106,19 @@ def test_the_order_is_the_declared_one(method: str, tmp_path: Path) -> None:
 
 
 @TABLEAUX
-def test_a_smaller_accuracy_gives_a_smaller_error(method: str, tmp_path: Path) -> None:
-    exact = run(tmp_path, SCENE, END, integrator="dormand_prince_8", accuracy=1e-13)
-    for accuracy in (1e-4, 1e-7, 1e-10):
-        engine = run(tmp_path, SCENE, END, integrator=method, accuracy=accuracy)
+def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) -> None:
+    exact = run(tmp_path, SCENE, END, integrator="dormand_prince_8", tolerance=1e-13)
+    for tolerance in (1e-4, 1e-7, 1e-10):
+        engine = run(tmp_path, SCENE, END, integrator=method, tolerance=tolerance)
         worst = max(
             np.abs(posture(engine, body) - posture(exact, body)).max() for body in SCENE["bodies"]
         )
         # errors of steps add up over some tens of them, over a size of 10 m
-        assert worst < 1000 * accuracy
+        assert worst < 1000 * tolerance
         assert engine.clock.residual <= 1e-10
         assert engine.clock.rate_residual <= 1e-10
         # what the spring, the weight and the pin do is all accounted for
-        assert abs(engine.ledger[-1]) < 1e4 * accuracy * engine.ledger[-2]
+        assert abs(engine.ledger[-1]) < 1e4 * tolerance * engine.ledger[-2]
 
 
 def test_a_law_that_counts_in_whole_steps_is_refused(tmp_path: Path) -> None:
@@ -143,8 +143,8 @@ def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path)
     # speed ratio that solves chi (1 + x) = ln[(1 + chi) / (1 - chi x)], chi = 9/16 (E1)
     exact = 0.7252408
     errors, steps = [], []
-    for accuracy in (1e-4, 1e-6, 1e-8):
-        engine = run(tmp_path, IMPACT, 2e-3, integrator=method, accuracy=accuracy)
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        engine = run(tmp_path, IMPACT, 2e-3, integrator=method, tolerance=tolerance)
         errors.append(abs(engine.state.nodes["v"][1, 2] - exact))
         steps.append(int(engine.clock["cycle"]))
         # its beginning and its end

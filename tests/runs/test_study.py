@@ -219,10 +219,10 @@ def test_a_published_value_the_runs_do_not_lead_to_is_reported_but_no_reference(
     assert "the difference is not the step's" in finding.notes[0]
 
 
-def test_a_method_that_chooses_its_step_is_given_accuracies() -> None:
+def test_a_method_that_chooses_its_step_is_given_tolerances() -> None:
     deck = read_deck(PENDULUM, {"control.step": "auto"})
     found = settings(deck, ("dormand_prince_5", "rattle"), "1e-3", "1e-6,1e-3")
     labels = [(setting.method, setting.label) for setting in found]
-    chosen = [("dormand_prince_5", "accuracy 0.001"), ("dormand_prince_5", "accuracy 1e-06")]
+    chosen = [("dormand_prince_5", "tolerance 0.001"), ("dormand_prince_5", "tolerance 1e-06")]
     assert labels == [*chosen, ("rattle", "0.001")]
-    assert found[1].overrides["control.accuracy"] == "1e-06"
+    assert found[1].overrides["control.tolerance"] == "1e-06"

@@ -15,7 +15,7 @@ class Control(Card):
     integrator: Literal["rattle", "dormand_prince_5", "dormand_prince_8", "generalized_alpha", "radau_iia_5"] = word(
         "method of integration", "rattle"
     )
-    accuracy: float = quantity(
+    tolerance: float = quantity(
         "1",
         "error of a step over the model's size and speed, where the method chooses its step",
         1e-6,

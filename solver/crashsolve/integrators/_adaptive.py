@@ -185,8 +185,8 @@ def judge(h, clock, control, nodes, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     error = estimate(h, clock, nodes, scene, control.length, speed)
-    wanted = next_length(h, error, control.accuracy, ESTIMATE)
-    if not error <= control.accuracy:
+    wanted = next_length(h, error, control.tolerance, ESTIMATE)
+    if not error <= control.tolerance:
         return wanted
     # not of an attempt: one that fails may have run away
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
@@ -208,7 +208,7 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
     """
     jacobian(clock.current, time, nodes, rows, curves, scene)
     factor_constraints(rows, saddle, nodes)
-    tolerance = min(0.1 * control.constraint_tolerance, 1e-4 * control.accuracy)
+    tolerance = min(0.1 * control.constraint_tolerance, 1e-4 * control.tolerance)
     previous, worst = 1e300, 0.0
     for _ in range(PROJECTIONS):
         residual(clock.current, time, nodes, rows, curves, scene)

@@ -90,7 +90,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
         clock.iterations += 1
         clock.passes = count + 1
         share = min(max(worst / previous, SHARE), 0.9)
-        if worst * share <= CARE * control.accuracy * (1.0 - share):
+        if worst * share <= CARE * control.tolerance * (1.0 - share):
             converged = True
             break
         if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):

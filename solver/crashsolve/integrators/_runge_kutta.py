@@ -4,7 +4,7 @@
     end of step: sum_j b_j k_j, then positions onto Phi = 0 and velocities onto D v = nu,
     both by the least change that the inertia allows (D^T along M^-1)
 
-A step whose estimated error is above `accuracy` is tried again shorter; one that would penetrate a
+A step whose estimated error is above `tolerance` is tried again shorter; one that would penetrate a
 new contact is cut at the onset. This file is the recital of all methods of this kind; the tableau
 is that of the deck's `integrator`.
 
@@ -201,8 +201,8 @@ def judge(h, clock, control, nodes, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     error = step_error(nodes, scene.stages, scene.E, scene.E_LOW, h, control.length, speed)
-    wanted = next_length(h, error, control.accuracy, ORDER)
-    if not error <= control.accuracy:
+    wanted = next_length(h, error, control.tolerance, ORDER)
+    if not error <= control.tolerance:
         return wanted
     # not of an attempt: one that fails may have run away
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
@@ -248,7 +248,7 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
     """
     jacobian(clock.current, time, nodes, rows, curves, scene)
     factor_constraints(rows, saddle, nodes)
-    tolerance = min(0.1 * control.constraint_tolerance, 1e-4 * control.accuracy)
+    tolerance = min(0.1 * control.constraint_tolerance, 1e-4 * control.tolerance)
     previous, worst = 1e300, 0.0
     for _ in range(PROJECTIONS):
         residual(clock.current, time, nodes, rows, curves, scene)

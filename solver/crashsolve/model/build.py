@@ -176,7 +176,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
     c["length"] = scene.size
     c["spectral_radius"] = card.spectral_radius
-    c["accuracy"] = card.accuracy
+    c["tolerance"] = card.tolerance
     c["check_every"] = card.check_every
     return control
 

@@ -54,8 +54,8 @@ CONTROL = Record(
     constraint_tolerance=("1", "largest position residual over model size"),
     onset_tolerance=("m", "first penetration taken as it falls; 0 to locate every onset"),
     energy_limit=("1", "imbalance over largest energy that stops the run; 0 for none"),
-    accuracy=("1", "error of a step over the model's size and largest speed"),
     spectral_radius=("1", "of generalized-alpha at infinite frequency"),
+    tolerance=("1", "error of a step over the model's size and largest speed"),
     length=("m", "the model's size"),
     check_every=("count", "cycles between guards"),
 )

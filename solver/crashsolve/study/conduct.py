@@ -31,7 +31,7 @@ class Request:
     overrides: dict[str, str] = field(default_factory=dict)
     methods: Sequence[str] = ()
     steps: str | None = None
-    accuracies: str | None = None
+    tolerances: str | None = None
     channels: Sequence[str] = ()
     reference: Path | None = None
     target: float | None = None
@@ -44,7 +44,7 @@ def study(request: Request) -> int:
     Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
     """
     deck = read_deck(request.deck, request.overrides)
-    grid = settings(deck, request.methods, request.steps, request.accuracies)
+    grid = settings(deck, request.methods, request.steps, request.tolerances)
     watches = watched(deck, request.channels)
     # where a path does not converge, these may
     more = [watch for watch in overall(deck) if watch not in watches]

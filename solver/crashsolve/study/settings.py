@@ -1,4 +1,4 @@
-"""The settings of a study: integrators x steps, or x accuracies where the method chooses its step.
+"""The settings of a study: integrators x steps, or x tolerances where the method chooses its step.
 
 The automatic step is made longer and shorter by its two bounds, the share of the critical step and
 the longest step.
@@ -9,12 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
 
-from crashsolve.deck.control import Control
 from crashsolve.deck.read import Deck
 from crashsolve.foundation.errors import DeckError
 
 FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
-ACCURACIES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 AUTO = "auto"
 # label, overrides, factor on the automatic step
 Words = tuple[str, dict[str, str], float | None]
@@ -40,12 +39,12 @@ class Setting:
 
 
 def settings(
-    deck: Deck, methods: Sequence[str], steps: str | None, accuracies: str | None
+    deck: Deck, methods: Sequence[str], steps: str | None, tolerances: str | None
 ) -> list[Setting]:
     """All settings, of each method from the longest step on. Raises DeckError for a wrong word."""
     found = []
     for method in methods or [deck.control.integrator]:
-        for label, overrides, factor in _of_method(deck, method, steps, accuracies):
+        for label, overrides, factor in _of_method(deck, method, steps, tolerances):
             changes = {"control.integrator": method, **overrides}
             found.append(Setting(method, label, changes, factor))
     return found
@@ -64,14 +63,14 @@ def _module(method: str) -> ModuleType | None:
         return None
 
 
-def _of_method(deck: Deck, method: str, steps: str | None, accuracies: str | None) -> list[Words]:
+def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | None) -> list[Words]:
     """One method's settings."""
     step = deck.control.step
     # weights E of an error estimate make a method choose its own steps
-    is_adaptive = hasattr(_module(method), "E") and "accuracy" in Control.model_fields
-    if is_adaptive and (accuracies or (not steps and step == AUTO)):
-        words = _numbers("--accuracies", accuracies) if accuracies else ACCURACIES
-        return [_accurate(a) for a in sorted(map(float, words), reverse=True)]
+    is_adaptive = hasattr(_module(method), "E")
+    if is_adaptive and (tolerances or (not steps and step == AUTO)):
+        words = _numbers("--tolerances", tolerances) if tolerances else TOLERANCES
+        return [_within(t) for t in sorted(map(float, words), reverse=True)]
     if steps:
         given = _numbers("--steps", steps, AUTO)
         numbers = sorted((float(h) for h in given if h != AUTO), reverse=True)
@@ -81,10 +80,10 @@ def _of_method(deck: Deck, method: str, steps: str | None, accuracies: str | Non
     return [_fixed(float(step) * factor) for factor in FACTORS]
 
 
-def _accurate(accuracy: float) -> Words:
+def _within(tolerance: float) -> Words:
     return (
-        f"accuracy {accuracy:g}",
-        {"control.accuracy": repr(accuracy), "control.step": AUTO},
+        f"tolerance {tolerance:g}",
+        {"control.tolerance": repr(tolerance), "control.step": AUTO},
         None,
     )
 

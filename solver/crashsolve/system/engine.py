@@ -188,10 +188,10 @@ class Engine:
         if status == STEP_TOO_SMALL and not clock["limit_node"]:
             return (
                 "the model",
-                "no step is short enough for control.accuracy "
+                "no step is short enough for control.tolerance "
                 f"(the next would be {float(clock['next_step']):.3g} s)",
                 "look for a singular posture, a jump in a curve or in a law; "
-                "integrator: rattle passes them, a larger control.accuracy may",
+                "integrator: rattle passes them, a larger control.tolerance may",
             )
         if status == STEP_TOO_SMALL:
             body = bodies[int(clock["limit_node"])]

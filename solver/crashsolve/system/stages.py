@@ -155,10 +155,10 @@ def add_outside(clock, stages, A, h):
 
 
 @kernel
-def next_length(h, error, accuracy, order):
+def next_length(h, error, tolerance, order):
     """Length of the next step, or of another attempt, from the error of this one [s]."""
     if error <= 0.0:
         return 5.0 * h
     if not error < 1e300:
         return 0.1 * h
-    return h * min(5.0, max(0.2, 0.9 * (accuracy / error) ** (1.0 / order)))
+    return h * min(5.0, max(0.2, 0.9 * (tolerance / error) ** (1.0 / order)))
