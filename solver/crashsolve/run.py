@@ -319,6 +319,7 @@ class Run:
                 "model": ", ".join(f"{n} {k}" for k, n in counts.items()) or "empty",
                 "mass": f"{model.mass.sum():.6g} kg",
                 "size": f"{model.size:.4g} m",
+                "integrator": ": ".join(filter(None, (model.integrator, model.choice))),
             },
         )
 

@@ -12,9 +12,14 @@ class Control(Card):
 
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
-    integrator: Literal["rattle", "dormand_prince_5", "dormand_prince_8", "generalized_alpha", "radau_iia_5"] = word(
-        "method of integration", "rattle"
-    )
+    integrator: Literal[
+        "rattle",
+        "dormand_prince_5",
+        "dormand_prince_8",
+        "generalized_alpha",
+        "radau_iia_5",
+        "auto",
+    ] = word("method of integration; auto: from stiffness and smoothness of the deck", "rattle")
     tolerance: float = quantity(
         "1",
         "error of a step over the model's size and speed, where the method chooses its step",

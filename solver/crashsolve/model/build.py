@@ -13,6 +13,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
 from crashsolve.model import touch
 from crashsolve.model.citations import citations
+from crashsolve.model.choice import choose
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contacts import build_contacts
 from crashsolve.model.ledger import ENTRIES
@@ -58,6 +59,7 @@ def build(deck: Deck) -> tuple[Model, State]:
         mass=scene.mass,
         size=scene.size,
         integrator=deck.control.integrator,
+        choice="",
         groups=groups,
         contact_groups=contact_groups,
         contacts=list(deck.entries["contacts"]),
@@ -70,7 +72,12 @@ def build(deck: Deck) -> tuple[Model, State]:
         citations=citations(_modules(groups, contact_groups)),
         surfaces=scene.surfaces,
     )
-    return model, _state(model, scene)
+    state = _state(model, scene)
+    if model.integrator == "auto":
+        tolerance = float(model.control[0]["tolerance"])
+        model.integrator, model.choice = choose(model, state, scene.stepwise, tolerance)
+    state.stages = initial_stages(model)
+    return model, state
 
 
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
@@ -191,7 +198,7 @@ def _state(model: Model, scene: Scene) -> State:
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
         card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),
         ledger=np.zeros(len(ENTRIES)),
-        stages=initial_stages(model),
+        stages=np.zeros(0),
     )
 
 

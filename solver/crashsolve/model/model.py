@@ -77,6 +77,7 @@ class Model:
     mass: np.ndarray
     size: float  # model length for tolerances [m]
     integrator: str
+    choice: str  # why that one, where the deck leaves it open
     groups: list[Group]
     contact_groups: list[ContactGroup]
     contacts: list[str]  # contact cards

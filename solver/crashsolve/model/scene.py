@@ -37,6 +37,7 @@ class Scene:
         self.deck = deck
         self.warnings: list[str] = []
         self.errors: list[DeckError] = []
+        self.stepwise: list[str] = []  # laws that count in whole steps
         self.joints: dict[str, Any] = {}
         self.surfaces: dict[str, Any] = {}
         self.names = ["ground", *deck.entries["bodies"]]
@@ -93,8 +94,11 @@ class Scene:
     def refuse_stepwise(self, module: Any, field: str | None = None) -> None:
         """A law that counts in whole steps has no order in a method that takes steps in stages."""
         method = self.deck.control.integrator
-        if getattr(module, "STEPWISE", False) and method != "rattle":
-            law = module.__name__.rpartition(".")[2]
+        if not getattr(module, "STEPWISE", False):
+            return
+        law = module.__name__.rpartition(".")[2]
+        self.stepwise.append(law)
+        if method not in ("rattle", "auto"):
             message = f"'{law}' counts in whole steps, integrator {method} needs rates at any time"
             raise self.fail(f"{message}; say integrator: rattle", field)
 

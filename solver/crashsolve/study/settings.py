@@ -66,8 +66,8 @@ def _module(method: str) -> ModuleType | None:
 def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | None) -> list[Words]:
     """One method's settings."""
     step = deck.control.step
-    # weights E of an error estimate make a method choose its own steps
-    is_adaptive = hasattr(_module(method), "E")
+    # a method of stages chooses its own steps
+    is_adaptive = hasattr(_module(method), "STAGES")
     if is_adaptive and (tolerances or (not steps and step == AUTO)):
         words = _numbers("--tolerances", tolerances) if tolerances else TOLERANCES
         return [_within(t) for t in sorted(map(float, words), reverse=True)]
