@@ -1,0 +1,142 @@
+"""Claim: the implicit methods have their order, and their step is bound by motion, not stiffness."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_integrator_order import IMPACT
+from test_runge_kutta import END, SCENE, SLOPE, posture, run
+
+from crashsolve.integrators import generalized_alpha, radau_iia_5
+
+METHODS = {"generalized_alpha": generalized_alpha, "radau_iia_5": radau_iia_5}
+BOTH = pytest.mark.parametrize("method", METHODS)
+# steps at which the error lies between the last digits and the first
+COUNTS = {"generalized_alpha": (320, 640), "radau_iia_5": (80, 160)}
+
+# five bars hang on each other by bushings as stiff as asked
+LINKS = 3
+BARS = {
+    f"bar_{i}": {"mass": 1.0, "inertia": [0.01, 0.1, 0.1], "position": [0.5 + i, 0, 0]}
+    for i in range(LINKS)
+}
+WEIGHT = {"weight": {"type": "gravity", "acceleration": [0, 0, -9.81]}}
+
+
+def ends(i: int) -> dict[str, str]:
+    return {"a": "ground" if i == 0 else f"bar_{i - 1}", "b": f"bar_{i}"}
+
+
+def bushings(k: float) -> dict[str, Any]:
+    """Hinges about y of stiffness k [N/m, N m/rad] and a time of relaxation of 0.1 ms."""
+    c = 1e-4 * k
+    springs = {
+        f"bushing_{i}": ends(i)
+        | {
+            "type": "bushing",
+            "at_a": [0.0, 0, 0] if i == 0 else [0.5, 0, 0],
+            "at_b": [-0.5, 0, 0],
+            "stiffness": [k] * 3,
+            "damping": [c] * 3,
+            "turning_stiffness": [k, 0, k],
+            "turning_damping": [c, 0, c],
+        }
+        for i in range(LINKS)
+    }
+    return {"bodies": BARS, "springs": springs, "loads": WEIGHT}
+
+
+HINGES = {
+    "bodies": BARS,
+    "joints": {
+        f"hinge_{i}": ends(i) | {"type": "revolute", "at": [i, 0, 0], "axis": [0, 1, 0]}
+        for i in range(LINKS)
+    },
+    "loads": WEIGHT,
+}
+
+
+def test_the_factors_of_the_tableau_are_those_of_radau() -> None:
+    m = radau_iia_5
+    np.testing.assert_allclose(m.T @ m.U, m.A, atol=1e-15)
+    # collocation: sum a_ij c_j^k = c_i^(k+1) / (k+1) up to the number of stages, exact at the end
+    for k in range(3):
+        np.testing.assert_allclose(m.A @ m.C**k, m.C ** (k + 1) / (k + 1), atol=1e-15)
+    for k in range(m.ORDER):
+        assert m.A[-1] @ m.C**k == pytest.approx(1 / (k + 1), abs=1e-14)
+    assert m.E.sum() == pytest.approx(0.0, abs=1e-14)
+
+
+def test_a_pass_over_the_stages_converges_whatever_the_stiffness() -> None:
+    A, T = radau_iia_5.A[1:, 1:], radau_iia_5.T[1:, 1:]
+    worst = 0.0
+    # vibrations, and dampers
+    for direction in (1j, -1.0):
+        for size in np.logspace(-3, 6, 200):
+            z = size * direction
+            left = z * np.linalg.inv(np.eye(3) - z * T) @ (A - T)
+            worst = max(worst, np.abs(np.linalg.eigvals(left)).max())
+    # van der Houwen and de Swart (1997) give 0.37 for three stages
+    assert worst < 0.375
+
+
+@BOTH
+def test_the_order_is_the_declared_one(method: str, tmp_path: Path) -> None:
+    # how closely the equations of the stages are solved; the step is given
+    close = {"tolerance": 1e-12}
+    finest = run(tmp_path, SCENE, END, integrator="dormand_prince_8", step=END / 800, **close)
+    counts = COUNTS[method]
+    runs = [run(tmp_path, SCENE, END, integrator=method, step=END / n, **close) for n in counts]
+    for body in SCENE["bodies"]:
+        errors = [np.linalg.norm(posture(e, body) - posture(finest, body)) for e in runs]
+        slope = np.log(errors[0] / errors[1]) / np.log(counts[1] / counts[0])
+        assert slope == pytest.approx(METHODS[method].ORDER, abs=SLOPE), (body, errors)
+    assert max(e.clock.residual for e in runs) <= 1e-10
+
+
+@BOTH
+def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) -> None:
+    exact = run(tmp_path, SCENE, END, integrator="dormand_prince_8", tolerance=1e-13)
+    errors = []
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        engine = run(tmp_path, SCENE, END, integrator=method, tolerance=tolerance)
+        errors.append(
+            max(np.abs(posture(engine, b) - posture(exact, b)).max() for b in SCENE["bodies"])
+        )
+        # few attempts fail: the estimate foretells the error of the next step
+        assert engine.clock.rejected < 0.2 * engine.clock.cycle
+    # an estimate of order p - 1 in h that is kept to tol: error ~ tol^((p - 1) / p), at least
+    assert errors[1] < 0.1 * errors[0]
+    assert errors[2] < 0.1 * errors[1]
+
+
+@BOTH
+def test_stiff_bushings_become_hinges_at_steps_of_the_motion(method: str, tmp_path: Path) -> None:
+    hinged = run(tmp_path, HINGES, 0.5, integrator="dormand_prince_8", tolerance=1e-10)
+    previous = np.inf
+    for k in (1e4, 1e6, 1e8):
+        engine = run(tmp_path, bushings(k), 0.5, integrator=method, tolerance=1e-5)
+        gap = np.abs(engine.state.nodes["r"] - hinged.state.nodes["r"]).max()
+        # they give way by force over k, until the method's own error is larger
+        assert gap < 0.1 * previous or gap < 1e-4
+        previous = gap
+        # an explicit step would be below 2 / omega = 2 / sqrt(12 k / m), 3e5 steps at 1e8
+        assert engine.clock.cycle < 1500
+        assert abs(engine.ledger[-1]) < 1e-2 * engine.ledger[-2]
+
+
+@BOTH
+def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path) -> None:
+    # speed ratio that solves chi (1 + x) = ln[(1 + chi) / (1 - chi x)], chi = 9/16 (E1)
+    exact = 0.7252408
+    errors, steps = [], []
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        engine = run(tmp_path, IMPACT, 2e-3, integrator=method, tolerance=tolerance)
+        errors.append(abs(engine.state.nodes["v"][1, 2] - exact))
+        steps.append(int(engine.clock["cycle"]))
+        # its beginning and its end
+        assert engine.clock["located"] == 2
+    order = -np.log(errors[-1] / errors[0]) / np.log(steps[-1] / steps[0])
+    # the reference has seven digits; steps fall differently on the impact each time
+    assert order > 2 - SLOPE or errors[-1] < 1e-6, (errors, steps)
