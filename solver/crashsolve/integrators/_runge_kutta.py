@@ -14,7 +14,7 @@ Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 
 from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
 from crashsolve.foundation.saddle import Saddle, solve_rows
-from crashsolve.integrators.dormand_prince_5 import ORDER, STAGES
+from crashsolve.integrators.dormand_prince_5 import ESTIMATES, ORDER, STAGES
 from crashsolve.model.clock import (
     CURVE_END,
     ENERGY,
@@ -62,9 +62,11 @@ from crashsolve.system.scene import (
 from crashsolve.system.stages import (
     add_outside,
     displace_by_joints,
+    estimate,
     fastest_point,
     keep_rates,
     next_length,
+    project_estimate,
     reach,
     step_error,
     typical_speed,
@@ -72,6 +74,8 @@ from crashsolve.system.stages import (
 from crashsolve.system.timestep import fit, onset_step, wanted_step
 
 PROJECTIONS = 10
+REFINEMENTS = 3
+ROUND_OFF = 1e-12  # of an acceleration: what is left is no error of a joint
 
 
 @entry
@@ -170,7 +174,7 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
         arrive(trial, clock, nodes, rows, saddle, curves, scene)
         if control.fixed_step > 0.0:
             break
-        wanted = judge(trial, clock, control, nodes, scene)
+        wanted = judge(trial, clock, control, nodes, rows, saddle, scene)
         if wanted == 0.0:
             break
         clock.rejected += 1
@@ -187,7 +191,11 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 def arrive(h, clock, nodes, rows, saddle, curves, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
     weigh_pass(h, STAGES - 1, clock, scene)
-    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    clear_forces(nodes)
+    force_pass(clock, clock.time + h, h, nodes, rows, curves, scene)
+    if JOINTS:
+        # D and its factor are those of the projection
+        react(clock.time + h, clock, nodes, rows, saddle, curves, scene)
     # a force that begins at the end of the step is no error of the step
     if CONTACTS:
         take_late(nodes, -1.0)
@@ -197,10 +205,14 @@ def arrive(h, clock, nodes, rows, saddle, curves, scene):
 
 
 @stage
-def judge(h, clock, control, nodes, scene):
+def judge(h, clock, control, nodes, rows, saddle, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
-    error = step_error(nodes, scene.stages, scene.E, scene.E_LOW, h, control.length, speed)
+    for k in range(ESTIMATES):
+        estimate(nodes, scene.stages, scene.E, scene.errors, k, h)
+        if JOINTS:
+            project_estimate(scene.errors, k, nodes, rows, saddle)
+    error = step_error(scene.errors, control.length, speed)
     wanted = next_length(h, error, control.accuracy, ORDER)
     if not error <= control.accuracy:
         return wanted
@@ -246,29 +258,14 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
 
     Writes: nodes.r, q, A, v, L, w, W.
     """
-    jacobian(clock.current, time, nodes, rows, curves, scene)
-    factor_constraints(rows, saddle, nodes)
     tolerance = min(0.1 * control.constraint_tolerance, 1e-4 * control.accuracy)
-    previous, worst = 1e300, 0.0
-    for _ in range(PROJECTIONS):
-        residual(clock.current, time, nodes, rows, curves, scene)
-        worst, clock.place = worst_residual(rows)
-        clock.value = worst
-        # far better than the step, or as good as it gets: the error must not add up
-        if worst <= tolerance or not worst < 0.5 * previous:
-            break
-        previous = worst
-        clock.iterations += 1
-        clear_joint_forces(nodes)
-        solve_rows(saddle, rows, -1.0)
-        scatter_delta(rows, nodes)
-        displace_by_joints(nodes)
-    if not worst <= control.constraint_tolerance:
+    if not close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves, scene):
         return False
-    clock.residual = max(clock.residual, worst)
     refresh(nodes)
     jacobian(clock.current, time, nodes, rows, curves, scene)
-    previous = 1e300
+    # also those of the last stage
+    factor_constraints(rows, saddle, nodes)
+    previous, worst = 1e300, 0.0
     for _ in range(PROJECTIONS):
         velocity_residual(rows, nodes)
         worst = worst_rate(rows, saddle)
@@ -287,6 +284,39 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
 
 
 @stage
+def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves, scene):
+    """Positions onto Phi = 0 by a simplified Newton's method. Returns whether it can be done.
+
+    D and its factor are those of the last stage, made anew only where they do not serve.
+    Writes: nodes.r, q, A.
+    """
+    previous, worst, is_anew = 1e300, 0.0, False
+    for _ in range(PROJECTIONS):
+        residual(clock.current, time, nodes, rows, curves, scene)
+        worst, clock.place = worst_residual(rows)
+        clock.value = worst
+        # far better than the step: the error must not add up
+        if worst <= tolerance:
+            break
+        if not worst < 0.5 * previous:
+            # as good as it gets
+            if is_anew or worst <= control.constraint_tolerance:
+                break
+            refresh(nodes)
+            jacobian(clock.current, time, nodes, rows, curves, scene)
+            factor_constraints(rows, saddle, nodes)
+            is_anew = True
+        previous = worst
+        clock.iterations += 1
+        solve_rows(saddle, rows, -1.0)
+        displace_by_joints(rows, nodes)
+    if not worst <= control.constraint_tolerance:
+        return False
+    clock.residual = max(clock.residual, worst)
+    return True
+
+
+@stage
 def weigh_pass(h, i, clock, scene):
     """Weights of stage i in what is summed over the step. Writes: clock."""
     end = STAGES * (STAGES - 1)
@@ -298,20 +328,36 @@ def weigh_pass(h, i, clock, scene):
 
 @kernel
 def evaluate(time, h, clock, nodes, rows, saddle, curves, scene):
-    """Forces and reactions of the present place and velocity (Ambrosio (2003), Eq. 5).
-
-    Writes: nodes, rows, outputs, new histories.
+    """Forces and reactions of the present place and velocity. Writes: nodes, rows, outputs,
+    new histories.
     """
     clear_forces(nodes)
     force_pass(clock, time, h, nodes, rows, curves, scene)
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, curves, scene)
         factor_constraints(rows, saddle, nodes)
-        convective(clock.current, time, nodes, rows, curves, scene)
-        acceleration_right_side(rows, nodes)
-        clear_reaction(rows, nodes)
+        react(time, clock, nodes, rows, saddle, curves, scene)
+
+
+@kernel
+def react(time, clock, nodes, rows, saddle, curves, scene):
+    """Reactions of the accelerations (Ambrosio (2003), Eq. 5). Writes: nodes, rows.
+
+    A body of hardly any inertia multiplies the round-off of its reactions, so what they leave of
+    the right side is answered again.
+    """
+    convective(clock.current, time, nodes, rows, curves, scene)
+    clear_reaction(rows, nodes)
+    acceleration_right_side(rows, nodes)
+    first = worst = worst_rate(rows, saddle)
+    for _ in range(REFINEMENTS):
         solve_rows(saddle, rows, 1.0)
         scatter_delta(rows, nodes)
+        acceleration_right_side(rows, nodes)
+        previous, worst = worst, worst_rate(rows, saddle)
+        # a row that is redundant at a singular posture keeps what is left
+        if worst <= ROUND_OFF * first or not worst < 0.5 * previous:
+            break
 
 
 @stage

@@ -22,5 +22,5 @@ A[6, :6] = [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84]
 C = A.sum(axis=1)
 
 # what the step differs by from the embedded method of order 4
-E = np.array([71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
-E_LOW = np.zeros(STAGES)
+E = np.array([[71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]])
+ESTIMATES = 1

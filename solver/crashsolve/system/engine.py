@@ -18,7 +18,7 @@ from crashsolve.model.clock import (
     STEP_TOO_SMALL,
 )
 from crashsolve.model.model import Model, State
-from crashsolve.model.nodes import STAGE
+from crashsolve.model.nodes import ESTIMATE, STAGE
 from crashsolve.model.pairs import renew
 from crashsolve.system.compose import compose, group_arrays, load
 
@@ -59,8 +59,11 @@ class Engine:
         method = import_module(f"crashsolve.integrators.{self.model.integrator}")
         if not hasattr(method, "STAGES"):
             return {}
-        tableau = {name: getattr(method, name).ravel() for name in ("A", "C", "E", "E_LOW")}
-        return tableau | {"stages": np.zeros((method.STAGES, len(self.nodes)), STAGE.dtype)}
+        tableau = {name: getattr(method, name).ravel() for name in ("A", "C", "E")}
+        return tableau | {
+            "stages": np.zeros((method.STAGES, len(self.nodes)), STAGE.dtype),
+            "errors": np.zeros((method.ESTIMATES, len(self.nodes)), ESTIMATE.dtype),
+        }
 
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
