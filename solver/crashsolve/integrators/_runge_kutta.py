@@ -17,8 +17,6 @@ from crashsolve.foundation.saddle import Saddle, solve_rows
 from crashsolve.integrators.dormand_prince_5 import ESTIMATES, ORDER, STAGES
 from crashsolve.model.clock import (
     CURVE_END,
-    ENERGY,
-    NOT_FINITE,
     POSITION,
     REACHED,
     REBUILD,
@@ -36,21 +34,23 @@ from crashsolve.system.constraints import (
     worst_rate,
     worst_residual,
 )
-from crashsolve.system.energy import balance_broken
+from crashsolve.system.energy import check
 from crashsolve.system.kinetics import (
     accelerations,
-    bad_node,
     clear_forces,
     refresh,
     save,
     take_late,
 )
+from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.scene import (
     CONTACTS,
     JOINTS,
+    PIECES,
     REBUILDS,
     approach,
     approach_before,
+    beyond,
     convective,
     energy,
     force_pass,
@@ -71,11 +71,11 @@ from crashsolve.system.stages import (
     step_error,
     typical_speed,
 )
-from crashsolve.system.timestep import fit, onset_step, wanted_step
+from crashsolve.system.timestep import fit, wanted_step
 
 PROJECTIONS = 10
 REFINEMENTS = 3
-ROUND_OFF = 1e-12  # of an acceleration: what is left is no error of a joint
+ROUND_OFF = 1e-12  # of an acceleration or of the size: less than this is nothing
 
 
 @entry
@@ -143,33 +143,25 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
-    early, late, trial, count = 0.0, h, h, 0
-    gap_early, gap_late, allowed = 0.0, 0.0, 0.0
+    bracket, trial, found = open_bracket(h), h, False
     while True:
         closed = pass_stages(trial, clock, control, nodes, rows, saddle, curves, scene)
         if not closed:
             # too long for the joints: as if the error were large
             clock.rejected += 1
-            trial = late = 0.25 * trial
-            early, count = 0.0, 0
+            h = trial = 0.25 * trial
+            bracket = open_bracket(h)
             if trial < control.step_min:
                 clock.status = POSITION
                 break
             continue
-        if CONTACTS:
-            gap = approach(clock.current, nodes, scene)
-            if count == 0:
-                gap_early = approach_before(clock.current, scene)
-                allowed = max(control.onset_tolerance, 1e-4 * (gap - gap_early))
-            if gap >= 0.0 or count == 0:
-                late, gap_late = trial, gap
-            else:
-                early, gap_early = trial, gap
-            if not (trial == late and (gap_late <= allowed or late - early <= 1e-13 * h)):
-                trial = onset_step(count, early, gap_early, late, gap_late, allowed)
-                if late - early <= 1e-13 * h or gap_late <= allowed:
-                    trial = late
-                count += 1
+        if CONTACTS or PIECES:
+            gap = onset_gap(trial, clock, control, nodes, curves, scene)
+            if bracket[-1] == 0 and gap > 0.0:
+                before = gap_before(trial, clock, nodes, curves, scene)
+                bracket = first_gap(bracket, before, gap, control.onset_tolerance)
+            bracket, trial, found = seek(bracket, h, trial, gap)
+            if not found:
                 continue
         arrive(trial, clock, nodes, rows, saddle, curves, scene)
         if control.fixed_step > 0.0:
@@ -178,13 +170,39 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
         if wanted == 0.0:
             break
         clock.rejected += 1
-        trial = late = clock.next_step = wanted
-        early, count = 0.0, 0
+        h = trial = clock.next_step = wanted
+        bracket = open_bracket(h)
         if trial < control.step_min:
             clock.status = STEP_TOO_SMALL
             break
-    clock.located += 1 if count > 0 else 0
+    clock.located += 1 if bracket[-1] > 0 else 0
     return trial
+
+
+@stage
+def onset_gap(h, clock, control, nodes, curves, scene):
+    """Largest depth of what begins in a step of h: a contact, its end, or a piece of a law."""
+    gap = -1e300
+    if CONTACTS:
+        gap = approach(clock.current, nodes, scene)
+    if PIECES:
+        # what rests at a corner passes it by round-off again and again
+        past = beyond(clock.current, h, nodes, curves, scene) - ROUND_OFF * control.length
+        gap = max(gap, past)
+    return gap
+
+
+@stage
+def gap_before(h, clock, nodes, curves, scene):
+    """The same at the start of the step. Writes: nodes, which the next trial moves again."""
+    gap = -1e300
+    if CONTACTS:
+        gap = approach_before(clock.current, scene)
+    if PIECES:
+        reach(nodes, scene.stages, scene.A, 0, h)
+        refresh(nodes)
+        gap = max(gap, beyond(clock.current, h, nodes, curves, scene))
+    return min(gap, 0.0)
 
 
 @stage
@@ -369,13 +387,3 @@ def accept(time, h, clock, control):
     clock.cycle += 1 if h > 0.0 else 0
     if control.fixed_step > 0.0:
         clock.next_step = control.fixed_step
-
-
-@stage
-def check(clock, control, nodes, ledger):
-    """Stop at a bad number or a broken balance. Writes: clock."""
-    bad = bad_node(nodes)
-    if bad >= 0:
-        clock.status, clock.place = NOT_FINITE, bad
-    elif clock.cycle >= control.check_every and balance_broken(ledger, control.energy_limit):
-        clock.status = ENERGY

@@ -13,7 +13,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
-from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resistance
+from crashsolve.springs._resistance import RESISTANCE, SLIDER, beyond_piece, resist, resistance
 
 
 class Curve(PointSpringCard, ResistanceCard):
@@ -64,3 +64,10 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.rate = rate
     out.set = new.set[0] if new.set[0] >= new.set[1] else -new.set[1]
     pull(p, nodes, tension, u, d_a, d_b, stiffness, damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this is past the piece of the law on which the step began [m]."""
+    _, length, rate, _, _ = line_of_action(p, nodes)
+    return beyond_piece(p, old, h, length - p.length, rate, curves)

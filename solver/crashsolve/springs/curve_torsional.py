@@ -12,7 +12,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
-from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resistance
+from crashsolve.springs._resistance import RESISTANCE, SLIDER, beyond_piece, resist, resistance
 
 
 class CurveTorsional(AxisSpringCard, ResistanceCard):
@@ -58,3 +58,10 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.rate = rate
     out.set = new.set[0] if new.set[0] >= new.set[1] else -new.set[1]
     twist(p, nodes, torque, g, stiffness, damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this is past the piece of the law on which the step began [rad]."""
+    angle, rate, _ = turned(p, old.angle, nodes)
+    return beyond_piece(p, old, h, angle - p.angle, rate, curves)

@@ -41,7 +41,11 @@ PARAMETERS = POINTS + Record(
     kinematic=("N/m", "H_k"),
     length=("m", "l_0"),
 )
-HISTORY = Record(plastic=("m", "x_p"), flow=("m", "alpha"))
+HISTORY = Record(
+    plastic=("m", "x_p"),
+    flow=("m", "alpha"),
+    flowing=("flag", "1 or -1: x_p grows or falls; 0: it rests"),
+)
 OUTPUT = Record(
     force=("N", "tension positive"),
     length=("m", "present length"),
@@ -77,6 +81,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     flow = max(excess, 0.0) / (p.stiffness + p.isotropic + p.kinematic)
     new.plastic = old.plastic + (flow if trial > 0.0 else -flow)
     new.flow = old.flow + flow
+    new.flowing = 0
+    if flow > 0.0 and trial * rate > 0.0:
+        new.flowing = 1 if trial > 0.0 else -1
     out.force = p.stiffness * (x - new.plastic)
     out.length = length
     out.elongation = x
@@ -90,3 +97,13 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     # a state without a step has no history to lose energy in
     out.loss = lost if h > 0.0 else 0.0
     pull(p, nodes, out.force, u, d_a, d_b, p.stiffness, 0.0)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this is past yield, or past the turn of the motion while it flows [m]."""
+    _, length, rate, _, _ = line_of_action(p, nodes)
+    if old.flowing != 0:
+        return -old.flowing * rate * h
+    trial = p.stiffness * (length - p.length - old.plastic) - p.kinematic * old.plastic
+    return (abs(trial) - p.yield_force - p.isotropic * old.flow) / p.stiffness

@@ -13,7 +13,15 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
-from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stops
+from crashsolve.springs._joint import (
+    STOPPED,
+    STOPS,
+    StopCard,
+    beyond_stop,
+    named_joint,
+    stop,
+    stops,
+)
 
 
 class SlideLimit(StopCard):
@@ -26,7 +34,7 @@ class SlideLimit(StopCard):
 
 
 PARAMETERS = POINTS + STOPS + Record(axis_a=("1", 3, "joint axis, axes of a"))
-HISTORY = Record()
+HISTORY = STOPPED
 OUTPUT = Record(
     force=("N", "positive pushes b back"),
     travel=("m", "of b from the start"),
@@ -42,12 +50,18 @@ def build(card: SlideLimit, scene: Any) -> dict[str, Any]:
 
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
-    """Writes: nodes, out."""
+    """Writes: nodes, new, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     axis = vec(p.axis_a)
     out.travel = dot(axis, x)
     out.rate = dot(axis, x_dot)
-    out.force = stop(p, out.travel, out.rate, out, curves)
+    out.force = stop(p, new, out.travel, out.rate, out, curves)
     push(p, nodes, scale(-out.force, axis), d_a, d_b)
     # counted in the gap as well: nothing else shortens the step before the stop is met
     stiffen_along(p, nodes, p.axis_a, d_a, d_b, p.stiffest, p.damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far the travel has left where it began the step, between the stops or beyond one [m]."""
+    return beyond_stop(p, old, dot(vec(p.axis_a), seen_from_a(p, nodes)[0]))

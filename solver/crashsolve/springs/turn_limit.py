@@ -12,7 +12,15 @@ from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist
-from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stops
+from crashsolve.springs._joint import (
+    STOPPED,
+    STOPS,
+    StopCard,
+    beyond_stop,
+    named_joint,
+    stop,
+    stops,
+)
 
 
 class TurnLimit(StopCard):
@@ -25,7 +33,7 @@ class TurnLimit(StopCard):
 
 
 PARAMETERS = TURN + STOPS
-HISTORY = Record(angle=("rad", "theta, with all turns"))
+HISTORY = STOPPED + Record(angle=("rad", "theta, with all turns"))
 OUTPUT = Record(
     torque=("N m", "positive turns b back"),
     angle=("rad", "of b from the start"),
@@ -43,8 +51,14 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = turned(p, old.angle, nodes)
     new.angle = angle
-    out.torque = stop(p, angle, rate, out, curves)
+    out.torque = stop(p, new, angle, rate, out, curves)
     out.angle = angle
     out.rate = rate
     # counted in the gap as well: nothing else shortens the step before the stop is met
     twist(p, nodes, out.torque, g, p.stiffest, p.damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far the angle has left where it began the step, between the stops or beyond one [rad]."""
+    return beyond_stop(p, old, turned(p, old.angle, nodes)[0])

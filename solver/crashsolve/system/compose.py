@@ -22,6 +22,7 @@ SIGNATURES = {
     "force_pass": "clock, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
     "approach_before": "current, groups",
+    "beyond": "current, h, nodes, curves, groups",
     "need_rebuild": "clock, nodes, groups",
     "energy": "clock, nodes, groups, ledger",
     "measure": "time, nodes, rows, curves, groups",
@@ -85,6 +86,7 @@ def scene_text(model: Any) -> str:
     parts.append(
         f"JOINTS = {bool(model.joints)}\n"
         f"CONTACTS = {bool(model.contact_groups)}\n"
+        f"PIECES = {bool(model.piecewise_groups())}\n"
         f"REBUILDS = {any(c.search is not None for c in model.contact_groups)}\n"
     )
     parts += [_contact(c) for c in model.contact_groups]
@@ -95,6 +97,7 @@ def scene_text(model: Any) -> str:
         _function("force_pass", _force_calls(model)),
         _function("approach", _approach_calls(model)),
         _function("approach_before", _approach_before_calls(model)),
+        _function("beyond", _beyond_calls(model)),
         _function("need_rebuild", _rebuild_calls(model)),
         _function("energy", _energy_calls(model)),
         _function("measure", _measure_calls(model)),
@@ -264,6 +267,18 @@ def _approach_before_calls(model: Any) -> list[str]:
                 "        deepest = max(deepest, depth)",
             ]
     return [*lines, "return min(deepest, 0.0)"]
+
+
+def _beyond_calls(model: Any) -> list[str]:
+    lines = ["farthest = -1e300"]
+    for g in model.piecewise_groups():
+        lines += [
+            f"p, history = groups.{g.word}_p, groups.{g.word}_h",
+            "for i in range(p.shape[0]):",
+            f"    past = {g.word}.beyond(p[i], history[current, i], h, nodes, curves)",
+            "    farthest = max(farthest, past)",
+        ]
+    return [*lines, "return farthest"]
 
 
 def _locates_ends(model: Any) -> bool:

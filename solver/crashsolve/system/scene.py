@@ -6,6 +6,7 @@ and to the checks; none of it is ever called.
 
 JOINTS = True  # has constraint rows
 CONTACTS = True  # has contact pairs
+PIECES = True  # has force laws of several pieces
 REBUILDS = True  # keeps a list of near pairs that must be renewed
 
 
@@ -35,6 +36,11 @@ def approach(current, nodes, groups):
 
 def approach_before(current, groups):
     """The same at the start of the step [m]."""
+    return -1.0
+
+
+def beyond(current, h, nodes, curves, groups):
+    """How far force laws are past the pieces on which a step of h began [m or rad]; 0: not yet."""
     return -1.0
 
 
