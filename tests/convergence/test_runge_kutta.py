@@ -73,7 +73,7 @@ def posture(engine: Engine, body: str) -> np.ndarray:
 @TABLEAUX
 def test_a_tableau_is_consistent(method: str) -> None:
     m = METHODS[method]
-    weights = m.A[-1]
+    weights = m.A[m.STAGES - 1]
     # sum b_i c_i^k = 1 / (k + 1): the conditions of pure quadrature, to the order of the method
     for k in range(m.ORDER):
         assert np.dot(weights, m.C**k) == pytest.approx(1 / (k + 1), abs=1e-14)

@@ -14,7 +14,7 @@ Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 
 from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
 from crashsolve.foundation.saddle import Saddle, solve_rows
-from crashsolve.integrators.dormand_prince_5 import ESTIMATES, ORDER, STAGES
+from crashsolve.integrators.dormand_prince_5 import ESTIMATES, EXTRA, ORDER, STAGES, TERMS
 from crashsolve.model.clock import (
     CURVE_END,
     POSITION,
@@ -45,6 +45,7 @@ from crashsolve.system.kinetics import (
 from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.scene import (
     CONTACTS,
+    DENSE,
     JOINTS,
     PIECES,
     REBUILDS,
@@ -58,6 +59,7 @@ from crashsolve.system.scene import (
     measure,
     need_rebuild,
     residual,
+    sum_powers,
 )
 from crashsolve.system.stages import (
     add_outside,
@@ -70,11 +72,13 @@ from crashsolve.system.stages import (
     reach,
     step_error,
     typical_speed,
+    weigh_part,
 )
 from crashsolve.system.timestep import fit, wanted_step
 
 PROJECTIONS = 10
 REFINEMENTS = 3
+SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
 ROUND_OFF = 1e-12  # of an acceleration or of the size: less than this is nothing
 
 
@@ -91,12 +95,18 @@ def advance(until, sampling, scene):
     while clock.status == RUNNING and (sampling or clock.time < until):
         time = clock.time
         if sampling:
-            if JOINTS:
+            part = 0.0
+            if DENSE and until < time:
+                part = go_back(until, clock, control, nodes, rows, saddle, curves, scene)
+                time = until
+            elif JOINTS:
                 residual(clock.current, time, nodes, rows, curves, scene)
             refresh(nodes)
             weigh_pass(0.0, 0, clock, scene)
             clock.opens = clock.closes = 1
-            evaluate(time, 0.0, clock, nodes, rows, saddle, curves, scene)
+            evaluate(time, part, clock, nodes, rows, saddle, curves, scene)
+            if DENSE and part > 0.0:
+                sum_powers(clock.current, clock.step, scene)
             accelerations(nodes)
             measure(time, nodes, rows, curves, scene)
             if clock.next_step <= 0.0:
@@ -106,15 +116,15 @@ def advance(until, sampling, scene):
             if REBUILDS and need_rebuild(clock, nodes, scene):
                 clock.status = REBUILD
                 return
-            h, is_last = fit(clock.next_step, until - clock.time)
+            h, is_last = fit(clock.next_step, clock.goal - clock.time)
             save(nodes)
             keep_rates(nodes, rows, scene.stages, 0)
             taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
-            time = until if is_last and taken == h else clock.time + taken
+            time = clock.goal if is_last and taken == h else clock.time + taken
             h = taken
             if clock.status != RUNNING:
                 return
-            add_outside(clock, scene.stages, scene.A, h)
+            add_outside(clock, scene.stages, scene.A, STAGES - 1, h)
         accept(time, h, clock, control)
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)
@@ -125,6 +135,36 @@ def advance(until, sampling, scene):
             clock.status = CURVE_END
     if clock.status == RUNNING:
         clock.status = REACHED
+
+
+@stage
+def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
+    """Copies to a time within the last step, by dense output; what is summed as well.
+
+    Returns the time since the start of the step [s]. Writes: clock, nodes, rows, scene.stages, A.
+    """
+    h = clock.step
+    begun = clock.time - h
+    # histories count from the start of the step
+    clock.current = 1 - clock.current
+    for i in range(STAGES, SAMPLE):
+        reach(nodes, scene.stages, scene.A, i, h)
+        refresh(nodes)
+        weigh_pass(0.0, i, clock, scene)
+        after = scene.C[i] * h
+        evaluate(begun + after, after, clock, nodes, rows, saddle, curves, scene)
+        keep_rates(nodes, rows, scene.stages, i)
+    weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, (time - begun) / h)
+    reach(nodes, scene.stages, scene.A, SAMPLE, h)
+    add_outside(clock, scene.stages, scene.A, STAGES - 1, -h)
+    add_outside(clock, scene.stages, scene.A, SAMPLE, h)
+    if JOINTS:
+        jacobian(clock.current, time, nodes, rows, curves, scene)
+        refresh(nodes)
+        factor_constraints(rows, saddle, nodes)
+        if not project(time, clock, control, nodes, rows, saddle, curves, scene):
+            clock.status = POSITION
+    return time - begun
 
 
 @stage
@@ -227,7 +267,7 @@ def judge(h, clock, control, nodes, rows, saddle, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     for k in range(ESTIMATES):
-        estimate(nodes, scene.stages, scene.E, scene.errors, k, h)
+        estimate(nodes, scene.stages, STAGES, scene.E, scene.errors, k, h)
         if JOINTS:
             project_estimate(scene.errors, k, nodes, rows, saddle)
     error = step_error(scene.errors, control.length, speed)
@@ -236,8 +276,8 @@ def judge(h, clock, control, nodes, rows, saddle, scene):
         return wanted
     # not of an attempt: one that fails may have run away
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
-    # a step cut short by a sample says little about a longer one
-    if h < clock.next_step:
+    # a step cut short says little about a longer one
+    if h < 0.5 * clock.next_step:
         wanted = max(wanted, clock.next_step)
     clock.next_step = min(wanted, control.step_max)
     return 0.0
@@ -270,7 +310,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
     return project(clock.time + h, clock, control, nodes, rows, saddle, curves, scene)
 
 
-@stage
+@kernel
 def project(time, clock, control, nodes, rows, saddle, curves, scene):
     """Positions onto Phi = 0 and velocities onto D v = nu. Returns whether it can be done.
 
@@ -301,7 +341,7 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
     return True
 
 
-@stage
+@kernel
 def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves, scene):
     """Positions onto Phi = 0 by a simplified Newton's method. Returns whether it can be done.
 
@@ -334,10 +374,11 @@ def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves
     return True
 
 
-@stage
+@kernel
 def weigh_pass(h, i, clock, scene):
     """Weights of stage i in what is summed over the step. Writes: clock."""
-    end = STAGES * (STAGES - 1)
+    end = (SAMPLE + 1) * (STAGES - 1)
+    clock.stage = i
     clock.opens = 1 if i == 1 else 0
     clock.closes = 1 if i == STAGES - 1 else 0
     clock.lead = h * scene.A[end]

@@ -176,6 +176,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
     c["length"] = scene.size
     c["accuracy"] = card.accuracy
+    c["end"] = card.end_time
     c["check_every"] = card.check_every
     return control
 

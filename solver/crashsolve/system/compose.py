@@ -24,6 +24,7 @@ SIGNATURES = {
     "approach_before": "current, groups",
     "beyond": "current, h, nodes, curves, groups",
     "need_rebuild": "clock, nodes, groups",
+    "sum_powers": "current, h, groups",
     "energy": "clock, nodes, groups, ledger",
     "measure": "time, nodes, rows, curves, groups",
 }
@@ -86,6 +87,7 @@ def scene_text(model: Any) -> str:
     parts.append(
         f"JOINTS = {bool(model.joints)}\n"
         f"CONTACTS = {bool(model.contact_groups)}\n"
+        f"DENSE = {samples_within_steps(model)}\n"
         f"PIECES = {bool(model.piecewise_groups())}\n"
         f"REBUILDS = {any(c.search is not None for c in model.contact_groups)}\n"
     )
@@ -99,6 +101,7 @@ def scene_text(model: Any) -> str:
         _function("approach_before", _approach_before_calls(model)),
         _function("beyond", _beyond_calls(model)),
         _function("need_rebuild", _rebuild_calls(model)),
+        _function("sum_powers", _power_calls(model)),
         _function("energy", _energy_calls(model)),
         _function("measure", _measure_calls(model)),
     ]
@@ -152,6 +155,10 @@ def _force_calls(model: Any) -> list[str]:
             "    old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]",
             f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
             "    lose(clock, old, new, o.power, o.loss)",
+            *(
+                [f"    groups.{g.word}_w[clock.stage * p.shape[0] + i] = o.power"]
+                * samples_within_steps(model)
+            ),
         ]
     for g in model.following_groups():
         lines += [
@@ -284,6 +291,33 @@ def _beyond_calls(model: Any) -> list[str]:
 def _locates_ends(model: Any) -> bool:
     """Whether steps are cut at the end of a contact too: a method of high order feels that kink."""
     return bool(model.integrator != "rattle")
+
+
+def samples_within_steps(model: Any) -> bool:
+    """Whether samples are taken from the dense output of steps that they do not cut.
+
+    What a contact keeps of a step, as its impact speed and its peak, is known at the ends alone.
+    """
+    method = import_module(f"crashsolve.integrators.{model.integrator}")
+    return hasattr(method, "DENSE") and not model.contact_groups
+
+
+def _power_calls(model: Any) -> list[str]:
+    if not samples_within_steps(model):
+        return []
+    # the last row of the tableau has the weights of the sample
+    lines = ["total = groups.stages.shape[0]", "first = total * (total - 1)"]
+    for g in model.force_groups():
+        lines += [
+            f"history, powers = groups.{g.word}_h, groups.{g.word}_w",
+            "count = history.shape[1]",
+            "for i in range(count):",
+            "    lost = groups.A[first] * history[current, i].power",
+            "    for j in range(1, total - 1):",
+            "        lost += groups.A[first + j] * powers[count * j + i]",
+            "    history[1 - current, i].dissipated += h * lost",
+        ]
+    return lines
 
 
 def _rebuild_calls(model: Any) -> list[str]:

@@ -113,10 +113,9 @@ def typical_speed(nodes, size):
 
 
 @kernel
-def estimate(nodes, stages, E, errors, k, h):
+def estimate(nodes, stages, count, E, errors, k, h):
     """Estimate k of what the step errs by in position, turn, velocity and spin. Writes: errors."""
     zero = (0.0, 0.0, 0.0)
-    count = stages.shape[0]
     for n in range(1, nodes.shape[0]):
         b, e = nodes[n], errors[k, n]
         r, g, v, L = zero, zero, zero, zero
@@ -200,15 +199,34 @@ def deviation(e, size, speed):
 
 
 @kernel
-def add_outside(clock, stages, A, h):
-    """Impulses from outside and the work of prescribed motions over the step. Writes: clock."""
-    count = stages.shape[0]
-    first = count * (count - 1)
-    for j in range(count):
+def add_outside(clock, stages, A, i, h):
+    """Impulses from outside and the work of prescribed motions up to stage i. Writes: clock."""
+    first = stages.shape[0] * i
+    for j in range(stages.shape[0]):
         a, outside = h * A[first + j], stages[j, 0]
         add_to(clock.impulse, scale(a, vec(outside.rate_v)))
         add_to(clock.angular_impulse, scale(a, vec(outside.rate_L)))
         clock.driver_work += a * outside.rate_r[0]
+
+
+@kernel
+def weigh_part(A, D, terms, last, sample, part):
+    """Weights of all rates in the dense output at a part of the step, as those of a further stage.
+
+    Hairer, Norsett and Wanner (1993), II.6. The cubic through both ends of the step comes first,
+    then the terms D, by turns a power of part and of 1 - part higher. Writes: A, last row.
+    """
+    rest = 1.0 - part
+    for j in range(sample):
+        a = A[(sample + 1) * last + j]
+        first = 1.0 if j == 0 else 0.0
+        end = 1.0 if j == last else 0.0
+        weight = part * (a + rest * (first - a + part * (2.0 * a - first - end)))
+        power = part * part * rest * rest
+        for k in range(terms):
+            weight += power * D[sample * k + j]
+            power *= part if k % 2 == 0 else rest
+        A[(sample + 1) * sample + j] = weight
 
 
 @kernel
