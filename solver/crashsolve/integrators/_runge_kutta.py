@@ -47,6 +47,7 @@ from crashsolve.system.scene import (
     CONTACTS,
     DENSE,
     JOINTS,
+    ONSETS,
     PIECES,
     REBUILDS,
     approach,
@@ -70,6 +71,7 @@ from crashsolve.system.stages import (
     next_length,
     project_estimate,
     reach,
+    spin_round_off,
     step_error,
     typical_speed,
     weigh_part,
@@ -77,6 +79,8 @@ from crashsolve.system.stages import (
 from crashsolve.system.timestep import fit, wanted_step
 
 PROJECTIONS = 10
+ONSET = 1e-4  # of the way in the step, by which what begins may be passed
+LOCATIONS = 10  # of one onset: each lies in a shorter step, where the dense output is better
 REFINEMENTS = 3
 SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
 ROUND_OFF = 1e-12  # of an acceleration or of the size: less than this is nothing
@@ -147,13 +151,7 @@ def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
     begun = clock.time - h
     # histories count from the start of the step
     clock.current = 1 - clock.current
-    for i in range(STAGES, SAMPLE):
-        reach(nodes, scene.stages, scene.A, i, h)
-        refresh(nodes)
-        weigh_pass(0.0, i, clock, scene)
-        after = scene.C[i] * h
-        evaluate(begun + after, after, clock, nodes, rows, saddle, curves, scene)
-        keep_rates(nodes, rows, scene.stages, i)
+    pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene)
     weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, (time - begun) / h)
     reach(nodes, scene.stages, scene.A, SAMPLE, h)
     add_outside(clock, scene.stages, scene.A, STAGES - 1, -h)
@@ -165,6 +163,18 @@ def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
         if not project(time, clock, control, nodes, rows, saddle, curves, scene):
             clock.status = POSITION
     return time - begun
+
+
+@kernel
+def pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene):
+    """Stages that only the dense output needs. Writes: nodes, rows, scene.stages, new histories."""
+    for i in range(STAGES, SAMPLE):
+        reach(nodes, scene.stages, scene.A, i, h)
+        refresh(nodes)
+        weigh_pass(0.0, i, clock, scene)
+        after = scene.C[i] * h
+        evaluate(begun + after, after, clock, nodes, rows, saddle, curves, scene)
+        keep_rates(nodes, rows, scene.stages, i)
 
 
 @stage
@@ -183,43 +193,71 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
-    bracket, trial, found = open_bracket(h), h, False
+    allowed, before, located, gap, longest = 0.0, 0.0, 0, 0.0, h
     while True:
-        closed = pass_stages(trial, clock, control, nodes, rows, saddle, curves, scene)
+        closed = pass_stages(h, clock, control, nodes, rows, saddle, curves, scene)
         if not closed:
             # too long for the joints: as if the error were large
             clock.rejected += 1
-            h = trial = 0.25 * trial
-            bracket = open_bracket(h)
-            if trial < control.step_min:
+            h, located = 0.25 * h, 0
+            longest = h
+            if h < control.step_min:
                 clock.status = POSITION
                 break
             continue
-        if CONTACTS or PIECES:
-            gap = onset_gap(trial, clock, control, nodes, curves, scene)
-            if bracket[-1] == 0 and gap > 0.0:
-                before = gap_before(trial, clock, nodes, curves, scene)
-                bracket = first_gap(bracket, before, gap, control.onset_tolerance)
-            bracket, trial, found = seek(bracket, h, trial, gap)
-            if not found:
+        if ONSETS:
+            gap = onset_gap(h, clock, control, nodes, curves, scene)
+            if located < LOCATIONS and (gap > allowed if located > 0 else gap > 0.0):
+                longest = h
+                h, before, allowed = locate(
+                    h, gap, clock, control, nodes, rows, saddle, curves, scene
+                )
+                located += 1
                 continue
-        arrive(trial, clock, nodes, rows, saddle, curves, scene)
+            if located > 0 and located < LOCATIONS and gap <= 0.0:
+                # twice as far as the gap says: the dense output of that step serves
+                farther = (allowed - 2.0 * gap) * h / (gap - before)
+                h = h + farther if 0.0 < farther < 0.5 * (longest - h) else 0.5 * (h + longest)
+                located += 1
+                continue
+        arrive(h, clock, nodes, rows, saddle, curves, scene)
         if control.fixed_step > 0.0:
             break
-        wanted = judge(trial, clock, control, nodes, rows, saddle, scene)
+        wanted = judge(h, clock, control, nodes, rows, saddle, scene)
         if wanted == 0.0:
             break
         clock.rejected += 1
-        h = trial = clock.next_step = wanted
-        bracket = open_bracket(h)
-        if trial < control.step_min:
+        h, located, longest = wanted, 0, wanted
+        clock.next_step = wanted
+        if h < control.step_min:
             clock.status = STEP_TOO_SMALL
             break
-    clock.located += 1 if bracket[-1] > 0 else 0
-    return trial
+    # one that ends before the onset leaves it to the next
+    clock.located += 1 if located > 0 and gap > 0.0 else 0
+    return h
 
 
 @stage
+def locate(h, gap, clock, control, nodes, rows, saddle, curves, scene):
+    """Where in the step just tried something begins, by its dense output.
+
+    Returns the step that ends there, and by how much it may be passed. Writes: nodes, scene.*.
+    """
+    arrive(h, clock, nodes, rows, saddle, curves, scene)
+    pass_extra_stages(clock.time, h, clock, nodes, rows, saddle, curves, scene)
+    before = gap_before(h, clock, nodes, curves, scene)
+    bracket = first_gap(open_bracket(h), before, gap, control.onset_tolerance, ONSET)
+    bracket, trial, found = seek(bracket, h, h, gap)
+    while not found:
+        weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, trial / h)
+        reach(nodes, scene.stages, scene.A, SAMPLE, h)
+        refresh(nodes)
+        past = onset_gap(trial, clock, control, nodes, curves, scene)
+        bracket, trial, found = seek(bracket, h, trial, past)
+    return trial, before, bracket[4]
+
+
+@kernel
 def onset_gap(h, clock, control, nodes, curves, scene):
     """Largest depth of what begins in a step of h: a contact, its end, or a piece of a law."""
     gap = -1e300
@@ -245,7 +283,7 @@ def gap_before(h, clock, nodes, curves, scene):
     return min(gap, 0.0)
 
 
-@stage
+@kernel
 def arrive(h, clock, nodes, rows, saddle, curves, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
     weigh_pass(h, STAGES - 1, clock, scene)
@@ -335,7 +373,8 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
         scatter_delta(rows, nodes)
         kick_by_joints(nodes, 1.0)
     # per second, in the model's size; fast models have larger numbers to round
-    if not worst <= control.constraint_tolerance * max(1.0, clock.fastest / control.length):
+    limit = control.constraint_tolerance * max(1.0, clock.fastest / control.length)
+    if not worst <= limit + spin_round_off(nodes):
         return False
     clock.rate_residual = max(clock.rate_residual, worst)
     return True

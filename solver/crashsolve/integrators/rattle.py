@@ -129,7 +129,9 @@ def move(h, clock, control, nodes, rows, saddle, curves, groups):
         gap = approach(clock.current, nodes, groups)
         if bracket[-1] == 0:
             before = approach_before(clock.current, groups)
-            bracket = first_gap(bracket, before, gap, control.onset_tolerance)
+            # long steps of free flight must not spoil what a smaller safety asks of the contact
+            share = 1e-3 * control.safety
+            bracket = first_gap(bracket, before, gap, control.onset_tolerance, share)
         bracket, trial, found = seek(bracket, h, trial, gap)
         if found:
             break

@@ -170,7 +170,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["step_max"] = card.step_max or span or 1.0
     c["step_min"] = card.step_min or 1e-12 * (span or 1.0)
     c["safety"] = card.safety
-    c["turn"] = 0.02
+    c["turn"] = card.safety / 5.0
     c["constraint_tolerance"] = card.constraint_tolerance
     c["onset_tolerance"] = card.onset_tolerance or 0.0
     c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)

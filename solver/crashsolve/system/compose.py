@@ -88,6 +88,7 @@ def scene_text(model: Any) -> str:
         f"JOINTS = {bool(model.joints)}\n"
         f"CONTACTS = {bool(model.contact_groups)}\n"
         f"DENSE = {samples_within_steps(model)}\n"
+        f"ONSETS = {bool(model.contact_groups or model.piecewise_groups())}\n"
         f"PIECES = {bool(model.piecewise_groups())}\n"
         f"REBUILDS = {any(c.search is not None for c in model.contact_groups)}\n"
     )

@@ -17,10 +17,10 @@ def open_bracket(h):
 
 
 @kernel
-def first_gap(bracket, before, gap, tolerance):
-    """Gaps at the start and at the end of the whole step; what may be passed follows from both."""
+def first_gap(bracket, before, gap, tolerance, share):
+    """Gaps at the start and at the end of the whole step; what may be passed is a share of both."""
     early, late, _, gap_late, _, count = bracket
-    return early, late, before, gap_late, max(tolerance, 1e-4 * (gap - before)), count
+    return early, late, before, gap_late, max(tolerance, share * (gap - before)), count
 
 
 @kernel

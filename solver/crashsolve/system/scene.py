@@ -7,6 +7,7 @@ and to the checks; none of it is ever called.
 JOINTS = True  # has constraint rows
 CONTACTS = True  # has contact pairs
 DENSE = True  # a sample may lie within a step
+ONSETS = True  # something may begin within a step
 PIECES = True  # has force laws of several pieces
 REBUILDS = True  # keeps a list of near pairs that must be renewed
 

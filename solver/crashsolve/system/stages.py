@@ -31,6 +31,8 @@ from crashsolve.foundation.vec3 import (
 )
 from crashsolve.system.constraints import clear_joint_forces, driver_power
 
+EPSILON = 2.0**-52
+
 
 @kernel
 def keep_rates(nodes, rows, stages, i):
@@ -99,6 +101,16 @@ def fastest_point(nodes, size):
         b = nodes[n]
         fastest = max(fastest, norm(vec(b.v)), size * norm(vec(b.w)))
     return fastest
+
+
+@kernel
+def spin_round_off(nodes):
+    """Round-off of the spin W L of any body [rad/s]: much for a slender one."""
+    largest = 0.0
+    for n in range(1, nodes.shape[0]):
+        b = nodes[n]
+        largest = max(largest, (b.W[0] + b.W[4] + b.W[8]) * norm(vec(b.L)))
+    return EPSILON * largest
 
 
 @kernel
