@@ -127,9 +127,6 @@ PROBLEM = Problem(
         ),
     ],
     notes=[
-        "crashsolve's automatic step is bound by stiffness only, and nothing is stiff between the "
-        "impacts: there the Cayley map takes the turn in long steps. A shorter safety does not "
-        "help; step_max does.",
         "MuJoCo has no contact of this law (its own are soft constraints without an exponent): the "
         "law is a compiled function that it calls. Exudyn's is a symbolic user function.",
     ],

@@ -68,7 +68,7 @@ class Histories:
 
     def _model_values(self) -> np.ndarray:
         e = self.engine
-        ledger, clock = e.ledger, e.clock
+        ledger, clock = e.ledger, e.sampled
         linear, angular = self._momenta()
         sums = self._momentum_sums()
         self._largest[:] = np.maximum(self._largest, sums)
@@ -78,17 +78,17 @@ class Histories:
         ]
         balance = 100.0 * ledger[IMBALANCE] / ledger[LARGEST] if ledger[LARGEST] > 0 else 0.0
         mechanical = ledger[0] + ledger[1] + ledger[2] + ledger[4] + ledger[6]
-        scalars = [balance, *errors, clock["residual"], clock["step"], clock["cycle"], mechanical]
+        scalars = [balance, *errors, clock["residual"], e.clock["step"], clock["cycle"], mechanical]
         return np.concatenate([ledger, scalars, linear, angular])[None, :]
 
     def _momenta(self) -> tuple[np.ndarray, np.ndarray]:
         """Momentum, and angular momentum about the world origin."""
-        nodes = self.engine.state.nodes[1:]
+        nodes = self.engine.nodes[1:]
         p = nodes["v"] / nodes["mass_inv"][:, None]
         return p.sum(0), (np.cross(nodes["r"], p) + nodes["L"]).sum(0)
 
     def _momentum_sums(self) -> np.ndarray:
-        nodes = self.engine.state.nodes[1:]
+        nodes = self.engine.nodes[1:]
         p = np.linalg.norm(nodes["v"], axis=1) / nodes["mass_inv"]
         spin = np.linalg.norm(nodes["L"], axis=1)
         return np.array([p.sum(), (p * np.linalg.norm(nodes["r"], axis=1) + spin).sum()])

@@ -37,6 +37,8 @@ def _kept_in_place(engine: Engine) -> dict[str, np.ndarray]:
     for c in _lists(engine):
         seen = c.search.arrays() if c.search else {}
         arrays |= {f"{name}/{c.word}": array for name, array in seen.items()}
+    # a sample may lie within the last step
+    arrays |= engine.stages
     return arrays | {"saddle/columns": model.saddle.columns, "saddle/blocks": model.saddle.blocks}
 
 

@@ -179,8 +179,9 @@ class Run:
         self.cpu |= {"steps": 0.0, "output": 0.0}
         self.phases = ContactPhases(self.engine)
         # the k-th sample lies at k intervals, not at a sum of them
-        k = round((self.engine.clock["time"] - start) / self.history_step)
-        while self.engine.clock["time"] < end:
+        k = round((self.engine.clock["sampled"] - start) / self.history_step)
+        target = start + k * self.history_step
+        while target < end:
             k += 1
             target = start + k * self.history_step
             if target > end - 1e-9 * self.history_step:
@@ -188,11 +189,11 @@ class Run:
             # no run has children while it marches: their times need not be asked for
             begun = time.process_time()
             try:
-                self.engine.advance(target)
+                self.engine.reach(target)
             finally:
                 advanced = time.process_time()
                 self.cpu["steps"] += advanced - begun
-            self.engine.sample()
+            self.engine.sample(target)
             self.phases.count()
             self._write(target, force=target == end)
             self._obey()
@@ -349,7 +350,9 @@ class Run:
         self.history.flush()
         arrays = changing(self.engine) | self.histories.memory
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
-        self.log.line(f"restart dump {path.name} at t = {float(self.engine.clock['time']):.6g} s")
+        self.log.line(
+            f"restart dump {path.name} at t = {float(self.engine.clock['sampled']):.6g} s"
+        )
 
     def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
         """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
@@ -361,7 +364,7 @@ class Run:
                 array[...] = arrays[name]
         except (KeyError, ValueError) as reason:
             raise self._misfit("another version of crashsolve") from reason
-        now = float(self.engine.clock["time"])
+        now = float(self.engine.clock["sampled"])
         self.log.line(f"going on from t = {now:.6g} s")
         return now
 
@@ -386,11 +389,11 @@ class Run:
         """Act on signals and on control.txt."""
         self._read_control()
         if "states" in self.requests:
-            self.states.write(float(self.engine.clock["time"]), self.pictures.fields())
+            self.states.write(float(self.engine.clock["sampled"]), self.pictures.fields())
         if self.requests & {"stop", "dump"}:
             self._dump()
         if "stop" in self.requests:
-            now = float(self.engine.clock["time"])
+            now = float(self.engine.clock["sampled"])
             raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
         self.requests.clear()
 

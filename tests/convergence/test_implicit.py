@@ -1,4 +1,4 @@
-"""Claim: the implicit methods have their order, and their step is bound by motion, not stiffness."""
+"""Claim: implicit methods have their order, and steps bound by the motion, not by stiffness."""
 
 from pathlib import Path
 from typing import Any

@@ -70,7 +70,8 @@ def friction_tangent(p, normal_force, slip):
     v = speed(slip)
     if v <= p.friction_none_below:
         return 0.0, 0.0
-    full, rise = p.friction_coefficient * normal_force, p.friction_full_above - p.friction_none_below
+    full = p.friction_coefficient * normal_force
+    rise = p.friction_full_above - p.friction_none_below
     if v >= p.friction_full_above:
         return 0.0, full / v
     return full / rise, full * (v - p.friction_none_below) / (rise * v)

@@ -1,17 +1,16 @@
-"""Stage of generalized-alpha: a chapter of the recital `_adaptive` (see system/alpha.py).
+"""Stage of generalized-alpha: a chapter of the recital `_implicit` (see system/alpha.py).
 
     accelerations of the end and both multipliers by Newton's method: lambda for D v = nu, eta for
     Phi = 0
 
-Consequence to test: a spring far too stiff for the step dies away, a soft one converges with order 2.
+Consequence to test: a spring far too stiff for the step dies away, order 2 for a soft one.
 
 Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 121-137.
 """
 
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import Saddle
-from crashsolve.integrators._adaptive import evaluate, project
-from crashsolve.integrators.generalized_alpha import ESTIMATE  # noqa: F401  (for the recital)
+from crashsolve.integrators._places import evaluate, project
 from crashsolve.system.alpha import (
     alpha_weights,
     answer_rows,
@@ -28,8 +27,8 @@ from crashsolve.system.alpha import (
 from crashsolve.system.collocation import correction_size, keep_spin_rates, solve_stage
 from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, velocity_residual
-from crashsolve.system.kinetics import clear_forces, take_late
-from crashsolve.system.scene import CONTACTS, JOINTS, force_pass, jacobian, residual, tangents
+from crashsolve.system.kinetics import clear_forces
+from crashsolve.system.scene import JOINTS, force_pass, jacobian, residual, tangents
 from crashsolve.system.stages import keep_outside, keep_rates
 
 PASSES = 20
@@ -108,7 +107,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
 
 @stage
 def visit_end(h, clock, nodes, rows, curves, scene):
-    """Forces, constraints and their multipliers' forces at the end. Writes: nodes, rows, outputs."""
+    """Forces and constraints at the end, with the multipliers so far. Writes: nodes, rows."""
     clock.opens, clock.closes = 1, 0
     clock.lead, clock.share = 0.5 * h, 0.0
     clear_forces(nodes)

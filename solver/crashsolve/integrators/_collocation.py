@@ -1,7 +1,7 @@
-"""Stages of an implicit Runge-Kutta step: a chapter of the recital `_adaptive`.
+"""Stages of an implicit Runge-Kutta step: a chapter of the recital `_implicit`.
 
-    k_i = rates at the place to which sum_j a_ij k_j leads, with the reactions of that place, for all
-    stages at once, by iteration with the tangents of springs and contacts
+    k_i = rates at the place to which sum_j a_ij k_j leads, with the reactions of that place, for
+    all stages at once, by iteration with the tangents of springs and contacts
 
 The end of the step is its last stage. Consequence to test: the step of a stiff deck is that of its
 motion, whatever the stiffness.
@@ -11,8 +11,8 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import Saddle
-from crashsolve.integrators._adaptive import evaluate, project
-from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES  # noqa: F401  (for the recital)
+from crashsolve.integrators._places import evaluate, project
+from crashsolve.integrators.radau_iia_5 import STAGES
 from crashsolve.system.collocation import (
     correction_size,
     guess,

@@ -13,12 +13,18 @@ Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 """
 
 from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
-from crashsolve.foundation.saddle import Saddle, solve_rows
-from crashsolve.integrators.dormand_prince_5 import ORDER, STAGES
+from crashsolve.foundation.saddle import Saddle
+from crashsolve.integrators._places import (
+    accept,
+    begin,
+    evaluate,
+    onset_gap,
+    project,
+    react,
+)
+from crashsolve.integrators.dormand_prince_5 import ESTIMATES, EXTRA, ORDER, STAGES, TERMS
 from crashsolve.model.clock import (
     CURVE_END,
-    ENERGY,
-    NOT_FINITE,
     POSITION,
     REACHED,
     REBUILD,
@@ -26,52 +32,50 @@ from crashsolve.model.clock import (
     STEP_TOO_SMALL,
 )
 from crashsolve.system.constraints import (
-    acceleration_right_side,
-    clear_joint_forces,
-    clear_reaction,
     factor_constraints,
-    kick_by_joints,
-    scatter_delta,
-    velocity_residual,
-    worst_rate,
-    worst_residual,
 )
-from crashsolve.system.energy import balance_broken
+from crashsolve.system.energy import check
 from crashsolve.system.kinetics import (
     accelerations,
-    bad_node,
     clear_forces,
     refresh,
     save,
     take_late,
 )
+from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.scene import (
     CONTACTS,
+    DENSE,
     JOINTS,
+    ONSETS,
+    PIECES,
     REBUILDS,
-    approach,
     approach_before,
-    convective,
+    beyond,
     energy,
     force_pass,
     jacobian,
     measure,
     need_rebuild,
     residual,
+    sum_powers,
 )
 from crashsolve.system.stages import (
     add_outside,
-    displace_by_joints,
+    estimate,
     fastest_point,
     keep_rates,
     next_length,
+    project_estimate,
     reach,
     step_error,
-    typical_speed,
+    weigh_part,
 )
-from crashsolve.system.timestep import fit, onset_step, wanted_step
+from crashsolve.system.timestep import fit
 
-PROJECTIONS = 10
+ONSET = 1e-4  # of the way in the step, by which what begins may be passed
+LOCATIONS = 10  # of one onset: each lies in a shorter step, where the dense output is better
+SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
 
 
 @entry
@@ -87,12 +91,18 @@ def advance(until, sampling, scene):
     while clock.status == RUNNING and (sampling or clock.time < until):
         time = clock.time
         if sampling:
-            if JOINTS:
+            part = 0.0
+            if DENSE and until < time:
+                part = go_back(until, clock, control, nodes, rows, saddle, curves, scene)
+                time = until
+            elif JOINTS:
                 residual(clock.current, time, nodes, rows, curves, scene)
             refresh(nodes)
             weigh_pass(0.0, 0, clock, scene)
             clock.opens = clock.closes = 1
-            evaluate(time, 0.0, clock, nodes, rows, saddle, curves, scene)
+            evaluate(time, part, clock, nodes, rows, saddle, curves, scene)
+            if DENSE and part > 0.0:
+                sum_powers(clock.current, clock.step, scene)
             accelerations(nodes)
             measure(time, nodes, rows, curves, scene)
             if clock.next_step <= 0.0:
@@ -102,15 +112,15 @@ def advance(until, sampling, scene):
             if REBUILDS and need_rebuild(clock, nodes, scene):
                 clock.status = REBUILD
                 return
-            h, is_last = fit(clock.next_step, until - clock.time)
+            h, is_last = fit(clock.next_step, clock.goal - clock.time)
             save(nodes)
             keep_rates(nodes, rows, scene.stages, 0)
             taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
-            time = until if is_last and taken == h else clock.time + taken
+            time = clock.goal if is_last and taken == h else clock.time + taken
             h = taken
             if clock.status != RUNNING:
                 return
-            add_outside(clock, scene.stages, scene.A, h)
+            add_outside(clock, scene.stages, scene.A, STAGES - 1, h)
         accept(time, h, clock, control)
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)
@@ -124,13 +134,39 @@ def advance(until, sampling, scene):
 
 
 @stage
-def begin(clock, control, nodes):
-    """A first guess of the step, and the speed that errors are compared to. Writes: clock."""
-    clock.fastest = typical_speed(nodes, control.length)
-    clock.next_step = wanted_step(clock, control, nodes)
-    clock.limit_node = 0
-    if clock.fastest > 0.0:
-        clock.next_step = min(clock.next_step, 0.01 * control.length / clock.fastest)
+def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
+    """Copies to a time within the last step, by dense output; what is summed as well.
+
+    Returns the time since the start of the step [s]. Writes: clock, nodes, rows, scene.stages, A.
+    """
+    h = clock.step
+    begun = clock.time - h
+    # histories count from the start of the step
+    clock.current = 1 - clock.current
+    pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene)
+    weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, (time - begun) / h)
+    reach(nodes, scene.stages, scene.A, SAMPLE, h)
+    add_outside(clock, scene.stages, scene.A, STAGES - 1, -h)
+    add_outside(clock, scene.stages, scene.A, SAMPLE, h)
+    if JOINTS:
+        jacobian(clock.current, time, nodes, rows, curves, scene)
+        refresh(nodes)
+        factor_constraints(rows, saddle, nodes)
+        if not project(time, clock, control, nodes, rows, saddle, curves, scene):
+            clock.status = POSITION
+    return time - begun
+
+
+@kernel
+def pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene):
+    """Stages that only the dense output needs. Writes: nodes, rows, scene.stages, new histories."""
+    for i in range(STAGES, SAMPLE):
+        reach(nodes, scene.stages, scene.A, i, h)
+        refresh(nodes)
+        weigh_pass(0.0, i, clock, scene)
+        after = scene.C[i] * h
+        evaluate(begun + after, after, clock, nodes, rows, saddle, curves, scene)
+        keep_rates(nodes, rows, scene.stages, i)
 
 
 @stage
@@ -139,55 +175,92 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
-    early, late, trial, count = 0.0, h, h, 0
-    gap_early, gap_late, allowed = 0.0, 0.0, 0.0
+    allowed, before, located, gap, longest = 0.0, 0.0, 0, 0.0, h
     while True:
-        closed = pass_stages(trial, clock, control, nodes, rows, saddle, curves, scene)
+        closed = pass_stages(h, clock, control, nodes, rows, saddle, curves, scene)
         if not closed:
             # too long for the joints: as if the error were large
             clock.rejected += 1
-            trial = late = 0.25 * trial
-            early, count = 0.0, 0
-            if trial < control.step_min:
+            h, located = 0.25 * h, 0
+            longest = h
+            if h < control.step_min:
                 clock.status = POSITION
                 break
             continue
-        if CONTACTS:
-            gap = approach(clock.current, nodes, scene)
-            if count == 0:
-                gap_early = approach_before(clock.current, scene)
-                allowed = max(control.onset_tolerance, 1e-4 * (gap - gap_early))
-            if gap >= 0.0 or count == 0:
-                late, gap_late = trial, gap
-            else:
-                early, gap_early = trial, gap
-            if not (trial == late and (gap_late <= allowed or late - early <= 1e-13 * h)):
-                trial = onset_step(count, early, gap_early, late, gap_late, allowed)
-                if late - early <= 1e-13 * h or gap_late <= allowed:
-                    trial = late
-                count += 1
+        if ONSETS:
+            gap = onset_gap(h, clock, control, nodes, curves, scene)
+            if located < LOCATIONS and (gap > allowed if located > 0 else gap > 0.0):
+                longest = h
+                h, before, allowed = locate(
+                    h, gap, clock, control, nodes, rows, saddle, curves, scene
+                )
+                located += 1
                 continue
-        arrive(trial, clock, nodes, rows, saddle, curves, scene)
+            if located > 0 and located < LOCATIONS and gap <= 0.0:
+                # twice as far as the gap says: the dense output of that step serves
+                farther = (allowed - 2.0 * gap) * h / (gap - before)
+                h = h + farther if 0.0 < farther < 0.5 * (longest - h) else 0.5 * (h + longest)
+                located += 1
+                continue
+        arrive(h, clock, nodes, rows, saddle, curves, scene)
         if control.fixed_step > 0.0:
             break
-        wanted = judge(trial, clock, control, nodes, scene)
+        wanted = judge(h, clock, control, nodes, rows, saddle, scene)
         if wanted == 0.0:
             break
         clock.rejected += 1
-        trial = late = clock.next_step = wanted
-        early, count = 0.0, 0
-        if trial < control.step_min:
+        h, located, longest = wanted, 0, wanted
+        clock.next_step = wanted
+        if h < control.step_min:
             clock.status = STEP_TOO_SMALL
             break
-    clock.located += 1 if count > 0 else 0
-    return trial
+    # one that ends before the onset leaves it to the next
+    clock.located += 1 if located > 0 and gap > 0.0 else 0
+    return h
 
 
 @stage
+def locate(h, gap, clock, control, nodes, rows, saddle, curves, scene):
+    """Where in the step just tried something begins, by its dense output.
+
+    Returns the step that ends there, and by how much it may be passed. Writes: nodes, scene.*.
+    """
+    arrive(h, clock, nodes, rows, saddle, curves, scene)
+    pass_extra_stages(clock.time, h, clock, nodes, rows, saddle, curves, scene)
+    before = gap_before(h, clock, nodes, curves, scene)
+    bracket = first_gap(open_bracket(h), before, gap, control, ONSET)
+    bracket, trial, found = seek(bracket, h, h, gap)
+    while not found:
+        weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, trial / h)
+        reach(nodes, scene.stages, scene.A, SAMPLE, h)
+        refresh(nodes)
+        past = onset_gap(trial, clock, control, nodes, curves, scene)
+        bracket, trial, found = seek(bracket, h, trial, past)
+    return trial, before, bracket[4]
+
+
+@stage
+def gap_before(h, clock, nodes, curves, scene):
+    """The same at the start of the step. Writes: nodes, which the next trial moves again."""
+    gap = -1e300
+    if CONTACTS:
+        gap = approach_before(clock.current, scene)
+    if PIECES:
+        reach(nodes, scene.stages, scene.A, 0, h)
+        refresh(nodes)
+        gap = max(gap, beyond(clock.current, h, nodes, curves, scene))
+    return min(gap, 0.0)
+
+
+@kernel
 def arrive(h, clock, nodes, rows, saddle, curves, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
     weigh_pass(h, STAGES - 1, clock, scene)
-    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    clear_forces(nodes)
+    force_pass(clock, clock.time + h, h, nodes, rows, curves, scene)
+    if JOINTS:
+        # D and its factor are those of the projection
+        react(clock.time + h, clock, nodes, rows, saddle, curves, scene)
     # a force that begins at the end of the step is no error of the step
     if CONTACTS:
         take_late(nodes, -1.0)
@@ -197,17 +270,21 @@ def arrive(h, clock, nodes, rows, saddle, curves, scene):
 
 
 @stage
-def judge(h, clock, control, nodes, scene):
+def judge(h, clock, control, nodes, rows, saddle, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
-    error = step_error(nodes, scene.stages, scene.E, scene.E_LOW, h, control.length, speed)
+    for k in range(ESTIMATES):
+        estimate(nodes, scene.stages, STAGES, scene.E, scene.errors, k, h)
+        if JOINTS:
+            project_estimate(scene.errors, k, nodes, rows, saddle)
+    error = step_error(scene.errors, control.length, speed)
     wanted = next_length(h, error, control.tolerance, ORDER)
     if not error <= control.tolerance:
         return wanted
     # not of an attempt: one that fails may have run away
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
-    # a step cut short by a sample says little about a longer one
-    if h < clock.next_step:
+    # a step cut short says little about a longer one
+    if h < 0.5 * clock.next_step:
         wanted = max(wanted, clock.next_step)
     clock.next_step = min(wanted, control.step_max)
     return 0.0
@@ -240,96 +317,12 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
     return project(clock.time + h, clock, control, nodes, rows, saddle, curves, scene)
 
 
-@stage
-def project(time, clock, control, nodes, rows, saddle, curves, scene):
-    """Positions onto Phi = 0 and velocities onto D v = nu. Returns whether it can be done.
-
-    Writes: nodes.r, q, A, v, L, w, W.
-    """
-    jacobian(clock.current, time, nodes, rows, curves, scene)
-    factor_constraints(rows, saddle, nodes)
-    tolerance = min(0.1 * control.constraint_tolerance, 1e-4 * control.tolerance)
-    previous, worst = 1e300, 0.0
-    for _ in range(PROJECTIONS):
-        residual(clock.current, time, nodes, rows, curves, scene)
-        worst, clock.place = worst_residual(rows)
-        clock.value = worst
-        # far better than the step, or as good as it gets: the error must not add up
-        if worst <= tolerance or not worst < 0.5 * previous:
-            break
-        previous = worst
-        clock.iterations += 1
-        clear_joint_forces(nodes)
-        solve_rows(saddle, rows, -1.0)
-        scatter_delta(rows, nodes)
-        displace_by_joints(nodes)
-    if not worst <= control.constraint_tolerance:
-        return False
-    clock.residual = max(clock.residual, worst)
-    refresh(nodes)
-    jacobian(clock.current, time, nodes, rows, curves, scene)
-    previous = 1e300
-    for _ in range(PROJECTIONS):
-        velocity_residual(rows, nodes)
-        worst = worst_rate(rows, saddle)
-        if worst <= tolerance or not worst < 0.5 * previous:
-            break
-        previous = worst
-        clear_joint_forces(nodes)
-        solve_rows(saddle, rows, -1.0)
-        scatter_delta(rows, nodes)
-        kick_by_joints(nodes, 1.0)
-    # per second, in the model's size; fast models have larger numbers to round
-    if not worst <= control.constraint_tolerance * max(1.0, clock.fastest / control.length):
-        return False
-    clock.rate_residual = max(clock.rate_residual, worst)
-    return True
-
-
-@stage
+@kernel
 def weigh_pass(h, i, clock, scene):
     """Weights of stage i in what is summed over the step. Writes: clock."""
-    end = STAGES * (STAGES - 1)
+    end = (SAMPLE + 1) * (STAGES - 1)
+    clock.stage = i
     clock.opens = 1 if i == 1 else 0
     clock.closes = 1 if i == STAGES - 1 else 0
     clock.lead = h * scene.A[end]
     clock.share = h * scene.A[end + i]
-
-
-@kernel
-def evaluate(time, h, clock, nodes, rows, saddle, curves, scene):
-    """Forces and reactions of the present place and velocity (Ambrosio (2003), Eq. 5).
-
-    Writes: nodes, rows, outputs, new histories.
-    """
-    clear_forces(nodes)
-    force_pass(clock, time, h, nodes, rows, curves, scene)
-    if JOINTS:
-        jacobian(clock.current, time, nodes, rows, curves, scene)
-        factor_constraints(rows, saddle, nodes)
-        convective(clock.current, time, nodes, rows, curves, scene)
-        acceleration_right_side(rows, nodes)
-        clear_reaction(rows, nodes)
-        solve_rows(saddle, rows, 1.0)
-        scatter_delta(rows, nodes)
-
-
-@stage
-def accept(time, h, clock, control):
-    """The new state becomes the present one. Writes: clock."""
-    clock.time = time
-    clock.step = h
-    clock.current = 1 - clock.current
-    clock.cycle += 1 if h > 0.0 else 0
-    if control.fixed_step > 0.0:
-        clock.next_step = control.fixed_step
-
-
-@stage
-def check(clock, control, nodes, ledger):
-    """Stop at a bad number or a broken balance. Writes: clock."""
-    bad = bad_node(nodes)
-    if bad >= 0:
-        clock.status, clock.place = NOT_FINITE, bad
-    elif clock.cycle >= control.check_every and balance_broken(ledger, control.energy_limit):
-        clock.status = ENERGY

@@ -11,6 +11,7 @@ from math import sqrt
 
 import numpy as np
 
+RECITAL = "_implicit"
 CHAPTER = "_collocation"
 ORDER = 5
 ESTIMATE = 4  # power of the step with which the estimated error falls

@@ -15,8 +15,6 @@ from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (t
 from crashsolve.foundation.saddle import Saddle, solve_rows
 from crashsolve.model.clock import (
     CURVE_END,
-    ENERGY,
-    NOT_FINITE,
     POSITION,
     REACHED,
     REBUILD,
@@ -40,11 +38,10 @@ from crashsolve.system.constraints import (
     worst_rate,
     worst_residual,
 )
-from crashsolve.system.energy import balance_broken
+from crashsolve.system.energy import check
 from crashsolve.system.kinetics import (
     accelerations,
     add_impulse,
-    bad_node,
     clear_forces,
     drift,
     kick_end,
@@ -54,6 +51,7 @@ from crashsolve.system.kinetics import (
     save,
     take_late,
 )
+from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.scene import (
     CONTACTS,
     JOINTS,
@@ -68,7 +66,7 @@ from crashsolve.system.scene import (
     need_rebuild,
     residual,
 )
-from crashsolve.system.timestep import fit, onset_step, wanted_step
+from crashsolve.system.timestep import fit, wanted_step
 
 ORDER = 2
 POSITION_ITERATIONS = 40
@@ -123,27 +121,21 @@ def move(h, clock, control, nodes, rows, saddle, curves, groups):
 
     What did not touch at the start may touch at the end by no more than `allowed`.
     """
-    early, late, trial, count = 0.0, h, h, 0
-    gap_early, gap_late, allowed = 0.0, 0.0, 0.0
+    bracket, trial, found = open_bracket(h), h, False
     while True:
         place(trial, clock, control, nodes, rows, saddle, curves, groups)
         if not CONTACTS or clock.status != RUNNING:
             break
         gap = approach(clock.current, nodes, groups)
-        if count == 0:
-            gap_early = approach_before(clock.current, groups)
-            allowed = max(control.onset_tolerance, 1e-4 * (gap - gap_early))
-        if gap >= 0.0 or count == 0:
-            late, gap_late = trial, gap
-        else:
-            early, gap_early = trial, gap
-        if trial == late and (gap_late <= allowed or late - early <= 1e-13 * h):
+        if bracket[-1] == 0:
+            before = approach_before(clock.current, groups)
+            # long steps of free flight must not spoil what a smaller safety asks of the contact
+            share = 1e-3 * control.safety
+            bracket = first_gap(bracket, before, gap, control, share)
+        bracket, trial, found = seek(bracket, h, trial, gap)
+        if found:
             break
-        trial = onset_step(count, early, gap_early, late, gap_late, allowed)
-        if late - early <= 1e-13 * h or gap_late <= allowed:
-            trial = late
-        count += 1
-    clock.located += 1 if count > 0 else 0
+    clock.located += 1 if bracket[-1] > 0 else 0
     return trial
 
 
@@ -265,14 +257,3 @@ def accept(time, h, clock, control, nodes):
     clock.cycle += 1 if h > 0.0 else 0
     if clock.next_step < control.step_min:
         clock.status = STEP_TOO_SMALL
-
-
-@stage
-def check(clock, control, nodes, ledger):
-    """Stop at a bad number or a broken balance. Writes: clock."""
-    bad = bad_node(nodes)
-    if bad >= 0:
-        clock.status, clock.place = NOT_FINITE, bad
-    elif clock.cycle >= control.check_every and balance_broken(ledger, control.energy_limit):
-        # from rest, the first steps err by much of the little energy there is
-        clock.status = ENERGY

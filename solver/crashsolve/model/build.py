@@ -12,8 +12,8 @@ from crashsolve.foundation.curve import pack
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
 from crashsolve.model import touch
-from crashsolve.model.citations import citations
 from crashsolve.model.choice import choose
+from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contacts import build_contacts
 from crashsolve.model.ledger import ENTRIES
@@ -177,13 +177,14 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["step_max"] = card.step_max or span or 1.0
     c["step_min"] = card.step_min or 1e-12 * (span or 1.0)
     c["safety"] = card.safety
-    c["turn"] = 0.02
+    c["turn"] = card.safety / 5.0
     c["constraint_tolerance"] = card.constraint_tolerance
     c["onset_tolerance"] = card.onset_tolerance or 0.0
     c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
     c["length"] = scene.size
     c["spectral_radius"] = card.spectral_radius
     c["tolerance"] = card.tolerance
+    c["end"] = card.end_time
     c["check_every"] = card.check_every
     return control
 

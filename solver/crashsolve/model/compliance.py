@@ -42,7 +42,12 @@ def compliance(model: Any, factors: int) -> dict[str, np.ndarray]:
     both = joints + laws
     saddle = plan([rows for rows, _ in both], [nodes for _, nodes in both])
     table = np.zeros(row, COMPLIANT.dtype)
-    ends = [nodes[k : k + 2] for rows, nodes in both for k in range(0, len(nodes), 2) for _ in range(rows)]
+    ends = [
+        nodes[k : k + 2]
+        for rows, nodes in both
+        for k in range(0, len(nodes), 2)
+        for _ in range(rows)
+    ]
     table["node_a"], table["node_b"] = np.array(ends, int).reshape(-1, 2).T
     tangents = np.zeros(len(first), TANGENTS.dtype)
     tangents["first"] = first

@@ -96,6 +96,10 @@ class Model:
     def force_groups(self) -> list[Group]:
         return [g for g in self.groups if hasattr(g.module, "force")]
 
+    def piecewise_groups(self) -> list[Group]:
+        """Laws of several pieces that can say how far they are past the one they were on."""
+        return [g for g in self.groups if hasattr(g.module, "beyond")]
+
     def sensor_groups(self) -> list[Group]:
         return [g for g in self.groups if g.keyword == "sensors"]
 

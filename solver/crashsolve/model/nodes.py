@@ -66,6 +66,13 @@ IMPLICIT_STAGE = STAGE + Record(
     slope_w=("rad/s^2", 3, "change of rate_w"),
 )
 
+ESTIMATE = Record(
+    r=("m", 3, "estimated error of a step: position of the mass centre"),
+    turn=("rad", 3, "posture, as a turn"),
+    v=("m/s", 3, "velocity of the mass centre"),
+    w=("rad/s", 3, "angular velocity"),
+)
+
 ROW = Record(
     phi=("m or 1", "Phi(q, t)"),
     D=("1 or m", 12, "Jacobian; columns v_a, w_a, v_b, w_b"),

@@ -18,6 +18,7 @@ STOPS = Record(
     damping=("N s/m or N m s/rad", "c"),
     stiffest=("N/m or N m/rad", "largest slope of the force"),
 )
+STOPPED = Record(at=("flag", "1: beyond the upper stop, -1: beyond the lower, 0: between"))
 
 
 class StopCard(Card):
@@ -66,8 +67,9 @@ def stops(card: Any, scene: Any) -> dict[str, Any]:
 
 
 @kernel
-def stop(p, x, rate, out, curves):
-    """Force against x beyond a stop; it never pulls back. Writes: out.stored, power, loss."""
+def stop(p, new, x, rate, out, curves):
+    """Force against x beyond a stop; it never pulls back. Writes: new, out."""
+    new.at = 1 if x > p.upper else (-1 if x < p.lower else 0)
     out.stored = out.power = out.loss = 0.0
     over = max(x - p.upper, p.lower - x)
     if over <= 0.0:
@@ -97,3 +99,11 @@ def stop_tangent(p, x, rate, curves):
     if elastic + p.damping * side * rate <= 0.0:
         return 0.0, 0.0
     return slope, p.damping
+
+
+@kernel
+def beyond_stop(p, old, x):
+    """How far x has left where it began the step, between the stops or beyond one [m or rad]."""
+    if old.at == 0:
+        return max(x - p.upper, p.lower - x)
+    return p.upper - x if old.at > 0 else x - p.lower

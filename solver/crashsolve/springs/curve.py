@@ -14,7 +14,14 @@ from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
-from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resist_tangent, resistance
+from crashsolve.springs._resistance import (
+    RESISTANCE,
+    SLIDER,
+    beyond_piece,
+    resist,
+    resist_tangent,
+    resistance,
+)
 
 
 class Curve(PointSpringCard, ResistanceCard):
@@ -75,3 +82,10 @@ def tangent(p, state, nodes, curves, rows, first):
     stiffness, damping = resist_tangent(p, state, length - p.length, rate, curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
     line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this is past the piece of the law on which the step began [m]."""
+    _, length, rate, _, _ = line_of_action(p, nodes)
+    return beyond_piece(p, old, h, length - p.length, rate, curves)

@@ -13,7 +13,14 @@ from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
-from crashsolve.springs._resistance import RESISTANCE, SLIDER, resist, resist_tangent, resistance
+from crashsolve.springs._resistance import (
+    RESISTANCE,
+    SLIDER,
+    beyond_piece,
+    resist,
+    resist_tangent,
+    resistance,
+)
 
 
 class CurveTorsional(AxisSpringCard, ResistanceCard):
@@ -68,3 +75,10 @@ def tangent(p, state, nodes, curves, rows, first):
     angle, rate, g = turned(p, state.angle, nodes)
     stiffness, damping = resist_tangent(p, state, angle - p.angle, rate, curves)
     turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this is past the piece of the law on which the step began [rad]."""
+    angle, rate, _ = turned(p, old.angle, nodes)
+    return beyond_piece(p, old, h, angle - p.angle, rate, curves)

@@ -42,7 +42,11 @@ PARAMETERS = POINTS + Record(
     kinematic=("N/m", "H_k"),
     length=("m", "l_0"),
 )
-HISTORY = Record(plastic=("m", "x_p"), flow=("m", "alpha"))
+HISTORY = Record(
+    plastic=("m", "x_p"),
+    flow=("m", "alpha"),
+    flowing=("flag", "1 or -1: x_p grows or falls; 0: it rests"),
+)
 TANGENTS = 1
 OUTPUT = Record(
     force=("N", "tension positive"),
@@ -79,6 +83,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     flow = max(excess, 0.0) / (p.stiffness + p.isotropic + p.kinematic)
     new.plastic = old.plastic + (flow if trial > 0.0 else -flow)
     new.flow = old.flow + flow
+    new.flowing = 0
+    if flow > 0.0 and trial * rate > 0.0:
+        new.flowing = 1 if trial > 0.0 else -1
     out.force = p.stiffness * (x - new.plastic)
     out.length = length
     out.elongation = x
@@ -107,3 +114,13 @@ def tangent(p, state, nodes, curves, rows, first):
         stiffness *= hardening / (p.stiffness + hardening)
     a, b = nodes[p.node_a], nodes[p.node_b]
     line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, 0.0)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this is past yield, or past the turn of the motion while it flows [m]."""
+    _, length, rate, _, _ = line_of_action(p, nodes)
+    if old.flowing != 0:
+        return -old.flowing * rate * h
+    trial = p.stiffness * (length - p.length - old.plastic) - p.kinematic * old.plastic
+    return (abs(trial) - p.yield_force - p.isotropic * old.flow) / p.stiffness

@@ -14,7 +14,16 @@ from crashsolve.foundation.motion import arm, axis_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
-from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stop_tangent, stops
+from crashsolve.springs._joint import (
+    STOPPED,
+    STOPS,
+    StopCard,
+    beyond_stop,
+    named_joint,
+    stop,
+    stop_tangent,
+    stops,
+)
 
 
 class SlideLimit(StopCard):
@@ -27,7 +36,7 @@ class SlideLimit(StopCard):
 
 
 PARAMETERS = POINTS + STOPS + Record(axis_a=("1", 3, "joint axis, axes of a"))
-HISTORY = Record()
+HISTORY = STOPPED
 TANGENTS = 1
 OUTPUT = Record(
     force=("N", "positive pushes b back"),
@@ -44,12 +53,12 @@ def build(card: SlideLimit, scene: Any) -> dict[str, Any]:
 
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
-    """Writes: nodes, out."""
+    """Writes: nodes, new, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     axis = vec(p.axis_a)
     out.travel = dot(axis, x)
     out.rate = dot(axis, x_dot)
-    out.force = stop(p, out.travel, out.rate, out, curves)
+    out.force = stop(p, new, out.travel, out.rate, out, curves)
     push(p, nodes, scale(-out.force, axis), d_a, d_b)
     # counted in the gap as well: nothing else shortens the step before the stop is met
     stiffen_along(p, nodes, p.axis_a, d_a, d_b, p.stiffest, p.damping)
@@ -63,3 +72,9 @@ def tangent(p, state, nodes, curves, rows, first):
     stiffness, damping = stop_tangent(p, dot(axis, x), dot(axis, x_dot), curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
     axis_tangent(rows[first], a, b, arm(a, axis), d_a, d_b, stiffness, damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far the travel has left where it began the step, between the stops or beyond one [m]."""
+    return beyond_stop(p, old, dot(vec(p.axis_a), seen_from_a(p, nodes)[0]))

@@ -13,7 +13,16 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist
-from crashsolve.springs._joint import STOPS, StopCard, named_joint, stop, stop_tangent, stops
+from crashsolve.springs._joint import (
+    STOPPED,
+    STOPS,
+    StopCard,
+    beyond_stop,
+    named_joint,
+    stop,
+    stop_tangent,
+    stops,
+)
 
 
 class TurnLimit(StopCard):
@@ -26,7 +35,7 @@ class TurnLimit(StopCard):
 
 
 PARAMETERS = TURN + STOPS
-HISTORY = Record(angle=("rad", "theta, with all turns"))
+HISTORY = STOPPED + Record(angle=("rad", "theta, with all turns"))
 TANGENTS = 1
 OUTPUT = Record(
     torque=("N m", "positive turns b back"),
@@ -45,7 +54,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = turned(p, old.angle, nodes)
     new.angle = angle
-    out.torque = stop(p, angle, rate, out, curves)
+    out.torque = stop(p, new, angle, rate, out, curves)
     out.angle = angle
     out.rate = rate
     # counted in the gap as well: nothing else shortens the step before the stop is met
@@ -58,3 +67,9 @@ def tangent(p, state, nodes, curves, rows, first):
     angle, rate, g = turned(p, state.angle, nodes)
     stiffness, damping = stop_tangent(p, angle, rate, curves)
     turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far the angle has left where it began the step, between the stops or beyond one [rad]."""
+    return beyond_stop(p, old, turned(p, old.angle, nodes)[0])

@@ -92,7 +92,7 @@ def mean_of(now, before, mean, weights, ratio):
 
 @kernel
 def stand_at_end(nodes, stages, weights, h, ratio):
-    """Put all bodies where the accelerations of the end lead. Writes: nodes, stages.way_*, mean_*."""
+    """Put all bodies where the accelerations of the end lead. Writes: nodes, stages."""
     _, _, _, t, tt = weights
     for n in range(1, nodes.shape[0]):
         b, s, end = nodes[n], stages[0, n], stages[1, n]

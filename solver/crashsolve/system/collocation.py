@@ -13,7 +13,20 @@ Reference: van der Houwen and de Swart (1997), SIAM J. Sci. Comput. 18, 41-55.
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.rotation import rotate_by_cayley, write_matrix, write_world_tensor
 from crashsolve.foundation.saddle import solve_rows
-from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, matvec, matvec_t, norm, put, scale, sub, vec
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    cross,
+    dot,
+    matvec,
+    matvec_t,
+    norm,
+    put,
+    scale,
+    sub,
+    vec,
+)
 from crashsolve.system.compliance import along_row
 
 

@@ -75,7 +75,7 @@ def give(row, position, velocity):
 
 @kernel
 def along_row(row, c, s, turn):
-    """Columns c to c + 5 of B b + (k D + c G) a / (c + k t), for what a stage misses at one body."""
+    """One side of B b + (k D + c G) a / (c + k t), for what a stage misses at that body."""
     B, G = row.D, row.G
     rate = dot((B[c], B[c + 1], B[c + 2]), vec(s.right_v))
     rate += dot((B[c + 3], B[c + 4], B[c + 5]), vec(s.right_w))

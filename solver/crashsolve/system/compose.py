@@ -16,6 +16,8 @@ from crashsolve.foundation.machine import Function, machine_code
 from crashsolve.foundation.table import Tables
 from crashsolve.model.compliance import contact_rows, tangent_contacts, tangent_groups
 
+INTEGRATORS = "crashsolve.integrators"
+TABLEAUX = ("dormand_prince_5", "radau_iia_5")  # those that recitals name as examples
 SIGNATURES = {
     "residual": "current, time, nodes, rows, curves, groups",
     "jacobian": "current, time, nodes, rows, curves, groups",
@@ -24,30 +26,51 @@ SIGNATURES = {
     "force_pass": "clock, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
     "approach_before": "current, groups",
+    "beyond": "current, h, nodes, curves, groups",
     "need_rebuild": "clock, nodes, groups",
+    "sum_powers": "current, h, groups",
     "energy": "clock, nodes, groups, ledger",
     "measure": "time, nodes, rows, curves, groups",
 }
 
 
 def compose(model: Any) -> str:
-    """Text of the composed module."""
-    folder = PACKAGE / "integrators"
-    method = import_module(f"crashsolve.integrators.{model.integrator}")
-    chapter = getattr(method, "CHAPTER", None)
-    recital = "_adaptive" if chapter else getattr(method, "RECITAL", model.integrator)
-    text = (folder / f"{recital}.py").read_text("utf-8")
-    text = text.replace("integrators.dormand_prince_5 import", f"integrators.{model.integrator} import")
-    if chapter:
-        stages = (folder / f"{chapter}.py").read_text("utf-8")
-        for name in ("crashsolve.integrators._adaptive", "crashsolve.system.scene"):
-            stages = _put_for_import(stages, name, "")
-        for example in ("radau_iia_5", "dormand_prince_5"):
-            stages = stages.replace(
-                f"integrators.{example} import", f"integrators.{model.integrator} import"
-            )
-        text = _put_for_import(text, "crashsolve.integrators._explicit_stages", stages)
-    return _put_for_import(text, "crashsolve.system.scene", scene_text(model))
+    """Text of the composed module: the recital with its chapters, and the scene's functions.
+
+    What a recital imports from a file of integrators with a leading underscore is a chapter, whose
+    text takes the place of the import; the names of a tableau come from that of the deck.
+    """
+    method = import_module(f"{INTEGRATORS}.{model.integrator}")
+    names = {"_collocation": getattr(method, "CHAPTER", ""), **dict.fromkeys(TABLEAUX, "")}
+    recital = getattr(method, "RECITAL", model.integrator)
+    given = {f"{INTEGRATORS}.{old}": new or model.integrator for old, new in names.items()}
+    return _insert(recital, given, {"crashsolve.system.scene": scene_text(model)})
+
+
+def _insert(name: str, given: dict[str, str], texts: dict[str, str]) -> str:
+    """Text of a recital or chapter with others in the place of their imports; each comes once.
+
+    `given` renames modules of integrators, `texts` holds what else takes the place of an import.
+    """
+    lines = (PACKAGE / "integrators" / f"{name}.py").read_text("utf-8").splitlines(keepends=True)
+    parts, at = [], 0
+    for node in ast.parse("".join(lines)).body:
+        if not isinstance(node, ast.ImportFrom) or node.module is None:
+            continue
+        module = f"{INTEGRATORS}.{given[node.module]}" if node.module in given else node.module
+        assert node.end_lineno is not None
+        parts += lines[at : node.lineno - 1]
+        imports, at = lines[node.lineno - 1 : node.end_lineno], node.end_lineno
+        if module.startswith(f"{INTEGRATORS}._"):
+            if module not in texts:
+                texts[module] = ""
+                parts.append(_insert(module.rpartition(".")[2], given, texts))
+        elif module in texts:
+            parts.append(texts[module])
+            texts[module] = ""
+        else:
+            parts += [line.replace(node.module, module) for line in imports]
+    return "".join([*parts, *lines[at:]])
 
 
 def load(text: str, tables: Tables) -> Function:
@@ -58,16 +81,6 @@ def load(text: str, tables: Tables) -> Function:
         temporary.write_text(text, "utf-8")
         os.replace(temporary, path)
     return machine_code(path, "advance", tables)
-
-
-def _put_for_import(text: str, module: str, given: str) -> str:
-    """The text with `given` in the place of what it imports from a module."""
-    lines = text.splitlines(keepends=True)
-    for node in ast.parse(text).body:
-        if isinstance(node, ast.ImportFrom) and node.module == module:
-            assert node.end_lineno is not None
-            return "".join(lines[: node.lineno - 1]) + given + "".join(lines[node.end_lineno :])
-    raise ValueError(f"an integrator that does not import {module}")
 
 
 def group_arrays(model: Any, state: Any) -> dict[str, Any]:
@@ -97,6 +110,9 @@ def scene_text(model: Any) -> str:
     parts.append(
         f"JOINTS = {bool(model.joints)}\n"
         f"CONTACTS = {bool(model.contact_groups)}\n"
+        f"DENSE = {samples_within_steps(model)}\n"
+        f"ONSETS = {bool(model.contact_groups or model.piecewise_groups())}\n"
+        f"PIECES = {bool(model.piecewise_groups())}\n"
         f"REBUILDS = {any(c.search is not None for c in model.contact_groups)}\n"
     )
     parts += [_contact(c) for c in model.contact_groups]
@@ -107,7 +123,9 @@ def scene_text(model: Any) -> str:
         _function("force_pass", _force_calls(model)),
         _function("approach", _approach_calls(model)),
         _function("approach_before", _approach_before_calls(model)),
+        _function("beyond", _beyond_calls(model)),
         _function("need_rebuild", _rebuild_calls(model)),
+        _function("sum_powers", _power_calls(model)),
         _function("energy", _energy_calls(model)),
         _function("measure", _measure_calls(model)),
     ]
@@ -168,6 +186,10 @@ def _force_calls(model: Any) -> list[str]:
             "    old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]",
             f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
             "    lose(clock, old, new, o.power, o.loss)",
+            *(
+                [f"    groups.{g.word}_w[clock.stage * p.shape[0] + i] = o.power"]
+                * samples_within_steps(model)
+            ),
         ]
     for g in model.following_groups():
         lines += [
@@ -258,8 +280,7 @@ def _tangent_calls(model: Any) -> list[str]:
             f"first = groups.tangents[{k}].first",
             "for i in range(p.shape[0]):",
             f"    at = first + {g.module.TANGENTS} * i",
-            f"    {g.word}.tangent("
-            "p[i], history[clock.current, i], nodes, curves, compliant, at)",
+            f"    {g.word}.tangent(p[i], history[clock.current, i], nodes, curves, compliant, at)",
         ]
         k += 1
     for c in tangent_contacts(model):
@@ -341,9 +362,48 @@ def _approach_before_calls(model: Any) -> list[str]:
     return [*lines, "return min(deepest, 0.0)"]
 
 
+def _beyond_calls(model: Any) -> list[str]:
+    lines = ["farthest = -1e300"]
+    for g in model.piecewise_groups():
+        lines += [
+            f"p, history = groups.{g.word}_p, groups.{g.word}_h",
+            "for i in range(p.shape[0]):",
+            f"    past = {g.word}.beyond(p[i], history[current, i], h, nodes, curves)",
+            "    farthest = max(farthest, past)",
+        ]
+    return [*lines, "return farthest"]
+
+
 def _locates_ends(model: Any) -> bool:
     """Whether steps are cut at the end of a contact too: a method of high order feels that kink."""
     return bool(model.integrator != "rattle")
+
+
+def samples_within_steps(model: Any) -> bool:
+    """Whether samples are taken from the dense output of steps that they do not cut.
+
+    What a contact keeps of a step, as its impact speed and its peak, is known at the ends alone.
+    """
+    method = import_module(f"crashsolve.integrators.{model.integrator}")
+    return hasattr(method, "DENSE") and not model.contact_groups
+
+
+def _power_calls(model: Any) -> list[str]:
+    if not samples_within_steps(model):
+        return []
+    # the last row of the tableau has the weights of the sample
+    lines = ["total = groups.stages.shape[0]", "first = total * (total - 1)"]
+    for g in model.force_groups():
+        lines += [
+            f"history, powers = groups.{g.word}_h, groups.{g.word}_w",
+            "count = history.shape[1]",
+            "for i in range(count):",
+            "    lost = groups.A[first] * history[current, i].power",
+            "    for j in range(1, total - 1):",
+            "        lost += groups.A[first + j] * powers[count * j + i]",
+            "    history[1 - current, i].dissipated += h * lost",
+        ]
+    return lines
 
 
 def _rebuild_calls(model: Any) -> list[str]:

@@ -9,7 +9,18 @@ Eq. 5 prints the opposite sign of lambda).
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.saddle import factorise
-from crashsolve.foundation.vec3 import add_scaled, add_to, cross, dot, matvec, put, scale, sub, vec
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    cross,
+    dot,
+    matvec,
+    put,
+    scale,
+    sub,
+    vec,
+)
 
 
 @kernel
@@ -109,7 +120,7 @@ def velocity_residual(rows, nodes):
 
 @kernel
 def acceleration_right_side(rows, nodes):
-    """gamma - D M^-1 g of every row. Writes: rows.right."""
+    """gamma - D M^-1 (g + D^T lambda) of every row, lambda as it stands. Writes: rows.right."""
     for k in range(rows.shape[0]):
         row = rows[k]
         a = weighed_force(row.X, 0, nodes[row.node_a])
@@ -119,10 +130,11 @@ def acceleration_right_side(rows, nodes):
 
 @kernel
 def weighed_force(X, c, body):
-    """Columns c to c + 5 of X times the applied force; w_dot = W (tau - w x L)."""
-    torque = sub(vec(body.torque), cross(vec(body.w), vec(body.L)))
-    return dot((X[c], X[c + 1], X[c + 2]), vec(body.force)) + dot(
-        (X[c + 3], X[c + 4], X[c + 5]), torque
+    """Columns c to c + 5 of X times the force; w_dot = W (tau - w x L)."""
+    force = add(vec(body.force), vec(body.joint_force))
+    torque = add(vec(body.torque), vec(body.joint_torque))
+    return dot((X[c], X[c + 1], X[c + 2]), force) + dot(
+        (X[c + 3], X[c + 4], X[c + 5]), sub(torque, cross(vec(body.w), vec(body.L)))
     )
 
 

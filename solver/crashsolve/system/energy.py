@@ -7,6 +7,7 @@ is therefore a measure of the integration error and of any law that breaks its p
 """
 
 from crashsolve.foundation.compile import kernel
+from crashsolve.model.clock import ENERGY, NOT_FINITE
 from crashsolve.model.ledger import (
     DRIVER_WORK,
     EXTERNAL_WORK,
@@ -17,6 +18,7 @@ from crashsolve.model.ledger import (
     POTENTIAL,
     SPRING_STORED,
 )
+from crashsolve.system.kinetics import bad_node
 
 
 @kernel
@@ -59,3 +61,14 @@ def balance_broken(ledger, limit):
     if limit <= 0.0:
         return False
     return not abs(ledger[IMBALANCE]) <= limit * ledger[LARGEST]
+
+
+@kernel
+def check(clock, control, nodes, ledger):
+    """Stop at a bad number or a broken balance. Writes: clock."""
+    bad = bad_node(nodes)
+    if bad >= 0:
+        clock.status, clock.place = NOT_FINITE, bad
+    elif clock.cycle >= control.check_every and balance_broken(ledger, control.energy_limit):
+        # from rest, the first steps err by much of the little energy there is
+        clock.status = ENERGY

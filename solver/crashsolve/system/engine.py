@@ -19,8 +19,9 @@ from crashsolve.model.clock import (
 )
 from crashsolve.model.compliance import compliance
 from crashsolve.model.model import Model, State
+from crashsolve.model.nodes import ESTIMATE
 from crashsolve.model.pairs import renew
-from crashsolve.system.compose import compose, group_arrays, is_implicit, load
+from crashsolve.system.compose import compose, group_arrays, load, samples_within_steps
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -35,8 +36,12 @@ class Engine:
         self.model, self.state = model, state
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
-        factors = len(state.stages) - 1 if is_implicit(model) else 0
-        self._compliance = compliance(model, factors) if factors else {}
+        self.is_dense = samples_within_steps(model)
+        self.tableau = self._tableau()
+        self.stages = self._stages()
+        # a sample within a step begins from the histories of the step's start
+        kept = model.groups if self.is_dense else []
+        self._histories = {f"{g.word}_h": (g.history, g.history.copy()) for g in kept}
         self.bind()
         self._advance = load(compose(model), self._present)
 
@@ -51,20 +56,42 @@ class Engine:
         shared = (
             group_arrays(m, s) | m.saddle._asdict() | {"control": m.control, "curves": m.curves}
         )
-        shared |= self._scratch()
+        shared |= self.tableau | self.stages
         state = {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": s.ledger}
         copies = zip(state, (self._clock, self.nodes, self.rows, self.ledger), strict=True)
-        self._present, self._sampled = Tables(shared | state), Tables(shared | dict(copies))
+        self._present, self._sampled = (
+            Tables(shared | state),
+            Tables(
+                shared | dict(copies) | {name: copy for name, (_, copy) in self._histories.items()}
+            ),
+        )
 
-    def _scratch(self) -> dict[str, np.ndarray]:
-        """The tableau of a Runge-Kutta method, and room for its stages."""
+    def _tableau(self) -> dict[str, np.ndarray]:
+        """Coefficients of a Runge-Kutta method; a sample is one more stage of it."""
         method = import_module(f"crashsolve.integrators.{self.model.integrator}")
         if not hasattr(method, "STAGES"):
             return {}
-        names = [name for name in ("A", "C", "T", "E", "E_LOW") if hasattr(method, name)]
-        tableau = {name: getattr(method, name).ravel() for name in names}
-        tableau["stages"] = self.state.stages
-        return tableau | self._compliance
+        if not hasattr(method, "EXTRA"):
+            names = [name for name in ("A", "C", "T", "E") if hasattr(method, name)]
+            return {name: getattr(method, name).ravel() for name in names} | compliance(
+                self.model, method.STAGES - 1
+            )
+        rows = method.STAGES + method.EXTRA + 1
+        A = np.zeros((rows, rows))
+        A[:-1, :-1] = method.A
+        errors = np.zeros((method.ESTIMATES, len(self.nodes)), ESTIMATE.dtype)
+        given = {"C": method.C, "E": method.E.ravel(), "D": method.DENSE.ravel()}
+        return given | {"A": A.ravel(), "errors": errors}
+
+    def _stages(self) -> dict[str, np.ndarray]:
+        """Rates at the stages of the last step, and powers of force laws: samples need them."""
+        rows = len(self.state.stages)
+        if not rows:
+            return {}
+        stages = {"stages": self.state.stages}
+        for g in self.model.force_groups() if self.is_dense else []:
+            stages[f"{g.word}_w"] = np.zeros(rows * len(g.names))
+        return stages
 
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
@@ -90,7 +117,19 @@ class Engine:
 
     def advance(self, until: float) -> None:
         """Step to exactly `until` [s]. Raises SolverError at a numerical stop."""
+        self._step(until, until)
+
+    def reach(self, until: float) -> None:
+        """Step to `until` [s], or beyond it where a sample may lie within a step.
+
+        Raises SolverError at a numerical stop.
+        """
+        end = float(self.model.control[0]["end"])
+        self._step(until, max(until, end) if self.is_dense else until)
+
+    def _step(self, until: float, goal: float) -> None:
         s = self.state
+        s.clock[0]["goal"] = goal
         while True:
             self._advance(until, False, self._present)
             status = int(self.clock["status"])
@@ -101,15 +140,26 @@ class Engine:
             renew(self.model.contact_groups, s)
             self.bind()
 
-    def sample(self) -> None:
-        """Outputs, reactions and energies of the present state. Raises SolverError."""
+    def sample(self, time: float | None = None) -> None:
+        """Outputs, reactions and energies at present, or at a time [s] within the last step.
+
+        Raises SolverError.
+        """
         self.nodes[:], self.rows[:] = self.state.nodes, self.state.rows
         self.ledger[:], self._clock[:] = self.state.ledger, self.state.clock
         clock = self._clock[0]
-        self._advance(clock["time"], True, self._sampled)
-        if clock["status"] in (NOT_FINITE, ENERGY):
+        for history, copy in self._histories.values():
+            copy[...] = history
+        self._advance(clock["time"] if time is None else time, True, self._sampled)
+        self.state.clock[0]["sampled"] = clock["time"]
+        if clock["status"] in (NOT_FINITE, ENERGY, POSITION):
             raise self._stop(clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
+
+    @property
+    def sampled(self) -> Any:
+        """Clock of the last sample."""
+        return self._clock.view(np.recarray)[0]
 
     def law_warnings(self) -> list[str]:
         """What contact laws have met outside their range of validity, per contact card."""

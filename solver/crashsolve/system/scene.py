@@ -6,6 +6,9 @@ and to the checks; none of it is ever called.
 
 JOINTS = True  # has constraint rows
 CONTACTS = True  # has contact pairs
+DENSE = True  # a sample may lie within a step
+ONSETS = True  # something may begin within a step
+PIECES = True  # has force laws of several pieces
 REBUILDS = True  # keeps a list of near pairs that must be renewed
 
 
@@ -42,9 +45,18 @@ def approach_before(current, groups):
     return -1.0
 
 
+def beyond(current, h, nodes, curves, groups):
+    """How far force laws are past the pieces on which a step of h began [m or rad]; 0: not yet."""
+    return -1.0
+
+
 def need_rebuild(clock, nodes, groups):
     """Whether the next step might touch a pair that is not in the list. Writes: clock.next_step."""
     return False
+
+
+def sum_powers(current, h, groups):
+    """Energy dissipated since the start of a step of h, by dense output. Writes: new histories."""
 
 
 def energy(clock, nodes, groups, ledger):

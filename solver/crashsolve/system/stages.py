@@ -14,6 +14,7 @@ from math import sqrt
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.rotation import rotate_by_cayley, write_matrix
+from crashsolve.foundation.saddle import solve_rows
 from crashsolve.foundation.vec3 import (
     add,
     add_scaled,
@@ -25,9 +26,12 @@ from crashsolve.foundation.vec3 import (
     norm,
     put,
     scale,
+    sub,
     vec,
 )
-from crashsolve.system.constraints import driver_power
+from crashsolve.system.constraints import clear_joint_forces, driver_power
+
+EPSILON = 2.0**-52
 
 
 @kernel
@@ -77,13 +81,21 @@ def reach(nodes, stages, A, i, h):
 
 
 @kernel
-def displace_by_joints(nodes):
-    """Move bodies by M^-1 D^T lambda, as a displacement. Writes: nodes.r, q, A."""
+def displace_by_joints(rows, nodes):
+    """Move bodies by X^T times the solution, X = D M^-1. Writes: nodes.r, q, A, joint_*."""
+    clear_joint_forces(nodes)
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        X = row.X
+        a, b = nodes[row.node_a], nodes[row.node_b]
+        add_to(a.joint_force, scale(row.delta, (X[0], X[1], X[2])))
+        add_to(a.joint_torque, scale(row.delta, (X[3], X[4], X[5])))
+        add_to(b.joint_force, scale(row.delta, (X[6], X[7], X[8])))
+        add_to(b.joint_torque, scale(row.delta, (X[9], X[10], X[11])))
     for n in range(1, nodes.shape[0]):
         b = nodes[n]
-        put(b.r, add_scaled(vec(b.r), b.mass_inv, vec(b.joint_force)))
-        turn = matvec_t(b.A, matvec(b.W, vec(b.joint_torque)))
-        rotate_by_cayley(b.q, scale(0.5, turn), b.q)
+        put(b.r, add(vec(b.r), vec(b.joint_force)))
+        rotate_by_cayley(b.q, scale(0.5, matvec_t(b.A, vec(b.joint_torque))), b.q)
         write_matrix(b.q, b.A)
 
 
@@ -98,6 +110,16 @@ def fastest_point(nodes, size):
 
 
 @kernel
+def spin_round_off(nodes):
+    """Round-off of the spin W L of any body [rad/s]: much for a slender one."""
+    largest = 0.0
+    for n in range(1, nodes.shape[0]):
+        b = nodes[n]
+        largest = max(largest, (b.W[0] + b.W[4] + b.W[8]) * norm(vec(b.L)))
+    return EPSILON * largest
+
+
+@kernel
 def typical_speed(nodes, size):
     """Largest speed of any body, or that which it would reach over the model's size [m/s]."""
     fastest = fastest_point(nodes, size)
@@ -109,49 +131,120 @@ def typical_speed(nodes, size):
 
 
 @kernel
-def step_error(nodes, stages, E, E_LOW, h, size, speed):
+def estimate(nodes, stages, count, E, errors, k, h):
+    """Estimate k of what the step errs by in position, turn, velocity and spin. Writes: errors."""
+    zero = (0.0, 0.0, 0.0)
+    for n in range(1, nodes.shape[0]):
+        b, e = nodes[n], errors[k, n]
+        r, g, v, L = zero, zero, zero, zero
+        for j in range(count):
+            s, a = stages[j, n], h * E[count * k + j]
+            r = add_scaled(r, a, vec(s.rate_r))
+            g = add_scaled(g, a, vec(s.rate_turn))
+            v = add_scaled(v, a, vec(s.rate_v))
+            L = add_scaled(L, a, vec(s.rate_L))
+        put(e.r, r)
+        put(e.v, v)
+        put(e.w, matvec(b.W, L))
+        # of the turn, from that of its Cayley vector
+        whole = vec(stages[count - 1, n].turn)
+        share = 2.0 / (1.0 + dot(whole, whole))
+        put(e.turn, scale(share, matvec(b.A, sub(g, cross(whole, g)))))
+
+
+@kernel
+def project_estimate(errors, k, nodes, rows, saddle):
+    """Leave out of an estimate what the projection takes away: D e = 0. Writes: errors, rows."""
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        a, b, D = errors[k, row.node_a], errors[k, row.node_b], row.D
+        row.right = along_row(D, 0, a.r, a.turn) + along_row(D, 6, b.r, b.turn)
+    solve_rows(saddle, rows, -1.0)
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        a, b, X = errors[k, row.node_a], errors[k, row.node_b], row.X
+        add_column(X, 0, row.delta, a.r, a.turn)
+        add_column(X, 6, row.delta, b.r, b.turn)
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        a, b, D = errors[k, row.node_a], errors[k, row.node_b], row.D
+        row.right = along_row(D, 0, a.v, a.w) + along_row(D, 6, b.v, b.w)
+    solve_rows(saddle, rows, -1.0)
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        a, b, X = errors[k, row.node_a], errors[k, row.node_b], row.X
+        add_column(X, 0, row.delta, a.v, a.w)
+        add_column(X, 6, row.delta, b.v, b.w)
+
+
+@kernel
+def along_row(D, c, x, y):
+    """Columns c to c + 5 of a row times the vectors x and y."""
+    return dot((D[c], D[c + 1], D[c + 2]), vec(x)) + dot((D[c + 3], D[c + 4], D[c + 5]), vec(y))
+
+
+@kernel
+def add_column(X, c, factor, x, y):
+    """Add columns c to c + 5 of a row, times a factor. Writes: x, y."""
+    add_to(x, scale(factor, (X[c], X[c + 1], X[c + 2])))
+    add_to(y, scale(factor, (X[c + 3], X[c + 4], X[c + 5])))
+
+
+@kernel
+def step_error(errors, size, speed):
     """Estimated error of the step, over the model's size and its largest speed.
 
     Hairer, Norsett and Wanner (1993), II.10: a second estimate, of lower order, guards the first.
     """
     worst = 0.0
-    for n in range(1, nodes.shape[0]):
-        high = deviation(nodes[n], stages, E, n, size, speed)
-        low = deviation(nodes[n], stages, E_LOW, n, size, speed)
-        if high != 0.0:
-            share = low / high
-            x = high / sqrt(1.0 + 0.01 * share * share)
-            # a NaN must win the comparison
-            if not x <= worst:
-                worst = x
-    return h * worst
+    for n in range(1, errors.shape[1]):
+        x = deviation(errors[0, n], size, speed)
+        if errors.shape[0] > 1 and x != 0.0:
+            share = deviation(errors[1, n], size, speed) / x
+            x /= sqrt(1.0 + 0.01 * share * share)
+        # a NaN must win the comparison
+        if not x <= worst:
+            worst = x
+    return worst
 
 
 @kernel
-def deviation(b, stages, E, n, size, speed):
-    """Largest of the weighted rates of one body, in units of size and speed [1/s]."""
-    zero = (0.0, 0.0, 0.0)
-    r, g, v, L = zero, zero, zero, zero
+def deviation(e, size, speed):
+    """Estimated errors of one body in units of size and speed."""
+    return (
+        norm(vec(e.r)) / size + norm(vec(e.turn)) + (norm(vec(e.v)) + size * norm(vec(e.w))) / speed
+    )
+
+
+@kernel
+def add_outside(clock, stages, A, i, h):
+    """Impulses from outside and the work of prescribed motions up to stage i. Writes: clock."""
+    first = stages.shape[0] * i
     for j in range(stages.shape[0]):
-        s = stages[j, n]
-        r = add_scaled(r, E[j], vec(s.rate_r))
-        g = add_scaled(g, E[j], vec(s.rate_turn))
-        v = add_scaled(v, E[j], vec(s.rate_v))
-        L = add_scaled(L, E[j], vec(s.rate_L))
-    spin = size * norm(matvec(b.W, L))
-    return norm(r) / size + 2.0 * norm(g) + (norm(v) + spin) / speed
-
-
-@kernel
-def add_outside(clock, stages, A, h):
-    """Impulses from outside and the work of prescribed motions over the step. Writes: clock."""
-    count = stages.shape[0]
-    first = count * (count - 1)
-    for j in range(count):
         a, outside = h * A[first + j], stages[j, 0]
         add_to(clock.impulse, scale(a, vec(outside.rate_v)))
         add_to(clock.angular_impulse, scale(a, vec(outside.rate_L)))
         clock.driver_work += a * outside.rate_r[0]
+
+
+@kernel
+def weigh_part(A, D, terms, last, sample, part):
+    """Weights of all rates in the dense output at a part of the step, as those of a further stage.
+
+    Hairer, Norsett and Wanner (1993), II.6. The cubic through both ends of the step comes first,
+    then the terms D, by turns a power of part and of 1 - part higher. Writes: A, last row.
+    """
+    rest = 1.0 - part
+    for j in range(sample):
+        a = A[(sample + 1) * last + j]
+        first = 1.0 if j == 0 else 0.0
+        end = 1.0 if j == last else 0.0
+        weight = part * (a + rest * (first - a + part * (2.0 * a - first - end)))
+        power = part * part * rest * rest
+        for k in range(terms):
+            weight += power * D[sample * k + j]
+            power *= part if k % 2 == 0 else rest
+        A[(sample + 1) * sample + j] = weight
 
 
 @kernel

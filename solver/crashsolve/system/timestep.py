@@ -49,12 +49,3 @@ def fit(h, remaining):
     if count <= 1:
         return remaining, True
     return remaining / count, False
-
-
-@kernel
-def onset_step(count, early, gap_early, late, gap_late, allowed):
-    """Next trial in search of the onset: false position, with bisection every third time."""
-    if count % 3 == 2:
-        return 0.5 * (early + late)
-    share = (0.5 * allowed - gap_early) / (gap_late - gap_early)
-    return early + min(max(share, 1e-6), 1.0 - 1e-6) * (late - early)

@@ -1,0 +1,168 @@
+"""Step of an implicit method for stiff springs and constrained bodies, its length by its own error.
+
+    stages of the method, by iteration, then positions onto Phi = 0 and velocities onto D v = nu
+
+A step whose estimated error is above `tolerance`, or whose iteration does not converge, is tried
+again shorter; one in which a contact or a piece of a law begins ends there. This file is the recital
+of all methods of this kind; compose puts in the chapter with the stages of the deck's method.
+
+Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
+"""
+
+from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
+from crashsolve.foundation.saddle import Saddle
+from crashsolve.integrators._collocation import arrive, estimate, open_step, pass_stages
+from crashsolve.integrators._places import accept, begin, evaluate, onset_gap
+from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES
+from crashsolve.model.clock import (
+    CURVE_END,
+    POSITION,
+    REACHED,
+    REBUILD,
+    RUNNING,
+    STEP_TOO_SMALL,
+)
+from crashsolve.system.energy import check
+from crashsolve.system.kinetics import accelerations, refresh, return_to_start, save
+from crashsolve.system.onset import first_gap, open_bracket, seek
+from crashsolve.system.scene import (
+    CONTACTS,
+    JOINTS,
+    ONSETS,
+    PIECES,
+    REBUILDS,
+    approach_before,
+    beyond,
+    energy,
+    measure,
+    need_rebuild,
+    residual,
+)
+from crashsolve.system.stages import add_outside, fastest_point, next_length
+from crashsolve.system.timestep import fit
+
+MANY = 8  # passes for the stages of a step, after which the next is no longer
+ONSET = 1e-4  # of the way in the step, by which what begins may be passed
+
+
+@entry
+def advance(until, sampling, scene):
+    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
+
+    A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
+    """
+    clock, control, ledger = scene.clock[0], scene.control[0], scene.ledger
+    nodes, rows, curves = scene.nodes, scene.rows, scene.curves
+    saddle = Saddle(scene.columns, scene.blocks, scene.updates, scene.pairs)
+    clock.status = RUNNING
+    while clock.status == RUNNING and (sampling or clock.time < until):
+        time = clock.time
+        if sampling:
+            if JOINTS:
+                residual(clock.current, time, nodes, rows, curves, scene)
+            refresh(nodes)
+            clock.lead = clock.share = 0.0
+            clock.opens = clock.closes = 1
+            evaluate(time, 0.0, clock, nodes, rows, saddle, curves, scene)
+            accelerations(nodes)
+            measure(time, nodes, rows, curves, scene)
+            if clock.next_step <= 0.0:
+                begin(clock, control, nodes)
+            h = 0.0
+        else:
+            if REBUILDS and need_rebuild(clock, nodes, scene):
+                clock.status = REBUILD
+                return
+            h, is_last = fit(clock.next_step, until - clock.time)
+            save(nodes)
+            open_step(clock, nodes, rows, scene)
+            taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
+            time = until if is_last and taken == h else clock.time + taken
+            h = taken
+            if clock.status != RUNNING:
+                return
+            add_outside(clock, scene.stages, scene.A, STAGES - 1, h)
+        accept(time, h, clock, control)
+        if sampling or clock.cycle % control.check_every == 0:
+            energy(clock, nodes, scene, ledger)
+            check(clock, control, nodes, ledger)
+        if sampling:
+            return
+        if curves[0].fault > 0:
+            clock.status = CURVE_END
+    if clock.status == RUNNING:
+        clock.status = REACHED
+
+
+@stage
+def take(h, clock, control, nodes, rows, saddle, curves, scene):
+    """One step of at most h that is accurate and ends where a contact or a piece of a law begins.
+
+    Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
+    """
+    bracket, trial, found = open_bracket(h), h, False
+    while True:
+        if not pass_stages(trial, clock, control, nodes, rows, saddle, curves, scene):
+            # too long for the iteration or the joints: as if the error were large
+            clock.rejected += 1
+            h = trial = clock.next_step = 0.25 * trial
+            bracket = open_bracket(h)
+            if h < control.step_min:
+                clock.status = POSITION
+                break
+            continue
+        if ONSETS:
+            gap = onset_gap(trial, clock, control, nodes, curves, scene)
+            if bracket[-1] == 0:
+                before = gap_before(clock, nodes, curves, scene)
+                bracket = first_gap(bracket, before, gap, control, ONSET)
+            bracket, trial, found = seek(bracket, h, trial, gap)
+            if not found:
+                continue
+        arrive(trial, clock, nodes, rows, saddle, curves, scene)
+        if control.fixed_step > 0.0:
+            break
+        wanted = judge(trial, clock, control, nodes, scene)
+        if wanted == 0.0:
+            break
+        clock.rejected += 1
+        h = trial = clock.next_step = wanted
+        bracket = open_bracket(h)
+        if h < control.step_min:
+            clock.status = STEP_TOO_SMALL
+            break
+    clock.kinked = 1 if bracket[-1] > 0 else 0
+    clock.located += clock.kinked
+    return trial
+
+
+@kernel
+def gap_before(clock, nodes, curves, scene):
+    """Largest depth of what begins, at the start of the step. Writes: nodes, which moves again."""
+    gap = -1e300
+    if CONTACTS:
+        gap = approach_before(clock.current, scene)
+    if PIECES:
+        return_to_start(nodes)
+        gap = max(gap, beyond(clock.current, 0.0, nodes, curves, scene))
+    return min(gap, 0.0)
+
+
+@stage
+def judge(h, clock, control, nodes, scene):
+    """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
+    speed = clock.fastest if clock.fastest > 0.0 else 1.0
+    error = estimate(h, clock, nodes, scene, control.length, speed)
+    wanted = next_length(h, error, control.tolerance, ESTIMATE)
+    if not error <= control.tolerance:
+        return wanted
+    # not of an attempt: one that fails may have run away
+    clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
+    # a step cut short by a sample says little about a longer one
+    if h < clock.next_step:
+        wanted = max(wanted, clock.next_step)
+    # at the end of what the iteration can do
+    if clock.passes > MANY:
+        wanted = min(wanted, h)
+    clock.next_step = min(wanted, control.step_max)
+    return 0.0

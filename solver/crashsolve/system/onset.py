@@ -1,0 +1,58 @@
+"""Search for the end of a step at which something begins: a contact, or another piece of a law.
+
+    gap(h) <= 0 at the start of the step,   end it where 0 < gap(h) <= allowed
+
+A bracket is (early, late, gap early, gap late, allowed, trials): step lengths before and after the
+onset, their gaps, what may be passed, and how many ends have been tried. Consequence to test: an
+impact latches the speed of its onset, whatever the step.
+"""
+
+from crashsolve.foundation.compile import kernel
+
+PASSED = 1e-6
+
+
+@kernel
+def open_bracket(h):
+    """Nothing known but the longest step [s]."""
+    return 0.0, h, 0.0, 0.0, 0.0, 0
+
+
+@kernel
+def first_gap(bracket, before, gap, control, share):
+    """Gaps at the start and at the end of the whole step; what may be passed is a share of both.
+
+    A long free flight must not spoil the impact at its end: never more than PASSED of the model.
+    """
+    early, late, _, gap_late, _, count = bracket
+    allowed = max(control.onset_tolerance, min(share * (gap - before), PASSED * control.length))
+    return early, late, before, gap_late, allowed, count
+
+
+@kernel
+def seek(bracket, h, trial, gap):
+    """Takes in the gap after `trial`. Returns the bracket, the next trial, whether it was the end.
+
+    h is the length of the whole step.
+    """
+    early, late, gap_early, gap_late, allowed, count = bracket
+    if gap >= 0.0 or count == 0:
+        late, gap_late = trial, gap
+    else:
+        early, gap_early = trial, gap
+    is_narrow = gap_late <= allowed or late - early <= 1e-13 * h
+    if trial == late and is_narrow:
+        return (early, late, gap_early, gap_late, allowed, count), trial, True
+    following = between(count, early, gap_early, late, gap_late, allowed)
+    if is_narrow:
+        following = late
+    return (early, late, gap_early, gap_late, allowed, count + 1), following, False
+
+
+@kernel
+def between(count, early, gap_early, late, gap_late, allowed):
+    """Next trial: false position, with bisection every third time."""
+    if count % 3 == 2:
+        return 0.5 * (early + late)
+    share = (0.5 * allowed - gap_early) / (gap_late - gap_early)
+    return early + min(max(share, 1e-6), 1.0 - 1e-6) * (late - early)
