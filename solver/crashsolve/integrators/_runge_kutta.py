@@ -80,7 +80,7 @@ from crashsolve.system.timestep import fit, wanted_step
 
 PROJECTIONS = 10
 ONSET = 1e-4  # of the way in the step, by which what begins may be passed
-LOCATIONS = 10  # of one onset: each lies in a shorter step, where the dense output is better
+LOCATIONS = 10  # tries of the dense output, before bisection
 REFINEMENTS = 3
 SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
 ROUND_OFF = 1e-12  # of an acceleration or of the size: less than this is nothing
@@ -193,48 +193,59 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
-    allowed, before, located, gap, longest = 0.0, 0.0, 0, 0.0, h
+    search = open_search(h)
     while True:
         closed = pass_stages(h, clock, control, nodes, rows, saddle, curves, scene)
-        if not closed:
-            # too long for the joints: as if the error were large
-            clock.rejected += 1
-            h, located = 0.25 * h, 0
-            longest = h
-            if h < control.step_min:
-                clock.status = POSITION
-                break
-            continue
-        if ONSETS:
-            gap = onset_gap(h, clock, control, nodes, curves, scene)
-            if located < LOCATIONS and (gap > allowed if located > 0 else gap > 0.0):
-                longest = h
-                h, before, allowed = locate(
-                    h, gap, clock, control, nodes, rows, saddle, curves, scene
-                )
-                located += 1
+        if closed and ONSETS:
+            end, search = cut(h, search, clock, control, nodes, rows, saddle, curves, scene)
+            if end != h:
+                h = end
                 continue
-            if located > 0 and located < LOCATIONS and gap <= 0.0:
-                # twice as far as the gap says: the dense output of that step serves
-                farther = (allowed - 2.0 * gap) * h / (gap - before)
-                h = h + farther if 0.0 < farther < 0.5 * (longest - h) else 0.5 * (h + longest)
-                located += 1
-                continue
-        arrive(h, clock, nodes, rows, saddle, curves, scene)
-        if control.fixed_step > 0.0:
-            break
-        wanted = judge(h, clock, control, nodes, rows, saddle, scene)
+        # too long for the joints: as if the error were large
+        wanted = 0.25 * h
+        if closed:
+            arrive(h, clock, nodes, rows, saddle, curves, scene)
+            wanted = judge(h, clock, control, nodes, rows, saddle, scene)
         if wanted == 0.0:
             break
         clock.rejected += 1
-        h, located, longest = wanted, 0, wanted
-        clock.next_step = wanted
+        h = clock.next_step = wanted
+        search = open_search(h)
         if h < control.step_min:
-            clock.status = STEP_TOO_SMALL
+            clock.status = STEP_TOO_SMALL if closed else POSITION
             break
-    # one that ends before the onset leaves it to the next
-    clock.located += 1 if located > 0 and gap > 0.0 else 0
+    clock.located += 1 if search[-1] > 0 else 0
     return h
+
+
+@kernel
+def open_search(h):
+    """Early and late end of a step in which something begins, gap before, allowed gap, tries."""
+    return 0.0, h, 0.0, 0.0, 0
+
+
+@stage
+def cut(h, search, clock, control, nodes, rows, saddle, curves, scene):
+    """The step to try next, that ends where something begins; h itself when it does so already.
+
+    Where is told by the dense output of a step that went too far; the shorter that is, the better.
+    Returns the step and the search. Writes: nodes, scene.*.
+    """
+    early, late, before, allowed, tries = search
+    gap = onset_gap(h, clock, control, nodes, curves, scene)
+    is_narrow = late - early <= 1e-13 * clock.next_step
+    if (tries == 0 and gap <= 0.0) or (tries > 0 and gap > 0.0 and (gap <= allowed or is_narrow)):
+        return h, search
+    if gap > 0.0:
+        late = h
+        h, before, allowed = locate(h, gap, clock, control, nodes, rows, saddle, curves, scene)
+    else:
+        early = h
+        # twice as far as the gap says: the dense output of that step serves
+        h += (allowed - 2.0 * gap) * h / (gap - before)
+    if tries >= LOCATIONS or not early < h < late:
+        h = late if is_narrow else 0.5 * (early + late)
+    return h, (early, late, before, allowed, tries + 1)
 
 
 @stage
@@ -303,6 +314,8 @@ def arrive(h, clock, nodes, rows, saddle, curves, scene):
 @stage
 def judge(h, clock, control, nodes, rows, saddle, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
+    if control.fixed_step > 0.0:
+        return 0.0
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     for k in range(ESTIMATES):
         estimate(nodes, scene.stages, STAGES, scene.E, scene.errors, k, h)
