@@ -54,8 +54,8 @@ STEPS = {
     "dormand_prince_8": {"free": (32, 40), "mass": (40, 50), "bob": (64, 80)},
 }
 DENSE_ORDER = {"dormand_prince_5": 4, "dormand_prince_8": 7}
-# further from the limit than the steps' own: where a sample lies in its step differs
-DENSE_SLOPE = 0.5
+# errors of the steps and of the dense output within one add up: the limit is a little farther
+DENSE_SLOPE = 0.2
 TABLEAUX = pytest.mark.parametrize("method", METHODS)
 
 
@@ -174,12 +174,13 @@ def test_the_dense_output_is_consistent(method: str) -> None:
 def test_samples_within_steps_have_the_order_of_the_dense_output(
     method: str, tmp_path: Path
 ) -> None:
-    # at a time that no step of these ends on
-    time, close = 0.913 * END, {"accuracy": 1e-12}
-    exact = run(tmp_path, SCENE, END, integrator="dormand_prince_8", accuracy=1e-13, at=time)
+    close = {"accuracy": 1e-12}
     for body, counts in STEPS[method].items():
         errors = []
         for n in counts:
+            # in the middle of the last step
+            time = END * (1 - 0.5 / n)
+            exact = run(tmp_path, SCENE, time, integrator="dormand_prince_8", accuracy=1e-13)
             engine = run(tmp_path, SCENE, END, integrator=method, step=END / n, at=time, **close)
             assert engine.clock["time"] > time
             errors.append(np.linalg.norm(sampled(engine, body) - sampled(exact, body)))
@@ -234,7 +235,9 @@ def test_the_seven_bodies_to_nine_digits() -> None:
     ):
         w, _, _, z = nodes[engine.model.bodies.index(body)]["q"]
         error = 2.0 * np.arctan2(z, w) - (angle - start[name])
-        assert np.arctan2(np.sin(error), np.cos(error)) == pytest.approx(0.0, abs=1e-9), body
+        error = np.arctan2(np.sin(error), np.cos(error))
+        # smaller accuracies settle at 7e-11 of beta, and at 1e-12 of the others
+        assert abs(error) < 1e-9 * angle, body
 
 
 def test_the_flat_posture_is_passed() -> None:

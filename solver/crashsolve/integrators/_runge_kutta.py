@@ -12,6 +12,8 @@ References: Hairer, Norsett and Wanner (1993), Solving Ordinary Differential Equ
 Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 """
 
+from math import sqrt
+
 from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
 from crashsolve.foundation.saddle import Saddle, solve_rows
 from crashsolve.integrators.dormand_prince_5 import ESTIMATES, EXTRA, ORDER, STAGES, TERMS
@@ -79,7 +81,7 @@ from crashsolve.system.stages import (
 from crashsolve.system.timestep import fit, wanted_step
 
 PROJECTIONS = 10
-ONSET = 1e-4  # of the way in the step, by which what begins may be passed
+ONSET = 1e-4  # of the way in the step: by so much what begins may be passed at most
 LOCATIONS = 10  # tries of the dense output, before bisection
 REFINEMENTS = 3
 SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
@@ -257,7 +259,9 @@ def locate(h, gap, clock, control, nodes, rows, saddle, curves, scene):
     arrive(h, clock, nodes, rows, saddle, curves, scene)
     pass_extra_stages(clock.time, h, clock, nodes, rows, saddle, curves, scene)
     before = gap_before(h, clock, nodes, curves, scene)
-    bracket = first_gap(open_bracket(h), before, gap, control.onset_tolerance, ONSET)
+    # what is passed errs by its square
+    share = min(ONSET, sqrt(control.accuracy))
+    bracket = first_gap(open_bracket(h), before, gap, control.onset_tolerance, share)
     bracket, trial, found = seek(bracket, h, h, gap)
     while not found:
         weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, trial / h)
