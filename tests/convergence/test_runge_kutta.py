@@ -1,5 +1,6 @@
 """Claim: the Runge-Kutta methods have their declared orders, and the accuracy that is asked for."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,9 @@ from crashsolve.foundation.errors import DeckErrors
 from crashsolve.integrators import dormand_prince_5, dormand_prince_8
 from crashsolve.model.build import build
 from crashsolve.system.engine import Engine
+from crashsolve.system.stages import weigh_part
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "decks" / "benchmark"
 
 METHODS = {"dormand_prince_5": dormand_prince_5, "dormand_prince_8": dormand_prince_8}
 # the slope of a method of order p over halved steps is p but for terms one order higher
@@ -49,24 +53,55 @@ STEPS = {
     "dormand_prince_5": {"free": (40, 80, 160), "mass": (320, 640), "bob": (40, 80, 160)},
     "dormand_prince_8": {"free": (32, 40), "mass": (40, 50), "bob": (64, 80)},
 }
+DENSE_ORDER = {"dormand_prince_5": 4, "dormand_prince_8": 7}
+# errors of the steps and of the dense output within one add up: the limit is a little farther
+DENSE_SLOPE = 0.2
 TABLEAUX = pytest.mark.parametrize("method", METHODS)
 
 
-def run(folder: Path, scene: dict[str, Any], end: float, **control: Any) -> Engine:
-    """The scene at its end."""
+def start(folder: Path, scene: dict[str, Any], end: float, **control: Any) -> Engine:
+    """The scene, ready to step."""
     path = folder / "deck.yaml"
     given = {"end_time": end, "energy_limit": "off"} | control
     path.write_text(yaml.safe_dump({"control": given} | scene, sort_keys=False))
     engine = Engine(*build(read_deck(path)))
     engine.start()
-    engine.advance(end)
-    engine.sample()
+    return engine
+
+
+def run(
+    folder: Path, scene: dict[str, Any], end: float, at: float | None = None, **control: Any
+) -> Engine:
+    """The scene at its end, or sampled within the step that passes a time."""
+    engine = start(folder, scene, end, **control)
+    if at is None:
+        engine.advance(end)
+    else:
+        engine.reach(at)
+    engine.sample(at)
+    return engine
+
+
+def solved(deck: Path, **control: Any) -> Engine:
+    """A benchmark at its end, with another integrator and no step given."""
+    given = read_deck(deck)
+    words = {"step": "auto", "constraint_tolerance": 1e-13} | control
+    given = replace(given, control=given.control.model_copy(update=words))
+    engine = Engine(*build(given))
+    engine.start()
+    engine.advance(given.control.end_time)
     return engine
 
 
 def posture(engine: Engine, body: str) -> np.ndarray:
     """Position and quaternion of a body."""
     node = engine.state.nodes[engine.model.bodies.index(body)]
+    return np.concatenate([node["r"], node["q"]])
+
+
+def sampled(engine: Engine, body: str) -> np.ndarray:
+    """The same at the last sample."""
+    node = engine.nodes[engine.model.bodies.index(body)]
     return np.concatenate([node["r"], node["q"]])
 
 
@@ -118,6 +153,131 @@ def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) 
         assert engine.clock.rate_residual <= 1e-10
         # what the spring, the weight and the pin do is all accounted for
         assert abs(engine.ledger[-1]) < 1e4 * tolerance * engine.ledger[-2]
+
+
+@TABLEAUX
+def test_the_dense_output_is_consistent(method: str) -> None:
+    m = METHODS[method]
+    rates = len(m.C)
+    A = np.zeros((rates + 1, rates + 1))
+    A[:-1, :-1] = m.A
+    table = A.ravel()
+    for part in (0.0, 0.3, 0.77, 1.0):
+        weigh_part(table, m.DENSE.ravel(), m.TERMS, m.STAGES - 1, rates, part)
+        weights = table[-rates - 1 : -1]
+        for k in range(DENSE_ORDER[method]):
+            # round-off of weights up to 20
+            assert np.dot(weights, m.C**k) == pytest.approx(part ** (k + 1) / (k + 1), abs=1e-14)
+
+
+@TABLEAUX
+def test_samples_within_steps_have_the_order_of_the_dense_output(
+    method: str, tmp_path: Path
+) -> None:
+    close = {"tolerance": 1e-12}
+    for body, counts in STEPS[method].items():
+        errors = []
+        for n in counts:
+            # in the middle of the last step
+            time = END * (1 - 0.5 / n)
+            exact = run(tmp_path, SCENE, time, integrator="dormand_prince_8", tolerance=1e-13)
+            engine = run(tmp_path, SCENE, END, integrator=method, step=END / n, at=time, **close)
+            assert engine.clock["time"] > time
+            errors.append(np.linalg.norm(sampled(engine, body) - sampled(exact, body)))
+        slope = -np.diff(np.log(errors)) / np.diff(np.log(counts))
+        # the error within one step is one order above that of the dense output
+        assert slope[-1] > DENSE_ORDER[method] + 1 - DENSE_SLOPE, (body, errors)
+
+
+@TABLEAUX
+def test_samples_change_nothing(method: str, tmp_path: Path) -> None:
+    control = {"integrator": method, "tolerance": 1e-6}
+    once = run(tmp_path, SCENE, END, **control)
+    often = start(tmp_path, SCENE, END, **control)
+    for time in np.linspace(0.0, END, 101)[1:]:
+        often.reach(time)
+        often.sample(time)
+        assert often.sampled["time"] == time
+        # a sample closes its joints, and accounts for its energy, as well as a step does
+        assert np.abs(often.rows["phi"]).max() < 1e-10 * often.model.size
+        assert abs(often.ledger[-1]) < 1e4 * 1e-6 * often.ledger[-2]
+    for name in ("r", "q", "v", "L"):
+        assert (often.state.nodes[name] == once.state.nodes[name]).all()
+    assert often.clock["cycle"] == once.clock["cycle"] < 101
+
+
+def test_a_pendulum_of_hardly_any_inertia_keeps_the_order(tmp_path: Path) -> None:
+    engine = solved(BENCHMARKS / "pendulum.yaml", integrator="dormand_prince_8", tolerance=1e-10)
+    bob = engine.state.nodes[1]
+    # elliptic functions for an inertia of 1e-9 kg m^2 (benchmarks/peers/reference.py)
+    exact = [-0.27508748345412, -0.96141919912537]
+    assert bob["r"][:2] == pytest.approx(exact, abs=1e-9)
+    # steps of a seventh of a second on the way: round-off does not set them
+    assert engine.clock["cycle"] < 300
+
+
+def test_the_heavy_top_to_eight_digits(tmp_path: Path) -> None:
+    engine = solved(BENCHMARKS / "heavy_top.yaml", integrator="dormand_prince_8", tolerance=1e-11)
+    # published to eight digits, more of them in benchmarks/peers/reference.py
+    axis = [-0.15041682274577, -0.72416559163704, -0.67302226956026]
+    assert engine.state.nodes[1]["r"] == pytest.approx(axis, abs=1e-8)
+
+
+def test_the_seven_bodies_to_nine_digits() -> None:
+    deck = BENCHMARKS / "andrews_squeezer.yaml"
+    engine = solved(deck, integrator="dormand_prince_8", tolerance=1e-12)
+    start, nodes = read_deck(deck).parameters, engine.state.nodes
+    # published to 16 digits (Test Set for IVP Solvers): angles beta, gamma, delta and epsilon
+    for body, angle, name in (
+        ("k1", 15.81077119629904, "be"),
+        ("k5", 0.5244099658805304, "de"),
+        ("k7", 1.048080741042263, "ep"),
+    ):
+        w, _, _, z = nodes[engine.model.bodies.index(body)]["q"]
+        error = 2.0 * np.arctan2(z, w) - (angle - start[name])
+        error = np.arctan2(np.sin(error), np.cos(error))
+        # smaller accuracies settle at 7e-11 of beta, and at 1e-12 of the others
+        assert abs(error) < 1e-9 * angle, body
+
+
+def test_the_flat_posture_is_passed() -> None:
+    deck = BENCHMARKS / "four_bar_singular.yaml"
+    engine = solved(deck, integrator="dormand_prince_8", tolerance=1e-10)
+    # 3 theta'' = -3.5 g cos theta (benchmarks/peers/reference.py); twenty passes of the posture
+    tip = 2.0 * engine.state.nodes[engine.model.bodies.index("crank_1")]["r"][:2]
+    assert tip == pytest.approx([0.32845811154026, 0.94451853817879], abs=1e-7)
+
+
+@TABLEAUX
+def test_a_permanent_set_is_that_of_the_turning_point(method: str, tmp_path: Path) -> None:
+    # a mass crushes a straight curve of slope k_1 and comes back on one of slope k: the set is what
+    # it had at the turn, and of the energy 1/2 m v^2 the share k_1 / k returns
+    scene = {
+        "bodies": {
+            "mass": {
+                "mass": 2.0,
+                "inertia": [1.0] * 3,
+                "position": [1.5, 0, 0],
+                "velocity": [-3.0, 0, 0],
+            }
+        },
+        "curves": {"crush": {"points": [[-1.0, -400.0], [0.0, 0.0]], "extrapolate": "linear"}},
+        "springs": {
+            "box": {
+                "type": "curve",
+                "b": "mass",
+                "length": 1.0,
+                "curve": "crush",
+                "unloading_stiffness": 900.0,
+                "acts": "compression",
+            }
+        },
+    }
+    engine = run(tmp_path, scene, 1.0, integrator=method, tolerance=1e-9)
+    # onset, turn and parting are located, and each to 1e-4 of a step, which the set feels squared
+    assert engine.clock["located"] == 3
+    assert engine.state.nodes[1]["v"][0] == pytest.approx(3.0 * (400 / 900) ** 0.5, abs=1e-7)
+    assert engine.ledger[-1] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_law_that_counts_in_whole_steps_is_refused(tmp_path: Path) -> None:

@@ -15,6 +15,15 @@ from crashpost.cli import main as crashpost
 
 HEAP = Path(__file__).parent / "heap.yaml"
 
+DAMPED = """
+control: {end_time: 2, integrator: dormand_prince_8, accuracy: 1.0e-8}
+output: {history: {interval: 0.01}, restart: {every: 0.1}}
+bodies: {bob: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [-1, 0, 0]}}
+joints: {pin: {type: revolute, b: bob, at: [0, 0, 0], axis: [0, 0, 1]}}
+springs: {damper: {type: linear, b: bob, at_a: [0, -2, 0], stiffness: 20, damping: 1, length: 2}}
+loads: {weight: {type: gravity, acceleration: [0, -9.81, 0]}}
+"""
+
 # one worker runs all of them, and compiles their scenes once
 pytestmark = pytest.mark.xdist_group("runs")
 
@@ -50,6 +59,24 @@ def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
     assert crashsolve(deck, "-o", tmp_path, "--restart").returncode == 0
     assert status(tmp_path)["state"] == "finished"
     assert differences(tmp_path, uninterrupted[deck]) == []
+
+
+def test_samples_within_steps_go_on_to_the_same_bits(tmp_path: Path) -> None:
+    # a dump every 0.1 s, in the middle of some step
+    deck = tmp_path / "pendulum.yaml"
+    deck.write_text(DAMPED, "utf-8")
+    whole, again = tmp_path / "whole", tmp_path / "again"
+    assert crashsolve(deck, "-o", whole).returncode == 0
+    shutil.copytree(whole, again)
+    # leaves that of the sample before the end
+    max(again.glob("restart_*.h5"), key=lambda path: path.stat().st_mtime_ns).unlink()
+    done = crashsolve(deck, "-o", again, "--restart")
+    assert done.returncode == 0, done.stderr
+    assert "going on from t = 1.9 s" in done.stdout
+    assert differences(again, whole) == []
+    log = (whole / "log.txt").read_text("utf-8")
+    # far fewer than the 200 samples
+    assert int(log.split("cycles")[1].split()[0]) < 100
 
 
 def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> None:

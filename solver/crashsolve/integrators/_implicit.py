@@ -3,8 +3,8 @@
     stages of the method, by iteration, then positions onto Phi = 0 and velocities onto D v = nu
 
 A step whose estimated error is above `tolerance`, or whose iteration does not converge, is tried
-again shorter; one in which a contact or a piece of a law begins ends there. This file is the recital
-of all methods of this kind; compose puts in the chapter with the stages of the deck's method.
+again shorter; one in which a contact or a piece of a law begins ends there. This file is the
+recital of all methods of this kind; compose puts in the chapter with the stages of the deck's.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """

@@ -12,6 +12,8 @@ References: Hairer, Norsett and Wanner (1993), Solving Ordinary Differential Equ
 Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 """
 
+from math import sqrt
+
 from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.integrators._places import (
@@ -73,8 +75,8 @@ from crashsolve.system.stages import (
 )
 from crashsolve.system.timestep import fit
 
-ONSET = 1e-4  # of the way in the step, by which what begins may be passed
-LOCATIONS = 10  # of one onset: each lies in a shorter step, where the dense output is better
+ONSET = 1e-4  # of the way in the step: by so much what begins may be passed at most
+LOCATIONS = 10  # tries of the dense output, before bisection
 SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
 
 
@@ -175,48 +177,59 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
-    allowed, before, located, gap, longest = 0.0, 0.0, 0, 0.0, h
+    search = open_search(h)
     while True:
         closed = pass_stages(h, clock, control, nodes, rows, saddle, curves, scene)
-        if not closed:
-            # too long for the joints: as if the error were large
-            clock.rejected += 1
-            h, located = 0.25 * h, 0
-            longest = h
-            if h < control.step_min:
-                clock.status = POSITION
-                break
-            continue
-        if ONSETS:
-            gap = onset_gap(h, clock, control, nodes, curves, scene)
-            if located < LOCATIONS and (gap > allowed if located > 0 else gap > 0.0):
-                longest = h
-                h, before, allowed = locate(
-                    h, gap, clock, control, nodes, rows, saddle, curves, scene
-                )
-                located += 1
+        if closed and ONSETS:
+            end, search = cut(h, search, clock, control, nodes, rows, saddle, curves, scene)
+            if end != h:
+                h = end
                 continue
-            if located > 0 and located < LOCATIONS and gap <= 0.0:
-                # twice as far as the gap says: the dense output of that step serves
-                farther = (allowed - 2.0 * gap) * h / (gap - before)
-                h = h + farther if 0.0 < farther < 0.5 * (longest - h) else 0.5 * (h + longest)
-                located += 1
-                continue
-        arrive(h, clock, nodes, rows, saddle, curves, scene)
-        if control.fixed_step > 0.0:
-            break
-        wanted = judge(h, clock, control, nodes, rows, saddle, scene)
+        # too long for the joints: as if the error were large
+        wanted = 0.25 * h
+        if closed:
+            arrive(h, clock, nodes, rows, saddle, curves, scene)
+            wanted = judge(h, clock, control, nodes, rows, saddle, scene)
         if wanted == 0.0:
             break
         clock.rejected += 1
-        h, located, longest = wanted, 0, wanted
-        clock.next_step = wanted
+        h = clock.next_step = wanted
+        search = open_search(h)
         if h < control.step_min:
-            clock.status = STEP_TOO_SMALL
+            clock.status = STEP_TOO_SMALL if closed else POSITION
             break
-    # one that ends before the onset leaves it to the next
-    clock.located += 1 if located > 0 and gap > 0.0 else 0
+    clock.located += 1 if search[-1] > 0 else 0
     return h
+
+
+@kernel
+def open_search(h):
+    """Early and late end of a step in which something begins, gap before, allowed gap, tries."""
+    return 0.0, h, 0.0, 0.0, 0
+
+
+@stage
+def cut(h, search, clock, control, nodes, rows, saddle, curves, scene):
+    """The step to try next, that ends where something begins; h itself when it does so already.
+
+    Where is told by the dense output of a step that went too far; the shorter that is, the better.
+    Returns the step and the search. Writes: nodes, scene.*.
+    """
+    early, late, before, allowed, tries = search
+    gap = onset_gap(h, clock, control, nodes, curves, scene)
+    is_narrow = late - early <= 1e-13 * clock.next_step
+    if (tries == 0 and gap <= 0.0) or (tries > 0 and gap > 0.0 and (gap <= allowed or is_narrow)):
+        return h, search
+    if gap > 0.0:
+        late = h
+        h, before, allowed = locate(h, gap, clock, control, nodes, rows, saddle, curves, scene)
+    else:
+        early = h
+        # twice as far as the gap says: the dense output of that step serves
+        h += (allowed - 2.0 * gap) * h / (gap - before)
+    if tries >= LOCATIONS or not early < h < late:
+        h = late if is_narrow else 0.5 * (early + late)
+    return h, (early, late, before, allowed, tries + 1)
 
 
 @stage
@@ -228,7 +241,9 @@ def locate(h, gap, clock, control, nodes, rows, saddle, curves, scene):
     arrive(h, clock, nodes, rows, saddle, curves, scene)
     pass_extra_stages(clock.time, h, clock, nodes, rows, saddle, curves, scene)
     before = gap_before(h, clock, nodes, curves, scene)
-    bracket = first_gap(open_bracket(h), before, gap, control, ONSET)
+    # what is passed errs by its square
+    share = min(ONSET, sqrt(control.tolerance))
+    bracket = first_gap(open_bracket(h), before, gap, control, share)
     bracket, trial, found = seek(bracket, h, h, gap)
     while not found:
         weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, trial / h)
@@ -272,6 +287,8 @@ def arrive(h, clock, nodes, rows, saddle, curves, scene):
 @stage
 def judge(h, clock, control, nodes, rows, saddle, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
+    if control.fixed_step > 0.0:
+        return 0.0
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     for k in range(ESTIMATES):
         estimate(nodes, scene.stages, STAGES, scene.E, scene.errors, k, h)
