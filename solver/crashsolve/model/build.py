@@ -32,6 +32,10 @@ FORCE_OUTPUT = Record(
 )
 
 
+# error of a step where the deck asks for nothing
+TOLERANCE = 1e-6
+
+
 def build(deck: Deck) -> tuple[Model, State]:
     """Model and initial State of a deck.
 
@@ -175,7 +179,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["onset_tolerance"] = card.onset_tolerance or 0.0
     c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
     c["length"] = scene.size
-    c["tolerance"] = card.tolerance
+    c["tolerance"] = card.tolerance or card.accuracy or TOLERANCE
     c["check_every"] = card.check_every
     return control
 
