@@ -9,6 +9,7 @@ Value and tolerance are judged and shown in the unit of what was found.
 from dataclasses import dataclass, replace
 from typing import Any
 
+from crashpost.accuracy import error_of
 from crashpost.errors import PostError
 from crashpost.result import Result
 from crashpost.statistic import Window, statistic, unit_of
@@ -63,6 +64,7 @@ class Verdict:
     found: float | None
     unit: str
     problem: str = ""
+    error: float | None = None  # estimated by the run, in the same unit
 
     @property
     def deviation(self) -> float | None:
@@ -91,7 +93,9 @@ def judge(result: Result) -> list[Verdict]:
 
 def verdict_table(verdicts: list[Verdict]) -> str:
     """The verdicts as text, one line each, failures explained below."""
-    header = "channel statistic found expected tolerance deviation unit because source verdict"
+    header = (
+        "channel statistic found error expected tolerance deviation unit because source verdict"
+    )
     rows = [_row(verdict) for verdict in verdicts]
     table = text_table(header.split(), rows)
     problems = [f"FAIL {v.expected.channel}: {v.problem}" for v in verdicts if v.problem]
@@ -113,7 +117,8 @@ def _verdict(result: Result, expected: Expectation) -> Verdict:
         series = result.series(expected.channel)
         found = statistic(series, expected.statistic, expected.during)
         unit = unit_of(expected.statistic, series.unit)
-        return Verdict(expected.in_unit(unit), found, unit)
+        error = error_of(result, expected.channel, expected.statistic, expected.during)
+        return Verdict(expected.in_unit(unit), found, unit, error=error)
     except PostError as error:
         return Verdict(expected, None, "", str(error))
 
@@ -124,6 +129,7 @@ def _row(verdict: Verdict) -> list[str]:
         expected.channel,
         expected.statistic_text,
         "-" if verdict.found is None else f"{verdict.found:.8g}",
+        "-" if verdict.error is None else f"{verdict.error:.1e}",
         f"{expected.value:.8g}",
         expected.tolerance_text,
         "-" if verdict.deviation is None else f"{verdict.deviation:.2e}",

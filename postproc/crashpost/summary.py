@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crashpost import ledger, logbook
+from crashpost.accuracy import accuracy_table
 from crashpost.result import Result
 from crashpost.table import number, text_table
 
@@ -16,7 +17,7 @@ MOST_PEAKS = 40
 def summary(result: Result) -> str:
     """The whole summary as text."""
     parts = [_heading(result), _model(result), _energies(result), _balances(result)]
-    parts += [_peaks(result), _warnings(result)]
+    parts += [accuracy_table(result), _peaks(result), _warnings(result)]
     return "\n\n".join(part for part in parts if part)
 
 

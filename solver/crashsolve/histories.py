@@ -1,6 +1,6 @@
 """From outputs to channels: the families of a scene and their values at a sample."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import Any
 
 import numpy as np
@@ -55,9 +55,10 @@ class Histories:
         """What a restart must bring back."""
         return {"momenta/start": self._start, "momenta/largest": self._largest}
 
-    def row(self) -> dict[str, np.ndarray]:
-        """Values (n_id, n_column) of every family at the present sample."""
-        return {family.name: values() for family, values in self._parts}
+    def row(self, names: Container[str] | None = None) -> dict[str, np.ndarray]:
+        """Values (n_id, n_column) of every family at the present sample, or of those named."""
+        wanted = ((f.name, values) for f, values in self._parts if names is None or f.name in names)
+        return {name: values() for name, values in wanted}
 
     def _model(self) -> Part:
         columns = [Column("energy", name, "J", name.replace("_", " ")) for name in ENTRIES]

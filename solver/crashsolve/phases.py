@@ -39,14 +39,18 @@ class ContactPhases:
         """Time counted so far [s]."""
         return sum(self._time.values())
 
+    def averages(self) -> dict[str, float | None]:
+        """Average step [s] of each phase; None of one without steps."""
+        return {
+            phase: self._time[phase] / self._steps[phase] if self._steps[phase] else None
+            for phase in PHASES
+        }
+
     def average_steps(self) -> dict[str, str]:
         """The average step as the log tells it, by phase where anything ever touched."""
         if not self._steps["during"]:
             return {"average step": f"{self.simulated() / self.cycles():.4g} s"}
-        told = [
-            f"{self._time[phase] / self._steps[phase]:.4g} s" if self._steps[phase] else "-"
-            for phase in PHASES
-        ]
+        told = ["-" if step is None else f"{step:.4g} s" for step in self.averages().values()]
         return {"average step before, during, after contact": ", ".join(told)}
 
     def _look(self) -> tuple[float, int, int, bool]:

@@ -11,10 +11,11 @@ import socket
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -43,10 +44,16 @@ from crashsolve.output.status import Status, write_status
 from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.resume import changing, restore
+from crashsolve.sampling import Schedule
 from crashsolve.system.engine import Engine
+
+if TYPE_CHECKING:
+    from crashsolve.estimate.conduct import Estimating
 
 # what a user may ask of a run, by control.txt and by signals
 WORDS = {"stop", "dump", "states"}
+# of the steps that an accuracy needs, in a restart dump
+COARSENESS = "run/coarseness"
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
 
 
@@ -54,12 +61,17 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
     begun, wall_begun = cpu_time(), time.monotonic()
     deck = read_deck(deck_path, overrides)
+    was_read = cpu_time()
     model, state = build(deck)
+    # runs beside this one must not choose anew
+    control = deck.control.model_copy(update={"integrator": model.integrator})
+    deck = replace(deck, control=control)
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     built = cpu_time()
     engine = Engine(model, state)
-    spent = {"read and build": built - begun, "compile or load": cpu_time() - built}
+    spent = {"read": was_read - begun, "build": built - was_read}
+    spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
     return Run(deck, engine, folder, spent, wall_begun).execute(restart)
 
 
@@ -84,9 +96,10 @@ class Run:
         self.cpu, self.wall_begun = spent, wall_begun
         self.requests: set[str] = set()
         self.files = ExitStack()
-        span = deck.control.end_time - deck.control.start_time
-        out = deck.output
-        self.history_step = out.history.interval or span / 1000 or 1.0
+        self.estimating: Estimating | None = None
+        self.schedule = Schedule.of(deck)
+        self.history_step = self.schedule.interval
+        span, out = self.schedule.end - self.schedule.start, deck.output
         self.state_step = out.states.interval or span / 50 or 1.0
         self.log_step = out.log.interval or span / 20 or 1.0
         self.restart_step = out.restart.every
@@ -109,6 +122,9 @@ class Run:
                 self.log.warning(text)
             self._begin(dump)
             self._march()
+            while self._misses_its_accuracy():
+                self._start_anew()
+                self._march()
             self._end("finished", ExitCode.NORMAL, "")
             return ExitCode.NORMAL
         except RunStopped as stop:
@@ -141,16 +157,19 @@ class Run:
                 act()
 
     def _begin(self, dump: Any) -> None:
-        """Evaluate the initial state or take up the dump; open the files."""
+        """Take up the dump, if any; prepare the estimates; open the files."""
         # both measure from the start of the run, whatever a dump brings
         self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
-        resumed = None
+        resumed = None if dump is None else self._restore(*dump)
+        self.estimating = self._prepare_estimates(dump)
+        self._open(resumed)
+
+    def _open(self, resumed: float | None) -> None:
+        """Evaluate the initial state, unless a dump brought another; open the files."""
         cpu = cpu_time()
-        if dump is None:
+        if resumed is None:
             self.engine.start()
             self._refuse_misfits()
-        else:
-            resumed = self._restore(*dump)
         self.cpu["compile or load"] += cpu_time() - cpu
         metadata = self._metadata()
         self.history = HistoryWriter(
@@ -164,6 +183,45 @@ class Run:
             self.engine.sample()
             self._write(self.deck.control.start_time, force=True)
 
+    def _prepare_estimates(self, dump: Any) -> "Estimating | None":
+        """Look up the watched channels, and the step an accuracy needs; None without any.
+
+        Raises DeckErrors, SolverError, RunStopped.
+        """
+        if self.deck.control.estimate == "off" or not (self.deck.watch or self.deck.expect):
+            return None
+        # a deck that watches nothing does not pay for what this imports
+        from crashsolve.estimate.conduct import Estimating
+
+        families = self.histories.families
+        estimating = Estimating(self.deck, families, self._is_to_stop, self.log)
+        coarseness = float(dump[0][COARSENESS][0]) if dump else None
+        estimating.set_steps(self.engine.model.control, coarseness)
+        return estimating
+
+    def _misses_its_accuracy(self) -> bool:
+        """Estimate the errors of the finished run; whether another with other steps is due."""
+        if self.estimating is None:
+            return False
+        self.files.close()
+        self._status("running", None, "estimating errors")
+        cycles = int(self.engine.clock["cycle"])
+        return self.estimating.judge(self.folder / "history.h5", cycles, self._spent())
+
+    def _start_anew(self) -> None:
+        """The same deck from its start, with the steps that the estimates ask for."""
+        assert self.estimating is not None
+        self.engine = Engine(*build(self.deck))
+        self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
+        self.estimating.set_control(self.engine.model.control)
+        self.cpu |= {"steps": 0.0, "output": 0.0}
+        self._clear_folder()
+        self._open(None)
+
+    def _is_to_stop(self) -> bool:
+        self._read_control()
+        return "stop" in self.requests
+
     def _refuse_misfits(self) -> None:
         found = self.engine.assembly_errors()
         if found:
@@ -175,17 +233,13 @@ class Run:
 
     def _march(self) -> None:
         """Advance from sample to sample until the end."""
-        start, end = self.deck.control.start_time, self.deck.control.end_time
-        self.cpu |= {"steps": 0.0, "output": 0.0}
+        end = self.schedule.end
         self.phases = ContactPhases(self.engine)
-        # the k-th sample lies at k intervals, not at a sum of them
-        k = round((self.engine.clock["sampled"] - start) / self.history_step)
-        target = start + k * self.history_step
+        k = self.schedule.number(float(self.engine.clock["sampled"]))
+        target = self.schedule.time(k)
         while target < end:
             k += 1
-            target = start + k * self.history_step
-            if target > end - 1e-9 * self.history_step:
-                target = end
+            target = self.schedule.time(k)
             # no run has children while it marches: their times need not be asked for
             begun = time.process_time()
             try:
@@ -252,9 +306,32 @@ class Run:
                 time.monotonic() - self.wall_begun,
                 None if code is None else int(code),
                 message,
-                cpu_steps=self.cpu.get("steps", 0.0),
+                cpu_steps=self.cpu["steps"],
+                **self._results(),
             ),
         )
+
+    def _results(self) -> dict[str, Any]:
+        """What status.json tells of steps, constraints, CPU time and watched channels so far."""
+        clock, found = self.engine.clock, dict[str, Any]()
+        if hasattr(self, "phases") and self.phases.cycles():
+            found |= {
+                "average_step": self.phases.averages(),
+                "real_time_factor": self._spent() / self.phases.simulated(),
+            }
+        if self.estimating is not None:
+            self.cpu["estimates"] = self.estimating.cpu
+            found["watched"] = self.estimating.entries()
+        return found | {
+            "rejected": int(clock["rejected"]),
+            "constraint_position": float(clock["residual"]),
+            "constraint_velocity": float(clock["rate_residual"]),
+            "cpu_stages": dict(self.cpu),
+        }
+
+    def _spent(self) -> float:
+        """CPU time of the run proper: steps and output [s]."""
+        return self.cpu["steps"] + self.cpu["output"]
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
@@ -269,7 +346,7 @@ class Run:
         clock = self.engine.clock
         saddle = self.engine.model.saddle
         facts = {
-            "cycles": f"{int(clock['cycle'])}",
+            "steps accepted, rejected": f"{int(clock['cycle'])}, {int(clock['rejected'])}",
             "contact onsets located": f"{int(clock['located'])}",
             "energy balance": f"{self._balance():.3g} %",
         }
@@ -278,8 +355,9 @@ class Run:
             facts["position iterations per step"] = (
                 f"{clock['iterations'] / max(int(clock['cycle']), 1):.2f}"
             )
-            facts["largest constraint error"] = (
-                f"{float(clock['residual']):.2g} of the model's size"
+            facts["largest constraint error, in position and velocity"] = (
+                f"{float(clock['residual']):.2g} and {float(clock['rate_residual']):.2g} 1/s, "
+                "of the model's size"
             )
         self.log.line()
         self.log.facts(facts | self._cost())
@@ -291,10 +369,10 @@ class Run:
         """Average steps and what they cost; nothing of a run that took none."""
         if not hasattr(self, "phases") or not self.phases.cycles():
             return {}
-        spent, simulated = self.cpu["steps"] + self.cpu["output"], self.phases.simulated()
+        simulated = self.phases.simulated()
         return self.phases.average_steps() | {
             "CPU per step": f"{1e6 * self.cpu['steps'] / self.phases.cycles():.3g} us",
-            "real-time factor": f"{spent / simulated:.3g} s of CPU per simulated second",
+            "real-time factor": f"{self._spent() / simulated:.3g} s of CPU per simulated second",
         }
 
     def _energies(self) -> None:
@@ -349,6 +427,8 @@ class Run:
     def _dump(self) -> None:
         self.history.flush()
         arrays = changing(self.engine) | self.histories.memory
+        if self.estimating is not None:
+            arrays[COARSENESS] = np.array([self.estimating.coarseness])
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
         self.log.line(
             f"restart dump {path.name} at t = {float(self.engine.clock['sampled']):.6g} s"

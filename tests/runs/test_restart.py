@@ -16,7 +16,7 @@ from crashpost.cli import main as crashpost
 HEAP = Path(__file__).parent / "heap.yaml"
 
 DAMPED = """
-control: {end_time: 2, integrator: dormand_prince_8, accuracy: 1.0e-8}
+control: {end_time: 2, integrator: dormand_prince_8, tolerance: 1.0e-8}
 output: {history: {interval: 0.01}, restart: {every: 0.1}}
 bodies: {bob: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [-1, 0, 0]}}
 joints: {pin: {type: revolute, b: bob, at: [0, 0, 0], axis: [0, 0, 1]}}

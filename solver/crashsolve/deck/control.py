@@ -20,12 +20,25 @@ class Control(Card):
         "radau_iia_5",
         "auto",
     ] = word("method of integration; auto: from stiffness and smoothness of the deck", "rattle")
-    tolerance: float = quantity(
+    accuracy: float | None = quantity(
         "1",
-        "error of a step over the model's size and speed, where the method chooses its step",
-        1e-6,
+        "largest estimated error of every watched channel, over the largest magnitude that it, "
+        "or the vector it is a component of, has in the run (of a time: over the run's duration); "
+        "pilot runs find the step or the tolerance",
+        None,
         gt=0,
         lt=1,
+    )
+    tolerance: float | None = quantity(
+        "1",
+        "error of a step over the model's size and speed, where the method chooses its step; "
+        "1e-6 when neither it nor an accuracy is given",
+        None,
+        gt=0,
+        lt=1,
+    )
+    estimate: Literal["auto", "off"] = word(
+        "auto: the errors of watched channels, from one or two further runs in memory", "auto"
     )
     spectral_radius: float = quantity(
         "1",
@@ -57,4 +70,14 @@ class Control(Card):
             raise ValueError(f"end_time: must not come before start_time, {self.start_time:g} s")
         if self.step_min and self.step_max and self.step_min > self.step_max:
             raise ValueError(f"step_min: must not exceed step_max, {self.step_max:g} s")
+        if self.accuracy:
+            self._leaves_the_choice()
         return self
+
+    def _leaves_the_choice(self) -> None:
+        """Raises ValueError for what an accuracy chooses, or needs."""
+        if self.tolerance or self.step != "auto":
+            chosen = "tolerance" if self.tolerance else "step"
+            raise ValueError(f"{chosen}: is chosen by the accuracy; give one of the two")
+        if self.estimate == "off":
+            raise ValueError("estimate: an accuracy cannot be kept without")

@@ -42,6 +42,7 @@ def as_text(deck: "Deck") -> str:
     for keyword, entries in deck.entries.items():
         data[keyword] = {name: as_law(entry.card) for name, entry in entries.items()}
     data["output"] = as_data(deck.output)
+    data["watch"] = [as_data(card) for card in deck.watch]
     data["expect"] = [as_data(card) for card in deck.expect]
     return "\n".join(_lines({word: value for word, value in data.items() if value})) + "\n"
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import shown
-from crashsolve.deck.sections import KEYWORDS, SECTIONS
+from crashsolve.deck.sections import KEYWORDS, LISTS, SECTIONS
 from crashsolve.deck.source import BROKEN, Position, Rows, Table
 from crashsolve.foundation.errors import DeckError
 
@@ -29,8 +29,8 @@ class Item(NamedTuple):
     @property
     def title(self) -> str:
         """The item as messages call it: spring 'buffer_left'."""
-        if self.keyword == "expect":
-            return f"expect {self.name}"
+        if self.keyword in LISTS:
+            return f"{self.keyword} {self.name}"
         return f"{_NAMED[self.keyword]} '{self.name}'" if self.name else self.keyword
 
 
@@ -44,7 +44,7 @@ def items_of(tables: Mapping[Path, Table], mistakes: list[DeckError]) -> Items:
     for file, table in tables.items():
         for item in _of_file(file, table, mistakes):
             group = items[item.keyword]
-            if item.keyword == "expect":
+            if item.keyword in LISTS:
                 item = item._replace(name=str(len(group) + 1))
             first = group.setdefault(item.name, item)
             if first is not item:
@@ -61,8 +61,8 @@ def _of_file(file: Path, table: Table, mistakes: list[DeckError]) -> Iterator[It
             mistakes.append(DeckError(*where, "", f"unknown keyword '{keyword}'", advice))
         elif keyword in _NAMED:
             yield from _named(file, keyword, value, at, mistakes)
-        elif keyword == "expect":
-            yield from _listed(file, value, at, mistakes)
+        elif keyword in LISTS:
+            yield from _listed(file, keyword, value, at, mistakes)
         elif keyword not in ("include", "units"):
             # includes are followed by now, and units belong to their file alone
             yield Item(keyword, "", value, where, at, file)
@@ -87,10 +87,12 @@ def _named(
         yield item
 
 
-def _listed(file: Path, value: Any, at: Position, mistakes: list[DeckError]) -> Iterator[Item]:
+def _listed(
+    file: Path, keyword: str, value: Any, at: Position, mistakes: list[DeckError]
+) -> Iterator[Item]:
     if not isinstance(value, Rows):
         if value is not BROKEN and value is not None:
-            mistakes.append(DeckError(*at, "expect", f"must be a list, not {shown(value)}"))
+            mistakes.append(DeckError(*at, keyword, f"must be a list, not {shown(value)}"))
         return
     for i, part in enumerate(value):
-        yield Item("expect", "", part, value.place(i), value.place(i), file)
+        yield Item(keyword, "", part, value.place(i), value.place(i), file)

@@ -24,6 +24,7 @@ from crashsolve.deck.parameters import Parameters
 from crashsolve.deck.sections import SECTIONS
 from crashsolve.deck.source import BROKEN, Position, Table, locate
 from crashsolve.deck.units import Units
+from crashsolve.deck.watch import Watch
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.units import SI
 
@@ -54,6 +55,8 @@ class Deck:
     output: Output
     expect: list[Expect]
     expect_at: list[Position]
+    watch: list[Watch]
+    watch_at: list[Position]
     entries: dict[str, dict[str, Entry]]
 
     @cached_property
@@ -101,10 +104,15 @@ class _Reader:
         entries = {keyword: self.section(keyword) for keyword in SECTIONS}
         control, output = self.single("control", Control), self.single("output", Output)
         expect = [self.card(item, Expect) for item in self.items["expect"].values()]
+        watch = [self.card(item, Watch) for item in self.items["watch"].values()]
         title = self.title()
         for group in entries.values():
             for entry in group.values():
                 self.check_names(entry)
+        if control and control.accuracy and not (watch or expect):
+            advice = "name channels under watch or expect"
+            item = self.items["control"][""]
+            self.refuse(item, Mistake(("accuracy",), "needs channels whose error counts", advice))
         if self.mistakes or not control or not output:
             raise DeckErrors(self.in_order())
         return Deck(
@@ -116,6 +124,8 @@ class _Reader:
             output=output,
             expect=[card for card in expect if card],
             expect_at=[item.where for item in self.items["expect"].values()],
+            watch=[card for card in watch if card],
+            watch_at=[item.where for item in self.items["watch"].values()],
             entries=entries,
         )
 

@@ -13,10 +13,9 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 from pydantic import AfterValidator
 
 from crashsolve.deck.card import Card, Reference, existing_file
-from crashsolve.deck.expect import Expect
 from crashsolve.deck.fields import BOUNDS, Declared, deck_words, declared
 from crashsolve.deck.laws import law_class, package_folder, types_in
-from crashsolve.deck.sections import KEYWORDS, SECTIONS, SINGLE
+from crashsolve.deck.sections import KEYWORDS, LISTS, SECTIONS, SINGLE
 
 _SCALARS: dict[Any, dict[str, Any]] = {
     float: {"type": ["number", "string"]},
@@ -41,10 +40,11 @@ def json_schema() -> dict[str, Any]:
         "title": {"type": "string"},
         "include": {"type": "array", "items": {"type": "string"}},
         "parameters": {"additionalProperties": {"type": ["number", "string"]}},
-        "expect": {"type": "array", "items": cards.card(Expect)},
     }
     for keyword, card in SINGLE.items():
         keywords[keyword] = cards.card(card)
+    for keyword, card in LISTS.items():
+        keywords[keyword] = {"type": "array", "items": cards.card(card)}
     for keyword, section in SECTIONS.items():
         entries = cards.laws(section.folder, section.default)
         keywords[keyword] = {"type": ["object", "null"], "additionalProperties": entries}
@@ -139,9 +139,8 @@ def _manual() -> Iterator[str]:
     )
     nested: dict[type[Card], None] = {}
     for keyword in KEYWORDS:
-        if keyword in SINGLE or keyword == "expect":
-            card = SINGLE.get(keyword, Expect)
-            yield from _section(keyword, f"## {keyword}", card, nested)
+        if keyword in SINGLE | LISTS:
+            yield from _section(keyword, f"## {keyword}", (SINGLE | LISTS)[keyword], nested)
         elif keyword in SECTIONS and types_in(SECTIONS[keyword].folder):
             section = SECTIONS[keyword]
             default = f" `type` is `{section.default}` when absent." if section.default else ""

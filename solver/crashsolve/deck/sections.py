@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.control import Control
+from crashsolve.deck.expect import Expect
 from crashsolve.deck.output import Output
 from crashsolve.deck.units import Units
+from crashsolve.deck.watch import Watch
 
 
 @dataclass(frozen=True)
@@ -32,4 +34,6 @@ SECTIONS = {
     "sensors": Section("sensor", "sensors"),
 }
 SINGLE: dict[str, type[Card]] = {"units": Units, "control": Control, "output": Output}
-KEYWORDS = ("title", "units", "parameters", "include", "control", *SECTIONS, "output", "expect")
+# keywords whose entries stand in a list, without names
+LISTS: dict[str, type[Card]] = {"watch": Watch, "expect": Expect}
+KEYWORDS = ("title", "units", "parameters", "include", "control", *SECTIONS, "output", *LISTS)

@@ -6,6 +6,7 @@ from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import refuse
 
 STATISTICS = ("max", "min", "abs_max", "mean", "final", "integral", "argmax", "argmin")
+PATH = "path"  # no one number, but the whole history
 Window = tuple[float, float]
 
 _AT = re.compile(r"at:[0-9]+\.?[0-9]*([eE][-+]?[0-9]+)?")

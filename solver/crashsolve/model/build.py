@@ -33,6 +33,10 @@ FORCE_OUTPUT = Record(
 )
 
 
+# error of a step where the deck asks for nothing
+TOLERANCE = 1e-6
+
+
 def build(deck: Deck) -> tuple[Model, State]:
     """Model and initial State of a deck.
 
@@ -183,7 +187,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
     c["length"] = scene.size
     c["spectral_radius"] = card.spectral_radius
-    c["tolerance"] = card.tolerance
+    c["tolerance"] = card.tolerance or card.accuracy or TOLERANCE
     c["end"] = card.end_time
     c["check_every"] = card.check_every
     return control

@@ -6,7 +6,7 @@ import os
 import socket
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from crashsolve.output.files import replace_text
 
@@ -15,7 +15,10 @@ State = Literal["running", "finished", "stopped", "failed"]
 
 @dataclass
 class Status:
-    """One look at a run; times in s, energy balance in %, `cpu_steps` the part of cpu in steps."""
+    """One look at a run; times in s, energy balance in %, `cpu_steps` the part of cpu in steps.
+
+    What begins with `rejected` is known at the end.
+    """
 
     state: State
     time: float
@@ -28,14 +31,25 @@ class Status:
     exit_code: int | None = None
     message: str = ""
     cpu_steps: float = 0.0
+    rejected: int = 0
+    average_step: dict[str, float | None] = field(default_factory=dict)
+    constraint_position: float = 0.0
+    constraint_velocity: float = 0.0
+    cpu_stages: dict[str, float] = field(default_factory=dict)
+    real_time_factor: float | None = None
+    watched: list[dict[str, Any]] = field(default_factory=list)
     pid: int = field(default_factory=os.getpid)
     host: str = field(default_factory=socket.gethostname)
 
 
 def write_status(path: Path | str, status: Status) -> None:
     """Replace status.json; JSON has no NaN or infinity, such numbers become null."""
-    entries = {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in asdict(status).items()
-    }
-    replace_text(Path(path), json.dumps(entries, indent=1) + "\n")
+    replace_text(Path(path), json.dumps(_finite(asdict(status)), indent=1) + "\n")
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _finite(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

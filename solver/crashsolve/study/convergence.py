@@ -88,8 +88,9 @@ def examine(
         return Convergence(last, left, orders, stalls, has_floor=left <= FLOOR * max(apart))
     p = orders[-1]
     is_near = order is not None and abs(p - order) <= NEAR
-    # an order higher than the method's is luck and no ground for a smaller error
-    power = order if order and (is_near or p > order) else p
+    # an order higher than the method's, or than can be told, is no ground for a smaller error
+    power = order if order and not p < order - NEAR else p
+    power = power if np.isfinite(power) else HIGHEST
     rest = (last - values[-2]) / ((steps[-2] / steps[-1]) ** power - 1.0)
     left = float(np.max(np.abs(rest)))
     return Convergence(last + rest if is_near else last, left, orders, None, is_near)

@@ -55,6 +55,11 @@ def order_of(method: str) -> float | None:
     return getattr(_module(method), "ORDER", None)
 
 
+def chooses_its_step(method: str) -> bool:
+    """Whether a method chooses its steps by a tolerance, as those of stages do."""
+    return hasattr(_module(method), "STAGES")
+
+
 def _module(method: str) -> ModuleType | None:
     try:
         return importlib.import_module(f"crashsolve.integrators.{method}")
@@ -66,9 +71,7 @@ def _module(method: str) -> ModuleType | None:
 def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | None) -> list[Words]:
     """One method's settings."""
     step = deck.control.step
-    # a method of stages chooses its own steps
-    is_adaptive = hasattr(_module(method), "STAGES")
-    if is_adaptive and (tolerances or (not steps and step == AUTO)):
+    if chooses_its_step(method) and (tolerances or (not steps and step == AUTO)):
         words = _numbers("--tolerances", tolerances) if tolerances else TOLERANCES
         return [_within(t) for t in sorted(map(float, words), reverse=True)]
     if steps:

@@ -15,10 +15,9 @@ from typing import Any
 from crashsolve.deck.expect import Expect
 from crashsolve.deck.laws import choices
 from crashsolve.deck.read import Deck
-from crashsolve.deck.statistic import STATISTICS, Window
+from crashsolve.deck.statistic import PATH, STATISTICS, Window
 from crashsolve.foundation.errors import DeckError
 
-PATH = "path"
 KNOWN = ("exact", "published")
 
 
@@ -41,16 +40,31 @@ class Watch:
 
 
 def watched(deck: Deck, words: Sequence[str]) -> list[Watch]:
-    """The channels asked for, else those the deck expects, else the deck's energies and motion.
+    """The channels asked for, else those the deck names, else the deck's energies and motion.
 
     Raises DeckError for a statistic that does not exist.
     """
-    expected = [_expected(card) for card in deck.expect]
+    expected = named(deck)
     if not words:
-        return list(dict.fromkeys(expected)) or overall(deck)
+        return expected or overall(deck)
     known = {(w.channels[0], w.statistic): w for w in reversed(expected) if not w.during}
     found = [_from_word(word) for word in words]
     return [known.get((w.channels[0], w.statistic), w) for w in found]
+
+
+def named(deck: Deck) -> list[Watch]:
+    """What the deck expects and watches, each once."""
+    expected = [_expected(card) for card in deck.expect]
+    watches = [
+        Watch(
+            _name(card.channel, card.statistic, card.during),
+            (card.channel,),
+            card.statistic,
+            card.during,
+        )
+        for card in deck.watch
+    ]
+    return list(dict.fromkeys([*expected, *watches]))
 
 
 def overall(deck: Deck) -> list[Watch]:
@@ -96,8 +110,7 @@ def _largest(answers: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _expected(card: Expect) -> Watch:
-    during = f" from {card.during[0]:g} to {card.during[1]:g} s" if card.during else ""
-    name = f"{card.channel} {card.statistic}{during}"
+    name = _name(card.channel, card.statistic, card.during)
     is_known = card.because in KNOWN
     return Watch(
         name,
@@ -108,6 +121,11 @@ def _expected(card: Expect) -> Watch:
         card.value if is_known else None,
         card.because if is_known else "",
     )
+
+
+def _name(channel: str, statistic: str, during: Window | None) -> str:
+    window = f" from {during[0]:g} to {during[1]:g} s" if during else ""
+    return f"{channel} {statistic}{window}"
 
 
 def _plain(channel: str, statistic: str) -> Watch:

@@ -1,0 +1,144 @@
+"""The battery: every scene by every method and setting, estimated errors against true ones."""
+
+import time as clock
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from scenes import Known, Scene, all_scenes
+
+from crashsolve.deck.read import read_deck
+from crashsolve.estimate.error import Estimate
+from crashsolve.estimate.estimator import estimate_in_memory
+from crashsolve.estimate.samples import Samples
+from crashsolve.estimate.statistic import Series, refined
+from crashsolve.foundation.errors import CrashsolveError
+
+# an error below this share of the scale is round-off, and what joints are closed to
+ROUND_OFF = 1e-10
+FACTOR = 10.0
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One number of one run: its estimate and its true error, in the unit of the number."""
+
+    scene: str
+    method: str
+    setting: str
+    number: str
+    estimate: Estimate
+    true: float
+    price: float
+
+    @property
+    def counts(self) -> bool:
+        """Whether the error is one of the method and not round-off."""
+        return self.true > ROUND_OFF * self.estimate.scale
+
+    @property
+    def ratio(self) -> float:
+        """Estimated over true error."""
+        return (self.estimate.error or 0.0) / self.true if self.true else float("inf")
+
+    @property
+    def holds(self) -> bool:
+        """Whether estimate and truth are within the factor; of round-off, whether it is small."""
+        error = self.estimate.error
+        if error is None:
+            return False
+        if not self.counts:
+            return error <= FACTOR * FACTOR * ROUND_OFF * max(self.estimate.scale, 1e-300)
+        return 1.0 / FACTOR <= self.ratio <= FACTOR
+
+
+def settings(scene: Scene) -> Iterator[tuple[str, str, dict[str, str]]]:
+    """Method, setting in words, overrides of control."""
+    for step in map(float, scene.steps):
+        yield "rattle", f"step {step:.3g}", {"control.step": f"{step!r} s"}
+    for safety in scene.safeties:
+        yield "rattle", f"safety {safety:g}", {"control.safety": repr(safety), "samples": "200"}
+    for method in ("dormand_prince_5", "dormand_prince_8"):
+        for tolerance in scene.tolerances:
+            yield (
+                method,
+                f"tolerance {tolerance:g}",
+                {"control.tolerance": repr(tolerance), "samples": "50"},
+            )
+        for step in map(float, scene.fixed):
+            yield method, f"step {step:.3g}", {"control.step": f"{step!r} s", "samples": "100"}
+
+
+def judge(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
+    """The numbers of every run of a scene."""
+    path = folder / "deck.yaml"
+    watch = [
+        f'  - {{channel: "{k.channel}", statistic: {s!r}}}'
+        for k in scene.known
+        for s in k.statistics
+    ]
+    lines = [
+        f"parameters: {{end: {float(scene.end)!r}, samples: 1000}}",
+        "control: {end_time: '${end}', energy_limit: 'off'}",
+        "output: {history: {interval: '${end/samples}'}}",
+    ]
+    path.write_text("\n".join([*lines, scene.deck, "watch:", *watch]) + "\n", "utf-8")
+    for method, words, overrides in settings(scene):
+        deck = read_deck(path, {"control.integrator": method, **overrides})
+        try:
+            main, estimates, price = estimate_in_memory(deck)
+        except CrashsolveError as error:
+            print(f"{scene.name}, {method} {words}: {error}")
+            continue
+        numbers = [(k, s) for k in scene.known for s in k.statistics]
+        yield [
+            Judged(
+                scene.name, method, words, f"{k.channel} {s}", e, true_error(k, s, e, main), price
+            )
+            for (k, s), e in zip(numbers, estimates, strict=True)
+        ]
+
+
+def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> float:
+    """Distance of a number from its truth."""
+    if not callable(known.truth):
+        return abs((found.value or 0.0) - known.truth)
+    if statistic == "path":
+        from crashsolve.estimate.expression import evaluate
+
+        values = evaluate(known.channel, main.time, main.values)
+        return float(np.max(np.abs(values - known.truth(main.time))))
+    # 64 points between samples: a parabola, or Simpson's rule, leaves less than round-off
+    fine = np.linspace(main.time[0], main.time[-1], 64 * (len(main.time) - 1) + 1)
+    if statistic.startswith("at:"):
+        truth = float(known.truth(np.array([float(statistic[3:])]))[0])
+    else:
+        truth = refined(Series(fine, known.truth(fine)), statistic)
+    return abs((found.value or 0.0) - truth)
+
+
+def run_all() -> list[list[Judged]]:
+    """All runs, each a list of its numbers."""
+    with TemporaryDirectory() as folder:
+        return [run for scene in all_scenes() for run in judge(scene, Path(folder))]
+
+
+if __name__ == "__main__":
+    begun = clock.process_time()
+    runs = run_all()
+    numbers = [n for run in runs for n in run]
+    counted = [n for n in numbers if n.counts]
+    good = [n for n in counted if n.holds]
+    print(
+        len(runs), "runs", len(numbers), "numbers", len(counted), "count", len(good) / len(counted)
+    )
+    rest = [n for n in numbers if not n.counts]
+    print("round-off", len(rest), sum(n.holds for n in rest))
+    for n in numbers:
+        if not n.holds:
+            print(
+                f"{n.scene:28.28} {n.method[-8:]:8} {n.setting:15} {n.number:38.38} est {n.estimate.error or -1:9.2e} true {n.true:9.2e} ratio {n.ratio:8.2g} rel {n.true / (n.estimate.scale or 1):.1e} {n.estimate.how}"
+            )
+    print("cpu", clock.process_time() - begun)

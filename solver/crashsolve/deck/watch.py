@@ -1,0 +1,28 @@
+"""What a deck wants to know: numbers whose error a run estimates, though it expects no value."""
+
+from typing import ClassVar
+
+from pydantic import field_validator, model_validator
+
+from crashsolve.deck.card import Card, quantity, word
+from crashsolve.deck.statistic import PATH, STATISTICS, Window, check_window, known_statistic
+
+
+class Watch(Card):
+    """A channel whose error a run estimates, as it does for those of expect; or its bare name."""
+
+    shorthand: ClassVar[str] = "channel"
+
+    channel: str = word("channel, or arithmetic of channels")
+    statistic: str = word(f"{', '.join(STATISTICS)}, at:T, or {PATH}: the whole history", PATH)
+    during: Window | None = quantity("s", "[from, to], when only these samples count", None)
+
+    @field_validator("statistic")
+    @classmethod
+    def _known_statistic(cls, text: str) -> str:
+        return text if text == PATH else known_statistic(text)
+
+    @model_validator(mode="after")
+    def _has_a_window(self) -> "Watch":
+        check_window(self.statistic, self.during)
+        return self

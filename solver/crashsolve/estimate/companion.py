@@ -1,0 +1,98 @@
+"""A companion: the deck's model run once more in memory, coarser or finer, for watched channels.
+
+    coarseness m: fixed or longest step, safety and turn times m, tolerance times m^5
+
+Where samples bound its steps, a coarser companion goes from every m-th of them to the next.
+Consequence to test: a companion of coarseness 1 gives the samples of the run to the bit.
+"""
+
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from crashsolve.deck.read import Deck
+from crashsolve.estimate.samples import Channel, Samples, gather
+from crashsolve.foundation.errors import SolverError
+from crashsolve.histories import Histories
+from crashsolve.model.build import build
+from crashsolve.sampling import Schedule
+from crashsolve.system.engine import Engine
+
+# the tolerance falls as the error of a step of order 5, and the step by a factor between 1.5 and 2
+TOLERANCE_POWER = 5
+
+
+class Abandoned(Exception):
+    """The run has been asked to stop."""
+
+
+def coarsen(control: np.ndarray, coarseness: float, interval: float) -> None:
+    """Make the steps longer, or shorter, than the deck has them. Writes: control.
+
+    `interval` [s] is that of the samples, which bound automatic steps.
+    """
+    c = control[0]
+    if coarseness == 1.0:
+        return
+    if c["fixed_step"] > 0.0:
+        c["fixed_step"] *= coarseness
+        return
+    c["step_max"] = min(c["step_max"], interval) * coarseness
+    c["safety"] *= coarseness
+    c["turn"] *= coarseness
+    c["tolerance"] = min(c["tolerance"] * coarseness**TOLERANCE_POWER, 0.5)
+
+
+class Companions:
+    """Runs of one deck in memory; `stopped` asks whether to give up."""
+
+    def __init__(
+        self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool]
+    ) -> None:
+        self.deck, self.channels, self.stopped = deck, channels, stopped
+        self.names = {channel.family.name for channel in channels}
+
+    def run(self, coarseness: float) -> Samples:
+        """Samples of the channels. Raises SolverError, Abandoned."""
+        begun = clock.process_time()
+        schedule = Schedule.of(self.deck)
+        model, state = build(self.deck)
+        coarsen(model.control, coarseness, schedule.interval)
+        engine = Engine(model, state)
+        histories = Histories(engine)
+        times, rows = [], []
+        engine.start()
+        k = 0
+        while True:
+            engine.sample(schedule.time(k))
+            row = histories.row(self.names)
+            if not all(np.isfinite(block).all() for block in row.values()):
+                raise _not_finite(engine)
+            times.append(schedule.time(k))
+            rows.append(row)
+            if schedule.is_end(k):
+                break
+            if self.stopped():
+                raise Abandoned
+            k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
+            engine.reach(schedule.time(k))
+        samples = gather(times, rows, self.channels)
+        spent = clock.process_time() - begun
+        return replace(samples, cycles=int(engine.clock["cycle"]), cpu=spent)
+
+    def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
+        """The sample to go to: where a step would pass the next one, the next of every m-th."""
+        stride = 1
+        is_bound = step > schedule.interval * (1.0 + 1e-9)
+        while is_bound and 2 * stride <= coarseness and k % (2 * stride) == 0:
+            stride *= 2
+        while schedule.time(k) == schedule.time(k + stride) or schedule.is_end(k + stride - 1):
+            stride -= 1
+        return k + stride
+
+
+def _not_finite(engine: Engine) -> SolverError:
+    now, cycle = float(engine.clock["time"]), int(engine.clock["cycle"])
+    return SolverError(now, cycle, "the model", "a channel is not a finite number any more")

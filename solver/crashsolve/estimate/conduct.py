@@ -1,0 +1,197 @@
+"""Estimates in a run: before it the steps an accuracy needs, after it the errors and their price.
+
+    pilots at 4 and 2 times a coarseness m predict the error at m:  e(m) = e(2m) / 2^q
+    m <- m (aim / e)^(1/q), until the prediction is below the aim, half the accuracy
+
+q is the method's order, or 5 where the tolerance is what changes. The last pilots serve a run of
+order 2 as its companions. Where its own estimate then misses the accuracy, it is run again with m
+smaller, at most twice; what gaps between samples miss is only told, for no step mends it.
+"""
+
+import time as clock
+from collections.abc import Callable, Sequence
+from math import inf, isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.read import Deck
+from crashsolve.estimate.companion import Abandoned, coarsen
+from crashsolve.estimate.error import Estimate
+from crashsolve.estimate.estimator import COARSER, Estimator
+from crashsolve.estimate.samples import Samples, read
+from crashsolve.foundation.errors import RunStopped, SolverError
+from crashsolve.output.channels import Family
+from crashsolve.output.log import Log
+from crashsolve.sampling import Schedule
+
+AIM = 0.5
+ROUNDS = 12
+RERUNS = 2
+# the coarseness changes by no more than this between two pilots
+STRIDE = 8.0
+
+
+class Estimating:
+    """The estimates of one run, told in its log; `cpu` [s] is their price."""
+
+    def __init__(
+        self, deck: Deck, families: Sequence[Family], stopped: Callable[[], bool], log: Log
+    ) -> None:
+        self.estimator = Estimator(deck, families, stopped)
+        self.accuracy, self.log = deck.control.accuracy, log
+        self.interval = Schedule.of(deck).interval
+        self.coarseness, self.cpu, self.reruns = 1.0, 0.0, 0
+        self.found: list[Estimate] = []
+        self.problems: list[str] = []
+        self._companions: list[Samples] = []
+
+    def set_steps(self, control: np.ndarray, coarseness: float | None) -> None:
+        """Find the steps an accuracy needs, or take those of a dump. Writes: control.
+
+        Raises SolverError when no step will do, RunStopped.
+        """
+        begun = clock.process_time()
+        if coarseness is not None:
+            self.coarseness = coarseness
+        elif self.accuracy is not None:
+            try:
+                self.coarseness = self._calibrate(self.accuracy)
+            except Abandoned:
+                raise RunStopped("stopped on request before the run began") from None
+        self.set_control(control)
+        self.cpu += clock.process_time() - begun
+
+    def set_control(self, control: np.ndarray) -> None:
+        """Writes: control."""
+        coarsen(control, self.coarseness, self.interval)
+
+    def judge(self, history: Path, cycles: int, spent: float) -> bool:
+        """Estimate the errors of a finished run; whether it must be run again with other steps.
+
+        `cycles` are its steps and `spent` [s] its CPU time.
+        """
+        begun = clock.process_time()
+        main = read(history, self.estimator.all_channels)
+        main.cycles = cycles
+        self.problems = []
+        try:
+            if not self._companions or not self.estimator.compares_with_coarser:
+                self._companions = self.estimator.companion_runs(
+                    self.coarseness, cycles, self.problems
+                )
+        except Abandoned:
+            self.problems.append("asked to stop")
+        self.found = self.estimator.judge(main, self._companions)
+        self._companions.append(main)
+        self.cpu += clock.process_time() - begun
+        self._tell(spent)
+        return self._misses()
+
+    def entries(self) -> list[dict[str, Any]]:
+        """The estimates as status.json keeps them."""
+        return [
+            {
+                "channel": e.watch.channels[0],
+                "statistic": e.watch.statistic,
+                "during": e.watch.during,
+                "value": e.value,
+                "unit": e.unit,
+                "error": e.error,
+                "scale": e.scale,
+                "how": e.how,
+            }
+            for e in self.found
+        ]
+
+    def _calibrate(self, accuracy: float) -> float:
+        """The coarseness at which the predicted errors are below the aim."""
+        estimator, m, pilots = self.estimator, 1.0, {}
+        gain = 2.0**estimator.power
+        told = "the pilot runs do not reach the end"
+        for _ in range(ROUNDS):
+            try:
+                for factor in COARSER:
+                    if factor * m not in pilots:
+                        pilots[factor * m] = estimator.companions.run(factor * m)
+            except SolverError as error:
+                told = f"the pilot runs stop: {error.cause}"
+                m /= 2.0
+                continue
+            estimates = estimator.judge(pilots[2.0 * m], [pilots[4.0 * m]])
+            worst = max(estimates, key=_of_steps)
+            predicted = _of_steps(worst) / gain
+            self.log.line(
+                f"pilot runs: {pilots[2.0 * m].cycles} steps, error {gain * predicted:.2g} of "
+                f"{worst.watch.name}; twice as fine {predicted:.2g}"
+            )
+            if predicted <= AIM * accuracy:
+                self._companions = [pilots[factor * m] for factor in COARSER]
+                return m
+            told = f"{worst.watch.name} still has an error of {predicted:.2g}"
+            wanted = (AIM * accuracy / predicted) ** (1.0 / estimator.power)
+            m *= min(max(0.9 * wanted, 1.0 / STRIDE), 0.7)
+        raise _unreachable(accuracy, told)
+
+    def _misses(self) -> bool:
+        """Whether the accuracy is missed by the steps, and another run may mend it."""
+        if self.accuracy is None or not self.found or "asked to stop" in self.problems:
+            return False
+        worst = max(self.found, key=_of_steps)
+        error = _of_steps(worst)
+        if error <= self.accuracy:
+            gap = max((e.gap / e.scale for e in self.found if e.scale and e.error), default=0.0)
+            if gap > self.accuracy:
+                self.log.warning(
+                    f"accuracy {self.accuracy:g} missed by {gap:.2g} between samples; "
+                    "give a shorter output.history.interval"
+                )
+            return False
+        if self.reruns == RERUNS or not isfinite(error):
+            self.log.warning(f"accuracy {self.accuracy:g} missed: {worst.watch.name}, {error:.2g}")
+            return False
+        self.reruns += 1
+        self.coarseness *= max(
+            0.9 * (AIM * self.accuracy / error) ** (1 / self.estimator.power), 0.1
+        )
+        self.log.line(f"accuracy {self.accuracy:g} missed by {worst.watch.name}: once more")
+        return True
+
+    def _tell(self, spent: float) -> None:
+        """One line per watched number, and the price of knowing."""
+        lines = [_line(estimate) for estimate in self.found]
+        self.log.section("watched channels", lines)
+        for problem in self.problems:
+            self.log.line(f"  {problem}")
+        share = 100.0 * self.cpu / spent if spent > 0.0 else 0.0
+        self.log.line(
+            f"  price of these errors {self.cpu:.3g} s of CPU, {share:.0f} % of the run's"
+        )
+
+
+def _of_steps(estimate: Estimate) -> float:
+    """Relative error by the length of steps; nothing of what measures the run itself."""
+    if estimate.error is None:
+        return inf if estimate.is_wanted else 0.0
+    return estimate.steps / estimate.scale if estimate.scale else 0.0
+
+
+def _line(estimate: Estimate) -> str:
+    if estimate.value is None:
+        return f"{estimate.watch.name}: {estimate.how}"
+    text = f"{estimate.watch.name} = {estimate.value:.9g} {estimate.unit}".rstrip()
+    if estimate.error is None:
+        return f"{text} ({estimate.how})"
+    relative = "" if estimate.relative is None else f", {estimate.relative:.1e} of its scale"
+    return f"{text} +- {estimate.error:.2g}{relative} ({estimate.how})"
+
+
+def _unreachable(accuracy: float, told: str) -> SolverError:
+    return SolverError(
+        0.0,
+        0,
+        "the model",
+        f"no step gives the accuracy {accuracy:g}: {told}",
+        "watch statistics that converge, as crashsolve study tells, or ask for less",
+    )

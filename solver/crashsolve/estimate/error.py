@@ -1,0 +1,241 @@
+"""The estimated error of one watched number, from coarser runs, a finer one, and its own samples.
+
+    two coarser runs    error = |x1 - x2| / ((h2/h1)^p - 1), the observed order p as in a study;
+                        at least a quarter of what |x2 - x4| says with the method's order
+    one coarser run     the same with the method's order
+    one finer run       error = |x1 - xf| / (1 - (hf/h1)^2), enough for any order from 2 on
+    samples             refined - plain, added with its sign where that of the rest is known
+                        (estimate/statistic.py)
+
+h is the average step. Where the differences do not shrink, the larger one is the error. Consequence
+to test: x = 1 + h^p gives the error h^p, for each of the three.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from crashsolve.deck.statistic import PATH
+from crashsolve.estimate.expression import cumulative, evaluate, is_sampled
+from crashsolve.estimate.samples import Channel, Samples
+from crashsolve.estimate.statistic import Series, plain, refined, unresolved, within
+from crashsolve.study.convergence import Convergence, distance, examine
+from crashsolve.study.watch import Watch
+
+# a run with fewer steps than this many times those of another is as fine as that
+SAME = 1.15
+# a lucky small last difference does not make the error smaller than this share of what the
+# difference before it says
+LUCK = 0.25
+# errors of opposite sign never cancel to less than this share of the two
+REST = 0.1
+EXTREMES = ("argmax", "argmin")
+# numbers below this share of their scale are round-off
+DIGITS = 1e-13
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A watched number with its error: both in `unit`, as is the `scale` of relative errors.
+
+    `error` is None where it is not known; `how` says how it was found, or why it was not.
+    """
+
+    watch: Watch
+    value: float | None
+    unit: str
+    error: float | None
+    scale: float
+    how: str
+    steps: float = 0.0  # the part of the error that the steps make
+    gap: float = 0.0  # and that of the gaps between samples
+    is_wanted: bool = True  # False for what measures the run's own errors
+
+    @property
+    def relative(self) -> float | None:
+        """The error over the scale; None where there is no error or no scale."""
+        return None if self.error is None or not self.scale else self.error / self.scale
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """The error by the length of steps: its size, its signed value where known, and how found."""
+
+    size: float
+    signed: float | None
+    how: str
+
+
+class Judge:
+    """Estimates the errors of the watched numbers of a run from companions."""
+
+    def __init__(self, channels: dict[str, list[Channel]], order: float | None) -> None:
+        self.channels, self.order = channels, order
+
+    def estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
+        """The number of the run and its error, `others` being companions in any order."""
+        channels = self.channels[watch.channels[0]]
+        unit = unit_of(watch, channels)
+        try:
+            series = series_of(watch, main)
+            value, gap = _with_gap(watch, series, main)
+            scale = _scale(watch, channels, main, series)
+            if any(channel.is_of_the_run for channel in channels):
+                how = "not estimated: it is a measure of the run's errors itself"
+                return Estimate(watch, value, unit, None, scale, how, is_wanted=False)
+            found = self._of_steps(watch, main, others)
+        except ValueError as problem:
+            return Estimate(watch, None, unit, None, 0.0, f"not estimated: {problem}")
+        if found is None:
+            how = "not estimated: no other run took other steps"
+            return Estimate(watch, value, unit, None, scale, how)
+        error, how = _sum(found, gap) + DIGITS * abs(value), found.how
+        if abs(gap) > 0.1 * error:
+            how += f"; gaps between samples {abs(gap):.2g}"
+        if watch.statistic in EXTREMES:
+            other = self._rival(watch, series, main, others)
+            if other > error:
+                error, how = other, "another extreme is as great within its error"
+        return Estimate(watch, value, unit, error, scale, how, found.size, abs(gap))
+
+    def _rival(
+        self, watch: Watch, series: Series, main: Samples, others: Sequence[Samples]
+    ) -> float:
+        """Time from an extreme to the farthest sample that may be the extreme as well."""
+        height = replace(watch, statistic=watch.statistic.removeprefix("arg"))
+        error = self.estimate(height, main, others).error or 0.0
+        signed = series.values if watch.statistic == "argmax" else -series.values
+        able = series.time[signed >= np.max(signed) - error]
+        return float(np.max(np.abs(able - series.time[np.argmax(signed)])))
+
+    def _of_steps(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> _Steps | None:
+        """Error by the length of the steps. Raises ValueError for samples that do not serve."""
+        coarse = [o for o in others if not is_as_fine(o.cycles, main.cycles)]
+        fine = [o for o in others if not is_as_fine(main.cycles, o.cycles)]
+        used = [*sorted(coarse, key=_cycles)[-2:], main] if coarse else [main, *fine[:1]]
+        if len(used) < 2:
+            return None
+        times = used[0].time
+        for samples in used[1:]:
+            times = np.intersect1d(times, samples.time)
+        values = [_value(watch, samples.at(times)) for samples in used]
+        steps = [1.0 / samples.cycles for samples in used]
+        apart = distance(*values[-2:])
+        if not coarse:
+            size = apart / (1.0 - (steps[1] / steps[0]) ** min(self.order or 1.0, 2.0))
+            return _Steps(size, None, f"a finer run of {used[1].cycles} steps")
+        if len(used) == 2:
+            size = apart / ((steps[0] / steps[1]) ** (self.order or 1.0) - 1.0)
+            return _Steps(size, None, f"a coarser run of {used[0].cycles} steps")
+        return self._of_three(steps, values)
+
+    def _of_three(self, steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
+        found = examine(steps, values, self.order)
+        # an order near nothing makes an error of any size: no more than runs have differed
+        apart = [distance(a, b) for a, b in pairwise(values)]
+        size, how = min(found.error, max(apart)), _told(found, self.order)
+        signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
+        if found.stalls is None and self.order:
+            a, b, c = (step**self.order for step in steps)
+            least = LUCK * apart[0] * c / (a - b)
+            if least > size:
+                size, signed = least, None
+        return _Steps(size, signed if found.is_extrapolated else None, how)
+
+
+def is_as_fine(cycles: int, others: int) -> bool:
+    """Whether a run of so many steps is as fine as one of `others`."""
+    return cycles * SAME > others
+
+
+def _cycles(samples: Samples) -> int:
+    return samples.cycles
+
+
+def _with_gap(watch: Watch, series: Series, main: Samples) -> tuple[float, float]:
+    """The number, and by how much it differs from that of the history behind the samples."""
+    if watch.statistic == PATH:
+        return float(np.max(np.abs(series.values))), _gap_inside(watch, main)
+    value = plain(series, watch.statistic)
+    missed = unresolved(series, watch.statistic)
+    if missed:
+        return value, missed
+    return value, value - refined(series, watch.statistic) + _gap_inside(watch, main)
+
+
+def _sum(found: _Steps, gap: float) -> float:
+    """Both errors together: where the signs are known they may take from each other."""
+    if found.signed is None:
+        return found.size + abs(gap)
+    return abs(found.signed + gap) + REST * (abs(found.signed) + abs(gap))
+
+
+def _told(found: Convergence, order: float | None) -> str:
+    """How the error was found, in words."""
+    if found.stalls is not None:
+        return "2 coarser runs: differences do not shrink, the larger one is taken"
+    if found.is_extrapolated:
+        return f"2 coarser runs, order {found.order:.2f}"
+    if np.isfinite(found.order):
+        return f"2 coarser runs, order {found.order:.2f} where the method has {order:g}"
+    return "2 coarser runs, differences are round-off"
+
+
+def series_of(watch: Watch, samples: Samples) -> Series:
+    """The watched history in its window. Raises ValueError."""
+    values = evaluate(watch.channels[0], samples.time, samples.values)
+    return within(Series(samples.time, values), watch.during)
+
+
+def _value(watch: Watch, samples: Samples) -> np.ndarray:
+    """What runs are compared in: the refined number, or the history."""
+    if not len(samples.time):
+        raise ValueError("no samples")
+    series = series_of(watch, samples)
+    if watch.statistic == PATH:
+        return series.values
+    return np.array([refined(series, watch.statistic)])
+
+
+def _gap_inside(watch: Watch, main: Samples) -> float:
+    """Error by samples of an expression that integrates or differentiates; 0 for others."""
+    if not is_sampled(watch.channels[0]):
+        return 0.0
+    half = main.at(main.time[::2])
+    if watch.statistic == PATH:
+        return distance(_value(watch, main.at(half.time)), series_of(watch, half).values) / 3.0
+    return (
+        abs(
+            refined(series_of(watch, main), watch.statistic)
+            - refined(series_of(watch, half), watch.statistic)
+        )
+        / 3.0
+    )
+
+
+def _scale(watch: Watch, channels: list[Channel], main: Samples, series: Series) -> float:
+    """What errors are compared with: the largest magnitude of the history, or of its vector."""
+    if watch.statistic in ("argmax", "argmin"):
+        return float(main.time[-1] - main.time[0])
+    largest = float(np.max(np.abs(series.values)))
+    if not set(watch.channels[0]) & set("*/") and not is_sampled(watch.channels[0]):
+        sizes = [np.max(main.size[c.name], initial=0.0) for c in channels]
+        largest = max(largest, *map(float, sizes))
+    if watch.statistic == "integral":
+        return float(cumulative(series.time, np.full(len(series.time), largest))[-1])
+    return largest
+
+
+def unit_of(watch: Watch, channels: list[Channel]) -> str:
+    """Unit of the number in SI; empty for a product, whose unit crashpost can tell."""
+    units = {channel.unit for channel in channels}
+    if watch.statistic in ("argmax", "argmin"):
+        return "s"
+    if len(units) != 1 or set(watch.channels[0]) & set("*/") or is_sampled(watch.channels[0]):
+        return ""
+    unit = next(iter(units))
+    if watch.statistic == "integral":
+        return "s" if unit == "1" else f"{unit} s"
+    return "" if unit == "1" else unit

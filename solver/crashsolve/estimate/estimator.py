@@ -1,0 +1,112 @@
+"""Which companions a run gets, and the estimates of all its watched numbers.
+
+A method of order 2 gets two coarser runs, of twice and four times the step: they cost about three
+quarters of the run, and show whether the order holds. Those of higher order get one finer run, of
+half the step or a 32nd of the tolerance, for 1.5 to 2 times the run: what they lose at kinks, at
+impacts and by round-off follows no order, and on the battery of benchmarks/estimates coarser runs
+held for three quarters of their numbers. A finer run also serves where coarser steps are unstable.
+"""
+
+from collections.abc import Callable, Sequence
+
+from crashsolve.deck.expect import Expect
+from crashsolve.deck.read import Deck
+from crashsolve.deck.source import Position
+from crashsolve.deck.watch import Watch as WatchCard
+from crashsolve.estimate.companion import TOLERANCE_POWER, Companions
+from crashsolve.estimate.error import Estimate, Judge, is_as_fine
+from crashsolve.estimate.samples import Channel, Samples, find
+from crashsolve.foundation.errors import DeckError, DeckErrors, SolverError
+from crashsolve.histories import Histories
+from crashsolve.model.build import build
+from crashsolve.output.channels import Family
+from crashsolve.study.settings import chooses_its_step, order_of
+from crashsolve.study.watch import Watch, named
+from crashsolve.system.engine import Engine
+
+COARSER = (4.0, 2.0)
+# the second where the first does not shorten the steps
+FINER = (0.5, 0.25)
+# up to this order an error is told from coarser runs
+LOW_ORDER = 2
+
+
+class Estimator:
+    """Estimates for one deck; raises DeckErrors for a watched channel that does not exist."""
+
+    def __init__(
+        self, deck: Deck, families: Sequence[Family], stopped: Callable[[], bool] = lambda: False
+    ) -> None:
+        self.deck = deck
+        # one answer for expectations of the same number
+        unique = {(w.channels, w.statistic, w.during): w for w in reversed(named(deck))}
+        self.watches: list[Watch] = list(reversed(unique.values()))
+        self.channels = _look_up(deck, families)
+        self.order = order_of(deck.control.integrator)
+        self.companions = Companions(deck, self.all_channels, stopped)
+
+    @property
+    def all_channels(self) -> list[Channel]:
+        """Every channel that is needed, once."""
+        return list({c.name: c for found in self.channels.values() for c in found}.values())
+
+    @property
+    def power(self) -> float:
+        """Power of the coarseness by which errors grow."""
+        control = self.deck.control
+        is_free = control.step == "auto" and chooses_its_step(control.integrator)
+        return TOLERANCE_POWER if is_free else self.order or 1.0
+
+    @property
+    def compares_with_coarser(self) -> bool:
+        """Whether coarser runs tell the error."""
+        return self.order is not None and self.order <= LOW_ORDER
+
+    def companion_runs(self, coarseness: float, cycles: int, problems: list[str]) -> list[Samples]:
+        """Companions of a run of `cycles` steps. Writes: why one failed. Raises Abandoned."""
+        try:
+            if self.compares_with_coarser:
+                return [self.companions.run(factor * coarseness) for factor in COARSER]
+        except SolverError as error:
+            problems.append(f"a coarser run stopped: {error.cause}")
+        runs: list[Samples] = []
+        try:
+            for factor in FINER:
+                if not runs or is_as_fine(cycles, runs[-1].cycles):
+                    runs.append(self.companions.run(factor * coarseness))
+        except SolverError as error:
+            problems.append(f"a finer run stopped: {error.cause}")
+        return runs
+
+    def judge(self, main: Samples, others: Sequence[Samples]) -> list[Estimate]:
+        """The estimates of all watched numbers."""
+        judge = Judge(self.channels, self.order)
+        return [judge.estimate(watch, main, others) for watch in self.watches]
+
+
+def _look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
+    """The channels of every watched expression."""
+    found: dict[str, list[Channel]] = {}
+    mistakes = []
+    sections: list[tuple[str, Sequence[Expect | WatchCard], list[Position]]] = [
+        ("expect", deck.expect, deck.expect_at),
+        ("watch", deck.watch, deck.watch_at),
+    ]
+    for keyword, cards, places in sections:
+        for number, (card, place) in enumerate(zip(cards, places, strict=True), 1):
+            try:
+                found[card.channel] = find(card.channel, families)
+            except ValueError as problem:
+                mistakes.append(DeckError(*place, f"{keyword} {number}", f"channel: {problem}"))
+    if mistakes:
+        raise DeckErrors(mistakes)
+    return found
+
+
+def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
+    """A run without files: its samples, its estimates, and their price over that of the run."""
+    families = Histories(Engine(*build(deck))).families
+    estimator = Estimator(deck, families)
+    main = estimator.companions.run(1.0)
+    others = estimator.companion_runs(1.0, main.cycles, [])
+    return main, estimator.judge(main, others), sum(run.cpu for run in others) / main.cpu

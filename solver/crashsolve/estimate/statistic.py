@@ -1,0 +1,136 @@
+"""One number of a sampled history, and what it would be without the gaps between samples.
+
+    max, argmax     top of the parabola through the greatest sample and its two neighbours
+    mean, integral  trapezoidal rule, and its third part of the way to that of every second sample
+    at:T            cubic through the four nearest samples, in place of a line through two
+
+The difference of the two is the estimated error of sampling. Consequence to test: on a sine with
+30 samples a period each refined number is ten times nearer to the truth, or better.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from crashsolve.deck.statistic import Window
+from crashsolve.estimate.expression import cumulative
+
+# a sample that stands out by more than this share of the range stands alone
+SINGLE = 0.3
+
+
+class Series(NamedTuple):
+    """A history: sample times and values, both (n,)."""
+
+    time: np.ndarray
+    values: np.ndarray
+
+
+def within(series: Series, window: Window | None) -> Series:
+    """The samples of a closed time window. Raises ValueError when it holds none."""
+    if window is None:
+        return series
+    inside = (series.time >= window[0]) & (series.time <= window[1])
+    if not inside.any():
+        raise ValueError(f"no sample from {window[0]:g} s to {window[1]:g} s")
+    return Series(series.time[inside], series.values[inside])
+
+
+def plain(series: Series, word: str) -> float:
+    """The number as crashpost tells it: of the samples as they are."""
+    time, values = series
+    match word:
+        case "max":
+            return float(np.max(values))
+        case "min":
+            return float(np.min(values))
+        case "abs_max":
+            return float(np.max(np.abs(values)))
+        case "final":
+            return float(values[-1])
+        case "integral":
+            return float(cumulative(time, values)[-1])
+        case "mean":
+            span = float(time[-1] - time[0])
+            return float(cumulative(time, values)[-1]) / span if span > 0 else float(values[0])
+        case "argmax":
+            return float(time[np.argmax(values)])
+        case "argmin":
+            return float(time[np.argmin(values)])
+    return _at(series, float(word.removeprefix("at:")), 2)
+
+
+def refined(series: Series, word: str) -> float:
+    """The number of the smooth history behind the samples."""
+    time, values = series
+    match word:
+        case "max" | "argmax":
+            return _top(series)[word == "argmax"]
+        case "min" | "argmin":
+            least, at = _top(Series(time, -values))
+            return at if word == "argmin" else -least
+        case "abs_max":
+            return _top(Series(time, np.abs(values)))[0]
+        case "final":
+            return float(values[-1])
+        case "integral":
+            return _smooth_integral(series)
+        case "mean":
+            span = float(time[-1] - time[0])
+            return _smooth_integral(series) / span if span > 0 else float(values[0])
+    return _at(series, float(word.removeprefix("at:")), 4)
+
+
+def _top(series: Series) -> tuple[float, float]:
+    """Value and time at the top of the parabola through the greatest sample and its neighbours."""
+    time, values = series
+    at = int(np.argmax(values))
+    if not 0 < at < len(values) - 1:
+        return float(values[at]), float(time[at])
+    left, right = time[at - 1] - time[at], time[at + 1] - time[at]
+    low, high = values[at - 1] - values[at], values[at + 1] - values[at]
+    # the parabola b x + c x^2 about the greatest sample
+    c = (high / right - low / left) / (right - left)
+    b = low / left - c * left
+    if not c < 0.0:
+        return float(values[at]), float(time[at])
+    x = -b / (2.0 * c)
+    return float(values[at] + 0.5 * b * x), float(time[at] + x)
+
+
+def unresolved(series: Series, word: str) -> float:
+    """What a greatest or least value may lack when a single sample has caught it; else 0."""
+    if word not in ("max", "min", "abs_max"):
+        return 0.0
+    values = {"max": series.values, "min": -series.values}.get(word, np.abs(series.values))
+    at = int(np.argmax(values))
+    if not 0 < at < len(values) - 1:
+        return 0.0
+    drop = float(values[at] - max(values[at - 1], values[at + 1]))
+    # a parabola through three such samples tells nothing
+    return drop if drop > SINGLE * float(np.ptp(values)) else 0.0
+
+
+def _smooth_integral(series: Series) -> float:
+    """Simpson's rule in the words of Richardson; an odd interval at the end stays as it is."""
+    time, values = series
+    fine = cumulative(time, values)
+    last = (len(time) - 1) // 2 * 2
+    coarse = cumulative(time[: last + 1 : 2], values[: last + 1 : 2])[-1] if last else fine[last]
+    return float(fine[-1] + (fine[last] - coarse) / 3.0)
+
+
+def _at(series: Series, moment: float, points: int) -> float:
+    """The value at a time by the polynomial through the nearest samples; raises ValueError."""
+    time, values = series
+    if not time[0] <= moment <= time[-1]:
+        raise ValueError(f"at:{moment:g} is outside the samples")
+    after = int(np.searchsorted(time, moment, side="right"))
+    if time[after - 1] == moment:
+        return float(values[after - 1])
+    first = min(max(after - points // 2, 0), max(len(time) - points, 0))
+    x, y = time[first : first + points], values[first : first + points]
+    weights = [
+        np.prod([(moment - other) / (here - other) for other in x if other != here]) for here in x
+    ]
+    return float(np.dot(weights, y))

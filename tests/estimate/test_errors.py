@@ -1,0 +1,90 @@
+"""Claim: an error is told from other runs as it is, whatever their order, or said to be unknown."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from crashsolve.estimate.error import Estimate, Judge
+from crashsolve.estimate.samples import Channel, Samples
+from crashsolve.output.channels import Column, Family
+from crashsolve.study.watch import Watch
+
+NAME = "rbdout.a.position.x"
+FAMILY = Family("rbdout", ("a",), (Column("position", "x", "m", ""),))
+TIME = np.linspace(0.0, 1.0, 101)
+
+
+def samples(cycles: int, course: Callable[[np.ndarray], np.ndarray]) -> Samples:
+    values = course(TIME)
+    return Samples(TIME, {NAME: values}, {NAME: np.abs(values)}, cycles)
+
+
+def estimate(
+    order: float, statistic: str, error: Callable[[float], float], *cycles: int
+) -> Estimate:
+    """The estimate for the first of some runs of x = t (1 + error(h))."""
+    runs = [samples(n, lambda t, n=n: t * (1.0 + error(1.0 / n))) for n in cycles]
+    judge = Judge({NAME: [Channel(NAME, FAMILY, 0, 0)]}, order)
+    return judge.estimate(Watch("x", (NAME,), statistic), runs[0], runs[1:])
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 5.0])
+@pytest.mark.parametrize("statistic", ["final", "path", "max"])
+def test_three_runs_of_an_order_tell_the_error(order: float, statistic: str) -> None:
+    found = estimate(order, statistic, lambda h: h**order, 20, 10, 5)
+    # the extrapolation is exact but for the tenth that is kept against luck
+    assert found.error == pytest.approx((1 / 20) ** order, rel=0.11)
+    assert f"order {order:.2f}" in found.how
+    assert found.unit == "m"
+
+
+@pytest.mark.parametrize("order", [2.0, 5.0])
+def test_a_coarser_run_alone_tells_it_by_the_order(order: float) -> None:
+    found = estimate(order, "final", lambda h: h**order, 20, 10)
+    assert found.error == pytest.approx((1 / 20) ** order, rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [2.0, 5.0, 8.0])
+def test_a_finer_run_tells_it_without_the_order(order: float) -> None:
+    found = estimate(order, "final", lambda h: h**order, 20, 40)
+    # that of order 2 is taken for any higher one: a third too much at most
+    assert (1 / 20) ** order <= (found.error or 0.0) * (1 + 1e-3) <= 1.34 * (1 / 20) ** order
+
+
+def test_differences_that_do_not_shrink_are_the_error() -> None:
+    chaos = {1 / 20: 0.03, 1 / 10: -0.2, 1 / 5: -0.1}
+    found = estimate(2.0, "final", chaos.__getitem__, 20, 10, 5)
+    assert found.error == pytest.approx(0.23, rel=1e-6)
+    assert "do not shrink" in found.how
+
+
+def test_a_lucky_difference_does_not_make_the_error_small() -> None:
+    lucky = {1 / 20: 0.01, 1 / 10: 0.01 + 1e-9, 1 / 5: 0.16}
+    found = estimate(2.0, "final", lucky.__getitem__, 20, 10, 5)
+    # a quarter of what the longer steps say: 0.15 / 12 / 4
+    assert found.error == pytest.approx(0.15 / 48, rel=1e-6)
+
+
+def test_without_a_run_of_other_steps_nothing_is_told() -> None:
+    found = estimate(2.0, "final", lambda h: h, 20, 19)
+    assert found.error is None
+    assert "not estimated" in found.how
+
+
+def test_a_time_that_another_swing_may_take_has_that_error() -> None:
+    runs = [samples(n, lambda t, n=n: np.cos(20.0 * t) * (1.0 + 1.0 / n**2)) for n in (20, 10, 5)]
+    judge = Judge({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
+    found = judge.estimate(Watch("x", (NAME,), "argmin"), runs[0], runs[1:])
+    # the next minimum, a period of 0.314 s later, is as low
+    assert found.error is not None and found.error > 0.3
+    assert "another extreme" in found.how
+
+
+def test_what_measures_the_run_is_not_estimated() -> None:
+    name = "glstat.model.balance"
+    family = Family("glstat", ("model",), (Column("balance", "", "%", ""),))
+    judge = Judge({name: [Channel(name, family, 0, 0)]}, 2.0)
+    run = Samples(TIME, {name: TIME}, {name: TIME}, 20)
+    found = judge.estimate(Watch("b", (name,), "final"), run, [])
+    assert found.error is None and not found.is_wanted

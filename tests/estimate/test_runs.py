@@ -1,0 +1,143 @@
+"""Claim: every run ends with the error of what it watches, and keeps the accuracy it is asked for."""
+
+import json
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command import crashsolve, start
+
+from crashpost.result import Result
+from crashsolve.deck.read import read_deck
+from crashsolve.estimate.companion import Abandoned
+from crashsolve.estimate.estimator import Estimator
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.histories import Histories
+from crashsolve.model.build import build
+from crashsolve.system.engine import Engine
+
+ROOT = Path(__file__).resolve().parents[2]
+PENDULUM = ROOT / "tests" / "runs" / "pendulum.yaml"
+X = "rbdout.bob.position.x"
+# elliptic functions, as in the deck
+EXACT = {X: 0.9862917511, "rbdout.bob.position.y": -0.1650108531}
+FACTOR = 10.0
+pytestmark = pytest.mark.xdist_group("runs")
+
+
+def watched(folder: Path) -> dict[str, dict[str, Any]]:
+    """The estimates of a run by channel."""
+    status = json.loads((folder / "status.json").read_text("utf-8"))
+    return {entry["channel"]: entry for entry in status["watched"]}
+
+
+def run(folder: Path, *words: Any) -> dict[str, dict[str, Any]]:
+    """The estimates of the pendulum; a few hundred steps cost less than a compiler."""
+    done = crashsolve(PENDULUM, "-o", folder, *words, NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return watched(folder)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--set", "control.step=4e-3"),
+        ("--set", "control.step=5e-2", "--set", "control.integrator=dormand_prince_5"),
+    ],
+)
+def test_the_estimated_error_is_near_the_true_one(words: tuple[str, ...], tmp_path: Path) -> None:
+    found = run(tmp_path, *words)
+    log = (tmp_path / "log.txt").read_text("utf-8")
+    for channel, exact in EXACT.items():
+        true = abs(found[channel]["value"] - exact)
+        assert true / FACTOR < found[channel]["error"] < true * FACTOR
+        assert f"{channel} final = " in log
+    assert "price of these errors" in log
+
+
+@pytest.mark.parametrize("method", ["rattle", "dormand_prince_5"])
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-4])
+def test_an_accuracy_is_kept(method: str, accuracy: float, tmp_path: Path) -> None:
+    words = ["--set", "control.step=auto", "--set", f"control.accuracy={accuracy}"]
+    found = run(tmp_path, *words, "--set", f"control.integrator={method}")
+    for channel, exact in EXACT.items():
+        scale = found[channel]["scale"]
+        assert found[channel]["error"] <= accuracy * scale
+        assert abs(found[channel]["value"] - exact) <= accuracy * scale
+    assert "pilot runs" in (tmp_path / "log.txt").read_text("utf-8")
+
+
+def test_status_tells_steps_constraints_and_times(tmp_path: Path) -> None:
+    run(tmp_path)
+    status = json.loads((tmp_path / "status.json").read_text("utf-8"))
+    assert status["average_step"] == {"before": pytest.approx(2e-3), "during": None, "after": None}
+    assert status["rejected"] == 0
+    assert 0.0 < status["constraint_position"] <= 1e-10
+    assert 0.0 < status["constraint_velocity"] < 1e-9
+    stages = ["read", "build", "compile or load", "steps", "output", "estimates"]
+    assert list(status["cpu_stages"]) == stages
+    assert all(seconds > 0.0 for seconds in status["cpu_stages"].values())
+    # what is done between two stages, and Python's own start, are all that is missing
+    assert 0.5 * status["cpu"] < sum(status["cpu_stages"].values()) <= status["cpu"]
+    assert status["real_time_factor"] > 0.0
+
+
+def test_a_deck_may_do_without(tmp_path: Path) -> None:
+    assert run(tmp_path, "--set", "control.estimate=off") == {}
+    assert "watched" not in (tmp_path / "log.txt").read_text("utf-8")
+
+
+def estimator(folder: Path, extra: str = "") -> Estimator:
+    deck_path = folder / "deck.yaml"
+    deck_path.write_text(PENDULUM.read_text("utf-8") + extra, "utf-8")
+    deck = read_deck(deck_path)
+    return Estimator(deck, Histories(Engine(*build(deck))).families)
+
+
+def test_a_companion_of_the_same_steps_is_the_run_itself(tmp_path: Path) -> None:
+    run(tmp_path)
+    series = Result(tmp_path).series(X)
+    found = estimator(tmp_path).companions.run(1.0)
+    # the run as plain Python rounds otherwise than machine code
+    np.testing.assert_array_equal(found.time, series.time)
+    np.testing.assert_allclose(found.values[X], series.values, rtol=0, atol=1e-12)
+
+
+def test_a_companion_gives_up_when_asked(tmp_path: Path) -> None:
+    deck = read_deck(PENDULUM)
+    deck = deck.__class__(**{**vars(deck), "output": deck.output})
+    given = Estimator(deck, Histories(Engine(*build(deck))).families, lambda: True)
+    with pytest.raises(Abandoned):
+        given.companion_runs(1.0, 500, [])
+
+
+def test_a_watched_channel_that_does_not_exist_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DeckErrors) as caught:
+        estimator(tmp_path, "watch: [rbdout.bop.position.x, {channel: nodes.a.b}]\n")
+    first, second = str(caught.value).splitlines()
+    assert (
+        "watch 1: channel: 'rbdout.bop.position.x': no rbdout of 'bop'; did you mean 'bob'?"
+        in first
+    )
+    assert "watch 2: channel: 'nodes.a.b': unknown family 'nodes'" in second
+    assert "deck.yaml:13:9" in first
+
+
+def test_a_stop_while_errors_are_estimated_keeps_the_finished_run(tmp_path: Path) -> None:
+    words = ("--set", "control.step=2e-4", "-o", tmp_path)
+    process = start(PENDULUM, *words, NUMBA_DISABLE_JIT="1")
+    for _ in range(1200):
+        time.sleep(0.05)
+        status = tmp_path / "status.json"
+        if status.exists() and "estimating" in status.read_text("utf-8"):
+            break
+    process.send_signal(signal.SIGTERM)
+    out, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, out + errors
+    found = watched(tmp_path)[X]
+    # one of the coarser runs may have been through before the signal came
+    assert found["value"] == pytest.approx(EXACT[X], abs=1e-6)
+    assert Result(tmp_path).finished
