@@ -69,7 +69,7 @@ from crashsolve.system.stages import (
     step_error,
     typical_speed,
 )
-from crashsolve.system.timestep import fit, onset_step, wanted_step
+from crashsolve.system.timestep import first_depth, fit, onset_step, wanted_step
 
 PROJECTIONS = 10
 
@@ -156,7 +156,7 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
             gap = approach(clock.current, nodes, scene)
             if count == 0:
                 gap_early = approach_before(clock.current, scene)
-                allowed = max(control.onset_tolerance, 1e-4 * (gap - gap_early))
+                allowed = first_depth(control, gap - gap_early)
             if gap >= 0.0 or count == 0:
                 late, gap_late = trial, gap
             else:

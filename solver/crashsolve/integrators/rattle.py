@@ -68,7 +68,7 @@ from crashsolve.system.scene import (
     need_rebuild,
     residual,
 )
-from crashsolve.system.timestep import fit, onset_step, wanted_step
+from crashsolve.system.timestep import first_depth, fit, onset_step, wanted_step
 
 ORDER = 2
 POSITION_ITERATIONS = 40
@@ -132,7 +132,7 @@ def move(h, clock, control, nodes, rows, saddle, curves, groups):
         gap = approach(clock.current, nodes, groups)
         if count == 0:
             gap_early = approach_before(clock.current, groups)
-            allowed = max(control.onset_tolerance, 1e-4 * (gap - gap_early))
+            allowed = first_depth(control, gap - gap_early)
         if gap >= 0.0 or count == 0:
             late, gap_late = trial, gap
         else:

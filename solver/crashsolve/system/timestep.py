@@ -52,6 +52,15 @@ def fit(h, remaining):
 
 
 @kernel
+def first_depth(control, way):
+    """Depth at which an onset counts as found [m], where the step brings the sides `way` nearer.
+
+    A long way through the air says nothing of how deep the contact will be.
+    """
+    return max(control.onset_tolerance, min(1e-4 * way, 1e-9 * control.length))
+
+
+@kernel
 def onset_step(count, early, gap_early, late, gap_late, allowed):
     """Next trial in search of the onset: false position, with bisection every third time."""
     if count % 3 == 2:
