@@ -5,7 +5,7 @@ from math import exp
 
 import numpy as np
 from long_chains import chain, loop
-from sweeps import BOTH, Sweep
+from sweeps import ADAPTIVE, BOTH, Sweep
 
 from crashpost.result import Result
 
@@ -113,7 +113,15 @@ MATRIX = (
         "extreme/impact",
         "v",
         (1e-6, 1e-3, 1, 1e3),
-        integrators=BOTH,
+        look=restitutions,
+    ),
+    # below, the depth of 1e-9 m nears the round-off of a position, and error control fails on it
+    Sweep(
+        "impact speed with error control, m/s",
+        "extreme/impact",
+        "v",
+        (1e-3, 1, 1e3),
+        integrators=ADAPTIVE,
         look=restitutions,
     ),
     Sweep("contact at rest for 100 s", "extreme/rest", "lift", (0, 1e-3)),

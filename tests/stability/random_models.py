@@ -79,7 +79,8 @@ class _Draw:
         way = 0.1 * end * float(self.rng.integers(0, 2))
         points = [[0, 0], [0.1 * end, 0], [end, way]]
         parts["curves"] = {"way": {"points": points, "interpolation": "smooth"}}
-        control = {"end_time": end, "integrator": integrator}
+        # a run of more steps than this is stopped, and has to say so
+        control = {"end_time": end, "integrator": integrator, "step_min": 1e-7 * end}
         output = {"history": {"interval": end / 20}, "states": {"interval": end}}
         return {"title": "drawn at random", "control": control, "output": output} | parts
 

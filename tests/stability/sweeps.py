@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from subprocess import TimeoutExpired
 from typing import Any
 
 import numpy as np
@@ -104,7 +105,10 @@ def run(sweep: Sweep, value: float, integrator: str, folder: Path, plain: bool) 
         deck.write_text(yaml.safe_dump(sweep.make(int(value)), sort_keys=False), "utf-8")
     words = [word for name, text in settings.items() for word in ("--set", f"{name}={text}")]
     environment = {PLAIN: "1"} if plain else {}
-    done = crashsolve(deck, "-o", folder, *words, **environment)
+    try:
+        done = crashsolve(deck, "-o", folder, *words, **environment)
+    except TimeoutExpired:
+        return Outcome(-1, "the run does not come to an end", 0.0, 0.0, [], True)
     return outcome(done.returncode, done.stderr, folder, settings, sweep.look)
 
 

@@ -38,7 +38,8 @@ OUTPUT = Record(
 
 def build(card: Linear, scene: Any) -> dict[str, Any]:
     ends = scene.attachments(card)
-    return ends | {"stiffness": card.stiffness, "damping": card.damping, "length": rest_length(card, scene, ends)}
+    length = rest_length(card, scene, ends)
+    return ends | {"stiffness": card.stiffness, "damping": card.damping, "length": length}
 
 
 @kernel
