@@ -9,7 +9,7 @@ BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long bench docs clean
+.PHONY: demo test long bench stability docs clean
 
 demo: $(VENV)/plot.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -24,6 +24,10 @@ long: $(VENV)/test.installed
 
 bench: $(VENV)/test.installed
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
+
+stability: $(VENV)/test.installed
+	$(BIN)/python tests/stability/page.py > stability.partial
+	mv stability.partial solver/STABILITY.md
 
 docs: $(VENV)/plot.installed
 	$(BIN)/crashsolve keywords > solver/KEYWORDS.md

@@ -122,9 +122,11 @@ class Run:
                 self.log.warning(text)
             self._begin(dump)
             self._march()
+            self.engine.finish()
             while self._misses_its_accuracy():
                 self._start_anew()
                 self._march()
+                self.engine.finish()
             self._end("finished", ExitCode.NORMAL, "")
             return ExitCode.NORMAL
         except RunStopped as stop:
@@ -223,13 +225,16 @@ class Run:
         return "stop" in self.requests
 
     def _refuse_misfits(self) -> None:
-        found = self.engine.assembly_errors()
-        if found:
-            entries = self.deck.entries["joints"]
-            raise DeckErrors(
-                self.deck.error(entries[name], None, text, "correct the joint or the bodies")
-                for name, text in found
+        found = [
+            self.deck.error(self.deck.entries[word][name], None, text, advice)
+            for word, wrong, advice in (
+                ("joints", self.engine.assembly_errors(), "correct the joint or the bodies"),
+                ("contacts", self.engine.overlaps(), "move the bodies apart"),
             )
+            for name, text in wrong
+        ]
+        if found:
+            raise DeckErrors(found)
 
     def _march(self) -> None:
         """Advance from sample to sample until the end."""
@@ -337,7 +342,7 @@ class Run:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
         self._status(state, code, message)
-        for text in self.engine.law_warnings():
+        for text in (*self.engine.law_warnings(), *self.engine.step_warnings()):
             self.log.warning(text)
         self._summary()
         self.log.finish(normal=code == ExitCode.NORMAL)

@@ -130,7 +130,7 @@ class Side:
         self.elements: list[dict[str, Any]] = []
         self.surfaces: dict[str, range] = {}
         self._of: list[Surface] = []
-        self._bounds: list[tuple[Any, float]] = []
+        self._bounds: list[tuple[Any, float, float]] = []
         self._rounds: dict[str, int] = {}
 
     def place(self, surface: Surface, narrow: Any) -> None:
@@ -168,18 +168,18 @@ class Side:
             node=np.array([e["node"] for e in self.elements]),
             rank=np.array([s.rank for s in self._of]),
             round=np.array([self.round_of(s) for s in self._of]),
-            centre=np.array([centre for centre, _ in self._bounds]),
-            radius=np.array([radius for _, radius in self._bounds]),
+            centre=np.array([centre for centre, _, _ in self._bounds]),
+            radius=np.array([radius for _, radius, _ in self._bounds]),
+            thick=np.array([thick for _, _, thick in self._bounds]),
             normal=np.array([e.get("normal", (0.0, 0.0, 0.0)) for e in self.elements]),
         )
 
 
-def _bound(surface: Surface, element: Any) -> tuple[Any, float]:
-    """Bounding sphere of an element, body axes; infinite for an endless shape."""
+def _bound(surface: Surface, element: Any) -> tuple[Any, float, float]:
+    """Bounding sphere of an element, body axes, and half its thickness; infinite when endless."""
     if hasattr(surface.module, "bounding"):
-        centre, radius = surface.module.bounding(element)
-        return centre, radius
-    return element["point"], inf
+        return *surface.module.bounding(element), surface.module.half_thickness(element)
+    return element["point"], inf, inf
 
 
 class GroupBuilder:

@@ -36,7 +36,13 @@ class Elements:
     round: np.ndarray  # class of equal radii of curvature
     centre: np.ndarray  # of the bounding sphere, body axes from the mass centre
     radius: np.ndarray  # of the bounding sphere; infinite for a plane
+    thick: np.ndarray  # half thickness; infinite for a plane
     normal: np.ndarray  # of a plane, body axes; 0 for others
+
+    def spread(self) -> np.ndarray:
+        """How much farther each reaches than it is thick [m]; 0 where it has no end."""
+        is_endless = np.isinf(self.radius)
+        return np.where(is_endless, 0.0, self.radius - np.where(is_endless, 0.0, self.thick))
 
 
 @dataclass
@@ -93,6 +99,8 @@ class Pairing:
         rows = self.laws[block.law[first.round[a], second.round[b]]]
         rows["a"], rows["b"], rows["card"] = a, b, block.card
         rows["speed_floor"], rows["order"] = block.speed_floor, block.order
+        rows["thick"] = first.thick[a] + second.thick[b]
+        rows["spread_a"], rows["spread_b"] = first.spread()[a], second.spread()[b]
         return rows
 
 

@@ -69,7 +69,8 @@ class Scene:
 
     def _model_size(self) -> float:
         """Extent of the bodies with their radii of gyration [m]."""
-        if len(self.names) < 2:
+        # bodies that cannot be built have no size; they are refused before anyone asks for it
+        if len(self.names) < 2 or self.errors:
             return 1.0
         spread = np.ptp(self.r[1:], axis=0).max()
         trace = self.J[1:, 0] + self.J[1:, 4] + self.J[1:, 8]

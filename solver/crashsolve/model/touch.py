@@ -8,6 +8,9 @@ PARAMETERS = Record(
     card=("index", "contact card"),
     order=("count", "+1 when a is on side a of the card, -1 when on side b"),
     speed_floor=("m/s", "closing speed below which a touch counts as resting"),
+    thick=("m", "half thickness of both sides where they are thinnest; infinite with a plane"),
+    spread_a=("m", "how much farther the element on side a reaches than it is thick"),
+    spread_b=("m", "the same for side b"),
 )
 HISTORY = Record(
     active=("flag", "touching"),

@@ -46,6 +46,19 @@ def start_offset(scene: Any, ends: dict[str, Any]) -> np.ndarray:
     return np.asarray(scene.turn_to_body(a, x_b - x_a))
 
 
+def rest_length(card: Any, scene: Any, ends: dict[str, Any]) -> float:
+    """Length without force [m]; one is refused that has no direction at the start."""
+    start = scene.distance(ends)
+    length = start if card.length is None else card.length
+    if start < SHORTEST < length:
+        raise scene.fail(
+            f"both ends are in one place at the start, so a spring {length:g} m long has no "
+            "direction to push in; move an end, or say length: 0",
+            "length",
+        )
+    return float(length)
+
+
 @kernel
 def line_of_action(p, nodes):
     """Unit vector from a to b, distance, its rate, and the arms of both ends."""

@@ -12,7 +12,7 @@ from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import POINTS, line_of_action, pull
+from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
 from crashsolve.springs._resistance import (
     RESISTANCE,
@@ -57,8 +57,7 @@ OUTPUT = Record(
 
 def build(card: Curve, scene: Any) -> dict[str, Any]:
     ends = scene.attachments(card)
-    length = scene.distance(ends) if card.length is None else card.length
-    return ends | resistance(card, scene) | {"length": length}
+    return ends | resistance(card, scene) | {"length": rest_length(card, scene, ends)}
 
 
 @kernel

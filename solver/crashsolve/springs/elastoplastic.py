@@ -17,7 +17,7 @@ from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import POINTS, line_of_action, pull
+from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
 from crashsolve.springs._card import PointSpringCard
 
 
@@ -69,7 +69,7 @@ def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:
         "yield_force": card.yield_force,
         "isotropic": modulus if card.hardening == "isotropic" else 0.0,
         "kinematic": modulus if card.hardening == "kinematic" else 0.0,
-        "length": scene.distance(ends) if card.length is None else card.length,
+        "length": rest_length(card, scene, ends),
     }
 
 

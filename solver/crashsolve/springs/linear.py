@@ -12,7 +12,7 @@ from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import POINTS, line_of_action, pull
+from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
 from crashsolve.springs._card import PointSpringCard
 
 
@@ -40,7 +40,7 @@ OUTPUT = Record(
 
 def build(card: Linear, scene: Any) -> dict[str, Any]:
     ends = scene.attachments(card)
-    length = scene.distance(ends) if card.length is None else card.length
+    length = rest_length(card, scene, ends)
     return ends | {"stiffness": card.stiffness, "damping": card.damping, "length": length}
 
 

@@ -11,6 +11,8 @@ import os
 from importlib import import_module
 from typing import Any
 
+import numpy as np
+
 from crashsolve.foundation.compile import PACKAGE, cache_folder
 from crashsolve.foundation.machine import Function, machine_code
 from crashsolve.foundation.table import Tables
@@ -113,7 +115,7 @@ def scene_text(model: Any) -> str:
         f"DENSE = {samples_within_steps(model)}\n"
         f"ONSETS = {bool(model.contact_groups or model.piecewise_groups())}\n"
         f"PIECES = {bool(model.piecewise_groups())}\n"
-        f"REBUILDS = {any(c.search is not None for c in model.contact_groups)}\n"
+        f"REBUILDS = {any(_looks_ahead(c) for c in model.contact_groups)}\n"
     )
     parts += [_contact(c) for c in model.contact_groups]
     parts += [
@@ -406,6 +408,11 @@ def _power_calls(model: Any) -> list[str]:
     return lines
 
 
+def _looks_ahead(c: Any) -> bool:
+    """Whether the next step of a contact group must be cut: a list to renew, sides with an end."""
+    return c.search is not None or bool(np.isfinite(c.parameters["thick"]).any())
+
+
 def _rebuild_calls(model: Any) -> list[str]:
     lines = ["stale = False"]
     for c in model.contact_groups:
@@ -414,6 +421,10 @@ def _rebuild_calls(model: Any) -> list[str]:
             for side in ("a", "b"):
                 call = f"contacts.strayed(clock, {g}_{side}, nodes, {g}_seen_{side}, {g}_slack[0])"
                 lines.append(f"stale |= {call}")
+        elif _looks_ahead(c):
+            g = f"groups.{c.word}"
+            call = f"clock, {g}_p, {g}_h, {g}_a, {g}_b, nodes"
+            lines.append(f"contacts.hold_back({call})")
     return [*lines, "return stale"]
 
 

@@ -148,13 +148,16 @@ def fastest_turn(nodes):
 
 @kernel
 def bad_node(nodes):
-    """First node whose position or momentum is not a finite number, or -1."""
+    """First node whose position or momentum is not a finite number, or -1.
+
+    Beyond 1e100 the energy, a square, will soon not be one.
+    """
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
         total = 0.0
         for k in range(3):
             total += abs(b.r[k]) + abs(b.v[k]) + abs(b.L[k]) + abs(b.w[k])
-        if not total < 1e300:
+        if not total < 1e100:
             return i
     return -1
 

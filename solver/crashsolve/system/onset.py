@@ -9,7 +9,7 @@ impact latches the speed of its onset, whatever the step.
 
 from crashsolve.foundation.compile import kernel
 
-PASSED = 1e-6
+PASSED = 1e-9
 
 
 @kernel

@@ -36,6 +36,11 @@ def bounding(element: Any) -> tuple[Any, float]:
     return element["point"], float(np.linalg.norm(element["half"]))
 
 
+def half_thickness(element: Any) -> float:
+    """Half the shortest edge [m]."""
+    return float(min(element["half"]))
+
+
 def corners(element: Any) -> list[dict[str, Any]]:
     """The eight corners, as spheres of radius 0."""
     axes = element["axes"].reshape(3, 3)

@@ -54,6 +54,11 @@ def bounding(element: Any) -> tuple[Any, float]:
     return element["point"], hypot(element["radius"], element["half_length"])
 
 
+def half_thickness(element: Any) -> float:
+    """Radius, or half the length of a disc [m]."""
+    return float(min(element["radius"], element["half_length"]))
+
+
 def rounds(element: Any) -> list[np.ndarray]:
     """Ellipsoids, as matrices in body axes, that sum up to this shape with rounded rims."""
     axes = element["axes"].reshape(3, 3)

@@ -34,6 +34,11 @@ def bounding(element: Any) -> tuple[Any, float]:
     return element["point"], float(max(element["semi"]))
 
 
+def half_thickness(element: Any) -> float:
+    """Shortest semi-axis [m]."""
+    return float(min(element["semi"]))
+
+
 def rounds(element: Any) -> list[np.ndarray]:
     """Ellipsoids, as matrices in body axes, that sum up to this shape."""
     axes = element["axes"].reshape(3, 3)

@@ -123,6 +123,12 @@ def bounding(element: Any) -> tuple[Any, float]:
     return centre, float(np.linalg.norm(element["points"] - middle, axis=1).max())
 
 
+def half_thickness(element: Any) -> float:
+    """Half the thickness of an open mesh, half the shortest extent of a closed one [m]."""
+    extent = float(np.ptp(element["points"], axis=0).min())
+    return 0.5 * min(element["thickness"], extent or np.inf)
+
+
 def corners(element: Any) -> list[dict[str, Any]]:
     """The points of the mesh, as spheres of radius 0."""
     used = element["points"][np.unique(element["faces"])]

@@ -7,6 +7,7 @@ from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 
 GAP_AS = "sphere"
 PARAMETERS, bounding = sphere.PARAMETERS, sphere.bounding
+half_thickness = sphere.half_thickness
 
 
 class PointSet(Card):

@@ -34,3 +34,8 @@ def curvature_radius(card: Sphere) -> float | None:
 def bounding(element: Any) -> tuple[Any, float]:
     """Centre in body axes and radius of the smallest enclosing sphere, for the broad phase."""
     return element["point"], float(element["radius"])
+
+
+def half_thickness(element: Any) -> float:
+    """How deep the middle lies where the shape is thinnest [m]."""
+    return float(element["radius"])
