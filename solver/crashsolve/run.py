@@ -270,7 +270,7 @@ class Run:
         saddle = self.engine.model.saddle
         facts = {
             "cycles": f"{int(clock['cycle'])}",
-            "contact onsets located": f"{int(clock['located'])}",
+            "onsets located": f"{int(clock['located'])}",
             "energy balance": f"{self._balance():.3g} %",
         }
         if self.engine.model.joints:
