@@ -352,7 +352,7 @@ class Run:
         saddle = self.engine.model.saddle
         facts = {
             "steps accepted, rejected": f"{int(clock['cycle'])}, {int(clock['rejected'])}",
-            "contact onsets located": f"{int(clock['located'])}",
+            "onsets located": f"{int(clock['located'])}",
             "energy balance": f"{self._balance():.3g} %",
         }
         if self.engine.model.joints:
