@@ -210,8 +210,12 @@ def _state(model: Model, scene: Scene) -> State:
 def initial_stages(model: Model) -> np.ndarray:
     """Room for the stages of a Runge-Kutta method; none for others."""
     method = import_module(f"crashsolve.integrators.{model.integrator}")
+    rows = getattr(method, "STAGES", 0)
+    if hasattr(method, "EXTRA"):
+        # those of the dense output, and the sample itself
+        rows += method.EXTRA + 1
     kind = IMPLICIT_STAGE if hasattr(method, "T") else STAGE
-    return np.zeros((getattr(method, "STAGES", 0), len(model.bodies)), kind.dtype)
+    return np.zeros((rows, len(model.bodies)), kind.dtype)
 
 
 def initial_nodes(scene: Scene) -> np.ndarray:
