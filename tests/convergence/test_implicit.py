@@ -1,14 +1,19 @@
 """Claim: implicit methods have their order, and steps bound by the motion, not by stiffness."""
 
+import ast
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from test_integrator_order import IMPACT
 from test_runge_kutta import END, SCENE, SLOPE, posture, run
 
+from crashsolve.deck.read import read_deck
 from crashsolve.integrators import generalized_alpha, radau_iia_5
+from crashsolve.model.build import build
+from crashsolve.system.compose import compose
 
 METHODS = {"generalized_alpha": generalized_alpha, "radau_iia_5": radau_iia_5}
 BOTH = pytest.mark.parametrize("method", METHODS)
@@ -140,3 +145,20 @@ def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path)
     order = -np.log(errors[-1] / errors[0]) / np.log(steps[-1] / steps[0])
     # the reference has seven digits; steps fall differently on the impact each time
     assert order > 2 - SLOPE or errors[-1] < 1e-6, (errors, steps)
+
+
+@pytest.mark.parametrize("method", ["rattle", "dormand_prince_5", *METHODS])
+def test_a_composed_step_has_one_meaning_for_every_name(method: str, tmp_path: Path) -> None:
+    path = tmp_path / "deck.yaml"
+    deck = {"control": {"end_time": 1.0, "integrator": method}} | SCENE
+    path.write_text(yaml.safe_dump(deck, sort_keys=False))
+    model, _ = build(read_deck(path))
+    meanings: dict[str, set[str]] = {}
+    for node in ast.parse(compose(model)).body:
+        if isinstance(node, ast.ImportFrom):
+            for name in node.names:
+                meaning = f"{node.module}.{name.name}"
+                meanings.setdefault(name.asname or name.name, set()).add(meaning)
+        elif isinstance(node, ast.FunctionDef):
+            meanings.setdefault(node.name, set()).add(f"line {node.lineno}")
+    assert not {name: where for name, where in meanings.items() if len(where) > 1}

@@ -16,7 +16,7 @@ from crashsolve.system.alpha import (
     answer_rows,
     ask_positions,
     ask_rates,
-    close_positions,
+    close_at_end,
     guess_end,
     improve_accelerations,
     miss_estimate,
@@ -85,7 +85,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
         worst = improve_accelerations(scene.stages, t, tt, control.length, speed)
         if JOINTS:
             ask_positions(rows, compliant)
-            worst += close_positions(scene.stages, compliant, factor, control.length)
+            worst += close_at_end(scene.stages, compliant, factor, control.length)
         clock.iterations += 1
         clock.passes = count + 1
         share = min(max(worst / previous, SHARE), 0.9)

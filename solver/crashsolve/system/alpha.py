@@ -187,7 +187,7 @@ def improve_accelerations(stages, t, tt, size, speed):
 
 
 @kernel
-def close_positions(stages, compliant, saddle, size):
+def close_at_end(stages, compliant, saddle, size):
     """Displacements onto Phi = 0. Returns the largest, in the model's size. Writes: stages."""
     solve_rows(saddle, compliant, 1.0)
     gather_kicks(stages, 1, compliant)
