@@ -20,7 +20,9 @@ def samples(cycles: int, course: Callable[[np.ndarray], np.ndarray]) -> Samples:
     return Samples(TIME, {NAME: values}, {NAME: np.abs(values)}, cycles)
 
 
-def estimate(order: float, statistic: str, error: Callable[[float], float], *cycles: int) -> Estimate:
+def estimate(
+    order: float, statistic: str, error: Callable[[float], float], *cycles: int
+) -> Estimate:
     """The estimate for the first of some runs of x = t (1 + error(h))."""
     runs = [samples(n, lambda t, n=n: t * (1.0 + error(1.0 / n))) for n in cycles]
     judge = Judge({NAME: [Channel(NAME, FAMILY, 0, 0)]}, order)

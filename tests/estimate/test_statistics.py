@@ -40,7 +40,9 @@ def test_numbers_are_those_of_crashpost(text: str, word: str) -> None:
     assert plain(Series(TIME, own), word) == pytest.approx(post_statistic(other, word), rel=1e-14)
 
 
-@pytest.mark.parametrize("text", ["1 + 2", "sin(rbdout.a.position.x)", "a.b.c +", "abs()", "a ** 2"])
+@pytest.mark.parametrize(
+    "text", ["1 + 2", "sin(rbdout.a.position.x)", "a.b.c +", "abs()", "a ** 2"]
+)
 def test_an_expression_that_cannot_be_read_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="names no channel|unknown|cannot read|takes|is not"):
         channels_in(text)
