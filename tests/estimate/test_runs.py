@@ -45,7 +45,7 @@ def run(folder: Path, *words: Any) -> dict[str, dict[str, Any]]:
     "words",
     [
         ("--set", "control.step=4e-3"),
-        ("--set", "control.step=5e-2", "--set", "control.integrator=dormand_prince_5"),
+        ("--set", "control.step=0.2", "--set", "control.integrator=dormand_prince_5"),
     ],
 )
 def test_the_estimated_error_is_near_the_true_one(words: tuple[str, ...], tmp_path: Path) -> None:
