@@ -41,15 +41,10 @@ def run(folder: Path, *words: Any) -> dict[str, dict[str, Any]]:
     return watched(folder)
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("--set", "control.step=4e-3"),
-        ("--set", "control.step=0.2", "--set", "control.integrator=dormand_prince_5"),
-    ],
-)
-def test_the_estimated_error_is_near_the_true_one(words: tuple[str, ...], tmp_path: Path) -> None:
-    found = run(tmp_path, *words)
+# higher orders come too near the digits of these values; the battery has them
+@pytest.mark.parametrize("step", ["8e-3", "2e-3"])
+def test_the_estimated_error_is_near_the_true_one(step: str, tmp_path: Path) -> None:
+    found = run(tmp_path, "--set", f"control.step={step}")
     log = (tmp_path / "log.txt").read_text("utf-8")
     for channel, exact in EXACT.items():
         true = abs(found[channel]["value"] - exact)
