@@ -1,6 +1,5 @@
 """The battery: every scene by every method and setting, estimated errors against true ones."""
 
-import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +11,9 @@ from scenes import Known, Scene, all_scenes
 from crashsolve.deck.read import read_deck
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import estimate_in_memory
+from crashsolve.estimate.expression import evaluate
 from crashsolve.estimate.samples import Samples
 from crashsolve.estimate.statistic import Series, refined
-from crashsolve.foundation.errors import CrashsolveError
 
 # an error below this share of the scale is round-off, and what joints are closed to
 ROUND_OFF = 1e-10
@@ -41,16 +40,11 @@ class Judged:
     @property
     def ratio(self) -> float:
         """Estimated over true error."""
-        return (self.estimate.error or 0.0) / self.true if self.true else float("inf")
+        return (self.estimate.error or 0.0) / self.true
 
     @property
     def holds(self) -> bool:
-        """Whether estimate and truth are within the factor; of round-off, whether it is small."""
-        error = self.estimate.error
-        if error is None:
-            return False
-        if not self.counts:
-            return error <= FACTOR * FACTOR * ROUND_OFF * max(self.estimate.scale, 1e-300)
+        """Whether estimate and truth are within the factor; not where nothing was estimated."""
         return 1.0 / FACTOR <= self.ratio <= FACTOR
 
 
@@ -87,11 +81,7 @@ def judge(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
     path.write_text("\n".join([*lines, scene.deck, "watch:", *watch]) + "\n", "utf-8")
     for method, words, overrides in settings(scene):
         deck = read_deck(path, {"control.integrator": method, **overrides})
-        try:
-            main, estimates, price = estimate_in_memory(deck)
-        except CrashsolveError as error:
-            print(f"{scene.name}, {method} {words}: {error}")
-            continue
+        main, estimates, price = estimate_in_memory(deck)
         numbers = [(k, s) for k in scene.known for s in k.statistics]
         yield [
             Judged(
@@ -106,8 +96,6 @@ def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> 
     if not callable(known.truth):
         return abs((found.value or 0.0) - known.truth)
     if statistic == "path":
-        from crashsolve.estimate.expression import evaluate
-
         values = evaluate(known.channel, main.time, main.values)
         return float(np.max(np.abs(values - known.truth(main.time))))
     # 64 points between samples: a parabola, or Simpson's rule, leaves less than round-off
@@ -125,20 +113,43 @@ def run_all() -> list[list[Judged]]:
         return [run for scene in all_scenes() for run in judge(scene, Path(folder))]
 
 
-if __name__ == "__main__":
-    begun = clock.process_time()
-    runs = run_all()
-    numbers = [n for run in runs for n in run]
-    counted = [n for n in numbers if n.counts]
-    good = [n for n in counted if n.holds]
-    print(
-        len(runs), "runs", len(numbers), "numbers", len(counted), "count", len(good) / len(counted)
-    )
-    rest = [n for n in numbers if not n.counts]
-    print("round-off", len(rest), sum(n.holds for n in rest))
+def share(numbers: list[Judged]) -> float:
+    """Share of the numbers whose estimate holds."""
+    return sum(number.holds for number in numbers) / max(len(numbers), 1)
+
+
+def table(runs: list[list[Judged]]) -> str:
+    """How many estimates hold, by method; and every one that does not."""
+    numbers = [number for run in runs for number in run if number.counts]
+    lines = [
+        f"{len(runs)} runs, {len(numbers)} numbers with a true error above {ROUND_OFF:g} of their "
+        f"scale; {100 * share(numbers):.1f} % of the estimates are within a factor {FACTOR:g}. "
+        "The price is the CPU time of the estimates over that of the run, the median.",
+        "",
+        "| method | runs | numbers | within | too small | too large | price |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for method in dict.fromkeys(number.method for number in numbers):
+        mine = [number for number in numbers if number.method == method]
+        prices = [run[0].price for run in runs if run[0].method == method]
+        small = sum(number.ratio < 1 / FACTOR for number in mine)
+        large = sum(number.ratio > FACTOR for number in mine)
+        lines.append(
+            f"| {method} | {len(prices)} | {len(mine)} | {100 * share(mine):.1f} % | {small} | "
+            f"{large} | {np.median(prices):.2f} |"
+        )
+    return "\n".join([*lines, "", *_failures(numbers)])
+
+
+def _failures(numbers: list[Judged]) -> list[str]:
+    lines = [
+        "| scene | method | setting | number | estimated | true |",
+        "|---|---|---|---|---|---|",
+    ]
     for n in numbers:
         if not n.holds:
-            print(
-                f"{n.scene:28.28} {n.method[-8:]:8} {n.setting:15} {n.number:38.38} est {n.estimate.error or -1:9.2e} true {n.true:9.2e} ratio {n.ratio:8.2g} rel {n.true / (n.estimate.scale or 1):.1e} {n.estimate.how}"
+            error = "-" if n.estimate.error is None else f"{n.estimate.error:.1e}"
+            lines.append(
+                f"| {n.scene} | {n.method} | {n.setting} | {n.number} | {error} | {n.true:.1e} |"
             )
-    print("cpu", clock.process_time() - begun)
+    return lines

@@ -20,7 +20,7 @@ def oscillator(mass: float, damping: float, stiffness: float, x: float, v: float
 
 
 def chain(count: int, mass: float, stiffness: float, speed: float, at: int) -> Motion:
-    """Displacement of mass `at` of equal masses and springs between walls; the first has `speed`."""
+    """Displacement of mass `at` of equal masses between walls, of which the first has `speed`."""
     matrix = stiffness / mass * (2.0 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1))
     squares, modes = np.linalg.eigh(matrix)
     omega, share = np.sqrt(squares), modes[at] * modes[0] * speed

@@ -35,6 +35,12 @@ def test_a_rigid_run_imports_nothing_foreign(tmp_path: Path) -> None:
     ]
 
 
+def test_a_run_without_estimates_imports_nothing_for_them(tmp_path: Path) -> None:
+    modules = imported("-m", "crashsolve", BALL, "-o", tmp_path, "--set", "control.estimate=off")
+    estimates = ("crashsolve.estimate", "crashsolve.study")
+    assert not [name for name in modules if name.startswith(estimates)]
+
+
 def test_a_check_writes_no_results_and_loads_no_hdf5() -> None:
     modules = imported("-m", "crashsolve", "check", BALL)
     assert "h5py" not in modules

@@ -1,4 +1,4 @@
-"""Claim: the Runge-Kutta methods have their declared orders, and keep the tolerance that is asked for."""
+"""Claim: Runge-Kutta methods have their declared orders and keep the tolerance asked for."""
 
 from dataclasses import replace
 from pathlib import Path

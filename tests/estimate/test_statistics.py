@@ -21,7 +21,7 @@ EXPRESSIONS = (
     "-rbdout.a.position.x + 2 * rbdout.a.position.y",
     "norm(rbdout.a.position.x, rbdout.a.position.y)",
     "abs(rbdout.a.position.y) / 'rbdout.car-b.velocity.x'",
-    "integral(rbdout.a.position.x) - time",
+    "time * integral(rbdout.a.position.x)",
     "derivative('rbdout.car-b.velocity.x')",
 )
 

@@ -35,7 +35,7 @@ def test_one_failure_exits_with_1_and_shows_the_deviation(
     code, out, _ = crashpost("expect", result_expecting(tmp_path, LEFT_OVER, wrong))
     assert code == 1
     line = next(line for line in out.splitlines() if "a guess" in line)
-    assert line.split()[2:6] == ["5", "4", "0.5", "1.00e+00"]
+    assert line.split()[2:7] == ["5", "-", "4", "0.5", "1.00e+00"]
     assert line.endswith("FAIL")
     assert out.endswith("1 of 2 expectations met\n")
 
