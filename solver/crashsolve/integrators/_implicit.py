@@ -23,7 +23,7 @@ from crashsolve.model.clock import (
     STEP_TOO_SMALL,
 )
 from crashsolve.system.energy import check
-from crashsolve.system.kinetics import accelerations, refresh, return_to_start, save
+from crashsolve.system.kinetics import accelerations, refresh, save
 from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.scene import (
     CONTACTS,
@@ -100,7 +100,9 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
-    bracket, trial, found = open_bracket(h), h, False
+    bracket, trial, found, before = open_bracket(h), h, False, 0.0
+    if ONSETS:
+        before = gap_before(clock, nodes, curves, scene)
     while True:
         if not pass_stages(trial, clock, control, nodes, rows, saddle, curves, scene):
             # too long for the iteration or the joints: as if the error were large
@@ -114,7 +116,6 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
         if ONSETS:
             gap = onset_gap(trial, clock, control, nodes, curves, scene)
             if bracket[-1] == 0:
-                before = gap_before(clock, nodes, curves, scene)
                 bracket = first_gap(bracket, before, gap, control, ONSET)
             bracket, trial, found = seek(bracket, h, trial, gap)
             if not found:
@@ -138,12 +139,11 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 
 @kernel
 def gap_before(clock, nodes, curves, scene):
-    """Largest depth of what begins, at the start of the step. Writes: nodes, which moves again."""
+    """Largest depth of what begins, at the start of the step [m or rad]."""
     gap = -1e300
     if CONTACTS:
         gap = approach_before(clock.current, scene)
     if PIECES:
-        return_to_start(nodes)
         gap = max(gap, beyond(clock.current, 0.0, nodes, curves, scene))
     return min(gap, 0.0)
 

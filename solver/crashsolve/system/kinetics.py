@@ -48,21 +48,6 @@ def save(nodes):
 
 
 @kernel
-def return_to_start(nodes):
-    """Back to the start of the step. Writes: nodes.r, q, A, v, L, w, W."""
-    for i in range(1, nodes.shape[0]):
-        b = nodes[i]
-        put(b.r, vec(b.start_r))
-        put(b.v, vec(b.start_v))
-        put(b.L, vec(b.start_L))
-        for k in range(4):
-            b.q[k] = b.start_q[k]
-        for k in range(9):
-            b.A[k] = b.start_A[k]
-    refresh(nodes)
-
-
-@kernel
 def kick_off(nodes, h):
     """First half kick by the applied forces alone. Writes: nodes.v_half, L_half."""
     for i in range(1, nodes.shape[0]):
