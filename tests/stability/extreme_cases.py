@@ -62,7 +62,6 @@ MATRIX = (
         "ratio",
         (1, 1e2, 1e4, 1e6, 1e8),
         integrators=BOTH,
-        quick=(1e8,),
     ),
     Sweep(
         "stiffness over 12 decades in one model",
@@ -197,9 +196,7 @@ MATRIX = (
     Sweep(
         "the A2 mechanism through its flat posture, s", "benchmark/four_bar_singular", "end", (10,)
     ),
-    Sweep(
-        "redundant constraints", "extreme/redundant", "misfit", (0,), integrators=BOTH, quick=(0,)
-    ),
+    Sweep("redundant constraints", "extreme/redundant", "misfit", (0,), integrators=BOTH),
     Sweep(
         "constraints that contradict each other at the start, m",
         "extreme/redundant",
@@ -218,7 +215,6 @@ MATRIX = (
         "stops",
         "contradict each other",
         BOTH,
-        quick=(1,),
     ),
     Sweep("closed loop of bodies", "", "bodies", (4, 100), integrators=BOTH, make=loop),
     Sweep("chain of bodies", "", "bodies", (10, 100, 1000), make=chain),
