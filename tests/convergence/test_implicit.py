@@ -147,6 +147,26 @@ def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path)
     assert order > 2 - SLOPE or errors[-1] < 1e-6, (errors, steps)
 
 
+@BOTH
+def test_a_wall_with_a_corner_gives_back_what_it_took(method: str, tmp_path: Path) -> None:
+    scene = {
+        "bodies": {
+            "block": {"mass": 1, "inertia": [1] * 3, "position": [1, 0, 0], "velocity": [-1, 0, 0]}
+        },
+        "curves": {"wall": {"points": [[-1, -1e6], [0, 0], [1, 0]]}},
+        "springs": {"wall": {"type": "curve", "a": "ground", "b": "block", "curve": "wall"}},
+    }
+    engine = run(tmp_path, scene, 0.1, integrator=method, tolerance=1e-8)
+    # it is back where it was after half a period
+    gone = 0.1 - np.pi / np.sqrt(1e6)
+    node = engine.state.nodes[1]
+    # a hundred steps, each with an error of 1e-8 of the model's size and speed, some 1 m and 1 m/s
+    assert node["v"][0] == pytest.approx(1.0, abs=1e-6)
+    assert node["r"][0] == pytest.approx(1.0 + gone, abs=1e-6)
+    # where it meets the wall, which begins at 0 elongation; and where it leaves it
+    assert engine.clock["located"] == 2
+
+
 @pytest.mark.parametrize("method", ["rattle", "dormand_prince_5", *METHODS])
 def test_a_composed_step_has_one_meaning_for_every_name(method: str, tmp_path: Path) -> None:
     path = tmp_path / "deck.yaml"

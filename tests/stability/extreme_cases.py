@@ -62,7 +62,6 @@ MATRIX = (
         "ratio",
         (1, 1e2, 1e4, 1e6, 1e8),
         integrators=ALL,
-        quick=(1e8,),
     ),
     Sweep(
         "stiffness over 12 decades in one model",
@@ -203,9 +202,7 @@ MATRIX = (
     Sweep(
         "the A2 mechanism through its flat posture, s", "benchmark/four_bar_singular", "end", (10,)
     ),
-    Sweep(
-        "redundant constraints", "extreme/redundant", "misfit", (0,), integrators=ALL, quick=(0,)
-    ),
+    Sweep("redundant constraints", "extreme/redundant", "misfit", (0,), integrators=ALL),
     Sweep(
         "constraints that contradict each other at the start, m",
         "extreme/redundant",
@@ -224,10 +221,17 @@ MATRIX = (
         "stops",
         "contradict each other",
         BOTH,
-        quick=(1,),
     ),
     Sweep("closed loop of bodies", "", "bodies", (4, 100), integrators=BOTH, make=loop),
-    Sweep("chain of bodies", "", "bodies", (10, 100, 1000), integrators=BOTH, make=chain),
+    Sweep("chain of bodies", "", "bodies", (10, 100, 1000), make=chain),
+    Sweep(
+        "chain of bodies with error control",
+        "",
+        "bodies",
+        (10, 100),
+        integrators=ADAPTIVE,
+        make=chain,
+    ),
     Sweep(
         "springs of no length, passed by m",
         "extreme/zero_length",
@@ -278,17 +282,18 @@ MATRIX = (
         "steps too long by",
         "extreme/long_step",
         "factor",
-        (100, 1e3, 1e6, 1e8),
+        (10, 1e3, 1e6, 1e9),
         "stops",
         SHORTER,
         quick=(1e6,),
     ),
     Sweep("steps in the run", "extreme/duration", "steps", (0, 1, 10, 1e6), quick=(0,)),
+    # nearer to the critical 4/3 the force grows so slowly that the weight acts meanwhile
     Sweep(
         "Painleve's rod, friction",
         "benchmark/painleve_rod",
         "mu_above",
-        (1.6, 2, 4),
+        (1.8, 2, 3, 5),
         integrators=BOTH,
     ),
 )

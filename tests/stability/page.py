@@ -41,7 +41,7 @@ def line(sweep: Sweep, method: str) -> str:
         ]
     parts = [
         sweep.case,
-        f"`{sweep.deck}`",
+        f"`{sweep.deck or 'tests/stability/long_chains.py'}`",
         f"{sweep.setting} {_range(sweep)}",
         method,
         *_measured(sweep, found),

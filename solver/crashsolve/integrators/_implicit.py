@@ -42,6 +42,7 @@ from crashsolve.system.stages import add_outside, fastest_point, next_length
 from crashsolve.system.timestep import fit
 
 MANY = 8  # passes for the stages of a step, after which the next is no longer
+ATTEMPTS = 300  # at one step: what takes more will not end
 ONSET = 1e-4  # of the way in the step, by which what begins may be passed
 
 
@@ -103,7 +104,12 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
     bracket, trial, found, before = open_bracket(h), h, False, 0.0
     if ONSETS:
         before = gap_before(clock, nodes, curves, scene)
+    attempts = 0
     while True:
+        attempts += 1
+        if attempts > ATTEMPTS:
+            clock.status = STEP_TOO_SMALL
+            break
         if not pass_stages(trial, clock, control, nodes, rows, saddle, curves, scene):
             # too long for the iteration or the joints: as if the error were large
             clock.rejected += 1

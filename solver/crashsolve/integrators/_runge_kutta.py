@@ -77,6 +77,7 @@ from crashsolve.system.timestep import fit
 
 ONSET = 1e-4  # of the way in the step: by so much what begins may be passed at most
 LOCATIONS = 10  # tries of the dense output, before bisection
+ATTEMPTS = 300  # at one step: what takes more will not end
 SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
 
 
@@ -177,8 +178,12 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
-    search = open_search(h)
+    search, attempts = open_search(h), 0
     while True:
+        attempts += 1
+        if attempts > ATTEMPTS:
+            clock.status = STEP_TOO_SMALL
+            break
         closed = pass_stages(h, clock, control, nodes, rows, saddle, curves, scene)
         if closed and ONSETS:
             end, search = cut(h, search, clock, control, nodes, rows, saddle, curves, scene)

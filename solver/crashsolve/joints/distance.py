@@ -41,7 +41,7 @@ def build(card: Distance, scene: Any) -> dict[str, Any]:
         raise scene.fail("the two points coincide; use a spherical joint", "at_b")
     if card.length is not None and abs(card.length - start) > allowed:
         raise scene.fail(
-            f"is {card.length:g} m, but the points are {start:.12g} m apart at the start; "
+            f"is {card.length:.12g} m, but the points are {start:.12g} m apart at the start; "
             "leave it out to keep that distance",
             "length",
         )
