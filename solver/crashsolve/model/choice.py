@@ -7,8 +7,8 @@
     smooth                                  dormand_prince_8, or dormand_prince_5 above 1e-5
 
 Stiff means that the largest step at which an explicit method is stable (see system/timestep.py) is
-short beside the time in which the fastest body crosses the model. Consequence to test: the choice
-follows from the deck alone, and the log gives the numbers behind it.
+short beside the time in which the fastest body crosses the model, and beside the largest step
+allowed. Consequence to test: the choice follows from the deck alone, and the log says why.
 """
 
 from typing import Any, NamedTuple
@@ -63,7 +63,7 @@ def has_corners(model: Any) -> bool:
 
 
 def times(model: Any, state: Any) -> tuple[float, float]:
-    """Time in which the fastest body crosses the model, and the stable explicit step [s].
+    """Time in which the fastest body crosses the model, at most step_max, and stable step [s].
 
     Forces are those of the initial state, evaluated once as plain Python; 0 where nothing is stiff.
     """
@@ -82,7 +82,7 @@ def times(model: Any, state: Any) -> tuple[float, float]:
     )
     frequency = np.sqrt(2.0 * body.stiffness + body.damping**2) + body.damping
     fastest = frequency.max(initial=0.0)
-    crossing = size / speed if speed > 0.0 else float(model.control[0]["step_max"])
+    crossing = min(size / speed if speed > 0.0 else np.inf, float(model.control[0]["step_max"]))
     return float(crossing), float(2.0 / fastest) if fastest > 0.0 else 0.0
 
 
