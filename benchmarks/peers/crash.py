@@ -19,6 +19,12 @@ TOLERANCES = [
     (integrator, "tolerance", [10.0**-k for k in range(3, 13)])
     for integrator in ("dormand_prince_5", "dormand_prince_8")
 ]
+# and those for stiff problems beside them
+STIFF = [
+    *TOLERANCES,
+    ("generalized_alpha", "tolerance", [10.0**-k for k in range(2, 10)]),
+    ("radau_iia_5", "tolerance", [10.0**-k for k in range(2, 11)]),
+]
 Watch = Callable[[dict[str, np.void]], Any]
 
 

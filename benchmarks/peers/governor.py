@@ -130,7 +130,7 @@ PROBLEM = Problem(
     methods=[
         *crash.methods(
             crash.DECKS / "benchmark/flyball_governor.yaml",
-            [("rattle", "step", [7e-5, 5e-5, 2e-5, 1e-5]), *crash.TOLERANCES],
+            [("rattle", "step", [7e-5, 5e-5, 2e-5, 1e-5]), *crash.STIFF],
             crashsolve_watch,
             end_time=END,
             constraint_tolerance=1e-13,
