@@ -76,7 +76,7 @@ def test_samples_within_steps_go_on_to_the_same_bits(tmp_path: Path) -> None:
     assert differences(again, whole) == []
     log = (whole / "log.txt").read_text("utf-8")
     # far fewer than the 200 samples
-    assert int(log.split("cycles")[1].split()[0]) < 100
+    assert int(log.split("accepted, rejected")[1].split(",")[0]) < 100
 
 
 def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> None:
