@@ -276,7 +276,7 @@ class Run:
 
     def _log_line(self) -> None:
         e, clock = self.engine, self.engine.clock
-        limiter = "samples, turn or deck"
+        limiter = "samples, tolerance or deck" if len(e.state.stages) else "samples, turn or deck"
         if clock["limit_node"]:
             limiter = e.model.bodies[int(clock["limit_node"])]
         self.log.cycle(
@@ -357,7 +357,7 @@ class Run:
         }
         if self.engine.model.joints:
             facts["constraint rows, redundant"] = f"{saddle.rows()}, {saddle.redundant()}"
-            facts["position iterations per step"] = (
+            facts["iterations per step"] = (
                 f"{clock['iterations'] / max(int(clock['cycle']), 1):.2f}"
             )
             facts["largest constraint error, in position and velocity"] = (

@@ -79,6 +79,20 @@ def test_samples_within_steps_go_on_to_the_same_bits(tmp_path: Path) -> None:
     assert int(log.split("accepted, rejected")[1].split(",")[0]) < 100
 
 
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau_iia_5"])
+def test_what_an_implicit_step_is_guessed_from_is_kept(method: str, tmp_path: Path) -> None:
+    deck = tmp_path / "pendulum.yaml"
+    deck.write_text(DAMPED.replace("dormand_prince_8", method), "utf-8")
+    whole, again = tmp_path / "whole", tmp_path / "again"
+    assert crashsolve(deck, "-o", whole).returncode == 0
+    shutil.copytree(whole, again)
+    max(again.glob("restart_*.h5"), key=lambda path: path.stat().st_mtime_ns).unlink()
+    done = crashsolve(deck, "-o", again, "--restart")
+    assert done.returncode == 0, done.stderr
+    assert "going on from" in done.stdout
+    assert differences(again, whole) == []
+
+
 def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> None:
     for name in ("first", "next"):
         cache = str(tmp_path / "cache")
