@@ -30,7 +30,7 @@ MODEL = (
     ("mechanical", "", "J", "kinetic, potential and stored energy"),
 )
 CARD_COLUMNS = ("impulse", "peak_normal", "peak_depth", "onsets")
-FAMILY = {"springs": "deforc", "loads": "bndout", "sensors": "nodout"}
+FAMILY = {"parts": "elout", "springs": "deforc", "loads": "bndout", "sensors": "nodout"}
 Part = tuple[Family, Callable[[], np.ndarray]]
 
 

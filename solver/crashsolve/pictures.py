@@ -1,4 +1,4 @@
-"""From bodies to pictures: blocks of surfaces, mass centres, springs and contact forces."""
+"""From bodies to pictures: blocks of surfaces, mass centres, springs, beams and contact forces."""
 
 from typing import Any
 
@@ -33,6 +33,7 @@ class Pictures:
         self._A0 = engine.state.nodes["A"].copy()
         self._skin = self._surfaces()
         self._lines = self._springs()
+        self._beams = [g for g in engine.model.groups if g.keyword == "parts"]
         self._pairs = [(g, n) for g in engine.model.contact_groups if (n := _places(g))]
         self.blocks = self._blocks()
 
@@ -73,6 +74,10 @@ class Pictures:
             points = self._line_points()
             lines = np.arange(len(points)).reshape(-1, 2)
             blocks.append(Block("springs", points, (("line", lines),), (TENSION,)))
+        if self._beams:
+            ends = self._beam_ends()
+            lines = np.arange(len(ends)).reshape(-1, 2)
+            blocks.append(Block("beams", self._r0[ends], (("line", lines),), (TENSION,)))
         if self._pairs:
             count = sum(places for _, places in self._pairs)
             vertices = np.arange(count)[:, None]
@@ -95,6 +100,11 @@ class Pictures:
             block = next(b for b in self.blocks if b.name == "springs")
             moved = self._line_points() - block.points
             fields["springs"] = {"displacement": moved, "tension": tension}
+        if self._beams:
+            ends = self._beam_ends()
+            tension = np.concatenate([g.output["force"][:, 0] for g in self._beams])
+            fields["beams"] = {"displacement": nodes["r"][ends] - self._r0[ends]}
+            fields["beams"] |= {"tension": tension}
         if self._pairs:
             fields["contacts"] = self._contact_fields()
         return fields
@@ -128,6 +138,11 @@ class Pictures:
                 both.append(body["r"] + np.einsum("nij,nj->ni", A, g.parameters[f"point_{side}"]))
             ends.append(np.stack(both, axis=1).reshape(-1, 3))
         return np.concatenate(ends)
+
+    def _beam_ends(self) -> np.ndarray:
+        """Nodes at both ends of every element, one after the other."""
+        pairs = [np.stack([g.parameters["node_a"], g.parameters["node_b"]], 1) for g in self._beams]
+        return np.concatenate(pairs).ravel()
 
     def _contact_fields(self) -> dict[str, np.ndarray]:
         """Contact points with their forces; a pair that is apart rests on its body."""

@@ -15,6 +15,7 @@ FLOORS = (
     (
         "deck",
         *("curves", "bodies", "joints", "springs", "contact", "friction", "loads", "sensors"),
+        *("materials", "sections", "parts"),
     ),
     ("model",),
     ("system",),

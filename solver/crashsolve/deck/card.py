@@ -35,7 +35,8 @@ from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
-__all__ += ["Reference", "SensorName", "SpringName", "SurfaceName", "existing_file"]
+__all__ += ["MaterialName", "Reference", "SectionName", "SensorName", "SpringName", "SurfaceName"]
+__all__ += ["existing_file"]
 
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -67,6 +68,8 @@ ContactName = Annotated[str, AfterValidator(Reference("contacts"))]
 LoadName = Annotated[str, AfterValidator(Reference("loads"))]
 CurveName = Annotated[str, AfterValidator(Reference("curves"))]
 SensorName = Annotated[str, AfterValidator(Reference("sensors"))]
+MaterialName = Annotated[str, AfterValidator(Reference("materials"))]
+SectionName = Annotated[str, AfterValidator(Reference("sections"))]
 
 
 def existing_file(text: str, info: ValidationInfo) -> str:

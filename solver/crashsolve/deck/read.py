@@ -90,6 +90,7 @@ class _Reader:
     def __init__(self, path: Path, overrides: Mapping[str, str]) -> None:
         self.path = path
         self.mistakes: list[DeckError] = []
+        self.nodes: list[str] = []
         files = Files(self.mistakes)
         self.tables = files.read(path)
         if files.incomplete:
@@ -106,6 +107,7 @@ class _Reader:
         expect = [self.card(item, Expect) for item in self.items["expect"].values()]
         watch = [self.card(item, Watch) for item in self.items["watch"].values()]
         title = self.title()
+        self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.mistakes)
         for group in entries.values():
             for entry in group.values():
                 self.check_names(entry)
@@ -218,12 +220,28 @@ class _Reader:
     def check_names(self, entry: Entry) -> None:
         """Report the names in a card that nothing in the deck bears."""
         for path, name in _names(entry.card):
-            known = self.items[name.keyword]
+            known = list(self.items[name.keyword])
+            if name.keyword == "bodies":
+                known += self.nodes
             is_ground = name.keyword == "bodies" and name == "ground"
             if name not in known and not is_ground:
                 singular = SECTIONS[name.keyword].singular
                 advice = choices(name, known, name.keyword)
                 self.refuse(entry.item, Mistake(path, f"unknown {singular} '{name}'", advice))
+
+
+def part_nodes(
+    parts: Mapping[str, Entry], bodies: Mapping[str, Item], mistakes: list[DeckError]
+) -> list[str]:
+    """Names of the nodes of all parts; one that a body has as well goes to `mistakes`."""
+    names = []
+    for part in parts.values():
+        own = part.card.node_names(part.name)
+        for name in set(own) & set(bodies):
+            message = f"its node '{name}' has the name of a body"
+            mistakes.append(_placed(part.item, Mistake((), message, "rename one of them")))
+        names += own
+    return names
 
 
 def _placed(item: Item, mistake: Mistake) -> DeckError:

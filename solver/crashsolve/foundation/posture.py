@@ -24,6 +24,21 @@ def perpendicular(axis: np.ndarray) -> np.ndarray:
     return side / np.linalg.norm(side)
 
 
+def quaternion_of(A: np.ndarray) -> np.ndarray:
+    """Unit quaternion of a rotation matrix (Shepperd 1978: from its largest component)."""
+    trace = float(np.trace(A))
+    k = int(np.argmax([trace, *np.diag(A)]))
+    q = np.zeros(4)
+    if k == 0:
+        q[:] = 1.0 + trace, A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]
+    else:
+        x, y, z = (k - 1 + np.arange(3)) % 3
+        q[0] = A[z, y] - A[y, z]
+        q[1 + x] = 1.0 + 2.0 * A[x, x] - trace
+        q[1 + y], q[1 + z] = A[y, x] + A[x, y], A[z, x] + A[x, z]
+    return q / np.linalg.norm(q)
+
+
 def relative(q_a: Any, q_b: Any) -> np.ndarray:
     """Unit quaternion q_a^-1 q_b: posture of b in axes of a."""
     w_a, w_b, v_a, v_b = q_a[0], q_b[0], np.asarray(q_a[1:]), np.asarray(q_b[1:])

@@ -50,6 +50,8 @@ def build(deck: Deck) -> tuple[Model, State]:
     joints = _build_joints(deck, scene, groups)
     scene.joints = {joint.name: joint for joint in joints}
     scene.size = max(scene.size, longest_arm(joints))
+    for entries in _by_type(deck.entries["parts"]).values():
+        groups.append(_build_parts(entries, scene))
     for keyword in ("springs", "loads", "sensors"):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
@@ -163,6 +165,23 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     names = [entry.name for entry in entries]
     result = np.zeros(len(entries), output.dtype)
     return Group(keyword, entries[0].type, module, names, table, rest, result)
+
+
+def _build_parts(entries: list[Entry], scene: Scene) -> Group:
+    """The elements of all parts of one type, named after their part and counted from 1."""
+    module, names, rows = _module(entries[0]), [], []
+    for entry in entries:
+        with scene.building(entry):
+            scene.refuse_stepwise(module)
+            own = module.elements(entry.card, scene.part_nodes[entry.name], scene)
+            names += [f"{entry.name}_{k + 1}" for k in range(len(own))]
+            rows += own
+    table = np.zeros(len(rows), module.PARAMETERS.dtype)
+    for record, row in zip(table, rows, strict=True):
+        fill(record, row)
+    rest = np.zeros((2, len(rows)), (module.HISTORY + FORCE_HISTORY).dtype)
+    result = np.zeros(len(rows), (module.OUTPUT + FORCE_OUTPUT).dtype)
+    return Group("parts", entries[0].type, module, names, table, rest, result)
 
 
 def fill(record: Any, values: dict[str, Any]) -> None:

@@ -41,6 +41,11 @@ class Scene:
         self.joints: dict[str, Any] = {}
         self.surfaces: dict[str, Any] = {}
         self.names = ["ground", *deck.entries["bodies"]]
+        self.part_nodes: dict[str, list[int]] = {}  # of each part
+        for part in deck.entries["parts"].values():
+            names = part.card.node_names(part.name)
+            self.part_nodes[part.name] = list(range(len(self.names), len(self.names) + len(names)))
+            self.names += names
         self._index = {name: i for i, name in enumerate(self.names)}
         self.curves: dict[str, int] = {}
         self.curve_points = np.zeros(0)  # all curves, as kernels read them
@@ -54,6 +59,11 @@ class Scene:
         for i, entry in enumerate(deck.entries["bodies"].values(), start=1):
             with self.building(entry):
                 self._place_body(i, import_module(entry.module_name).build(entry.card, self))
+        for part in deck.entries["parts"].values():
+            with self.building(part):
+                nodes = import_module(part.module_name).build(part.card, self)
+                for i, node in zip(self.part_nodes[part.name], nodes, strict=True):
+                    self._place_body(i, node)
         self.size = self._model_size()
 
     def _place_body(self, i: int, body: dict[str, Any]) -> None:
@@ -113,6 +123,11 @@ class Scene:
     def placed_nodes(self) -> dict[str, np.ndarray]:
         """Positions and postures at the start, as the node table names them."""
         return {"r": self.r, "A": self.A}
+
+    def law(self, keyword: str, name: str) -> tuple[Any, Any]:
+        """Module and card of an entry that another card names."""
+        entry = self.deck.entries[keyword][name]
+        return import_module(entry.module_name), entry.card
 
     def curve(self, name: str) -> int:
         return self.curves[name]

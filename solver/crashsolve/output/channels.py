@@ -11,9 +11,10 @@ from dataclasses import dataclass
 FAMILIES = {
     "glstat": "energies, momenta and time step of the whole model",
     "matsum": "energies and momenta by part",
-    "rbdout": "motion of rigid bodies",
+    "rbdout": "motion of rigid bodies and of nodes of parts",
     "nodout": "motion of nodes and accelerometers",
     "jntforc": "joint reactions and joint motion",
+    "elout": "forces, moments and strains of elements",
     "deforc": "spring, damper and bushing forces",
     "rcforc": "contact forces",
     "secforc": "forces through a section",

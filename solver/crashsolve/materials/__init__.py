@@ -1,0 +1,1 @@
+"""Materials: how a solid answers to strain, and how heavy it is."""

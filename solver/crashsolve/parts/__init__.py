@@ -1,0 +1,1 @@
+"""Parts: deformable bodies made of nodes and elements."""

@@ -1,0 +1,34 @@
+"""Section given by its numbers.
+
+    A,   I_y = int z^2 dA,   I_z = int y^2 dA,   J,   kappa_y and kappa_z
+
+Consequence to test: with the numbers of a circle it is that circle.
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import Card, quantity
+from crashsolve.foundation.record import Record
+
+
+class General(Card):
+    """Section given by its numbers."""
+
+    area: float = quantity("m^2", "A", gt=0)
+    I_y: float = quantity("m^4", "second moment for bending about y", gt=0)
+    I_z: float = quantity("m^4", "second moment for bending about z", gt=0)
+    torsion: float = quantity("m^4", "J, torsion constant", gt=0)
+    shear_y: float = quantity("1", "kappa_y, share of A that bears shear along y", gt=0)
+    shear_z: float = quantity("1", "kappa_z, share of A that bears shear along z", gt=0)
+
+
+PARAMETERS = HISTORY = OUTPUT = Record()
+
+
+def build(card: General, poisson: float) -> dict[str, Any]:
+    return {
+        "area": card.area,
+        "second": (card.I_y, card.I_z),
+        "torsion": card.torsion,
+        "shear": (card.shear_y, card.shear_z),
+    }

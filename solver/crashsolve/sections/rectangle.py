@@ -1,0 +1,44 @@
+"""Solid rectangular section, a along y and b along z.
+
+    A = a b,   I_y = a b^3 / 12,   I_z = a^3 b / 12,   kappa = 10 (1 + nu) / (12 + 11 nu)
+    J = l s^3 (1/3 - 64 s / (pi^5 l) sum tanh(n pi l / 2 s) / n^5),   n = 1, 3, 5, ...
+
+l is the longer side and s the shorter. Consequence to test: a square has J = 0.1405770 a^4.
+
+References: Cowper (1966), The shear coefficient in Timoshenko's beam theory, Journal of Applied
+Mechanics 33, 335-340. Timoshenko and Goodier (1970), Theory of Elasticity, 109.
+"""
+
+from math import pi, tanh
+from typing import Any
+
+from crashsolve.deck.card import Card, quantity
+from crashsolve.foundation.record import Record
+
+
+class Rectangle(Card):
+    """Solid rectangular section."""
+
+    width: float = quantity("m", "a, along y of the section", gt=0)
+    height: float = quantity("m", "b, along z of the section", gt=0)
+
+
+PARAMETERS = HISTORY = OUTPUT = Record()
+
+
+def build(card: Rectangle, poisson: float) -> dict[str, Any]:
+    a, b = card.width, card.height
+    shear = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson)
+    return {
+        "area": a * b,
+        "second": (a * b**3 / 12.0, a**3 * b / 12.0),
+        "torsion": torsion(max(a, b), min(a, b)),
+        "shear": (shear, shear),
+    }
+
+
+def torsion(long: float, short: float) -> float:
+    """Torsion constant J [m^4]."""
+    # terms of 1 / n^5: what is left out is below 1e-10
+    series = sum(tanh(n * pi * long / (2.0 * short)) / n**5 for n in range(1, 301, 2))
+    return long * short**3 * (1.0 / 3.0 - 64.0 * short / (pi**5 * long) * series)

@@ -1,0 +1,50 @@
+"""Hollow circular section.
+
+    A = pi (R^2 - r^2),   I_y = I_z = A (R^2 + r^2) / 4,   J = 2 I_y
+    kappa = 6 (1 + nu) (1 + m^2)^2 / ((7 + 6 nu) (1 + m^2)^2 + (20 + 12 nu) m^2),   m = r / R
+
+Consequence to test: a thin wall has kappa = 2 (1 + nu) / (4 + 3 nu).
+
+Reference: Cowper (1966), The shear coefficient in Timoshenko's beam theory, Journal of Applied
+Mechanics 33, 335-340.
+"""
+
+from math import pi
+from typing import Any
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, quantity
+from crashsolve.foundation.record import Record
+
+
+class Tube(Card):
+    """Hollow circular section."""
+
+    radius: float = quantity("m", "R, outer", gt=0)
+    thickness: float = quantity("m", "R - r, of the wall", gt=0)
+
+    @model_validator(mode="after")
+    def _hollow(self) -> "Tube":
+        if self.thickness >= self.radius:
+            raise ValueError(f"thickness: must be below the radius, {self.radius:g} m")
+        return self
+
+
+PARAMETERS = HISTORY = OUTPUT = Record()
+
+
+def build(card: Tube, poisson: float) -> dict[str, Any]:
+    outer, inner = card.radius, card.radius - card.thickness
+    area = pi * (outer**2 - inner**2)
+    second = area * (outer**2 + inner**2) / 4.0
+    m2 = (inner / outer) ** 2
+    round_ = (1.0 + m2) ** 2
+    shear = 6.0 * (1.0 + poisson) * round_
+    shear /= (7.0 + 6.0 * poisson) * round_ + (20.0 + 12.0 * poisson) * m2
+    return {
+        "area": area,
+        "second": (second, second),
+        "torsion": 2.0 * second,
+        "shear": (shear, shear),
+    }

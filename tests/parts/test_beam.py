@@ -1,0 +1,184 @@
+"""What a beam element promises: gradient, balance, invariance, honest stiffness and tangents."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import Bench, Law, exponential, plain, written
+
+from crashsolve.foundation.posture import matrix
+from crashsolve.model.nodes import COMPLIANT
+
+DECK = """
+title: one element
+control: {end_time: 1}
+materials: {soft: {type: elastic, young: 2000, poisson: 0.3, density: 3}}
+sections: {plate: {type: rectangle, width: 0.5, height: 0.8}}
+parts:
+  s:
+    type: beam
+    mesh: {shape: line, from: [0.2, -0.1, 0.4], to: [1.2, 0.9, 0.1], elements: 1}
+    section: plate
+    material: soft
+    side: [0, 0, 1]
+    damping: DAMPING
+"""
+# a step of differences: relative error h^2 = 1e-10 times third derivatives over first, some units,
+# and round-off 1e-16 / h
+STEP = 1e-5
+
+
+@pytest.fixture(params=range(4))
+def seed(request: pytest.FixtureRequest) -> int:
+    return int(request.param)
+
+
+def element(folder: Path, seed: int, speed: float, damping: float = 0.02, turn: float = 0.8) -> Law:
+    """The element between two nodes anywhere within `turn` of its start, and somewhere far off."""
+    law = Bench(folder, "", DECK.replace("DAMPING", str(damping))).law("parts", "s_1")
+    law.bench.shake(seed, speed, turn)
+    rigid(law, np.random.default_rng(seed + 10).normal(size=3))
+    return law
+
+
+def rigid(law: Law, rotation: np.ndarray) -> np.ndarray:
+    """Turn and move both nodes together; the matrix of the turn."""
+    R = matrix(exponential(rotation))
+    for node in (1, 2):
+        b = law.bench.nodes[node]
+        law.bench.turn(node, rotation)
+        law.bench.move(node, r=R @ b.r + [5, -3, 2], v=R @ b.v, w=R @ b.w)
+    return R
+
+
+def load(law: Law) -> np.ndarray:
+    """Forces and torques on both nodes (12,)."""
+    law.force()
+    n = law.bench.nodes
+    return np.concatenate([n.force[1], n.torque[1], n.force[2], n.torque[2]])
+
+
+def shift(law: Law, start: np.ndarray, way: np.ndarray, rate: np.ndarray, step: float) -> None:
+    """Both nodes from `start` by step times a change of place and of velocity (12,) each."""
+    law.bench.nodes[:] = start
+    for node in (1, 2):
+        part = slice(6 * node - 6, 6 * node)
+        dq, dv = step * way[part], step * rate[part]
+        b = law.bench.nodes[node]
+        law.bench.turn(node, dq[3:])
+        law.bench.move(node, r=b.r + dq[:3], v=b.v + dv[:3], w=b.w + dv[3:])
+
+
+def test_the_force_is_the_gradient_of_the_energy(tmp_path: Path, seed: int) -> None:
+    law = element(tmp_path, seed, speed=0.0)
+    force, start = load(law), law.bench.state()
+    gradient = np.zeros(12)
+    for k, way in enumerate(np.eye(12)):
+        stored = []
+        for side in (-STEP, STEP):
+            shift(law, start, way, np.zeros(12), side)
+            stored.append(float(law.force().stored))
+        gradient[k] = (stored[1] - stored[0]) / (2.0 * STEP)
+    np.testing.assert_allclose(-gradient, force, atol=1e-8 * np.abs(force).max())
+
+
+def test_power_on_the_nodes_is_what_is_no_longer_stored(tmp_path: Path, seed: int) -> None:
+    law = element(tmp_path, seed, speed=1.0)
+    out = law.force()
+    given, lost = law.power_on_bodies(), float(out.power)
+    assert lost > 0.0
+    assert given == pytest.approx(-law.growth(STEP) - lost, rel=1e-8)
+
+
+def test_action_equals_reaction_also_in_moment(tmp_path: Path, seed: int) -> None:
+    law = element(tmp_path, seed, speed=1.0)
+    size, n = np.abs(load(law)).max(), law.bench.nodes
+    # round-off of sums of products with arms of up to 10 m
+    np.testing.assert_allclose(n.force.sum(axis=0), 0.0, atol=1e-14 * size)
+    moment = (n.torque + np.cross(n.r, n.force)).sum(axis=0)
+    np.testing.assert_allclose(moment, 0.0, atol=1e-13 * size)
+
+
+def test_moving_both_nodes_together_changes_nothing(tmp_path: Path, seed: int) -> None:
+    law = element(tmp_path, seed, speed=1.0)
+    before, out = load(law), law.force()
+    numbers = [float(out.stored), float(out.power), *out.force, *out.moment_a, *out.moment_b]
+    R = rigid(law, np.array([0.3, -0.5, 2.9]))
+    after, out = load(law), law.force()
+    turned = (before.reshape(4, 3) @ R.T).ravel()
+    # round-off of places of up to 10 m, times stiffness
+    np.testing.assert_allclose(after, turned, atol=1e-12 * np.abs(before).max())
+    again = [float(out.stored), float(out.power), *out.force, *out.moment_a, *out.moment_b]
+    np.testing.assert_allclose(again, numbers, atol=1e-12 * np.abs(before).max())
+
+
+def test_an_element_does_not_know_its_first_node(tmp_path: Path, seed: int) -> None:
+    law = element(tmp_path, seed, speed=1.0)
+    before, stored = load(law), float(law.force().stored)
+    # the same beam told from its other end: both nodes half a turn about the section's y axis
+    law.bench.nodes[1:] = law.bench.nodes[[2, 1]]
+    for node in (1, 2):
+        y = law.bench.nodes[node].A.reshape(3, 3)[:, 1].copy()
+        law.bench.turn(node, np.pi * y)
+    after = load(law)
+    np.testing.assert_allclose(np.roll(after, 6), before, atol=1e-12 * np.abs(before).max())
+    assert float(law.force().stored) == pytest.approx(stored, rel=1e-13)
+
+
+def test_every_column_is_written(tmp_path: Path, seed: int) -> None:
+    law = element(tmp_path, seed, speed=1.0)
+    out = law.force()
+    assert written(out, law.module.OUTPUT)
+    assert np.isfinite([out.stored, out.power, out.loss]).all()
+
+
+@pytest.mark.parametrize("moves", ["place", "velocity"])
+def test_the_tangent_is_the_derivative_of_the_force(tmp_path: Path, seed: int, moves: str) -> None:
+    """dF = dD^T f - D^T (k D dq + c D dv), as tests/springs/test_tangents.py has it."""
+    law = element(tmp_path, seed, speed=0.0 if moves == "place" else 1.0)
+    start, direction = law.bench.state(), np.random.default_rng(seed).normal(size=12)
+    way = direction if moves == "place" else np.zeros(12)
+    rate = direction - way
+
+    def rows() -> np.recarray:
+        found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
+        plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+        return found
+
+    here = rows()
+    answer = np.linalg.solve(here.D @ here.D.T, here.D @ load(law))
+    # the six rows carry the whole force
+    np.testing.assert_allclose(here.D.T @ answer, load(law), atol=1e-11 * np.abs(answer).max())
+    ends = []
+    for side in (-STEP, STEP):
+        shift(law, start, way, rate, side)
+        ends.append((load(law), rows().D.copy()))
+    change = ((ends[1][0] - ends[0][0]) - (ends[1][1] - ends[0][1]).T @ answer) / (2.0 * STEP)
+    told = -here.D.T @ (here.stiffness * (here.D @ way) + here.damping * (here.D @ rate))
+    np.testing.assert_allclose(told, change, atol=1e-8 * np.abs(change).max())
+
+
+def test_stiffness_for_the_step_bounds_the_highest_frequency(tmp_path: Path, seed: int) -> None:
+    """2 max_i stiffness_i is not below the largest eigenvalue of M^-1 K (system.timestep)."""
+    law = Bench(tmp_path, "", DECK.replace("DAMPING", "0")).law("parts", "s_1")
+    bend = np.random.default_rng(seed).uniform(-0.01, 0.01, 12)
+    shift(law, law.bench.state(), bend, np.zeros(12), 1.0)
+    load(law)
+    bound = 2.0 * law.bench.nodes.stiffness[1:].max()
+    start, columns = law.bench.state(), []
+    for way in np.eye(12):
+        ends = []
+        for side in (-STEP, STEP):
+            shift(law, start, way, np.zeros(12), side)
+            ends.append(acceleration(law))
+        columns.append((ends[1] - ends[0]) / (2.0 * STEP))
+    highest = np.linalg.eigvals(-np.array(columns).T).real.max()
+    # shear turns both ends one way and bending against each other; the bound has both at once
+    assert 0.6 * bound < highest <= bound
+
+
+def acceleration(law: Law) -> np.ndarray:
+    load(law)
+    n = law.bench.nodes
+    angular = np.einsum("nij,nj->ni", n.W[1:].reshape(2, 3, 3), n.torque[1:])
+    return np.stack([n.force[1:] * n.mass_inv[1:, None], angular], axis=1).ravel()

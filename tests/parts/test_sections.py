@@ -1,0 +1,94 @@
+"""Sections of beams against integrals, tables and each other."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from crashsolve.deck.laws import law_class, types_in
+
+NU = 0.3
+SECTIONS = {
+    "circle": {"radius": 0.3},
+    "tube": {"radius": 0.3, "thickness": 0.1},
+    "rectangle": {"width": 0.2, "height": 0.5},
+    "rectangular_tube": {"width": 0.2, "height": 0.5, "thickness": 0.001},
+    "general": {"area": 2, "I_y": 3, "I_z": 4, "torsion": 5, "shear_y": 0.6, "shear_z": 0.7},
+}
+
+
+def section(word: str, poisson: float = NU, **fields: float) -> dict:
+    kind = law_class("sections", word)
+    return __import__(kind.__module__, fromlist=["build"]).build(kind(**fields), poisson)
+
+
+def test_every_section_is_under_this_contract() -> None:
+    assert set(types_in("sections")) == set(SECTIONS)
+
+
+@pytest.mark.parametrize("word", list(SECTIONS))
+def test_a_section_is_complete(word: str) -> None:
+    found = section(word, **SECTIONS[word])
+    assert set(found) == {"area", "second", "torsion", "shear"}
+    assert min(found["area"], found["torsion"], *found["second"], *found["shear"]) > 0.0
+    # a shape with its own shear coefficient bears no more than its area
+    assert max(found["shear"]) < 1.0
+
+
+def integrals(inside, size: float, n: int = 2000) -> tuple[float, float, float]:
+    """Area and second moments of a shape by midpoints of squares."""
+    x = (np.arange(n) + 0.5) / n * 2.0 * size - size
+    y, z = np.meshgrid(x, x)
+    hit, cell = inside(y, z), (2.0 * size / n) ** 2
+    return cell * hit.sum(), cell * (z**2 * hit).sum(), cell * (y**2 * hit).sum()
+
+
+SHAPES = {
+    "circle": lambda y, z: np.hypot(y, z) < 0.3,
+    "tube": lambda y, z: (np.hypot(y, z) < 0.3) & (np.hypot(y, z) > 0.2),
+    "rectangle": lambda y, z: (abs(y) < 0.1) & (abs(z) < 0.25),
+}
+
+
+@pytest.mark.parametrize("word", list(SHAPES))
+def test_area_and_second_moments_are_the_integrals(word: str) -> None:
+    found = section(word, **SECTIONS[word])
+    area, I_y, I_z = integrals(SHAPES[word], 0.31)
+    # edges lie within a square of 3e-4 m: up to 3e-4 / 0.1 for a side, thrice that for its cube
+    np.testing.assert_allclose([found["area"], *found["second"]], [area, I_y, I_z], rtol=1e-2)
+
+
+def test_the_thin_box_is_the_difference_of_two_rectangles() -> None:
+    thin = section("rectangular_tube", **SECTIONS["rectangular_tube"])
+    outer = section("rectangle", width=0.2, height=0.5)
+    inner = section("rectangle", width=0.198, height=0.498)
+    for name in ("area", "second"):
+        difference = np.subtract(outer[name], inner[name])
+        # a thin wall: (t / a)^2 = 2.5e-5
+        np.testing.assert_allclose(thin[name], difference, rtol=3e-5)
+
+
+@pytest.mark.parametrize(("ratio", "factor"), [(1.0, 0.1406), (2.0, 0.229), (10.0, 0.312)])
+def test_torsion_of_a_rectangle_is_that_of_the_table(ratio: float, factor: float) -> None:
+    """Timoshenko and Goodier (1970), Theory of Elasticity, 109: k_1, as rounded there."""
+    found = section("rectangle", width=0.1, height=0.1 * ratio)["torsion"]
+    assert found / (0.1**4 * ratio) == pytest.approx(factor, abs=6e-4)
+
+
+def test_torsion_of_a_round_section_is_polar() -> None:
+    assert section("circle", radius=0.3)["torsion"] == pytest.approx(pi * 0.3**4 / 2.0, rel=1e-14)
+
+
+def test_a_tube_is_a_circle_with_a_hole() -> None:
+    solid = section("circle", radius=0.3)["shear"][0]
+    assert section("tube", radius=0.3, thickness=0.3 - 1e-9)["shear"][0] == pytest.approx(solid)
+    # Cowper (1966), thin-walled round tube; the next term is (t / R)^2
+    thin = section("tube", radius=0.3, thickness=1e-5)["shear"][0]
+    assert thin == pytest.approx(2.0 * (1.0 + NU) / (4.0 + 3.0 * NU), rel=1e-7)
+
+
+def test_webs_alone_bear_shear_as_a_rectangle() -> None:
+    """Five sixths, Cowper's rectangle at nu = 0, as the flanges vanish."""
+    tall = section("rectangular_tube", width=0.0101, height=20.0, thickness=1e-4)
+    # flanges are 5e-4 of the webs
+    assert tall["shear"][1] == pytest.approx(5.0 / 6.0, rel=3e-3)
