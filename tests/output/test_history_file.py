@@ -62,7 +62,7 @@ def test_families_share_one_time_axis_and_are_described(tmp_path: Path) -> None:
         assert list(file["rbdout/ids"].asstr()) == list(FAMILIES[1].ids)
         assert file["rbdout/position/x"].attrs["unit"] == "m"
         assert file["rbdout/position/x"].attrs["meaning"] == "mass centre"
-        assert file["rbdout"].attrs["meaning"] == "motion of rigid bodies"
+        assert file["rbdout"].attrs["meaning"] == "motion of rigid bodies and of nodes of parts"
 
 
 def test_metadata_may_be_long_and_structured(tmp_path: Path) -> None:
