@@ -23,7 +23,6 @@ from crashsolve.foundation.vec3 import (
     add_scaled,
     add_to,
     cross,
-    dot,
     matvec,
     matvec_t,
     norm,
@@ -33,6 +32,7 @@ from crashsolve.foundation.vec3 import (
     vec,
 )
 from crashsolve.system.collocation import gather_kicks, start_spin
+from crashsolve.system.stages import along_row
 
 
 @kernel
@@ -140,13 +140,10 @@ def ask_rates(rows, compliant, stages, t):
     """Multipliers answer for D v - nu over t, and for missing accelerations. Writes: compliant."""
     for k in range(compliant.shape[0]):
         row = compliant[k]
-        D, a, b = row.D, stages[1, row.node_a], stages[1, row.node_b]
-        x = 0.0
-        if row.node_a > 0:
-            x += dot((D[0], D[1], D[2]), vec(a.right_v)) + dot((D[3], D[4], D[5]), vec(a.right_w))
-        if row.node_b > 0:
-            x += dot((D[6], D[7], D[8]), vec(b.right_v)) + dot((D[9], D[10], D[11]), vec(b.right_w))
-        row.right = -x
+        # nothing is ever missing at the ground
+        a, b = stages[1, row.node_a], stages[1, row.node_b]
+        row.right = -along_row(row.D, 0, a.right_v, a.right_w)
+        row.right -= along_row(row.D, 6, b.right_v, b.right_w)
         if k < rows.shape[0]:
             row.right -= rows[k].right / t
 

@@ -27,7 +27,7 @@ from crashsolve.foundation.vec3 import (
     sub,
     vec,
 )
-from crashsolve.system.compliance import along_row
+from crashsolve.system.stages import add_column, along_row
 
 
 @kernel
@@ -223,21 +223,19 @@ def gather_kicks(stages, i, compliant):
         put(stages[i, n].slope_w, zero)
     for k in range(compliant.shape[0]):
         row = compliant[k]
-        X, a, b = row.X, stages[i, row.node_a], stages[i, row.node_b]
-        add_to(a.slope_v, scale(row.delta, (X[0], X[1], X[2])))
-        add_to(a.slope_w, scale(row.delta, (X[3], X[4], X[5])))
-        add_to(b.slope_v, scale(row.delta, (X[6], X[7], X[8])))
-        add_to(b.slope_w, scale(row.delta, (X[9], X[10], X[11])))
+        a, b = stages[i, row.node_a], stages[i, row.node_b]
+        add_column(row.X, 0, row.delta, a.slope_v, a.slope_w)
+        add_column(row.X, 6, row.delta, b.slope_v, b.slope_w)
 
 
 @kernel
 def missed_along(row, c, node, nodes, stages, i):
-    """What stage i misses along one side of a row."""
+    """One side of B b + (k D + c G) a / (c + k t) (see compliance.py), for what stage i misses."""
     if node == 0:
         return 0.0
     s = stages[i, node]
     turn = matvec(nodes[node].A, turned_by(vec(s.right_turn), vec(s.turn)))
-    return along_row(row, c, s, turn)
+    return along_row(row.D, c, s.right_v, s.right_w) + along_row(row.G, c, s.right_r, turn)
 
 
 @kernel

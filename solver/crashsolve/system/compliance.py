@@ -18,7 +18,6 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.saddle import assemble, eliminate
-from crashsolve.foundation.vec3 import dot, vec
 from crashsolve.system.constraints import weigh
 
 # 1 / sigma of a row without stiffness or with a negative one: it takes no part
@@ -71,13 +70,3 @@ def give(row, position, velocity):
     """1 / sigma of a row [1/kg]."""
     sigma = position * row.stiffness + velocity * row.damping
     return 1.0 / sigma if sigma > 1.0 / NO_PART else NO_PART
-
-
-@kernel
-def along_row(row, c, s, turn):
-    """One side of B b + (k D + c G) a / (c + k t), for what a stage misses at that body."""
-    B, G = row.D, row.G
-    rate = dot((B[c], B[c + 1], B[c + 2]), vec(s.right_v))
-    rate += dot((B[c + 3], B[c + 4], B[c + 5]), vec(s.right_w))
-    way = dot((G[c], G[c + 1], G[c + 2]), vec(s.right_r))
-    return rate + way + dot((G[c + 3], G[c + 4], G[c + 5]), turn)

@@ -86,12 +86,9 @@ def displace_by_joints(rows, nodes):
     clear_joint_forces(nodes)
     for k in range(rows.shape[0]):
         row = rows[k]
-        X = row.X
         a, b = nodes[row.node_a], nodes[row.node_b]
-        add_to(a.joint_force, scale(row.delta, (X[0], X[1], X[2])))
-        add_to(a.joint_torque, scale(row.delta, (X[3], X[4], X[5])))
-        add_to(b.joint_force, scale(row.delta, (X[6], X[7], X[8])))
-        add_to(b.joint_torque, scale(row.delta, (X[9], X[10], X[11])))
+        add_column(row.X, 0, row.delta, a.joint_force, a.joint_torque)
+        add_column(row.X, 6, row.delta, b.joint_force, b.joint_torque)
     for n in range(1, nodes.shape[0]):
         b = nodes[n]
         put(b.r, add(vec(b.r), vec(b.joint_force)))
