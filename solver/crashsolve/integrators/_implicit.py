@@ -159,11 +159,12 @@ def judge(h, clock, control, nodes, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     error = estimate(h, clock, nodes, scene, control.length, speed)
-    wanted = next_length(h, error, control.tolerance, ESTIMATE)
+    wanted = next_length(h, error, clock, control.tolerance, ESTIMATE)
     if not error <= control.tolerance:
         return wanted
     # not of an attempt: one that fails may have run away
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
+    clock.error = error
     # a step cut short by a sample says little about a longer one
     if h < clock.next_step:
         wanted = max(wanted, clock.next_step)

@@ -151,13 +151,15 @@ def react(time, clock, nodes, rows, saddle, curves, scene):
     clear_reaction(rows, nodes)
     acceleration_right_side(rows, nodes)
     first = worst = worst_rate(rows, saddle)
+    # far better than the step
+    enough = max(ROUND_OFF, 1e-4 * scene.control[0].tolerance)
     for _ in range(REFINEMENTS):
         solve_rows(saddle, rows, 1.0)
         scatter_delta(rows, nodes)
         acceleration_right_side(rows, nodes)
         previous, worst = worst, worst_rate(rows, saddle)
         # a row that is redundant at a singular posture keeps what is left
-        if worst <= ROUND_OFF * first or not worst < 0.5 * previous:
+        if worst <= enough * first or not worst < 0.5 * previous:
             break
 
 

@@ -300,11 +300,12 @@ def judge(h, clock, control, nodes, rows, saddle, scene):
         if JOINTS:
             project_estimate(scene.errors, k, nodes, rows, saddle)
     error = step_error(scene.errors, control.length, speed)
-    wanted = next_length(h, error, control.tolerance, ORDER)
+    wanted = next_length(h, error, clock, control.tolerance, ORDER)
     if not error <= control.tolerance:
         return wanted
     # not of an attempt: one that fails may have run away
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
+    clock.error = error
     # a step cut short says little about a longer one
     if h < 0.5 * clock.next_step:
         wanted = max(wanted, clock.next_step)

@@ -37,6 +37,7 @@ CLOCK = Record(
     passes=("count", "passes of the last iteration for implicit stages"),
     rejected=("count", "attempts at a step that were too long"),
     fastest=("m/s", "largest speed so far, to which the error of a step is compared"),
+    error=("1", "estimated error of the last step over size and speed"),
     located=("count", "onsets, ends of contacts and corners of laws located"),
     residual=("1", "largest position residual over model size so far"),
     rate_residual=("1/s", "largest velocity residual over model size so far"),

@@ -34,3 +34,5 @@ ENTRIES = (
     LARGEST,
     IMBALANCE,
 ) = range(len(ENTRIES))
+# what the energy at the start is the sum of
+STORED = (KINETIC, POTENTIAL, SPRING_STORED, CONTACT_STORED, FRICTION_STORED)

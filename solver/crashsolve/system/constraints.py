@@ -10,17 +10,15 @@ Eq. 5 prints the opposite sign of lambda).
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.saddle import factorise
 from crashsolve.foundation.vec3 import (
-    add,
     add_scaled,
     add_to,
-    cross,
     dot,
     matvec,
     put,
     scale,
-    sub,
     vec,
 )
+from crashsolve.system.kinetics import accelerations
 
 
 @kernel
@@ -120,22 +118,14 @@ def velocity_residual(rows, nodes):
 
 @kernel
 def acceleration_right_side(rows, nodes):
-    """gamma - D M^-1 (g + D^T lambda) of every row, lambda as it stands. Writes: rows.right."""
+    """gamma - D v_dot of every row, lambda as it stands. Writes: nodes.v_dot, w_dot, rows.right."""
+    accelerations(nodes)
     for k in range(rows.shape[0]):
         row = rows[k]
-        a = weighed_force(row.X, 0, nodes[row.node_a])
-        b = weighed_force(row.X, 6, nodes[row.node_b])
-        row.right = row.gamma - a - b
-
-
-@kernel
-def weighed_force(X, c, body):
-    """Columns c to c + 5 of X times the force; w_dot = W (tau - w x L)."""
-    force = add(vec(body.force), vec(body.joint_force))
-    torque = add(vec(body.torque), vec(body.joint_torque))
-    return dot((X[c], X[c + 1], X[c + 2]), force) + dot(
-        (X[c + 3], X[c + 4], X[c + 5]), sub(torque, cross(vec(body.w), vec(body.L)))
-    )
+        D, a, b = row.D, nodes[row.node_a], nodes[row.node_b]
+        x = dot((D[0], D[1], D[2]), vec(a.v_dot)) + dot((D[3], D[4], D[5]), vec(a.w_dot))
+        x += dot((D[6], D[7], D[8]), vec(b.v_dot)) + dot((D[9], D[10], D[11]), vec(b.w_dot))
+        row.right = row.gamma - x
 
 
 @kernel

@@ -48,14 +48,12 @@ class Engine:
         self.bind()
         self._advance = load(compose(model), self._present)
 
-    @property
-    def clock(self) -> Any:
-        """Time, step, cycle and totals."""
-        return self.state.clock.view(np.recarray)[0]
-
     def bind(self) -> None:
         """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
         m, s = self.model, self.state
+        # time, step, cycle and totals: at present, and of the last sample
+        self.clock: Any = s.clock.view(np.recarray)[0]
+        self.sampled: Any = self._clock.view(np.recarray)[0]
         shared = (
             group_arrays(m, s) | m.saddle._asdict() | {"control": m.control, "curves": m.curves}
         )
@@ -99,23 +97,19 @@ class Engine:
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""
         s = self.state
+        reactions = s.rows["reaction"].tolist()
         # friction in joints needs the reactions, which need the friction
         for _ in range(PASSES):
-            known = s.rows["reaction"].copy()
+            known = reactions
             self._advance(self.clock["time"], True, self._present)
-            change = np.abs(s.rows["reaction"] - known).max(initial=0.0)
-            if change <= 1e-12 * np.abs(known).max(initial=0.0):
+            reactions = s.rows["reaction"].tolist()
+            change = max((abs(a - b) for a, b in zip(reactions, known, strict=True)), default=0.0)
+            if change <= 1e-12 * max(map(abs, known), default=0.0):
                 break
         s.rows["multiplier"] = s.rows["before"] = s.rows["reaction"]
-        stored = [
-            energy.KINETIC,
-            energy.POTENTIAL,
-            energy.SPRING_STORED,
-            energy.CONTACT_STORED,
-            energy.FRICTION_STORED,
-        ]
-        s.ledger[energy.INITIAL] = s.ledger[stored].sum()
-        s.ledger[energy.LARGEST] = s.ledger[stored].max(initial=0.0)
+        ledger = s.ledger.tolist()
+        stored = [ledger[k] for k in energy.STORED]
+        s.ledger[energy.INITIAL], s.ledger[energy.LARGEST] = sum(stored), max(0.0, *stored)
         s.ledger[energy.IMBALANCE] = 0.0
 
     def advance(self, until: float) -> None:
@@ -158,11 +152,6 @@ class Engine:
         if clock["status"] in (NOT_FINITE, ENERGY, POSITION):
             raise self._stop(clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
-
-    @property
-    def sampled(self) -> Any:
-        """Clock of the last sample."""
-        return self._clock.view(np.recarray)[0]
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
