@@ -1,12 +1,13 @@
 """The battery: every scene by every method and setting, estimated errors against true ones."""
 
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from scenes import Known, Scene, all_scenes
+from scenes import Known, Scene, kinds
 
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.deck.source import Position
@@ -17,6 +18,7 @@ from crashsolve.estimate.expression import evaluate
 from crashsolve.estimate.samples import Samples
 from crashsolve.estimate.statistic import Series, refined
 from crashsolve.model.build import build
+from crashsolve.study.trials import cores
 
 # methods that choose their step
 CHOOSERS = (
@@ -133,9 +135,15 @@ def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> 
 
 
 def run_all() -> list[list[Judged]]:
-    """All runs, each a list of its numbers."""
+    """All runs, each a list of its numbers; kinds of scenes side by side on the cores."""
+    with ProcessPoolExecutor(cores()) as pool:
+        return [run for runs in pool.map(run_kind, range(len(kinds()))) for run in runs]
+
+
+def run_kind(number: int) -> list[list[Judged]]:
+    """The runs of one kind of scenes."""
     with TemporaryDirectory() as folder:
-        return [run for scene in all_scenes() for run in judge(scene, Path(folder))]
+        return [run for scene in kinds()[number] for run in judge(scene, Path(folder))]
 
 
 def share(numbers: list[Judged]) -> float:

@@ -496,7 +496,7 @@ def beams(damping: float) -> Scene:
     )
 
 
-def all_scenes() -> list[Scene]:
+def kinds() -> list[list[Scene]]:
     """Every scene of the battery; those of one kind share their machine code."""
     made: list[tuple[Callable[[float], Scene], Sequence[float]]] = [
         (oscillators, (100.0, 900.0)),
@@ -511,5 +511,5 @@ def all_scenes() -> list[Scene]:
         (rigid_bar, (1.2e8, 1.2e6)),
         (beams, (0.0, 1e-4)),
     ]
-    scenes = [make(value) for make, values in made for value in values]
-    return [*scenes, heavy_top(), squeezer(), governor()]
+    found = [[make(value) for value in values] for make, values in made]
+    return [*found, [heavy_top()], [squeezer()], [governor()]]
