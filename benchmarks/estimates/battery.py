@@ -1,20 +1,36 @@
 """The battery: every scene by every method and setting, estimated errors against true ones."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from scenes import Known, Scene, all_scenes
+from scenes import Known, Scene, kinds
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.read import Deck, read_deck
+from crashsolve.deck.source import Position
+from crashsolve.deck.watch import Watch
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import estimate_in_memory
 from crashsolve.estimate.expression import evaluate
 from crashsolve.estimate.samples import Samples
 from crashsolve.estimate.statistic import Series, refined
+from crashsolve.model.build import build
+from crashsolve.study.trials import cores
 
+# methods that choose their step
+CHOOSERS = (
+    "dormand_prince_5",
+    "dormand_prince_8",
+    "generalized_alpha",
+    "radau_iia_5",
+    "auto",
+)
+# and those for scenes whose steps stiffness would bound
+STIFF = CHOOSERS[2:]
+LIMITS = {"control.step": "auto", "control.energy_limit": "off"}
 # an error below this share of the scale is round-off, and what joints are closed to
 ROUND_OFF = 1e-10
 FACTOR = 10.0
@@ -30,12 +46,13 @@ class Judged:
     number: str
     estimate: Estimate
     true: float
+    floor: float
     price: float
 
     @property
     def counts(self) -> bool:
-        """Whether the error is one of the method and not round-off."""
-        return self.true > ROUND_OFF * self.estimate.scale
+        """Whether the error is one of the method and not round-off, or of the truth."""
+        return self.true > self.floor * self.estimate.scale
 
     @property
     def ratio(self) -> float:
@@ -48,47 +65,57 @@ class Judged:
         return 1.0 / FACTOR <= self.ratio <= FACTOR
 
 
-def settings(scene: Scene) -> Iterator[tuple[str, str, dict[str, str]]]:
-    """Method, setting in words, overrides of control."""
+def settings(scene: Scene) -> Iterator[tuple[str, str, dict[str, str], int]]:
+    """Method, setting in words, overrides of control, number of samples."""
     for step in map(float, scene.steps):
-        yield "rattle", f"step {step:.3g}", {"control.step": f"{step!r} s"}
+        yield "rattle", f"step {step:.3g}", {"control.step": f"{step!r} s"}, 1000
     for safety in scene.safeties:
-        yield "rattle", f"safety {safety:g}", {"control.safety": repr(safety), "samples": "200"}
-    for method in ("dormand_prince_5", "dormand_prince_8"):
-        for tolerance in scene.tolerances:
-            yield (
-                method,
-                f"tolerance {tolerance:g}",
-                {"control.tolerance": repr(tolerance), "samples": "50"},
-            )
-        for step in map(float, scene.fixed):
-            yield method, f"step {step:.3g}", {"control.step": f"{step!r} s", "samples": "100"}
+        yield "rattle", f"safety {safety:g}", {"control.safety": repr(safety)}, 200
+    for method in STIFF if scene.is_stiff else CHOOSERS:
+        for tolerance in scene.tolerances if method != "auto" else scene.tolerances[1::2]:
+            yield method, f"tolerance {tolerance:g}", {"control.tolerance": repr(tolerance)}, 50
+        for step in map(float, scene.fixed if method != "auto" else ()):
+            yield method, f"step {step:.3g}", {"control.step": f"{step!r} s"}, 100
 
 
 def judge(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
     """The numbers of every run of a scene."""
-    path = folder / "deck.yaml"
-    watch = [
-        f'  - {{channel: "{k.channel}", statistic: {s!r}}}'
-        for k in scene.known
-        for s in k.statistics
-    ]
-    lines = [
-        f"parameters: {{end: {float(scene.end)!r}, samples: 1000}}",
-        "control: {end_time: '${end}', energy_limit: 'off'}",
-        "output: {history: {interval: '${end/samples}'}}",
-    ]
-    path.write_text("\n".join([*lines, scene.deck, "watch:", *watch]) + "\n", "utf-8")
-    for method, words, overrides in settings(scene):
-        deck = read_deck(path, {"control.integrator": method, **overrides})
+    path = scene.deck
+    if isinstance(path, str):
+        path = folder / "deck.yaml"
+        path.write_text(f"control: {{end_time: {float(scene.end)!r}}}\n{scene.deck}\n", "utf-8")
+    for method, words, overrides, samples in settings(scene):
+        deck = with_watches(read_deck(path, LIMITS | overrides), method, samples, scene)
         main, estimates, price = estimate_in_memory(deck)
         numbers = [(k, s) for k in scene.known for s in k.statistics]
         yield [
             Judged(
-                scene.name, method, words, f"{k.channel} {s}", e, true_error(k, s, e, main), price
+                *(scene.name, method, words, f"{k.channel} {s}", e),
+                *(true_error(k, s, e, main), max(ROUND_OFF, k.floor), price),
             )
             for (k, s), e in zip(numbers, estimates, strict=True)
         ]
+
+
+def with_watches(deck: Deck, method: str, samples: int, scene: Scene) -> Deck:
+    """The deck with the method, the samples and the watched numbers of the battery."""
+    control = deck.control.model_copy(update={"integrator": method, "end_time": scene.end})
+    deck = replace(deck, control=control)
+    # as a run does it: companions must not choose anew
+    if method == "auto":
+        method = build(deck)[0].integrator
+        control = control.model_copy(update={"integrator": method})
+    history = deck.output.history.model_copy(update={"interval": scene.end / samples})
+    watch = [Watch(channel=k.channel, statistic=s) for k in scene.known for s in k.statistics]
+    return replace(
+        deck,
+        control=control,
+        output=deck.output.model_copy(update={"history": history}),
+        watch=watch,
+        watch_at=[Position(deck.path, 1, 1)] * len(watch),
+        expect=[],
+        expect_at=[],
+    )
 
 
 def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> float:
@@ -108,9 +135,15 @@ def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> 
 
 
 def run_all() -> list[list[Judged]]:
-    """All runs, each a list of its numbers."""
+    """All runs, each a list of its numbers; kinds of scenes side by side on the cores."""
+    with ProcessPoolExecutor(cores()) as pool:
+        return [run for runs in pool.map(run_kind, range(len(kinds()))) for run in runs]
+
+
+def run_kind(number: int) -> list[list[Judged]]:
+    """The runs of one kind of scenes."""
     with TemporaryDirectory() as folder:
-        return [run for scene in all_scenes() for run in judge(scene, Path(folder))]
+        return [run for scene in kinds()[number] for run in judge(scene, Path(folder))]
 
 
 def share(numbers: list[Judged]) -> float:

@@ -1,4 +1,4 @@
-"""The estimated errors that a run has left in status.json, beside the numbers they belong to."""
+"""Estimated errors, steps and cost that a run has left in status.json."""
 
 from typing import Any
 
@@ -7,6 +7,15 @@ from crashpost.statistic import Window
 from crashpost.table import number, text_table
 
 HEADER = ("watched channel", "value", "unit", "error", "of its scale", "how")
+# key in status.json, what it is, unit
+COSTS = (
+    ("cycle", "steps accepted", ""),
+    ("rejected", "steps rejected", ""),
+    ("constraint_position", "constraint error in position, over the model's size", ""),
+    ("constraint_velocity", "constraint error in velocity, over the model's size", "1/s"),
+    ("energy_balance", "energy balance at the end", "%"),
+    ("real_time_factor", "CPU time of a simulated second", "s"),
+)
 
 
 def watched(result: Result) -> list[dict[str, Any]]:
@@ -31,13 +40,34 @@ def error_of(result: Result, channel: str, statistic: str, during: Window | None
 
 def accuracy_table(result: Result) -> str:
     """The watched channels as text, empty without any."""
-    rows = [_row(entry) for entry in watched(result)]
+    rows = accuracy_rows(result)
     return text_table(HEADER, rows) if rows else ""
 
 
+def accuracy_rows(result: Result) -> list[list[str]]:
+    """A row for each watched channel, under HEADER."""
+    return [_row(entry) for entry in watched(result)]
+
+
+def worst_error(result: Result) -> float | None:
+    """Largest estimated error over the scale of its channel; None where nothing was estimated."""
+    shares = [_relative(entry) for entry in watched(result)]
+    return max((share for share in shares if share is not None), default=None)
+
+
+def cost_rows(result: Result) -> list[list[str]]:
+    """Steps, errors of the constraints and CPU time, each with its name; what is there of them."""
+    status = result.status
+    rows = [[label, _told(status.get(key), unit)] for key, label, unit in COSTS]
+    steps = status.get("average_step") or {}
+    rows += [[f"average step {phase} contact", _told(step, "s")] for phase, step in steps.items()]
+    stages = status.get("cpu_stages") or {}
+    rows += [[f"CPU time, {stage}", _told(seconds, "s")] for stage, seconds in stages.items()]
+    return [row for row in rows if row[1]]
+
+
 def _row(entry: dict[str, Any]) -> list[str]:
-    error, scale = entry.get("error"), entry.get("scale")
-    relative = f"{error / scale:.1e}" if error is not None and scale else "-"
+    error, relative = entry.get("error"), _relative(entry)
     name = f"{entry.get('channel')} {entry.get('statistic')}"
     if entry.get("during"):
         name += " from {:g} to {:g} s".format(*entry["during"])
@@ -47,6 +77,19 @@ def _row(entry: dict[str, Any]) -> list[str]:
         "-" if value is None else number(value),
         str(entry.get("unit") or "-"),
         "-" if error is None else f"{error:.1e}",
-        relative,
+        "-" if relative is None else f"{relative:.1e}",
         str(entry.get("how", "")),
     ]
+
+
+def _relative(entry: dict[str, Any]) -> float | None:
+    """Error over scale."""
+    error, scale = entry.get("error"), entry.get("scale")
+    return None if error is None or not scale else float(error) / float(scale)
+
+
+def _told(value: Any, unit: str) -> str:
+    """A number with its unit, empty for what the run did not say."""
+    if not isinstance(value, int | float):
+        return ""
+    return f"{value if isinstance(value, int) else number(value)} {unit}".rstrip()

@@ -8,6 +8,8 @@ from datetime import UTC, datetime
 from itertools import islice
 
 from crashpost import draw, gallery, ledger, logbook
+from crashpost.accuracy import HEADER as ERRORS
+from crashpost.accuracy import accuracy_rows, cost_rows, worst_error
 from crashpost.comparison import Comparison, comparisons
 from crashpost.errors import PostError
 from crashpost.expectation import Verdict, judge
@@ -40,10 +42,12 @@ class _Report:
         sections = [
             block("curves", "Curves", self.figures(chosen)),
             block("expectations", "Expectations", _verdicts(self.verdicts)),
+            block("errors", "Estimated errors", _errors(result)),
             block(
                 "energy", "Energy", _energies(result), self.figures(gallery.energy_figures(result))
             ),
             block("momentum", "Momentum", self.figures(gallery.momentum_figures(result))),
+            block("cost", "Steps and cost", _cost(result)),
             block("warnings", "Warnings", _warnings(result)),
             block("peaks", "Peaks", _peaks(result)),
             block("model", "Model", _model(result)),
@@ -98,6 +102,9 @@ def _facts(result: Result, verdicts: list[Verdict]) -> list[tuple[str, str]]:
     ):
         if value is not None:
             facts.append((f"{draw.tick(float(f'{value:.2g}'))} %", caption))
+    error = worst_error(result)
+    if error is not None:
+        facts.append((f"{error:.1e}", "largest estimated error, of its channel's scale"))
     warnings = sum(count for count, _ in logbook.warnings(result.log))
     return [*facts, (str(warnings), "warning" if warnings == 1 else "warnings")]
 
@@ -137,6 +144,15 @@ def _verdicts(verdicts: list[Verdict]) -> str:
         "because",
     )
     return table(header, rows, ("", "name", "", "num", "num", "num", "num", "unit", ""))
+
+
+def _errors(result: Result) -> str:
+    """The watched channels, each with its estimated error and how that was found."""
+    return table(ERRORS, accuracy_rows(result), ("name", "num", "unit", "num", "num", ""))
+
+
+def _cost(result: Result) -> str:
+    return table(("", "value"), cost_rows(result), ("", "num"))
 
 
 def _energies(result: Result) -> str:

@@ -2,7 +2,7 @@
 
 crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart]
 crashsolve check DECK    crashsolve explain DECK
-crashsolve study DECK [--steps A,B,...] [--integrators A,B] [--channel CHANNEL[:STATISTIC]]
+crashsolve study DECK [--steps A,B] [--integrators A,B] [--meshes 1,2] [--channel C[:STATISTIC]]
 crashsolve schema    crashsolve keywords    crashsolve equations
 """
 
@@ -83,8 +83,8 @@ def _deck_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="override a parameter of the deck, or a field of its control as in control.step=1e-4; "
-        "may be repeated",
+        help="override a parameter of the deck, or a field of its control or of a part as in "
+        "control.step=1e-4, parts.tube.mesh.division=2; may be repeated",
     )
 
 
@@ -98,7 +98,14 @@ def _study_arguments(parser: argparse.ArgumentParser) -> None:
         help="time steps in s, or auto; default: those of the deck times 4, 2, 1, 1/2, 1/4, 1/8",
     )
     parser.add_argument("--tolerances", metavar="T,...", help="for methods that choose their step")
-    parser.add_argument("--integrators", default="", metavar="NAME,...", help="default: the deck's")
+    parser.add_argument(
+        "--integrators", default="", metavar="NAME,...", help="default: all that can run the deck"
+    )
+    parser.add_argument(
+        "--meshes",
+        metavar="M,...",
+        help="factors on the number of elements of every part; default: 1,2,4 where there are any",
+    )
     parser.add_argument(
         "--channel",
         action="append",
@@ -147,6 +154,7 @@ def _study(options: argparse.Namespace) -> int:
         methods=[name.strip() for name in options.integrators.split(",") if name.strip()],
         steps=options.steps,
         tolerances=options.tolerances,
+        meshes=options.meshes,
         channels=options.channel,
         reference=options.reference,
         target=options.target,

@@ -4,23 +4,17 @@ Signals: SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is
 send it along). The words stop, dump and states in control.txt of the results folder do the same.
 """
 
-import os
-import platform
 import signal
-import socket
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import replace
-from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import crashsolve
-from crashsolve.deck.dump import as_data
+from crashsolve.account import Account, cpu_time, provenance
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.foundation.errors import (
     CrashsolveError,
@@ -31,7 +25,6 @@ from crashsolve.foundation.errors import (
 )
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
-from crashsolve.model.ledger import ENTRIES, IMBALANCE, KINETIC, LARGEST
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
@@ -40,12 +33,12 @@ from crashsolve.output.peaks import write_peaks
 from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
-from crashsolve.output.status import Status, write_status
 from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.resume import changing, restore
 from crashsolve.sampling import Schedule
 from crashsolve.system.engine import Engine
+from crashsolve.totals import write_totals
 
 if TYPE_CHECKING:
     from crashsolve.estimate.conduct import Estimating
@@ -73,12 +66,6 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
     spent = {"read": was_read - begun, "build": built - was_read}
     spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
     return Run(deck, engine, folder, spent, wall_begun).execute(restart)
-
-
-def cpu_time() -> float:
-    """CPU time of this process and of the one that compiled for it [s]."""
-    # os.times() counts in hundredths of a second, and a short run is over within one
-    return time.process_time() + sum(os.times()[2:4])
 
 
 class Run:
@@ -116,8 +103,11 @@ class Run:
         if self.state_step < self.history_step:
             notes.append(f"states are written with the samples, {self.history_step:.3g} s apart")
         self.log = Log(self.folder / "log.txt", append=dump is not None)
+        self.account = Account(
+            self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun
+        )
         try:
-            self._banner()
+            self.account.banner()
             for text in (*notes, *self.engine.model.warnings):
                 self.log.warning(text)
             self._begin(dump)
@@ -151,8 +141,8 @@ class Run:
         for act in (
             lambda: self.log.error(message),
             self.files.close,
-            lambda: self._status("failed", code, message),
-            self._summary,
+            lambda: self.account.status("failed", code, message),
+            lambda: write_totals(self.account),
             lambda: self.log.finish(normal=False),
         ):
             with suppress(OutputError):
@@ -163,7 +153,7 @@ class Run:
         # both measure from the start of the run, whatever a dump brings
         self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
         resumed = None if dump is None else self._restore(*dump)
-        self.estimating = self._prepare_estimates(dump)
+        self.estimating = self.account.estimating = self._prepare_estimates(dump)
         self._open(resumed)
 
     def _open(self, resumed: float | None) -> None:
@@ -173,7 +163,7 @@ class Run:
             self.engine.start()
             self._refuse_misfits()
         self.cpu["compile or load"] += cpu_time() - cpu
-        metadata = self._metadata()
+        metadata = provenance(self.deck, self.engine)
         self.history = HistoryWriter(
             self.folder / "history.h5", self.histories.families, metadata, resumed
         )
@@ -206,14 +196,15 @@ class Run:
         if self.estimating is None:
             return False
         self.files.close()
-        self._status("running", None, "estimating errors")
+        self.account.status("running", None, "estimating errors")
         cycles = int(self.engine.clock["cycle"])
-        return self.estimating.judge(self.folder / "history.h5", cycles, self._spent())
+        return self.estimating.judge(self.folder / "history.h5", cycles, self.account.spent())
 
     def _start_anew(self) -> None:
         """The same deck from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
-        self.engine = Engine(*build(self.deck))
+        self.engine = self.account.engine = Engine(*build(self.deck))
+        self.account.phases = None
         self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}
@@ -239,7 +230,7 @@ class Run:
     def _march(self) -> None:
         """Advance from sample to sample until the end."""
         end = self.schedule.end
-        self.phases = ContactPhases(self.engine)
+        phases = self.account.phases = ContactPhases(self.engine)
         k = self.schedule.number(float(self.engine.clock["sampled"]))
         target = self.schedule.time(k)
         while target < end:
@@ -253,7 +244,7 @@ class Run:
                 advanced = time.process_time()
                 self.cpu["steps"] += advanced - begun
             self.engine.sample(target)
-            self.phases.count()
+            phases.count()
             self._write(target, force=target == end)
             self._obey()
             self.cpu["output"] += time.process_time() - advanced
@@ -264,7 +255,7 @@ class Run:
         if force or self._due(now, self.state_step):
             self.states.write(now, self.pictures.fields())
         if force or self._due(now, self.log_step):
-            self._log_line()
+            self.account.progress()
         if self.restart_step and self._due(now, self.restart_step):
             self._dump()
 
@@ -274,160 +265,14 @@ class Run:
         before = begun - self.history_step
         return int(begun / step + 1e-9) > int(before / step + 1e-9)
 
-    def _log_line(self) -> None:
-        e, clock = self.engine, self.engine.clock
-        limiter = "samples, tolerance or deck" if len(e.state.stages) else "samples, turn or deck"
-        if clock["limit_node"]:
-            limiter = e.model.bodies[int(clock["limit_node"])]
-        self.log.cycle(
-            int(clock["cycle"]),
-            float(clock["time"]),
-            float(clock["step"]),
-            float(e.ledger[KINETIC]),
-            self._balance(),
-            float(clock["residual"]),
-            limiter,
-        )
-        self._status("running", None, "")
-        span = self.deck.control.end_time - self.deck.control.start_time
-        self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
-
-    def _balance(self) -> float:
-        ledger = self.engine.ledger
-        return float(100.0 * ledger[IMBALANCE] / ledger[LARGEST]) if ledger[LARGEST] > 0 else 0.0
-
-    def _status(self, state: RunState, code: ExitCode | None, message: str) -> None:
-        clock = self.engine.clock
-        write_status(
-            self.folder / "status.json",
-            Status(
-                state,
-                float(clock["time"]),
-                int(clock["cycle"]),
-                self.deck.control.end_time,
-                float(clock["step"]),
-                self._balance(),
-                cpu_time(),
-                time.monotonic() - self.wall_begun,
-                None if code is None else int(code),
-                message,
-                cpu_steps=self.cpu["steps"],
-                **self._results(),
-            ),
-        )
-
-    def _results(self) -> dict[str, Any]:
-        """What status.json tells of steps, constraints, CPU time and watched channels so far."""
-        clock, found = self.engine.clock, dict[str, Any]()
-        if hasattr(self, "phases") and self.phases.cycles():
-            found |= {
-                "average_step": self.phases.averages(),
-                "real_time_factor": self._spent() / self.phases.simulated(),
-            }
-        if self.estimating is not None:
-            self.cpu["estimates"] = self.estimating.cpu
-            found["watched"] = self.estimating.entries()
-        return found | {
-            "rejected": int(clock["rejected"]),
-            "constraint_position": float(clock["residual"]),
-            "constraint_velocity": float(clock["rate_residual"]),
-            "cpu_stages": dict(self.cpu),
-        }
-
-    def _spent(self) -> float:
-        """CPU time of the run proper: steps and output [s]."""
-        return self.cpu["steps"] + self.cpu["output"]
-
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
-        self._status(state, code, message)
+        self.account.status(state, code, message)
         for text in (*self.engine.law_warnings(), *self.engine.step_warnings()):
             self.log.warning(text)
-        self._summary()
+        write_totals(self.account)
         self.log.finish(normal=code == ExitCode.NORMAL)
-
-    def _summary(self) -> None:
-        clock = self.engine.clock
-        saddle = self.engine.model.saddle
-        facts = {
-            "steps accepted, rejected": f"{int(clock['cycle'])}, {int(clock['rejected'])}",
-            "onsets located": f"{int(clock['located'])}",
-            "energy balance": f"{self._balance():.3g} %",
-        }
-        if self.engine.model.joints:
-            facts["constraint rows, redundant"] = f"{saddle.rows()}, {saddle.redundant()}"
-            facts["iterations per step"] = (
-                f"{clock['iterations'] / max(int(clock['cycle']), 1):.2f}"
-            )
-            facts["largest constraint error, in position and velocity"] = (
-                f"{float(clock['residual']):.2g} and {float(clock['rate_residual']):.2g} 1/s, "
-                "of the model's size"
-            )
-        self.log.line()
-        self.log.facts(facts | self._cost())
-        self._energies()
-        self.log.timing(self.cpu)
-        self.log.citations(self.engine.model.citations)
-
-    def _cost(self) -> dict[str, str]:
-        """Average steps and what they cost; nothing of a run that took none."""
-        if not hasattr(self, "phases") or not self.phases.cycles():
-            return {}
-        simulated = self.phases.simulated()
-        return self.phases.average_steps() | {
-            "CPU per step": f"{1e6 * self.cpu['steps'] / self.phases.cycles():.3g} us",
-            "real-time factor": f"{self._spent() / simulated:.3g} s of CPU per simulated second",
-        }
-
-    def _energies(self) -> None:
-        """The ledger at the end, in J and in % of the largest energy."""
-        ledger = self.engine.ledger
-        largest = float(ledger[LARGEST]) or 1.0
-        lines = [
-            f"{name.replace('_', ' '):20} {value:14.6e} J {100 * value / largest:9.3f} %"
-            for name, value in zip(ENTRIES, map(float, ledger), strict=True)
-            if value != 0.0
-        ]
-        self.log.section("energy", lines)
-
-    def _banner(self) -> None:
-        model = self.engine.model
-        counts = {k: len(v) for k, v in self.deck.entries.items() if v}
-        self.log.banner(
-            f"crashsolve {crashsolve.__version__}",
-            {
-                "deck": str(self.deck.path),
-                "title": self.deck.title,
-                "host": socket.gethostname(),
-                "model": ", ".join(f"{n} {k}" for k, n in counts.items()) or "empty",
-                "mass": f"{model.mass.sum():.6g} kg",
-                "size": f"{model.size:.4g} m",
-                "integrator": ": ".join(filter(None, (model.integrator, model.choice))),
-            },
-        )
-
-    def _metadata(self) -> dict[str, Any]:
-        report = self.deck.output.report
-        return {
-            "title": self.deck.title,
-            "deck_name": self.deck.path.name,
-            "deck_text": self.deck.text,
-            "deck_sources": {path.name: path.read_text("utf-8") for path in self.deck.files},
-            "parameters": self.deck.parameters,
-            "expect": self.deck.expectations(),
-            "report": as_data(report) if report is not None else None,
-            "citations": self.engine.model.citations,
-            "versions": {
-                "crashsolve": crashsolve.__version__,
-                "python": platform.python_version(),
-                "numpy": np.__version__,
-                "numba": version("numba"),
-                "h5py": version("h5py"),
-            },
-            "host": socket.gethostname(),
-            "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        }
 
     def _dump(self) -> None:
         self.history.flush()

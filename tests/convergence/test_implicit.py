@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from test_integrator_order import IMPACT
+from test_integrator_order import IMPACT, RETURNED
 from test_runge_kutta import END, SCENE, SLOPE, posture, run
 
 from crashsolve.deck.read import read_deck
@@ -133,18 +133,16 @@ def test_stiff_bushings_become_hinges_at_steps_of_the_motion(method: str, tmp_pa
 
 @BOTH
 def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path) -> None:
-    # speed ratio that solves chi (1 + x) = ln[(1 + chi) / (1 - chi x)], chi = 9/16 (E1)
-    exact = 0.7252408
     errors, steps = [], []
     for tolerance in (1e-4, 1e-6, 1e-8):
         engine = run(tmp_path, IMPACT, 2e-3, integrator=method, tolerance=tolerance)
-        errors.append(abs(engine.state.nodes["v"][1, 2] - exact))
+        errors.append(abs(engine.state.nodes["v"][1, 2] - RETURNED))
         steps.append(int(engine.clock["cycle"]))
         # its beginning and its end
         assert engine.clock["located"] == 2
     order = -np.log(errors[-1] / errors[0]) / np.log(steps[-1] / steps[0])
-    # the reference has seven digits; steps fall differently on the impact each time
-    assert order > 2 - SLOPE or errors[-1] < 1e-6, (errors, steps)
+    # steps fall differently on the impact each time, so single slopes scatter
+    assert order > 2 - SLOPE, (errors, steps)
 
 
 @BOTH

@@ -201,6 +201,31 @@ def test_a_wrong_field_of_control_is_refused(tmp_path: Path) -> None:
     assert message.startswith(start)
 
 
+ROD = """control: {end_time: 1}
+materials: {m: {type: elastic, young: 1, poisson: 0, density: 1}}
+sections: {s: {type: circle, radius: 1}}
+parts:
+  rod: &rod
+    {type: beam, section: s, material: m,
+     mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}}
+  other: *rod
+"""
+
+
+def test_an_override_sets_a_field_of_one_part(tmp_path: Path) -> None:
+    parts = deck_of(tmp_path, ROD, **{"parts.rod.mesh.division": "3"}).entries["parts"]
+    assert [parts[name].card.mesh.count for name in ("rod", "other")] == [6, 2]
+
+
+def test_a_wrong_field_of_a_part_is_refused(tmp_path: Path) -> None:
+    for name, message in (
+        ("parts.rid.mesh.division", "unknown part 'rid'; did you mean 'rod'?"),
+        ("parts.rod", "which field of the part?"),
+        ("parts.rod.mesh.divsion", "unknown field 'divsion'; did you mean 'division'?"),
+    ):
+        assert message in messages(tmp_path, ROD, **{name: "2"})[0]
+
+
 def test_an_override_may_be_an_expression(tmp_path: Path) -> None:
     assert deck_of(tmp_path, TRAIN, half="${speed/5}").parameters["half"] == 3.0
 

@@ -88,3 +88,37 @@ def test_what_measures_the_run_is_not_estimated() -> None:
     run = Samples(TIME, {name: TIME}, {name: TIME}, 20)
     found = judge.estimate(Watch("b", (name,), "final"), run, [])
     assert found.error is None and not found.is_wanted
+
+
+def test_a_largest_value_that_a_sample_has_caught_has_the_error_of_its_gap() -> None:
+    # a parabola whose top of 1 lies half way between two samples
+    top = 0.505
+    course, latched = (f"rcforc.c.{word}" for word in ("depth", "peak_depth"))
+    columns = tuple(Column(word, "", "m", "") for word in ("depth", "peak_depth"))
+    family = Family("rcforc", ("c",), columns)
+    depth = 1.0 - (TIME - top) ** 2
+    values = {course: depth, latched: np.maximum.accumulate(depth)}
+    runs = [Samples(TIME, values, {name: abs(v) for name, v in values.items()}, n) for n in (20, 9)]
+    judge = Judge({latched: [Channel(latched, family, 0, 1)]}, 5.0)
+    found = judge.estimate(Watch("d", (latched,), "final"), runs[0], runs[1:])
+    assert found.error == pytest.approx(1.0 - depth.max(), rel=1e-6)
+    assert found.value == depth.max()
+    assert found.watch.channels == (latched,)
+
+
+def test_a_largest_value_of_a_step_has_an_error_by_chance() -> None:
+    # steps h pass the top of a parabola at the share r of a half step: x = 1 - r^2 h^2 / 4
+    name = "rcforc.c.peak_depth"
+    family = Family(
+        "rcforc", ("c",), (Column("depth", "", "m", ""), Column("peak_depth", "", "m", ""))
+    )
+    shares = {20: 0.9, 10: 0.1, 5: 0.8}
+    runs = []
+    for n, r in shares.items():
+        x = np.full(101, 1.0 - (r / n) ** 2 / 4.0)
+        values = {"rcforc.c.depth": 0.5 * x, name: x}
+        runs.append(Samples(TIME, values, {k: abs(v) for k, v in values.items()}, n))
+    judge = Judge({name: [Channel(name, family, 0, 1)]}, 2.0)
+    found = judge.estimate(Watch("d", (name,), "final"), runs[0], runs[1:])
+    true = 1.0 - runs[0].values[name][-1]
+    assert true / 10 < (found.error or 0.0) < 10 * true

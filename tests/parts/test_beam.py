@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from bench import Bench, Law, exponential, plain, written
 
+from crashsolve.deck.read import read_deck
 from crashsolve.foundation.posture import matrix
+from crashsolve.model.build import build
 from crashsolve.model.nodes import COMPLIANT
 
 DECK = """
@@ -182,3 +184,27 @@ def acceleration(law: Law) -> np.ndarray:
     n = law.bench.nodes
     angular = np.einsum("nij,nj->ni", n.W[1:].reshape(2, 3, 3), n.torque[1:])
     return np.stack([n.force[1:] * n.mass_inv[1:, None], angular], axis=1).ravel()
+
+
+def test_divided_elements_are_the_same_beam_with_the_old_names(tmp_path: Path) -> None:
+    models = []
+    for count, division in ((2, 1), (2, 3), (6, 1)):
+        text = DECK.replace("elements: 1", f"elements: {count}, division: {division}")
+        path = tmp_path / f"{count}_{division}.yaml"
+        path.write_text(text.replace("DAMPING", "0.1"), "utf-8")
+        models.append(build(read_deck(path)))
+    (coarse, at_coarse), (divided, at_divided), (fine, at_fine) = models
+    names = ["s_start", "s_start_1", "s_start_2", "s_1", "s_1_1", "s_1_2", "s_end"]
+    assert divided.bodies[1:] == names
+    (group,) = [g for g in divided.groups if g.keyword == "parts"]
+    assert group.names == ["s_1", "s_1_1", "s_1_2", "s_2", "s_2_1", "s_2_2"]
+    # nodes, masses and elements are those of as many elements
+    for name in ("r", "q", "mass_inv"):
+        np.testing.assert_array_equal(at_divided.nodes[name], at_fine.nodes[name])
+    (same,) = [g for g in fine.groups if g.keyword == "parts"]
+    assert (group.parameters == same.parameters).all()
+    for name in coarse.bodies[1:]:
+        here, there = coarse.bodies.index(name), divided.bodies.index(name)
+        np.testing.assert_allclose(
+            at_coarse.nodes["r"][here], at_divided.nodes["r"][there], rtol=0, atol=1e-15
+        )

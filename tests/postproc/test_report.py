@@ -318,3 +318,34 @@ def test_an_impossible_plot_exits_with_2(
     code, out, err = crashpost("plot", cars, "deforc.buffer.force", *arguments)
     assert (code, out) == (2, "")
     assert words in err
+
+
+def test_the_page_tells_errors_and_cost(tmp_path: Path) -> None:
+    write_result(tmp_path, two_cars(), title="Cars")
+    entry = {"channel": FORCE, "statistic": "max", "during": [0.0, 0.1], "value": 6.7e6}
+    entry |= {"unit": "N", "error": 670.0, "scale": 6.7e6, "how": "2 coarser runs, order <2>"}
+    unknown = {"channel": "a.b.c", "statistic": "final", "value": 1.0, "error": None, "scale": 2.0}
+    write_status(
+        tmp_path,
+        watched=[entry, unknown | {"how": "not estimated: no other run took other steps"}],
+        rejected=7,
+        average_step={"before": 1e-3, "during": 2e-5, "after": None},
+        cpu_stages={"steps": 0.25},
+        real_time_factor=0.5,
+    )
+    text, problems = report(Result(tmp_path))
+    assert not problems
+    errors = text.split('id="errors"')[1].split("</section>")[0].replace("<wbr>", "")
+    for words in ("1.0e-04", "6.7e+02", "from 0 to 0.1 s", "order &lt;2&gt;", "not estimated"):
+        assert words in errors
+    assert "<b>1.0e-04</b><span>largest estimated error" in text
+    cost = text.split('id="cost"')[1].split("</section>")[0]
+    for what, value in (("steps rejected", "7"), ("average step during contact", "2e-05 s")):
+        assert re.search(rf"<td>{what}</td><td class=.num.>{value}</td>", cost)
+    assert "after contact" not in cost
+    assert "CPU time, steps" in cost
+
+
+def test_without_estimates_there_is_no_table_of_them(tmp_path: Path) -> None:
+    text, _ = report(write(tmp_path))
+    assert 'id="errors"' not in text

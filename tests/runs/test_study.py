@@ -12,8 +12,8 @@ from command import crashsolve
 from crashsolve.deck.read import read_deck
 from crashsolve.integrators.rattle import ORDER
 from crashsolve.study.convergence import examine, parting_time
-from crashsolve.study.findings import find
-from crashsolve.study.settings import Setting, settings
+from crashsolve.study.findings import cheapest, find
+from crashsolve.study.settings import Series, Setting, settings, suited
 from crashsolve.study.trials import Trial
 from crashsolve.study.watch import Watch
 
@@ -30,7 +30,8 @@ pytestmark = pytest.mark.xdist_group("runs")
 def study(folder: Path, *words: Any, **changes: str) -> str:
     """What a study of the pendulum prints; a few hundred steps cost less than a compiler."""
     done = crashsolve(
-        *("study", PENDULUM, "-o", folder, "--steps", ",".join(STEPS), *words),
+        *("study", PENDULUM, "-o", folder, "--integrators", "rattle"),
+        *("--steps", ",".join(STEPS), *words),
         **({"NUMBA_DISABLE_JIT": "1"} | changes),
     )
     assert done.returncode == 0, done.stdout + done.stderr
@@ -162,7 +163,7 @@ def test_default_settings_are_multiples_of_the_steps_of_the_deck(tmp_path: Path)
     deck = read_deck(PENDULUM, {"control.step": "auto", "control.step_max": "0.5"})
     auto = settings(deck, ("rattle", "other"), None, None)
     assert [s.label for s in auto[:6]] == ["auto*4", "auto*2", "auto", "auto/2", "auto/4", "auto/8"]
-    assert [s.method for s in auto] == ["rattle"] * 6 + ["other"] * 6
+    assert [s.series.method for s in auto] == ["rattle"] * 6 + ["other"] * 6
     assert auto[3].overrides["control.safety"] == "0.05"
     assert auto[3].overrides["control.step_max"] == "0.25 s"
 
@@ -197,11 +198,104 @@ def test_differences_that_stay_small_are_a_floor() -> None:
     assert found.error == pytest.approx(2e-6, rel=0.3)
 
 
+def trial(mesh: int, h: float, value: float) -> Trial:
+    """A run on elements divided by `mesh`, with steps h."""
+    made = Trial(Setting(Series("rattle", mesh), f"{h}", {}), Path(), 0, step=h, cpu_steps=mesh / h)
+    made.cycles = round(1 / h)
+    made.answers = [{"value": value, "unit": "m"}]
+    return made
+
+
+def test_steps_and_meshes_have_orders_of_their_own() -> None:
+    runs = [(m, h) for m in (1, 2, 4) for h in (0.2, 0.1, 0.05)]
+    trials = [trial(m, h, 1.0 + h**2 + 0.3 / m**2) for m, h in runs]
+    found = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
+    assert found.kind == "extrapolated of rattle, meshes x1 to x4"
+    assert found.reference[0] == pytest.approx(1.0, abs=1e-12)
+    for (m, h), t in zip(runs[:-1], trials, strict=False):
+        assert found.error(t) == pytest.approx(h**2 + 0.3 / m**2)
+    assert [found.order(trials[k]) for k in (2, 5, 8)] == pytest.approx([2.0] * 3)
+    assert found.mesh_order(trials[8]) == pytest.approx(2.0)
+    # of the finest run what shorter steps and finer meshes would still change
+    assert found.error(trials[8]) == pytest.approx(0.05**2 + 0.3 / 16)
+    assert "0.3, 0.075, 0.019 away; order 2.00 in the length of elements" in found.notes[-1]
+
+
+def test_a_mesh_is_not_its_own_judge() -> None:
+    # of no order in the mesh
+    wrong = {1: 0.5, 2: 0.1, 4: 0.03}
+    trials = [trial(m, h, 1.0 + h**2 + wrong[m]) for m in wrong for h in (0.2, 0.1, 0.05)]
+    found = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
+    finest = trials[6:]
+    # the finest mesh differs from the one before by 0.07: a third of that, if its order is 2
+    assert min(found.error(t) for t in finest) > 0.02
+    assert cheapest([found], trials, 1e-2) is None
+
+
+BAR = """
+control: {end_time: 0.08}
+output: {history: {interval: 0.01}}
+materials: {m: {type: elastic, young: 1e5, poisson: 0, density: 1000}}
+sections: {s: {type: circle, radius: 0.05}}
+parts:
+  bar:
+    type: beam
+    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}
+    section: s
+    material: m
+joints: {clamp: {type: weld, b: bar_start, at: [0, 0, 0]}}
+loads: {pull: {type: gravity, acceleration: [1, 0, 0]}}
+expect:
+  # the end falls freely until the wave from the clamp comes, at L / c = 0.1 s
+  - {channel: rbdout.bar_end.position.x - 1, statistic: final, value: 3.2e-3, tolerance: 5 %,
+     because: exact, source: g t^2 / 2}
+"""
+
+
+def test_a_mesh_converges_to_the_exact_bar(tmp_path: Path) -> None:
+    (tmp_path / "bar.yaml").write_text(BAR, "utf-8")
+    words = ["--integrators", "rattle", "--steps", "2e-3,1e-3", "--target", "0.01"]
+    done = crashsolve(
+        *("study", tmp_path / "bar.yaml", "-o", tmp_path / "study", *words),
+        NUMBA_DISABLE_JIT="1",
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "meshes: elements of all parts times 1, 2, 4" in done.stdout
+    assert "deformation: co-rotational, the only description" in done.stdout
+    with (tmp_path / "study" / "study.csv").open(encoding="utf-8") as file:
+        table = list(csv.DictReader(file))
+    assert [row["mesh"] for row in table] == ["1", "1", "2", "2", "4", "4"]
+    (name,) = [word for word in table[0] if "error against exact" in word]
+    errors = [float(row[name]) for row in table[1::2]]
+    # the elements are of order 2 in what is smooth; what runs ahead of a front falls faster
+    assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 1.85)
+    assert errors[0] == pytest.approx(0.030, abs=0.001)
+    assert "of mesh" in ", ".join(table[0])
+    assert (tmp_path / "study" / "rattle_mesh_x4_0.001" / "log.txt").exists()
+    assert "target 0.01: rattle, mesh x" in done.stdout
+
+
+def test_meshes_that_a_deck_has_not_are_refused(tmp_path: Path) -> None:
+    done = crashsolve("study", PENDULUM, "-o", tmp_path / "study", "--meshes", "1,2")
+    assert done.returncode == 2
+    assert "--meshes 1,2: error: the deck has no part whose elements can be divided" in done.stderr
+
+
+def test_all_methods_that_can_run_a_deck_are_compared() -> None:
+    able, notes = suited(read_deck(PENDULUM))
+    assert able[0] == "rattle"
+    assert set(able) >= {"dormand_prince_5", "generalized_alpha", "radau_iia_5"}
+    assert not notes
+    heap = read_deck(HERE / "mechanism.yaml")
+    able, notes = suited(heap)
+    assert len(able) + len(notes) == 5
+
+
 def test_a_published_value_the_runs_do_not_lead_to_is_reported_but_no_reference() -> None:
     trials = []
     for k, h in enumerate((0.4, 0.2, 0.1, 0.05)):
         trial = Trial(
-            Setting("rattle", f"{h}", {}), Path(), 0, cycles=k + 1, step=h, cpu_steps=1 / h
+            Setting(Series("rattle"), f"{h}", {}), Path(), 0, cycles=k + 1, step=h, cpu_steps=1 / h
         )
         trial.answers = [{"value": 1.0 + h**2, "unit": "m"}]
         trials.append(trial)
@@ -222,7 +316,7 @@ def test_a_published_value_the_runs_do_not_lead_to_is_reported_but_no_reference(
 def test_a_method_that_chooses_its_step_is_given_tolerances() -> None:
     deck = read_deck(PENDULUM, {"control.step": "auto"})
     found = settings(deck, ("dormand_prince_5", "rattle"), "1e-3", "1e-6,1e-3")
-    labels = [(setting.method, setting.label) for setting in found]
+    labels = [(setting.series.method, setting.label) for setting in found]
     chosen = [("dormand_prince_5", "tolerance 0.001"), ("dormand_prince_5", "tolerance 1e-06")]
     assert labels == [*chosen, ("rattle", "0.001")]
     assert found[1].overrides["control.tolerance"] == "1e-06"

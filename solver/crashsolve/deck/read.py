@@ -19,7 +19,7 @@ from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
 from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.output import Output
-from crashsolve.deck.overrides import set_control
+from crashsolve.deck.overrides import set_fields
 from crashsolve.deck.parameters import Parameters
 from crashsolve.deck.sections import SECTIONS
 from crashsolve.deck.source import BROKEN, Position, Table, locate
@@ -77,7 +77,7 @@ class Deck:
 
 
 def read_deck(path: Path | str, overrides: Mapping[str, str] | None = None) -> Deck:
-    """The deck in a file; `overrides` replace parameters, and fields of control as `control.step`.
+    """The deck in a file; `overrides` replace parameters, and fields such as `control.step`.
 
     Raises DeckErrors with all mistakes.
     """
@@ -96,7 +96,7 @@ class _Reader:
         if files.incomplete:
             raise DeckErrors(self.in_order())
         self.items = items_of(self.tables, self.mistakes)
-        others = set_control(self.items, overrides, path, self.mistakes)
+        others = set_fields(self.items, overrides, path, self.mistakes)
         self.parameters = Parameters(self.items["parameters"], others, self.mistakes)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
@@ -234,11 +234,12 @@ def part_nodes(
     parts: Mapping[str, Entry], bodies: Mapping[str, Item], mistakes: list[DeckError]
 ) -> list[str]:
     """Names of the nodes of all parts; one that a body has as well goes to `mistakes`."""
-    names = []
+    names: list[str] = []
     for part in parts.values():
         own = part.card.node_names(part.name)
-        for name in set(own) & set(bodies):
-            message = f"its node '{name}' has the name of a body"
+        for name in sorted(set(own) & (set(bodies) | set(names))):
+            owner = "a body" if name in bodies else "a node of another part"
+            message = f"its node '{name}' has the name of {owner}"
             mistakes.append(_placed(part.item, Mistake((), message, "rename one of them")))
         names += own
     return names

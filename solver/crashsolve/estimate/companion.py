@@ -1,8 +1,10 @@
 """A companion: the deck's model run once more in memory, coarser or finer, for watched channels.
 
-    coarseness m: fixed or longest step, safety and turn times m, tolerance times m^5
+    coarseness m: fixed or longest step, safety and turn times m; tolerance times m^q
 
-Where samples bound its steps, a coarser companion goes from every m-th of them to the next.
+q is the order of a step's error, 5 at most. A fixed step has a tolerance too: joints are closed and
+stages solved by it. Where samples bound its steps, a coarser companion goes from every m-th of them
+to the next.
 Consequence to test: a companion of coarseness 1 gives the samples of the run to the bit.
 """
 
@@ -18,31 +20,33 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
 from crashsolve.sampling import Schedule
+from crashsolve.study.settings import order_of
 from crashsolve.system.engine import Engine
 
-# the tolerance falls as the error of a step of order 5, and the step by a factor between 1.5 and 2
-TOLERANCE_POWER = 5
+# where the error of a step is of higher order the step falls by a factor between 1.5 and 2
+HIGHEST_POWER = 5
 
 
 class Abandoned(Exception):
     """The run has been asked to stop."""
 
 
-def coarsen(control: np.ndarray, coarseness: float, interval: float) -> None:
+def coarsen(control: np.ndarray, coarseness: float, interval: float, order: float | None) -> None:
     """Make the steps longer, or shorter, than the deck has them. Writes: control.
 
-    `interval` [s] is that of the samples, which bound automatic steps.
+    `interval` [s] is that of the samples, which bound automatic steps; `order` the method's.
     """
     c = control[0]
     if coarseness == 1.0:
         return
+    power = min((order or HIGHEST_POWER) + 1, HIGHEST_POWER)
+    c["tolerance"] = min(c["tolerance"] * coarseness**power, 0.5)
     if c["fixed_step"] > 0.0:
         c["fixed_step"] *= coarseness
         return
     c["step_max"] = min(c["step_max"], interval) * coarseness
     c["safety"] *= coarseness
     c["turn"] *= coarseness
-    c["tolerance"] = min(c["tolerance"] * coarseness**TOLERANCE_POWER, 0.5)
 
 
 class Companions:
@@ -53,13 +57,14 @@ class Companions:
     ) -> None:
         self.deck, self.channels, self.stopped = deck, channels, stopped
         self.names = {channel.family.name for channel in channels}
+        self.order = order_of(deck.control.integrator)
 
     def run(self, coarseness: float) -> Samples:
         """Samples of the channels. Raises SolverError, Abandoned."""
         begun = clock.process_time()
         schedule = Schedule.of(self.deck)
         model, state = build(self.deck)
-        coarsen(model.control, coarseness, schedule.interval)
+        coarsen(model.control, coarseness, schedule.interval, self.order)
         engine = Engine(model, state)
         histories = Histories(engine)
         times, rows = [], []

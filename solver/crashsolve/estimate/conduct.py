@@ -3,8 +3,8 @@
     pilots at 4 and 2 times a coarseness m predict the error at m:  e(m) = e(2m) / 2^q
     m <- m (aim / e)^(1/q), until the prediction is below the aim, half the accuracy
 
-q is the method's order, or 5 where the tolerance is what changes. The last pilots serve a run of
-order 2 as its companions. Where its own estimate then misses the accuracy, it is run again with m
+q is the method's order, 5 at most where the tolerance is what changes. The last pilots serve a run
+of rattle as its companions. Where its own estimate then misses the accuracy, it is run again with m
 smaller, at most twice; what gaps between samples miss is only told, for no step mends it.
 """
 
@@ -65,7 +65,7 @@ class Estimating:
 
     def set_control(self, control: np.ndarray) -> None:
         """Writes: control."""
-        coarsen(control, self.coarseness, self.interval)
+        coarsen(control, self.coarseness, self.interval, self.estimator.order)
 
     def judge(self, history: Path, cycles: int, spent: float) -> bool:
         """Estimate the errors of a finished run; whether it must be run again with other steps.

@@ -32,6 +32,10 @@ LUCK = 0.25
 # errors of opposite sign never cancel to less than this share of the two
 REST = 0.1
 EXTREMES = ("argmax", "argmin")
+# statistics of a largest value so far that are that value at the end
+LATCHED = ("final", "max", "abs_max")
+# a step that stands this little out of the samples is one of them
+SAME_PLACE = 1e-9
 # numbers below this share of their scale are round-off
 DIGITS = 1e-13
 
@@ -76,6 +80,26 @@ class Judge:
 
     def estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         """The number of the run and its error, `others` being companions in any order."""
+        course = self._course(watch, main)
+        if course is None:
+            return self._estimate(watch, main, others)
+        found = self._estimate(course, main, others)
+        return replace(found, watch=watch)
+
+    def _course(self, watch: Watch, main: Samples) -> Watch | None:
+        """What a largest value of any step is the maximum of, where a sample has caught it."""
+        (channel, *others) = self.channels[watch.channels[0]]
+        course = channel.course
+        is_plain = not others and watch.channels[0].strip() == channel.name
+        if course is None or not is_plain or watch.statistic not in LATCHED or watch.during:
+            return None
+        self.channels.setdefault(course.name, [course])
+        value, top = main.values[channel.name][-1], np.max(main.values[course.name])
+        if value > top * (1.0 + SAME_PLACE):
+            return None
+        return replace(watch, channels=(course.name,), statistic="max")
+
+    def _estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         channels = self.channels[watch.channels[0]]
         unit = unit_of(watch, channels)
         try:
@@ -129,6 +153,8 @@ class Judge:
         if len(used) == 2:
             size = apart / ((steps[0] / steps[1]) ** (self.order or 1.0) - 1.0)
             return _Steps(size, None, f"a coarser run of {used[0].cycles} steps")
+        if any(channel.course for channel in self.channels[watch.channels[0]]):
+            return _of_largest(steps, values)
         return self._of_three(steps, values)
 
     def _of_three(self, steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
@@ -143,6 +169,13 @@ class Judge:
             if least > size:
                 size, signed = least, None
         return _Steps(size, signed if found.is_extrapolated else None, how)
+
+
+def _of_largest(steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
+    """Error of a largest value of any step: by chance up to a part that falls with h^2."""
+    *coarse, last = zip(steps, values, strict=True)
+    sizes = [distance(last[1], v) / ((h / last[0]) ** 2 - 1.0) for h, v in coarse]
+    return _Steps(max(sizes), None, "2 coarser runs, whose steps pass the largest value elsewhere")
 
 
 def is_as_fine(cycles: int, others: int) -> bool:

@@ -1,10 +1,11 @@
 """Which companions a run gets, and the estimates of all its watched numbers.
 
 A method of order 2 gets two coarser runs, of twice and four times the step: they cost about three
-quarters of the run, and show whether the order holds. Those of higher order get one finer run, of
-half the step or a 32nd of the tolerance, for 1.5 to 2 times the run: what they lose at kinks, at
-impacts and by round-off follows no order, and on the battery of benchmarks/estimates coarser runs
-held for three quarters of their numbers. A finer run also serves where coarser steps are unstable.
+quarters of the run, and show whether the order holds. Those that choose their step by its error
+get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
+times the run: what they lose at kinks, at impacts and by round-off follows no order, and on the
+battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
+A finer run also serves where coarser steps are unstable.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,7 +14,7 @@ from crashsolve.deck.expect import Expect
 from crashsolve.deck.read import Deck
 from crashsolve.deck.source import Position
 from crashsolve.deck.watch import Watch as WatchCard
-from crashsolve.estimate.companion import TOLERANCE_POWER, Companions
+from crashsolve.estimate.companion import HIGHEST_POWER, Companions
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
 from crashsolve.estimate.samples import Channel, Samples, find
 from crashsolve.foundation.errors import DeckError, DeckErrors, SolverError
@@ -27,8 +28,6 @@ from crashsolve.system.engine import Engine
 COARSER = (4.0, 2.0)
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
-# up to this order an error is told from coarser runs
-LOW_ORDER = 2
 
 
 class Estimator:
@@ -48,19 +47,21 @@ class Estimator:
     @property
     def all_channels(self) -> list[Channel]:
         """Every channel that is needed, once."""
-        return list({c.name: c for found in self.channels.values() for c in found}.values())
+        named = [channel for found in self.channels.values() for channel in found]
+        courses = [channel.course for channel in named]
+        return list({c.name: c for c in (*named, *courses) if c is not None}.values())
 
     @property
     def power(self) -> float:
         """Power of the coarseness by which errors grow."""
-        control = self.deck.control
+        control, order = self.deck.control, self.order or 1.0
         is_free = control.step == "auto" and chooses_its_step(control.integrator)
-        return TOLERANCE_POWER if is_free else self.order or 1.0
+        return min(order, HIGHEST_POWER) if is_free else order
 
     @property
     def compares_with_coarser(self) -> bool:
         """Whether coarser runs tell the error."""
-        return self.order is not None and self.order <= LOW_ORDER
+        return not chooses_its_step(self.deck.control.integrator)
 
     def companion_runs(self, coarseness: float, cycles: int, problems: list[str]) -> list[Samples]:
         """Companions of a run of `cycles` steps. Writes: why one failed. Raises Abandoned."""

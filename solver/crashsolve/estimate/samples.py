@@ -20,6 +20,8 @@ OF_THE_RUN: tuple[str, ...] = (
     "cycle",
 )
 OF_THE_RUN += ("energy.imbalance", "energy.largest")
+# begins the name of a channel that keeps the largest value of any step
+LARGEST_SO_FAR = "peak_"
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,14 @@ class Channel:
             and column.unit == own.unit
             and (bool(own.component) or i == self.column)
         ]
+
+    @property
+    def course(self) -> "Channel | None":
+        """The channel whose largest value of any step this is; None of other channels."""
+        before, _, last = self.name.rpartition(".")
+        if not last.startswith(LARGEST_SO_FAR):
+            return None
+        return _channel(f"{before}.{last.removeprefix(LARGEST_SO_FAR)}", [self.family])
 
     @property
     def is_of_the_run(self) -> bool:

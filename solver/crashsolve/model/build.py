@@ -174,7 +174,7 @@ def _build_parts(entries: list[Entry], scene: Scene) -> Group:
         with scene.building(entry):
             scene.refuse_stepwise(module)
             own = module.elements(entry.card, scene.part_nodes[entry.name], scene)
-            names += [f"{entry.name}_{k + 1}" for k in range(len(own))]
+            names += entry.card.element_names(entry.name)
             rows += own
     table = np.zeros(len(rows), module.PARAMETERS.dtype)
     for record, row in zip(table, rows, strict=True):

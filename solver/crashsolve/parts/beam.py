@@ -41,6 +41,10 @@ from crashsolve.foundation.vec3 import (
 from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
 
 ZERO = (0.0, 0.0, 0.0)
+DESCRIPTIONS = ("co-rotational",)
+"""How deformation may be described; a study runs over them."""
+ORDER = 2
+"""Power of the length of elements with which errors fall."""
 
 
 class Mesh(Card):
@@ -50,6 +54,17 @@ class Mesh(Card):
     from_: Vec3 = quantity("m", "first node")
     to: Vec3 = quantity("m", "last node")
     elements: int = word("number of elements", ge=1)
+    division: int = word(
+        "every element is divided into so many, as crashsolve study does; new nodes follow P_k as "
+        "P_k_1, P_k_2, ..., new elements likewise, and the old names stay where they begin",
+        default=1,
+        ge=1,
+    )
+
+    @property
+    def count(self) -> int:
+        """Number of elements after division."""
+        return self.elements * self.division
 
 
 class Beam(Card):
@@ -67,8 +82,16 @@ class Beam(Card):
 
     def node_names(self, part: str) -> list[str]:
         """Names of the nodes of a part of this name."""
-        inner = (str(k) for k in range(1, self.mesh.elements))
-        return [f"{part}_{word}" for word in ("start", *inner, "end")]
+        words = ["start", *map(str, range(1, self.mesh.elements))]
+        return [*self._divided(part, words), f"{part}_end"]
+
+    def element_names(self, part: str) -> list[str]:
+        """Names of its elements."""
+        return self._divided(part, [str(k + 1) for k in range(self.mesh.elements)])
+
+    def _divided(self, part: str, words: list[str]) -> list[str]:
+        ends = ["", *(f"_{j}" for j in range(1, self.mesh.division))]
+        return [f"{part}_{word}{end}" for word in words for end in ends]
 
 
 PARAMETERS = Record(
@@ -95,7 +118,7 @@ OUTPUT = Record(
 def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
     """The nodes as bodies."""
     section, material, length = _numbers(card, scene)
-    start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.elements
+    start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.count
     quaternion = quaternion_of(_triad(card, section, scene))
     I_y, I_z = section["second"]
     per_length = material["density"] * np.diag([I_y + I_z, I_y, I_z])
@@ -143,7 +166,7 @@ def elements(card: Beam, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
 
 def _numbers(card: Beam, scene: Any) -> tuple[dict[str, Any], dict[str, Any], float]:
     """Section, material and length of an element."""
-    length = dist(card.mesh.from_, card.mesh.to) / card.mesh.elements
+    length = dist(card.mesh.from_, card.mesh.to) / card.mesh.count
     if not length > 0.0:
         raise scene.fail("begins and ends in one point; a beam needs a length", "mesh.to")
     law, material_card = scene.law("materials", card.material)

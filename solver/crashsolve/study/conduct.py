@@ -13,7 +13,16 @@ from crashsolve.output.files import replace_text, reported
 from crashsolve.study.convergence import NEAR
 from crashsolve.study.findings import Finding, cheapest, find, worst
 from crashsolve.study.plot import draw
-from crashsolve.study.settings import order_of, settings
+from crashsolve.study.settings import (
+    MESHES,
+    descriptions,
+    divisible,
+    order_of,
+    order_of_mesh,
+    resolved,
+    settings,
+    suited,
+)
 from crashsolve.study.table import csv_text, legend, text_table
 from crashsolve.study.trials import Trial, cores, run_all
 from crashsolve.study.watch import Watch, ask, overall, watched
@@ -33,6 +42,7 @@ class Request:
     steps: str | None = None
     tolerances: str | None = None
     channels: Sequence[str] = ()
+    meshes: str | None = None
     reference: Path | None = None
     target: float | None = None
     jobs: int | None = None
@@ -44,13 +54,19 @@ def study(request: Request) -> int:
     Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
     """
     deck = read_deck(request.deck, request.overrides)
-    grid = settings(deck, request.methods, request.steps, request.tolerances)
+    methods, notes = suited(deck)
+    if request.methods:
+        methods, notes = [resolved(deck, method) for method in request.methods], []
+    meshes = request.meshes or (MESHES if divisible(deck) else "1")
+    grid = settings(deck, list(dict.fromkeys(methods)), request.steps, request.tolerances, meshes)
     watches = watched(deck, request.channels)
     # where a path does not converge, these may
     more = [watch for watch in overall(deck) if watch not in watches]
     with reported(request.folder):
         request.folder.mkdir(parents=True, exist_ok=True)
     known = _reference(request, watches)
+    for text in (*notes, *_axes(deck, methods, meshes)):
+        print(text)
     print(f"{len(grid)} runs of {request.deck} in {request.folder}", flush=True)
     jobs = max(request.jobs or cores(), 1)
     trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _tell)
@@ -60,12 +76,25 @@ def study(request: Request) -> int:
         answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), good)
         for trial, answer in zip(good, answers, strict=True):
             trial.step, trial.answers = span / max(trial.cycles, 1), answer
+    order = order_of_mesh(deck)
     findings = [
-        find(watch, at, trials, known[at] if known else None) for at, watch in enumerate(watches)
+        find(watch, at, trials, known[at] if known else None, order)
+        for at, watch in enumerate(watches)
     ]
-    extra = [find(watch, len(watches) + i, trials, None) for i, watch in enumerate(more)]
+    extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
     _report(request, deck, trials, findings, extra)
     return ExitCode.NORMAL if good else max(trial.code for trial in trials)
+
+
+def _axes(deck: Deck, methods: Sequence[str], meshes: str) -> list[str]:
+    """What is run over, in words; and that there is no choice of descriptions, where so."""
+    told = [f"integrators: {', '.join(methods)}"]
+    if divisible(deck):
+        told.append(f"meshes: elements of all parts times {meshes.replace(',', ', ')}")
+    known = descriptions(deck)
+    if len(known) == 1:
+        told.append(f"deformation: {known[0]}, the only description that these parts know")
+    return told
 
 
 def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]] | None:
@@ -83,7 +112,7 @@ def _tell(trial: Trial) -> None:
     how = "kept" if trial.was_kept else "done"
     words = how if trial.is_good else f"exit code {trial.code}, {trial.message}"
     # in one piece: several threads tell
-    sys.stdout.write(f"  {trial.setting.method} {trial.setting.label}: {words}\n")
+    sys.stdout.write(f"  {trial.setting.name}: {words}\n")
     sys.stdout.flush()
 
 
@@ -132,7 +161,7 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
     best = cheapest(findings, trials, target)
     if best is not None:
         return (
-            f"target {target:g}: {best.setting.method} {best.setting.label}, "
+            f"target {target:g}: {best.setting.name}, "
             f"{best.cpu_steps:.3g} s of CPU in steps, error {worst(findings, best):.2g}{left_out}"
         )
     text = f"target {target:g}: none of these settings meets it{left_out}"
@@ -141,8 +170,8 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
         return text
     nearest = min(able, key=lambda trial: worst(findings, trial))
     error = worst(findings, nearest)
-    text += f"; the nearest is {nearest.setting.method} {nearest.setting.label}, error {error:.2g}"
-    order = order_of(nearest.setting.method)
+    text += f"; the nearest is {nearest.setting.name}, error {error:.2g}"
+    order = order_of(nearest.setting.series.method)
     own = [f.order(nearest) for f in findings if not f.is_absolute]
     if order and error > target and all(abs(p - order) <= NEAR for p in own):
         text += f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should do"

@@ -20,9 +20,18 @@ from crashsolve.study.convergence import (
     ROUND_OFF,
     Convergence,
     distance,
-    examine,
     order_of_errors,
     parting_time,
+)
+from crashsolve.study.curve import (
+    Curve,
+    Ladder,
+    Source,
+    climb,
+    curves_of,
+    doubt,
+    ladder_of,
+    sources,
 )
 from crashsolve.study.settings import order_of
 from crashsolve.study.trials import Trial
@@ -30,27 +39,11 @@ from crashsolve.study.watch import PATH, Watch
 
 
 @dataclass
-class Curve:
-    """The trials of one method that count, from the longest step to the shortest.
-
-    `sizes` are what the order is measured in: average steps [s], or factors on automatic ones,
-    which may be bound by samples most of the time and yet matter in contact.
-    """
-
-    method: str
-    trials: list[Trial]
-    sizes: list[float]
-    times: np.ndarray
-    values: list[np.ndarray]
-    convergence: Convergence
-
-
-@dataclass
 class Finding:
     """One watched channel: its reference, and the error and observed order of each trial.
 
-    `errors` and `orders` are by the folder of the setting; `notes` are for people. `estimate` is
-    the least estimated error of a method that converges steadily.
+    `errors`, `orders` and `mesh_orders` are by the folder of the setting; `notes` are for people.
+    `estimate` is the least estimated error of a method that converges steadily.
     """
 
     watch: Watch
@@ -60,6 +53,7 @@ class Finding:
     unit: str = ""
     errors: dict[str, float] = field(default_factory=dict)
     orders: dict[str, float] = field(default_factory=dict)
+    mesh_orders: dict[str, float] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     diverges: bool = False
     estimate: float = inf
@@ -72,63 +66,102 @@ class Finding:
         """Observed order that ends with a trial, NaN when it has none."""
         return self.orders.get(trial.setting.folder, nan)
 
+    def mesh_order(self, trial: Trial) -> float:
+        """Observed order of the meshes that ends with a trial, NaN when it has none."""
+        return self.mesh_orders.get(trial.setting.folder, nan)
 
-def find(watch: Watch, at: int, trials: Sequence[Trial], known: dict[str, Any] | None) -> Finding:
-    """Judge the answers number `at` of the trials; `known` is that of a reference folder."""
+
+def find(
+    watch: Watch,
+    at: int,
+    trials: Sequence[Trial],
+    known: dict[str, Any] | None,
+    mesh_order: float | None = None,
+) -> Finding:
+    """Judge the answers number `at` of the trials; `known` is that of a reference folder.
+
+    `mesh_order` is the declared order of the elements.
+    """
     finding = Finding(watch)
     problems = {
         t.answers[at]["problem"] for t in trials if t.answers and "problem" in t.answers[at]
     }
     finding.notes += sorted(problems)
-    curves = _curves(at, trials)
+    curves = curves_of(at, trials)
     if not curves:
         return finding
     finding.unit = str(curves[0].trials[-1].answers[at]["unit"])
-    best = _set_reference(finding, curves, known)
-    scale = float(np.max(np.abs(finding.reference)))
-    finding.is_absolute = scale == 0.0
+    ladders = climb(curves, mesh_order)
+    found = sources(curves, ladders)
+    best = _set_reference(finding, curves, found, known)
+    size, around = float(np.max(np.abs(finding.reference))), _size_around(at, curves)
+    finding.is_absolute = size <= ROUND_OFF * around
+    scale = 1.0 if finding.is_absolute else size
     for curve in curves:
-        _set_errors(finding, curve, scale or 1.0, curve is best)
-        _set_orders(finding, curve, curve is best)
-        finding.notes.append(_told(finding, curve, scale or 1.0, curve is best))
-        finding.diverges |= curve.convergence.diverges
-        if curve.convergence.is_steady:
-            finding.estimate = min(finding.estimate, curve.convergence.error / (scale or 1.0))
+        _judge(finding, curve, ladder_of(curve, ladders), best, scale)
+    for ladder in ladders:
+        _set_mesh_orders(finding, ladder)
+    if ladders:
+        lead = min(ladders, key=lambda ladder: doubt(Source("", ladder.lead, ladder.curves[-1])))
+        finding.notes.append(_mesh_told(finding, lead, scale))
+    judged = [curve.convergence.diverges for curve in curves if len(curve.values) > 2]
+    if finding.is_absolute and around > 0.0:
+        finding.notes = [f"zero to the round-off of its vector, {around:.3g} {finding.unit}"]
+        return finding
+    # one method may do so by its round-off, or another not by luck
+    finding.diverges = 2 * sum(judged) >= len(judged) > 0
+    for source in found:
+        if source.is_steady:
+            finding.estimate = min(finding.estimate, source.convergence.error / scale)
     return finding
 
 
-def _curves(at: int, trials: Sequence[Trial]) -> list[Curve]:
-    """The trials with an answer, by method; without those that took the steps of another."""
-    curves = []
-    for method in dict.fromkeys(trial.setting.method for trial in trials):
-        mine = [
-            t
-            for t in trials
-            if t.setting.method == method
-            and (t.is_good and not t.is_same and "value" in t.answers[at])
-        ]
-        mine.sort(key=lambda trial: -trial.step)
-        values = [np.atleast_1d(np.array(t.answers[at]["value"], float)) for t in mine]
-        if not mine or len({len(value) for value in values}) > 1 or not len(values[0]):
-            continue
-        times = np.array(mine[-1].answers[at].get("time", [nan]))
-        sizes = _sizes(mine)
-        convergence = examine(sizes, values, order_of(method))
-        curves.append(Curve(method, mine, sizes, times, values, convergence))
-    return curves
+def _size_around(at: int, curves: Sequence[Curve]) -> float:
+    """Largest magnitude of the vector that the channel belongs to, as far as runs told it."""
+    answers = [trial.answers[at] for curve in curves for trial in curve.trials]
+    return max((float(answer.get("size", 0.0)) for answer in answers), default=0.0)
 
 
-def _sizes(trials: list[Trial]) -> list[float]:
-    factors = [trial.setting.factor for trial in trials]
-    known = [factor for factor in factors if factor is not None]
-    return known if len(known) == len(trials) else [trial.step for trial in trials]
+def _judge(
+    finding: Finding, curve: Curve, ladder: Ladder | None, best: Source | None, scale: float
+) -> None:
+    """Errors, orders and notes of one curve. Writes: finding."""
+    is_own = best is not None and best.finest is curve
+    _set_errors(finding, curve, scale, best)
+    # the error of a mesh would hide the order of its steps
+    by_differences = is_own or ladder is not None
+    _set_orders(finding, curve, by_differences)
+    if ladder is None or ladder.curves[-1] is curve or curve.convergence.diverges:
+        finding.notes.append(_told(finding, curve, scale, by_differences))
+
+
+def _set_mesh_orders(finding: Finding, ladder: Ladder) -> None:
+    for curve, order in zip(ladder.curves[2:], ladder.convergence.orders, strict=False):
+        finding.mesh_orders[curve.trials[-1].setting.folder] = order
+
+
+def _mesh_told(finding: Finding, ladder: Ladder, scale: float) -> str:
+    """What the mesh does, by the method that tells it best."""
+    found, left = ladder.convergence, ladder.lead.error / scale
+    errors = [distance(c.convergence.value, finding.reference) / scale for c in ladder.curves]
+    away = ", ".join(_size(error, finding) for error in errors)
+    words = [f"{ladder.name}: {away} away"]
+    if found.diverges:
+        words.append("finer meshes do not converge")
+    elif isfinite(found.order):
+        words.append(f"order {found.order:.2f} in the length of elements")
+    if isfinite(left):
+        words.append(f"estimated error of the finest mesh {_size(left, finding)}")
+    if "elout." in finding.watch.name:
+        words.append("an element of a finer mesh is a shorter one at the same node")
+    return "; ".join(words)
 
 
 def _set_reference(
-    finding: Finding, curves: list[Curve], known: dict[str, Any] | None
-) -> Curve | None:
-    """Choose the reference; returns the curve it comes from, None when it comes from elsewhere."""
-    watch, best = finding.watch, min(curves, key=lambda curve: _doubt(curve.convergence))
+    finding: Finding, curves: list[Curve], found: list[Source], known: dict[str, Any] | None
+) -> Source | None:
+    """Choose the reference; returns the source it comes from, None when it comes from elsewhere."""
+    watch, best = finding.watch, min(found, key=doubt)
     if watch.value is not None:
         away = _away(watch, best.convergence)
         if away is None:
@@ -148,7 +181,7 @@ def _set_reference(
     finding.reference = best.convergence.value
     finding.kind = "extrapolated" if best.convergence.is_extrapolated else "finest run"
     if len(curves) > 1:
-        finding.kind += f" of {best.method}"
+        finding.kind += f" of {best.name}"
     return best
 
 
@@ -165,10 +198,6 @@ def _away(watch: Watch, found: Convergence) -> float | None:
     return apart / abs(watch.value) if is_elsewhere else None
 
 
-def _doubt(convergence: Convergence) -> tuple[bool, float]:
-    return convergence.diverges, convergence.error
-
-
 def _at_times(known: dict[str, Any], times: np.ndarray) -> np.ndarray | None:
     """The value of a reference, its history at the given times; None when it lacks one."""
     if "value" not in known:
@@ -183,13 +212,21 @@ def _at_times(known: dict[str, Any], times: np.ndarray) -> np.ndarray | None:
     return values[nearest] if is_same.all() else None
 
 
-def _set_errors(finding: Finding, curve: Curve, scale: float, is_best: bool) -> None:
+def _set_errors(finding: Finding, curve: Curve, scale: float, best: Source | None) -> None:
+    """Distances from the reference, `best` being where it comes from. Writes: finding."""
+    # runs on the mesh that the reference is of do not see what is wrong with that mesh
+    is_blind = (
+        best is not None
+        and not best.convergence.is_extrapolated
+        and curve.series.mesh == best.finest.series.mesh
+    )
+    blind = best.mesh_error / scale if best is not None and is_blind else 0.0
     for trial, value in zip(curve.trials, curve.values, strict=True):
-        finding.errors[trial.setting.folder] = distance(value, finding.reference) / scale
+        finding.errors[trial.setting.folder] = distance(value, finding.reference) / scale + blind
     last = curve.trials[-1].setting.folder
-    if is_best:
+    if best is not None and best.finest is curve:
         # the finest run is not its own judge
-        error = curve.convergence.error / scale
+        error = best.convergence.error / scale
         finding.errors[last] = error if isfinite(error) else nan
 
 
@@ -210,8 +247,8 @@ def _told(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str:
     """One method's convergence in words."""
     found = curve.convergence
     if found.diverges:
-        return f"{curve.method}: {_divergence_told(finding, curve)}"
-    left, words = found.error / scale, [f"{curve.method}: {_order_told(curve, finding)}"]
+        return f"{curve.series.name}: {_divergence_told(finding, curve, scale)}"
+    left, words = found.error / scale, [f"{curve.series.name}: {_order_told(curve, finding)}"]
     if found.stalls is not None:
         step = curve.trials[found.stalls].step
         words.append(
@@ -228,14 +265,14 @@ def _told(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str:
     return "; ".join(words)
 
 
-def _divergence_told(finding: Finding, curve: Curve) -> str:
+def _divergence_told(finding: Finding, curve: Curve, scale: float) -> str:
     """From which step and, of a history, from which time on there is no convergence."""
     found, parted = curve.convergence, None
     first = curve.trials[found.stalls or 0]
     if finding.watch.statistic == PATH:
         parted = parting_time(curve.times, curve.values)
     since = "" if parted is None else f", after t = {parted:.6g} s"
-    apart = distance(*curve.values[-2:]) / (float(np.max(np.abs(finding.reference))) or 1.0)
+    apart = distance(*curve.values[-2:]) / scale
     return (
         f"does not converge from step {first.step:.3g} s on{since}; its last two runs differ by "
         f"{_size(apart, finding)}"
@@ -247,7 +284,7 @@ def _order_told(curve: Curve, finding: Finding) -> str:
         return "fewer than three runs tell no order"
     seen = [(trial, finding.order(trial)) for trial in curve.trials]
     seen = [(trial, order) for trial, order in seen if isfinite(order)]
-    declared = order_of(curve.method)
+    declared = order_of(curve.series.method)
     if not seen:
         return "no order to be seen: the runs differ by round-off"
     if declared is None:
@@ -266,17 +303,28 @@ def _size(error: float, finding: Finding) -> str:
 
 
 def cheapest(findings: Sequence[Finding], trials: Sequence[Trial], target: float) -> Trial | None:
-    """The trial with the least CPU time that meets an error, as do all shorter steps of its method.
+    """The trial with the least CPU time that meets an error, as do all finer ones of its method.
 
-    Without that an error that happens to cross zero would pass.
+    Finer: shorter steps on the same mesh, and the shortest steps on finer meshes. Without that an
+    error that happens to cross zero would pass.
     """
     meeting = []
-    for method in dict.fromkeys(trial.setting.method for trial in trials):
-        mine = [t for t in trials if t.setting.method == method and t.is_good and not t.is_same]
+    usable = [trial for trial in trials if trial.is_good and not trial.is_same]
+    # from the finest mesh on
+    series = sorted({t.setting.series for t in usable}, key=lambda series: -series.mesh)
+    missing = set()
+    for one in series:
+        kind = one._replace(mesh=1)
+        mine = [trial for trial in usable if trial.setting.series == one]
+        passed = []
         for trial in sorted(mine, key=lambda trial: trial.step):
             if not worst(findings, trial) <= target:
                 break
-            meeting.append(trial)
+            passed.append(trial)
+        if not passed:
+            missing.add(kind)
+        if kind not in missing:
+            meeting += passed
     return min(meeting, key=lambda trial: trial.cpu_steps, default=None)
 
 

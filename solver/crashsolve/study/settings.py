@@ -1,53 +1,155 @@
-"""The settings of a study: integrators x steps, or x tolerances where the method chooses its step.
+"""The settings of a study: integrators x steps or tolerances x meshes x descriptions.
 
-The automatic step is made longer and shorter by its two bounds, the share of the critical step and
-the longest step.
+Tolerances where the method chooses its step. The automatic step of others is made longer and
+shorter by its two bounds, the share of the critical step and the longest step. Meshes divide the
+elements of all parts; descriptions are those of deformation that the types of parts know.
 """
 
 import importlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 from types import ModuleType
+from typing import NamedTuple, get_args
 
-from crashsolve.deck.read import Deck
-from crashsolve.foundation.errors import DeckError
+from crashsolve.deck.control import Control
+from crashsolve.deck.read import Deck, Entry
+from crashsolve.foundation.errors import DeckError, DeckErrors
+from crashsolve.model.build import build
 
 FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+MESHES = "1,2,4"
+METHODS = [
+    name for name in get_args(Control.model_fields["integrator"].annotation) if name != "auto"
+]
+# a run of a study is compared with others anyway
+ALONE = {"control.estimate": "off", "control.accuracy": "null"}
 AUTO = "auto"
 # label, overrides, factor on the automatic step
 Words = tuple[str, dict[str, str], float | None]
 
 
+class Series(NamedTuple):
+    """What the steps of one curve have in common: method, elements times `mesh`, description."""
+
+    method: str
+    mesh: int = 1
+    description: str = ""
+
+    @property
+    def name(self) -> str:
+        """As people read it."""
+        mesh = f"mesh x{self.mesh}" if self.mesh > 1 else ""
+        return ", ".join(filter(None, (self.method, mesh, self.description)))
+
+
 @dataclass(frozen=True)
 class Setting:
-    """One run of a study: a method, its setting in words, and what that changes in the deck.
+    """One run of a study: a series, its step in words, and what that changes in the deck.
 
     `factor` is that on the automatic step, where this is what is changed.
     """
 
-    method: str
+    series: Series
     label: str
     overrides: dict[str, str]
     factor: float | None = None
 
     @property
+    def name(self) -> str:
+        """As people read it."""
+        return f"{self.series.name} {self.label}"
+
+    @property
     def folder(self) -> str:
         """Name of the folder of the run."""
-        label = self.label.replace("/", "_over_").replace("*", "_times_")
-        return f"{self.method}_{label.replace(' ', '_')}"
+        label = self.name.replace("/", "_over_").replace("*", "_times_")
+        return label.replace(", ", "_").replace(" ", "_")
 
 
 def settings(
-    deck: Deck, methods: Sequence[str], steps: str | None, tolerances: str | None
+    deck: Deck, methods: Sequence[str], steps: str | None, tolerances: str | None, meshes: str = "1"
 ) -> list[Setting]:
-    """All settings, of each method from the longest step on. Raises DeckError for a wrong word."""
+    """All settings, of each series from the longest step on. Raises DeckError for a wrong word."""
     found = []
     for method in methods or [deck.control.integrator]:
-        for label, overrides, factor in _of_method(deck, method, steps, tolerances):
-            changes = {"control.integrator": method, **overrides}
-            found.append(Setting(method, label, changes, factor))
+        for mesh, description in product(_meshes(deck, meshes), descriptions(deck) or [""]):
+            # where there is no choice the deck has no word for it
+            chosen = description if len(descriptions(deck)) > 1 else ""
+            series = Series(method, mesh, chosen)
+            given = {"control.integrator": method} | _of_parts(deck, mesh, chosen)
+            found += [
+                Setting(series, label, ALONE | given | overrides, factor)
+                for label, overrides, factor in _of_method(deck, method, steps, tolerances)
+            ]
     return found
+
+
+def _meshes(deck: Deck, text: str) -> list[int]:
+    """Factors on the number of elements. Raises DeckError."""
+    words = _numbers("--meshes", text)
+    whole = [int(float(word)) for word in words]
+    if list(map(float, words)) != list(map(float, whole)):
+        message = "an element can be divided only into a whole number of them"
+        raise DeckError(f"--meshes {text}", None, None, "", message, "write --meshes 1,2,4")
+    if whole != [1] and not divisible(deck):
+        message = "the deck has no part whose elements can be divided"
+        raise DeckError(f"--meshes {text}", None, None, "", message, "leave it out")
+    return sorted(whole)
+
+
+def divisible(deck: Deck) -> list[Entry]:
+    """The parts whose elements can be divided."""
+    parts = deck.entries["parts"].values()
+    return [part for part in parts if hasattr(getattr(part.card, "mesh", None), "division")]
+
+
+def descriptions(deck: Deck) -> list[str]:
+    """The descriptions of deformation among which the parts of a deck can choose."""
+    return list(dict.fromkeys(word for m in _part_modules(deck) for word in m.DESCRIPTIONS))
+
+
+def order_of_mesh(deck: Deck) -> float | None:
+    """Declared order of the parts in the length of their elements; None without parts."""
+    return min((float(module.ORDER) for module in _part_modules(deck)), default=None)
+
+
+def _part_modules(deck: Deck) -> list[ModuleType]:
+    modules = [importlib.import_module(e.module_name) for e in deck.entries["parts"].values()]
+    return [module for module in modules if hasattr(module, "DESCRIPTIONS")]
+
+
+def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
+    """What a mesh and a description change in the deck."""
+    parts = divisible(deck) if mesh > 1 else []
+    found = {f"parts.{p.name}.mesh.division": str(p.card.mesh.division * mesh) for p in parts}
+    if description:
+        words = {f"parts.{name}.description": description for name in deck.entries["parts"]}
+        found |= words
+    return found
+
+
+def suited(deck: Deck) -> tuple[list[str], list[str]]:
+    """All methods that can run a deck, its own first; and why the others cannot."""
+    own, able, notes = resolved(deck, deck.control.integrator), [], []
+    for method in sorted(METHODS, key=lambda method: method != own):
+        try:
+            build(replace(deck, control=deck.control.model_copy(update={"integrator": method})))
+        except DeckErrors as refusal:
+            notes.append(f"{method} is left out: {refusal.errors[0].message}")
+        else:
+            able.append(method)
+    return able, notes
+
+
+def resolved(deck: Deck, method: str) -> str:
+    """The method that auto stands for; any other as it is."""
+    if method != AUTO:
+        return method
+    return build(replace(deck, control=deck.control.model_copy(update={"integrator": AUTO})))[
+        0
+    ].integrator
 
 
 def order_of(method: str) -> float | None:
@@ -71,7 +173,9 @@ def _module(method: str) -> ModuleType | None:
 def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | None) -> list[Words]:
     """One method's settings."""
     step = deck.control.step
-    if chooses_its_step(method) and (tolerances or (not steps and step == AUTO)):
+    # the step of a deck is that of its own method
+    is_free = step == AUTO or method != deck.control.integrator
+    if chooses_its_step(method) and (tolerances or (not steps and is_free)):
         words = _numbers("--tolerances", tolerances) if tolerances else TOLERANCES
         return [_within(t) for t in sorted(map(float, words), reverse=True)]
     if steps:

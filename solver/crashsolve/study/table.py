@@ -49,19 +49,22 @@ def csv_text(trials: Sequence[Trial], findings: Sequence[Finding]) -> str:
     """The same with all digits; a value that does not exist is an empty cell."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    header = ["integrator", "setting", "step [s]", "steps CPU [s]", "total CPU [s]", "cycles"]
+    header = ["integrator", "mesh", "deformation", "setting"]
+    header += ["step [s]", "steps CPU [s]", "total CPU [s]", "cycles"]
     for finding in findings:
         name, kind = finding.watch.name, f"error against {finding.kind or 'nothing'}"
         unit = f" [{finding.unit}]" if finding.is_absolute else ""
         header += [f"{name} [{finding.unit or '-'}]", f"{name}: {kind}{unit}", f"{name}: order"]
+        header += [f"{name}: order of mesh"] if finding.mesh_orders else []
     writer.writerow([*header, "exit code", "message"])
     for trial in trials:
         numbers = [trial.step, trial.cpu_steps, trial.cpu, trial.cycles]
         for at, finding in enumerate(findings):
             numbers += [_value(trial, at), finding.error(trial), finding.order(trial)]
+            numbers += [finding.mesh_order(trial)] if finding.mesh_orders else []
         cells = [repr(number) if isfinite(number) else "" for number in numbers]
-        setting = trial.setting
-        writer.writerow([setting.method, setting.label, *cells, trial.code, trial.message])
+        words = [*map(str, trial.setting.series), trial.setting.label]
+        writer.writerow([*words, *cells, trial.code, trial.message])
     return stream.getvalue()
 
 
@@ -77,7 +80,7 @@ def legend(findings: Sequence[Finding]) -> str:
 def _run(trial: Trial) -> list[str]:
     numbers = [_short(trial.step, 4), str(trial.cycles or "-")]
     numbers += [_short(trial.cpu_steps, 3), _short(trial.cpu, 3)]
-    return [trial.setting.method, trial.setting.label, *numbers]
+    return [trial.setting.series.name, trial.setting.label, *numbers]
 
 
 def _errors(trial: Trial, findings: Sequence[Finding]) -> list[str]:

@@ -18,7 +18,7 @@ from typing import Any
 import crashsolve
 from crashsolve.deck.read import read_deck
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
-from crashsolve.study.settings import Setting
+from crashsolve.study.settings import Series, Setting
 
 # runs that would end the same way once more
 COMPLETE = {ExitCode.NORMAL, ExitCode.SOLVER}
@@ -66,7 +66,7 @@ def run_all(
         return trial
 
     # the first of each method compiles for the others; then the dearest first, to end together
-    first = list({setting.method: setting for setting in reversed(settings)}.values())
+    first = list({setting.series.method: setting for setting in reversed(settings)}.values())
     others = [setting for setting in reversed(settings) if setting not in first]
     done: dict[str, Trial] = {}
     with ThreadPoolExecutor(jobs) as pool:
@@ -138,14 +138,14 @@ def _is_of(folder: Path, text: str) -> bool:
 
 def _mark_repeated(trials: list[Trial]) -> None:
     """Find trials whose steps samples or other bounds made those of the trial before."""
-    before: dict[str, int] = {}
+    before: dict[Series, int] = {}
     for trial in trials:
-        method = trial.setting.method
-        if trial.is_good and trial.cycles == before.get(method):
+        series = trial.setting.series
+        if trial.is_good and trial.cycles == before.get(series):
             trial.is_same = True
             trial.message = "same steps as before: bound by samples, not by the setting"
         elif trial.is_good:
-            before[method] = trial.cycles
+            before[series] = trial.cycles
 
 
 def cores() -> int:

@@ -4,9 +4,10 @@
 """
 
 import json
+import re
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -19,6 +20,7 @@ from crashsolve.deck.statistic import PATH, STATISTICS, Window
 from crashsolve.foundation.errors import DeckError
 
 KNOWN = ("exact", "published")
+_COMPONENT = re.compile(r"[\w.-]+\.[xyz]")
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,19 @@ class Watch:
     def questions(self) -> list[dict[str, Any]]:
         """What to ask a result for."""
         common = {"statistic": self.statistic, "during": self.during, "unit": self.unit}
-        return [{"channel": channel, **common} for channel in self.channels]
+        asked = [{"channel": channel, **common} for channel in self.channels]
+        if self.vector:
+            asked.append({"channel": self.vector, "statistic": "max", "unit": self.unit})
+        return asked
+
+    @property
+    def vector(self) -> str:
+        """Magnitude of the vector that a plain channel is a component of; empty for others."""
+        (channel, *more) = self.channels
+        of_time = self.statistic in ("argmax", "argmin", "integral")
+        if more or of_time or not _COMPONENT.fullmatch(channel):
+            return ""
+        return "norm(" + ", ".join(f"'{channel[:-1]}{axis}'" for axis in "xyz") + ")"
 
 
 def watched(deck: Deck, words: Sequence[str]) -> list[Watch]:
@@ -98,7 +112,16 @@ def ask(folder: Path, watches: Sequence[Watch]) -> list[dict[str, Any]]:
         problem = done.stderr.strip().splitlines()[-1:] or ["crashpost failed"]
         return [{"problem": problem[0]} for _ in watches]
     answers = iter(json.loads(done.stdout))
-    return [_largest([next(answers) for _ in watch.channels]) for watch in watches]
+    return [_answer(watch, answers) for watch in watches]
+
+
+def _answer(watch: Watch, answers: Iterator[dict[str, Any]]) -> dict[str, Any]:
+    """The answer for one watch, with the size of the vector around its channel, if any."""
+    found = _largest([next(answers) for _ in watch.channels])
+    if watch.vector:
+        size = next(answers)
+        found |= {"size": size["value"]} if "value" in size else {}
+    return found
 
 
 def _largest(answers: list[dict[str, Any]]) -> dict[str, Any]:

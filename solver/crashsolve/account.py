@@ -1,0 +1,159 @@
+"""What a run tells of itself on the way: its banner, lines of progress, and status.json."""
+
+import os
+import platform
+import socket
+import time
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import crashsolve
+from crashsolve.deck.dump import as_data
+from crashsolve.deck.read import Deck
+from crashsolve.foundation.errors import ExitCode
+from crashsolve.model.ledger import IMBALANCE, KINETIC, LARGEST
+from crashsolve.output.log import Log
+from crashsolve.output.status import State as RunState
+from crashsolve.output.status import Status, write_status
+from crashsolve.phases import ContactPhases
+from crashsolve.system.engine import Engine
+
+if TYPE_CHECKING:
+    from crashsolve.estimate.conduct import Estimating
+
+
+def cpu_time() -> float:
+    """CPU time of this process and of the one that compiled for it [s]."""
+    # os.times() counts in hundredths of a second, and a short run is over within one
+    return time.process_time() + sum(os.times()[2:4])
+
+
+class Account:
+    """The account of one run; `cpu` [s] is by stage, `phases` and `estimating` come in later."""
+
+    def __init__(
+        self,
+        deck: Deck,
+        engine: Engine,
+        folder: Path,
+        log: Log,
+        cpu: dict[str, float],
+        wall_begun: float,
+    ) -> None:
+        self.deck, self.engine, self.folder, self.log = deck, engine, folder, log
+        self.cpu, self.wall_begun = cpu, wall_begun
+        self.phases: ContactPhases | None = None
+        self.estimating: Estimating | None = None
+
+    def banner(self) -> None:
+        """The program and the model, at the head of the log."""
+        model = self.engine.model
+        counts = {k: len(v) for k, v in self.deck.entries.items() if v}
+        self.log.banner(
+            f"crashsolve {crashsolve.__version__}",
+            {
+                "deck": str(self.deck.path),
+                "title": self.deck.title,
+                "host": socket.gethostname(),
+                "model": ", ".join(f"{n} {k}" for k, n in counts.items()) or "empty",
+                "mass": f"{model.mass.sum():.6g} kg",
+                "size": f"{model.size:.4g} m",
+                "integrator": ": ".join(filter(None, (model.integrator, model.choice))),
+            },
+        )
+
+    def progress(self) -> None:
+        """A line of the log, status.json, and the bar on a terminal."""
+        e, clock = self.engine, self.engine.clock
+        limiter = "samples, tolerance or deck" if len(e.state.stages) else "samples, turn or deck"
+        if clock["limit_node"]:
+            limiter = e.model.bodies[int(clock["limit_node"])]
+        self.log.cycle(
+            int(clock["cycle"]),
+            float(clock["time"]),
+            float(clock["step"]),
+            float(e.ledger[KINETIC]),
+            balance(e),
+            float(clock["residual"]),
+            limiter,
+        )
+        self.status("running", None, "")
+        span = self.deck.control.end_time - self.deck.control.start_time
+        self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
+
+    def status(self, state: RunState, code: ExitCode | None, message: str) -> None:
+        """Renew status.json. Raises OutputError."""
+        clock = self.engine.clock
+        write_status(
+            self.folder / "status.json",
+            Status(
+                state,
+                float(clock["time"]),
+                int(clock["cycle"]),
+                self.deck.control.end_time,
+                float(clock["step"]),
+                balance(self.engine),
+                cpu_time(),
+                time.monotonic() - self.wall_begun,
+                None if code is None else int(code),
+                message,
+                cpu_steps=self.cpu["steps"],
+                **self._results(),
+            ),
+        )
+
+    def spent(self) -> float:
+        """CPU time of the run proper: steps and output [s]."""
+        return self.cpu["steps"] + self.cpu["output"]
+
+    def _results(self) -> dict[str, Any]:
+        """What status.json tells of steps, constraints, CPU time and watched channels so far."""
+        clock, found = self.engine.clock, dict[str, Any]()
+        if self.phases is not None and self.phases.cycles():
+            found |= {
+                "average_step": self.phases.averages(),
+                "real_time_factor": self.spent() / self.phases.simulated(),
+            }
+        if self.estimating is not None:
+            self.cpu["estimates"] = self.estimating.cpu
+            found["watched"] = self.estimating.entries()
+        return found | {
+            "rejected": int(clock["rejected"]),
+            "constraint_position": float(clock["residual"]),
+            "constraint_velocity": float(clock["rate_residual"]),
+            "cpu_stages": dict(self.cpu),
+        }
+
+
+def balance(engine: Engine) -> float:
+    """Energy that is missing or too much, in % of the largest energy."""
+    ledger = engine.ledger
+    return float(100.0 * ledger[IMBALANCE] / ledger[LARGEST]) if ledger[LARGEST] > 0 else 0.0
+
+
+def provenance(deck: Deck, engine: Engine) -> dict[str, Any]:
+    """Where results come from, as their files keep it."""
+    report = deck.output.report
+    return {
+        "title": deck.title,
+        "deck_name": deck.path.name,
+        "deck_text": deck.text,
+        "deck_sources": {path.name: path.read_text("utf-8") for path in deck.files},
+        "parameters": deck.parameters,
+        "expect": deck.expectations(),
+        "report": as_data(report) if report is not None else None,
+        "citations": engine.model.citations,
+        "versions": {
+            "crashsolve": crashsolve.__version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "numba": version("numba"),
+            "h5py": version("h5py"),
+        },
+        "host": socket.gethostname(),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+    }

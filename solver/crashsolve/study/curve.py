@@ -1,0 +1,139 @@
+"""Curves of a study: the runs of one series in one channel; and ladders of curves over meshes.
+
+    x_m = x of the shortest steps on elements divided by m,   x* from x_1, x_2, x_4 as from steps
+
+A ladder takes what the steps of each mesh lead to, so it says what the mesh alone does. Consequence
+to test: x = 1 + h^2 + 1 / m^2 has order 2 in both, and leads to 1.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, nan
+
+import numpy as np
+
+from crashsolve.study.convergence import Convergence, examine
+from crashsolve.study.settings import Series, order_of
+from crashsolve.study.trials import Trial
+
+
+@dataclass
+class Curve:
+    """The trials of one series that count, from the longest step to the shortest.
+
+    `sizes` are what the order is measured in: average steps [s], or factors on automatic ones,
+    which may be bound by samples most of the time and yet matter in contact.
+    """
+
+    series: Series
+    trials: list[Trial]
+    sizes: list[float]
+    times: np.ndarray
+    values: list[np.ndarray]
+    convergence: Convergence
+
+
+@dataclass
+class Ladder:
+    """The curves of one method and description, from the coarsest mesh to the finest."""
+
+    curves: list[Curve]
+    convergence: Convergence
+
+    @property
+    def name(self) -> str:
+        """As people read it."""
+        meshes = f"meshes x{self.curves[0].series.mesh} to x{self.curves[-1].series.mesh}"
+        return f"{self.curves[0].series._replace(mesh=1).name}, {meshes}"
+
+    @property
+    def lead(self) -> Convergence:
+        """Where finer meshes and shorter steps lead together."""
+        found = self.convergence
+        error = found.error + self.curves[-1].convergence.error
+        return Convergence(
+            *(found.value, error, found.orders, found.stalls),
+            *(found.is_extrapolated, found.has_floor),
+        )
+
+
+@dataclass
+class Source:
+    """Where some runs lead, the curve of the finest of them, and what its mesh may be wrong by."""
+
+    name: str
+    convergence: Convergence
+    finest: Curve
+    mesh_error: float = 0.0
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether its estimated error can be relied on; of meshes three that shrink are enough."""
+        found = self.convergence
+        return found.is_steady or (self.mesh_error > 0.0 and isfinite(found.order))
+
+
+def curves_of(at: int, trials: Sequence[Trial]) -> list[Curve]:
+    """Curves of the answers number `at`; without runs that took the steps of another."""
+    curves = []
+    for series in dict.fromkeys(trial.setting.series for trial in trials):
+        mine = [
+            t
+            for t in trials
+            if t.setting.series == series
+            and (t.is_good and not t.is_same and "value" in t.answers[at])
+        ]
+        mine.sort(key=lambda trial: -trial.step)
+        values = [np.atleast_1d(np.array(t.answers[at]["value"], float)) for t in mine]
+        if not mine or len({len(value) for value in values}) > 1 or not len(values[0]):
+            continue
+        times = np.array(mine[-1].answers[at].get("time", [nan]))
+        sizes = _sizes(mine)
+        convergence = examine(sizes, values, order_of(series.method))
+        curves.append(Curve(series, mine, sizes, times, values, convergence))
+    return curves
+
+
+def _sizes(trials: list[Trial]) -> list[float]:
+    factors = [trial.setting.factor for trial in trials]
+    known = [factor for factor in factors if factor is not None]
+    return known if len(known) == len(trials) else [trial.step for trial in trials]
+
+
+def climb(curves: Sequence[Curve], order: float | None) -> list[Ladder]:
+    """Ladders of two meshes or more; `order` is the declared one of the elements."""
+    groups: dict[Series, list[Curve]] = {}
+    for curve in curves:
+        groups.setdefault(curve.series._replace(mesh=1), []).append(curve)
+    ladders = []
+    for group in groups.values():
+        group.sort(key=lambda curve: curve.series.mesh)
+        values = [curve.convergence.value for curve in group]
+        if len(group) > 1 and len({len(value) for value in values}) == 1:
+            sizes = [1.0 / curve.series.mesh for curve in group]
+            ladders.append(Ladder(group, examine(sizes, values, order)))
+    return ladders
+
+
+def sources(curves: Sequence[Curve], ladders: Sequence[Ladder]) -> list[Source]:
+    """Where the runs lead: a ladder counts for its curves."""
+    found = [
+        Source(ladder.name, ladder.lead, ladder.curves[-1], ladder.convergence.error)
+        for ladder in ladders
+    ]
+    return found + [
+        Source(curve.series.name, curve.convergence, curve)
+        for curve in curves
+        if ladder_of(curve, ladders) is None
+    ]
+
+
+def ladder_of(curve: Curve, ladders: Sequence[Ladder]) -> Ladder | None:
+    """The ladder that a curve belongs to."""
+    return next((x for x in ladders if any(c is curve for c in x.curves)), None)
+
+
+def doubt(source: Source) -> tuple[bool, float]:
+    """What the better source has less of."""
+    error = source.convergence.error
+    return source.convergence.diverges, error if isfinite(error) else float("inf")
