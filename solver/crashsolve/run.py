@@ -154,6 +154,7 @@ class Run:
         self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
         resumed = None if dump is None else self._restore(*dump)
         self.estimating = self.account.estimating = self._prepare_estimates(dump)
+        self.engine.on_pause = self._obey_at_once
         self._open(resumed)
 
     def _open(self, resumed: float | None) -> None:
@@ -204,6 +205,7 @@ class Run:
         """The same deck from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
         self.engine = self.account.engine = Engine(*build(self.deck))
+        self.engine.on_pause = self._obey_at_once
         self.account.phases = None
         self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
         self.estimating.set_control(self.engine.model.control)
@@ -280,9 +282,7 @@ class Run:
         if self.estimating is not None:
             arrays[COARSENESS] = np.array([self.estimating.coarseness])
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
-        self.log.line(
-            f"restart dump {path.name} at t = {float(self.engine.clock['sampled']):.6g} s"
-        )
+        self.log.line(f"restart dump {path.name} at t = {float(self.engine.clock['time']):.6g} s")
 
     def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
         """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
@@ -320,12 +320,22 @@ class Run:
         self._read_control()
         if "states" in self.requests:
             self.states.write(float(self.engine.clock["sampled"]), self.pictures.fields())
+            self.requests.discard("states")
+        self._dump_or_stop()
+
+    def _obey_at_once(self) -> None:
+        """The same between two samples; pictures, and what was asked with them, wait for one."""
+        self._read_control()
+        if "states" not in self.requests:
+            self._dump_or_stop()
+
+    def _dump_or_stop(self) -> None:
         if self.requests & {"stop", "dump"}:
             self._dump()
+            self.requests.discard("dump")
         if "stop" in self.requests:
-            now = float(self.engine.clock["sampled"])
+            now = float(self.engine.clock["time"])
             raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
-        self.requests.clear()
 
     def _read_control(self) -> None:
         """Take up the words of control.txt and remove it."""

@@ -27,6 +27,12 @@ CASES = {
     "a contact": (DECKS / "tutorial/bouncing_ball.yaml", (), "dormand_prince_5", "contacts"),
     "whole steps": (DECKS / "scenes/train_test.yaml", (), "rattle", "counts in whole steps"),
     "corners": (DECKS / "extreme/steep_curve.yaml", (), "dormand_prince_5", "corners"),
+    "yield": (
+        DECKS / "verification/springs/elastoplastic.yaml",
+        (),
+        "dormand_prince_5",
+        "corners",
+    ),
 }
 
 

@@ -1,7 +1,7 @@
 """Whole models drawn at random: masses over eight decades, stiffness over six, speeds over five.
 
-All hold the same kinds of joints, springs, contacts and loads, in any number, so that one compiled
-step serves them all.
+All hold the same kinds of joints, springs, beams, contacts and loads, in any number, so that one
+compiled step serves them all.
 """
 
 from typing import Any
@@ -15,8 +15,22 @@ STEPS = 4000
 
 
 def model(seed: int, integrator: str = "rattle") -> Table:
-    """A deck of one to six bodies."""
+    """A deck of one to six bodies and one or two beams."""
     return _Draw(seed).deck(integrator)
+
+
+def masses_of(drawn: Table) -> dict[str, float]:
+    """Masses of all bodies of a deck, the nodes of beams among them [kg]."""
+    masses = {name: card["mass"] for name, card in drawn["bodies"].items()}
+    for name, part in drawn["parts"].items():
+        mesh, section = part["mesh"], drawn["sections"][part["section"]]
+        count = mesh["elements"]
+        area = section["width"] * section["height"]
+        share = drawn["materials"][part["material"]]["density"] * area
+        share *= float(np.linalg.norm(np.subtract(mesh["to"], mesh["from"]))) / count
+        masses |= {f"{name}_{k}": share for k in range(1, count)}
+        masses |= {f"{name}_{k}": 0.5 * share for k in ("start", "end")}
+    return masses
 
 
 class _Draw:
@@ -35,6 +49,7 @@ class _Draw:
             for i, name in enumerate(self.names)
         }
         self.jointed: set[str] = set()
+        self.beams = [self.beam(i) for i in range(int(self.rng.integers(1, 3)))]
 
     def rarely(self) -> bool:
         return bool(self.rng.random() < 0.05)
@@ -50,11 +65,12 @@ class _Draw:
         return [float(x) for x in self.rng.uniform(-size, size, 3)]
 
     def body(self) -> str:
-        return str(self.rng.choice(self.names))
+        """A body, or a node of a beam: every name that has a mass."""
+        return str(self.rng.choice(list(self.mass)))
 
     def other(self, body: str) -> str:
         """A second body, or the ground."""
-        return str(self.rng.choice(["ground", *(n for n in self.names if n != body)]))
+        return str(self.rng.choice(["ground", *(n for n in self.mass if n != body)]))
 
     def some(self) -> range:
         return range(int(self.rng.integers(1, 4)))
@@ -69,6 +85,9 @@ class _Draw:
         joints = self.joints()
         parts = {
             "bodies": {name: self.rigid(name) for name in self.names},
+            "parts": {f"beam_{i}": self.part(i) for i in range(len(self.beams))},
+            "materials": {f"stuff_{i}": beam["stuff"] for i, beam in enumerate(self.beams)},
+            "sections": {f"section_{i}": beam["section"] for i, beam in enumerate(self.beams)},
             "joints": joints,
             "springs": self.springs(),
             "surfaces": self.surfaces(),
@@ -83,6 +102,45 @@ class _Draw:
         control = {"end_time": end, "integrator": integrator, "step_min": 1e-7 * end}
         output = {"history": {"interval": end / 20}, "states": {"interval": end}}
         return {"title": "drawn at random", "control": control, "output": output} | parts
+
+    def beam(self, i: int) -> Table:
+        """A straight beam above the bodies, from rubber to steel; notes its nodes' masses."""
+        count = int(self.rng.integers(1, 5))
+        (young,), (density,), (width,) = (self.decades(*x) for x in ((6, 12), (2.5, 4), (-2.5, -1)))
+        way = self.vector(0.5)
+        way[0] += 1.0
+        length = float(np.linalg.norm(way)) / count
+        section = {"type": "rectangle", "width": width, "height": width * self.rng.uniform(0.5, 2)}
+        section = {k: v if k == "type" else float(v) for k, v in section.items()}
+        share = density * section["width"] * section["height"] * length
+        for name in (f"beam_{i}_{k}" for k in ("start", *range(1, count), "end")):
+            self.mass[name] = share * (0.5 if name.endswith(("start", "end")) else 1.0)
+        # of an element without its neighbours, along it and in bending with rotary inertia
+        thin = min(section["width"], section["height"])
+        self.fastest = max(self.fastest, (young / density) ** 0.5 * 2.0 / min(length, thin))
+        stuff = {"type": "elastic", "young": young, "poisson": 0.3, "density": density}
+        begin = [-0.5, -0.8 * (i + 1), 1.0]
+        mesh = {
+            "shape": "line",
+            "from": begin,
+            "to": [a + b for a, b in zip(begin, way, strict=True)],
+            "elements": count,
+        }
+        return {"stuff": stuff, "section": section, "mesh": mesh}
+
+    def part(self, i: int) -> Table:
+        """What hangs on a joint begins at rest, as bodies do."""
+        is_free = not any(name.startswith(f"beam_{i}_") for name in self.jointed)
+        (speed,) = self.decades(-3, 1)
+        return {
+            "type": "beam",
+            "mesh": self.beams[i]["mesh"],
+            "section": f"section_{i}",
+            "material": f"stuff_{i}",
+            "side": [0, 0, 1],
+            "damping": 0.1 / self.fastest if self.rng.random() < 0.5 else 0.0,
+            "velocity": self.vector(speed) if is_free else [0.0, 0.0, 0.0],
+        }
 
     def rigid(self, name: str) -> Table:
         """A ball, nearly uniform, or now and then an inertia that no solid has."""
@@ -128,7 +186,9 @@ class _Draw:
                 b = self.body()
                 a = self.other(b)
                 k = self.stiffness(1, 7, min(self.mass[n] for n in (a, b) if n != "ground"))
-                card = {"type": kind, "a": a, "b": b, "at_a": self.vector(0.5), "stiffness": k}
+                # a thin beam has next to no inertia to hold an arm with
+                at = self.vector(0.5 if a in self.names or a == "ground" else 0.0)
+                card = {"type": kind, "a": a, "b": b, "at_a": at, "stiffness": k}
                 found[f"{kind}_{i}"] = card if kind == "linear" else card | {"stiffness": [k] * 3}
         return found
 

@@ -66,6 +66,7 @@ class Companions:
         model, state = build(self.deck)
         coarsen(model.control, coarseness, schedule.interval, self.order)
         engine = Engine(model, state)
+        engine.on_pause = self._abandon_on_request
         histories = Histories(engine)
         times, rows = [], []
         engine.start()
@@ -79,13 +80,16 @@ class Companions:
             rows.append(row)
             if schedule.is_end(k):
                 break
-            if self.stopped():
-                raise Abandoned
+            self._abandon_on_request()
             k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
             engine.reach(schedule.time(k))
         samples = gather(times, rows, self.channels)
         spent = clock.process_time() - begun
         return replace(samples, cycles=int(engine.clock["cycle"]), cpu=spent)
+
+    def _abandon_on_request(self) -> None:
+        if self.stopped():
+            raise Abandoned
 
     def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
         """The sample to go to: where a step would pass the next one, the next of every m-th."""

@@ -10,7 +10,8 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import Saddle
-from crashsolve.integrators._places import evaluate, project
+from crashsolve.integrators._places import begin_contacts, evaluate_within, project
+from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.alpha import (
     alpha_weights,
     answer_rows,
@@ -27,8 +28,8 @@ from crashsolve.system.alpha import (
 from crashsolve.system.collocation import correction_size, keep_spin_rates, solve_stage
 from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, velocity_residual
-from crashsolve.system.kinetics import clear_forces
-from crashsolve.system.scene import JOINTS, force_pass, jacobian, residual, tangents
+from crashsolve.system.kinetics import clear_forces, take_late
+from crashsolve.system.scene import CONTACTS, JOINTS, force_pass, jacobian, residual, tangents
 from crashsolve.system.stages import keep_outside, keep_rates
 
 PASSES = 20
@@ -97,6 +98,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
         previous = worst
     stand_at_end(nodes, scene.stages, weights, h, ratio)
     if not converged:
+        clock.fault = UNSOLVED
         return False
     if not JOINTS:
         return True
@@ -112,6 +114,8 @@ def visit_end(h, clock, nodes, rows, curves, scene):
     clock.lead, clock.share = 0.5 * h, 0.0
     clear_forces(nodes)
     force_pass(clock, clock.time + h, h, nodes, rows, curves, scene)
+    if CONTACTS:
+        take_late(nodes, -1.0)
     if JOINTS:
         residual(clock.current, clock.time + h, nodes, rows, curves, scene)
         jacobian(clock.current, clock.time + h, nodes, rows, curves, scene)
@@ -130,8 +134,10 @@ def arrive(h, clock, nodes, rows, saddle, curves, scene):
     """Forces and losses at the end of the step. Writes: nodes, histories, scene.stages."""
     clock.opens = clock.closes = 1
     clock.lead = clock.share = 0.5 * h
-    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    evaluate_within(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
     keep_outside(nodes, rows, scene.stages, 1)
+    if CONTACTS:
+        begin_contacts(clock.time + h, clock, nodes, rows, saddle, curves, scene)
 
 
 @stage

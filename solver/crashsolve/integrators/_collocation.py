@@ -11,8 +11,9 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import Saddle
-from crashsolve.integrators._places import evaluate, project
+from crashsolve.integrators._places import begin_contacts, evaluate_within, project
 from crashsolve.integrators.radau_iia_5 import STAGES
+from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.collocation import (
     correction_size,
     guess,
@@ -25,7 +26,6 @@ from crashsolve.system.collocation import (
     weigh_estimate,
 )
 from crashsolve.system.compliance import factor_compliant, linearise
-from crashsolve.system.kinetics import take_late
 from crashsolve.system.scene import CONTACTS, JOINTS, tangents
 from crashsolve.system.stages import keep_rates
 
@@ -72,6 +72,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
         previous = worst
     stand(nodes, scene.stages, STAGES - 1)
     if not converged:
+        clock.fault = UNSOLVED
         return False
     if not JOINTS:
         return True
@@ -89,7 +90,7 @@ def visit_stages(h, first, clock, nodes, rows, saddle, curves, scene):
         stand(nodes, scene.stages, i)
         weigh_pass(h, i, clock, scene)
         time = scene.C[i] * h
-        evaluate(clock.time + time, time, clock, nodes, rows, saddle, curves, scene)
+        evaluate_within(clock.time + time, time, clock, nodes, rows, saddle, curves, scene)
         keep_rates(nodes, rows, scene.stages, i)
         keep_spin_rates(nodes, scene.stages, i)
         if first:
@@ -137,14 +138,11 @@ def arrive(h, clock, nodes, rows, saddle, curves, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
     clock.opens, clock.closes = 0, 1
     clock.share = h * scene.A[STAGES * STAGES - 1]
-    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
-    # a force that begins at the end of the step is no error of the step
-    if CONTACTS:
-        take_late(nodes, -1.0)
+    evaluate_within(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
     keep_rates(nodes, rows, scene.stages, STAGES - 1)
     keep_spin_rates(nodes, scene.stages, STAGES - 1)
     if CONTACTS:
-        take_late(nodes, 1.0)
+        begin_contacts(clock.time + h, clock, nodes, rows, saddle, curves, scene)
 
 
 @kernel

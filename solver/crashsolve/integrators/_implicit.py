@@ -16,7 +16,7 @@ from crashsolve.integrators._places import accept, begin, evaluate, onset_gap
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES
 from crashsolve.model.clock import (
     CURVE_END,
-    POSITION,
+    PAUSED,
     REACHED,
     REBUILD,
     RUNNING,
@@ -91,6 +91,8 @@ def advance(until, sampling, scene):
             return
         if curves[0].fault > 0:
             clock.status = CURVE_END
+        elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
+            clock.status = PAUSED
     if clock.status == RUNNING:
         clock.status = REACHED
 
@@ -116,7 +118,7 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
             h = trial = clock.next_step = 0.25 * trial
             bracket = open_bracket(h)
             if h < control.step_min:
-                clock.status = POSITION
+                clock.status = clock.fault
                 break
             continue
         if ONSETS:
@@ -138,7 +140,8 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
         if h < control.step_min:
             clock.status = STEP_TOO_SMALL
             break
-    clock.kinked = 1 if bracket[-1] > 0 else 0
+    # something began at the end, searched for or met by chance
+    clock.kinked = 1 if bracket[-1] > 0 or bracket[3] > 0.0 else 0
     clock.located += clock.kinked
     return trial
 

@@ -8,6 +8,7 @@ Reference: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projectio
 
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import solve_rows
+from crashsolve.model.clock import POSITION, VELOCITY
 from crashsolve.system.constraints import (
     acceleration_right_side,
     clear_joint_forces,
@@ -19,7 +20,7 @@ from crashsolve.system.constraints import (
     worst_rate,
     worst_residual,
 )
-from crashsolve.system.kinetics import clear_forces, refresh
+from crashsolve.system.kinetics import any_late, clear_forces, refresh, take_late
 from crashsolve.system.scene import (
     CONTACTS,
     JOINTS,
@@ -89,6 +90,7 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
     # per second, in the model's size; fast models have larger numbers to round
     limit = control.constraint_tolerance * max(1.0, clock.fastest / control.length)
     if not worst <= limit + spin_round_off(nodes):
+        clock.fault = VELOCITY
         return False
     clock.rate_residual = max(clock.rate_residual, worst)
     return True
@@ -122,6 +124,7 @@ def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves
         solve_rows(saddle, rows, -1.0)
         displace_by_joints(rows, nodes)
     if not worst <= control.constraint_tolerance:
+        clock.fault = POSITION
         return False
     clock.residual = max(clock.residual, worst)
     return True
@@ -138,6 +141,28 @@ def evaluate(time, h, clock, nodes, rows, saddle, curves, scene):
         jacobian(clock.current, time, nodes, rows, curves, scene)
         factor_constraints(rows, saddle, nodes)
         react(time, clock, nodes, rows, saddle, curves, scene)
+
+
+@kernel
+def evaluate_within(time, h, clock, nodes, rows, saddle, curves, scene):
+    """The same within a step: without the forces of contacts that begin in it. Writes: the same."""
+    clear_forces(nodes)
+    force_pass(clock, time, h, nodes, rows, curves, scene)
+    if CONTACTS:
+        take_late(nodes, -1.0)
+    if JOINTS:
+        jacobian(clock.current, time, nodes, rows, curves, scene)
+        factor_constraints(rows, saddle, nodes)
+        react(time, clock, nodes, rows, saddle, curves, scene)
+
+
+@kernel
+def begin_contacts(time, clock, nodes, rows, saddle, curves, scene):
+    """After the step, the forces of contacts that begin at its end. Writes: nodes, rows."""
+    if any_late(nodes):
+        take_late(nodes, 1.0)
+        if JOINTS:
+            react(time, clock, nodes, rows, saddle, curves, scene)
 
 
 @kernel

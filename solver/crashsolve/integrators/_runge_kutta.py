@@ -19,7 +19,9 @@ from crashsolve.foundation.saddle import Saddle
 from crashsolve.integrators._places import (
     accept,
     begin,
+    begin_contacts,
     evaluate,
+    evaluate_within,
     onset_gap,
     project,
     react,
@@ -27,6 +29,7 @@ from crashsolve.integrators._places import (
 from crashsolve.integrators.dormand_prince_5 import ESTIMATES, EXTRA, ORDER, STAGES, TERMS
 from crashsolve.model.clock import (
     CURVE_END,
+    PAUSED,
     POSITION,
     REACHED,
     REBUILD,
@@ -132,6 +135,8 @@ def advance(until, sampling, scene):
             return
         if curves[0].fault > 0:
             clock.status = CURVE_END
+        elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
+            clock.status = PAUSED
     if clock.status == RUNNING:
         clock.status = REACHED
 
@@ -168,7 +173,7 @@ def pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene):
         refresh(nodes)
         weigh_pass(0.0, i, clock, scene)
         after = scene.C[i] * h
-        evaluate(begun + after, after, clock, nodes, rows, saddle, curves, scene)
+        evaluate_within(begun + after, after, clock, nodes, rows, saddle, curves, scene)
         keep_rates(nodes, rows, scene.stages, i)
 
 
@@ -201,7 +206,7 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
         h = clock.next_step = wanted
         search = open_search(h)
         if h < control.step_min:
-            clock.status = STEP_TOO_SMALL if closed else POSITION
+            clock.status = STEP_TOO_SMALL if closed else clock.fault
             break
     clock.located += 1 if search[-1] > 0 else 0
     return h
@@ -278,15 +283,15 @@ def arrive(h, clock, nodes, rows, saddle, curves, scene):
     weigh_pass(h, STAGES - 1, clock, scene)
     clear_forces(nodes)
     force_pass(clock, clock.time + h, h, nodes, rows, curves, scene)
-    if JOINTS:
-        # D and its factor are those of the projection
-        react(clock.time + h, clock, nodes, rows, saddle, curves, scene)
     # a force that begins at the end of the step is no error of the step
     if CONTACTS:
         take_late(nodes, -1.0)
+    if JOINTS:
+        # D and its factor are those of the projection
+        react(clock.time + h, clock, nodes, rows, saddle, curves, scene)
     keep_rates(nodes, rows, scene.stages, STAGES - 1)
     if CONTACTS:
-        take_late(nodes, 1.0)
+        begin_contacts(clock.time + h, clock, nodes, rows, saddle, curves, scene)
 
 
 @stage
@@ -324,7 +329,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
         refresh(nodes)
         if i < STAGES - 1:
             weigh_pass(h, i, clock, scene)
-            evaluate(
+            evaluate_within(
                 clock.time + scene.C[i] * h,
                 scene.C[i] * h,
                 clock,

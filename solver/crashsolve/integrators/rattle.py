@@ -15,6 +15,7 @@ from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (t
 from crashsolve.foundation.saddle import Saddle, solve_rows
 from crashsolve.model.clock import (
     CURVE_END,
+    PAUSED,
     POSITION,
     REACHED,
     REBUILD,
@@ -111,6 +112,8 @@ def advance(until, sampling, scene):
             return
         if curves[0].fault > 0:
             clock.status = CURVE_END
+        elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
+            clock.status = PAUSED
     if clock.status == RUNNING:
         clock.status = REACHED
 

@@ -3,7 +3,7 @@
     law that counts in whole steps          rattle
     contacts that keep lists of near pairs  rattle: events too many to be located one by one
     stiff                                   radau_iia_5, or generalized_alpha where 1e-3 is enough
-    contacts, or curves with corners        dormand_prince_5
+    contacts, or laws with corners          dormand_prince_5
     smooth                                  dormand_prince_8, or dormand_prince_5 above 1e-5
 
 Stiff means that the largest step at which an explicit method is stable (see system/timestep.py) is
@@ -43,14 +43,16 @@ def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Cho
     if model.contact_groups:
         return Choice("dormand_prince_5", "contacts begin and end within the run; not stiff")
     if has_corners(model):
-        return Choice("dormand_prince_5", "curves have corners; not stiff")
+        return Choice("dormand_prince_5", "laws or curves have corners; not stiff")
     if tolerance > FINE:
         return Choice("dormand_prince_5", f"smooth, not stiff, tolerance {tolerance:g}")
     return Choice("dormand_prince_8", f"smooth, not stiff, tolerance {tolerance:g}")
 
 
 def has_corners(model: Any) -> bool:
-    """Whether a curve has a corner, but for those that only sensors and drivers could read."""
+    """Whether a law has several pieces, or a curve a corner, whoever reads it."""
+    if any(_has_pieces(group) for group in model.piecewise_groups()):
+        return True
     curves = model.curves
     for start in model.curve_names.values():
         part = curves[start : curves[start]["last"] + 1]
@@ -60,6 +62,13 @@ def has_corners(model: Any) -> bool:
         if (jump > 1e-9 * np.abs(slope[:, 1]).max(initial=0.0)).any():
             return True
     return False
+
+
+def _has_pieces(group: Any) -> bool:
+    """Whether a law goes over to another piece: at yield, at a stop, or where it turns back."""
+    p = group.parameters
+    # of a curve that is followed both ways the corners are those of its points
+    return "loose" not in p.dtype.names or bool((p["loose"] != 0).any())
 
 
 def times(model: Any, state: Any) -> tuple[float, float]:

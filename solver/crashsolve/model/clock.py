@@ -14,7 +14,10 @@ from crashsolve.foundation.record import Record
     REBUILD,
     ONSET,
     STOPPED,
-) = range(10)
+    VELOCITY,
+    UNSOLVED,
+    PAUSED,
+) = range(13)
 
 CLOCK = Record(
     time=("s", "present time"),
@@ -23,6 +26,7 @@ CLOCK = Record(
     goal=("s", "time on which a step must end; samples before it may lie within steps"),
     sampled=("s", "time of the last sample"),
     cycle=("count", "accepted steps"),
+    pause=("count", "cycle at which the loop gives control back; 0 outside of it"),
     current=("index", "which of the two history buffers is accepted"),
     lead=("s", "weight of the step's start in sums over the step"),
     share=("s", "weight of the present force pass in them"),
@@ -30,6 +34,7 @@ CLOCK = Record(
     opens=("flag", "whether that is the first pass of the step"),
     closes=("flag", "whether it is the last"),
     status=("flag", "why the loop stopped"),
+    fault=("flag", "why the last attempt at a step failed, as a status"),
     place=("index", "row, node or curve the status is about"),
     value=("1", "number the status is about"),
     iterations=("count", "of positions, and passes over implicit stages"),

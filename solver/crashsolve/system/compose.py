@@ -117,7 +117,7 @@ def scene_text(model: Any) -> str:
         f"PIECES = {bool(model.piecewise_groups())}\n"
         f"REBUILDS = {any(_looks_ahead(c) for c in model.contact_groups)}\n"
     )
-    parts += [_contact(c) for c in model.contact_groups]
+    parts += [_contact(model, c) for c in model.contact_groups]
     parts += [
         _function("residual", _joint_calls(model, "residual")),
         _function("jacobian", _joint_calls(model, "jacobian")),
@@ -208,7 +208,7 @@ def _force_calls(model: Any) -> list[str]:
     return lines
 
 
-def _contact(c: Any) -> str:
+def _contact(model: Any, c: Any) -> str:
     """The loop over the pairs of one contact group."""
     g, normal = f"groups.{c.word}", _alias(c.normal)
     lines = [
@@ -252,7 +252,7 @@ def _contact(c: Any) -> str:
             "        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)",
         ]
     lines += [
-        "        felt = contacts.share_felt(old, depth, rate, h)",
+        f"        felt = contacts.{_share_felt(model)}",
         "        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)",
         "        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)",
         "        contacts.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)",
@@ -261,6 +261,12 @@ def _contact(c: Any) -> str:
         "        contacts.sum_losses(card, new)",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _share_felt(model: Any) -> str:
+    """How much of the force of a contact counts in the step in which it begins."""
+    whole = model.integrator == "rattle"
+    return "share_felt(old, depth, rate, h)" if whole else "begun_before(old, h)"
 
 
 def _data(c: Any) -> str:

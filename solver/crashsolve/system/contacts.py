@@ -110,6 +110,16 @@ def share_felt(old, depth, rate, h):
 
 
 @kernel
+def begun_before(old, h):
+    """1 of a contact that the step began with, 0 of one that begins in it.
+
+    A step ends where a contact begins. What jumps there must not act in a stage at its end: that
+    has the weight of all of the step, and no step to the onset would be short enough.
+    """
+    return 1.0 if old.active == 1 or h <= 0.0 else 0.0
+
+
+@kernel
 def touch(a, b, d_a, d_b, felt, f, t, n, x, out):
     """Normal force f along n and friction t on both sides. Writes: a, b, out."""
     total = add_scaled(t, f, n)

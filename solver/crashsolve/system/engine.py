@@ -1,33 +1,37 @@
 """The engine: the compiled step of one scene with its arrays. The only place that calls it."""
 
+from collections.abc import Callable
 from importlib import import_module
+from time import monotonic
 from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.errors import SolverError
 from crashsolve.foundation.table import Tables
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
-    CURVE_END,
     ENERGY,
     NOT_FINITE,
+    PAUSED,
     POSITION,
     REACHED,
     REBUILD,
-    STEP_TOO_SMALL,
 )
 from crashsolve.model.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.model.pairs import renew
 from crashsolve.system.compose import compose, group_arrays, load, samples_within_steps
+from crashsolve.system.diagnosis import diagnose, velocity_error
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
 MANY_PASSES = 4.0
+# steps of the first call of the compiled loop, and seconds that a call may take: nobody waits
+# longer for an answer to a signal
+FIRST_CALL, LONGEST_CALL = 16, 0.2
 # at most so many passes for friction and reactions of the initial state to agree
 PASSES = 60
 
@@ -47,6 +51,9 @@ class Engine:
         self._histories = {f"{g.word}_h": (g.history, g.history.copy()) for g in kept}
         self.bind()
         self._advance = load(compose(model), self._present)
+        # asked now and then between two samples; may raise
+        self.on_pause: Callable[[], None] = lambda: None
+        self._steps_per_call = FIRST_CALL
 
     def bind(self) -> None:
         """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
@@ -128,14 +135,30 @@ class Engine:
         s = self.state
         s.clock[0]["goal"] = goal
         while True:
-            self._advance(until, False, self._present)
-            status = int(self.clock["status"])
+            status = self._call(until)
             if status == REACHED:
                 return
-            if status != REBUILD:
-                raise self._stop(self.clock, s.ledger)
-            renew(self.model.contact_groups, s)
-            self.bind()
+            if status == PAUSED:
+                self.on_pause()
+            elif status == REBUILD:
+                renew(self.model.contact_groups, s)
+                self.bind()
+            else:
+                raise diagnose(self.model, s, self.clock, s.ledger)
+
+    def _call(self, until: float) -> int:
+        """One call of the compiled loop, of about LONGEST_CALL at most; returns its status."""
+        clock, begun = self.state.clock[0], monotonic()
+        clock["pause"] = clock["cycle"] + self._steps_per_call
+        self._advance(until, False, self._present)
+        # no trace of how long it took may reach a dump
+        clock["pause"] = 0
+        spent = monotonic() - begun
+        if spent > LONGEST_CALL:
+            self._steps_per_call = max(self._steps_per_call // 2, 1)
+        elif spent < 0.25 * LONGEST_CALL and clock["status"] == PAUSED:
+            self._steps_per_call *= 2
+        return int(clock["status"])
 
     def sample(self, time: float | None = None) -> None:
         """Outputs, reactions and energies at present, or at a time [s] within the last step.
@@ -150,14 +173,14 @@ class Engine:
         self._advance(clock["time"] if time is None else time, True, self._sampled)
         self.state.clock[0]["sampled"] = clock["time"]
         if clock["status"] in (NOT_FINITE, ENERGY, POSITION):
-            raise self._stop(clock, self.ledger)
+            raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
         limit, largest = self.model.control[0]["energy_limit"], self.ledger[energy.LARGEST]
         if limit > 0.0 and not abs(self.ledger[energy.IMBALANCE]) <= limit * largest:
-            raise self._stop(self.clock, self.ledger)
+            raise diagnose(self.model, self.state, self.clock, self.ledger)
 
     def law_warnings(self) -> list[str]:
         """What contact laws have met outside their range of validity, per contact card."""
@@ -187,7 +210,7 @@ class Engine:
         """Joints that do not fit the initial posture or velocity: (joint, what is wrong)."""
         rows, found = self.state.rows, []
         gap = np.abs(rows["phi"]) / rows["scale"]
-        speed = self._velocity_error()
+        speed = velocity_error(self.model, self.state)
         nodes = self.state.nodes
         fastest = max(np.abs(nodes["v"]).max(), self.model.size * np.abs(nodes["w"]).max())
         # a model at rest may begin with the round-off of a curve's slope
@@ -222,73 +245,3 @@ class Engine:
                     "middle of one side to that of the other"
                 )
         return list(found.items())
-
-    def _velocity_error(self) -> np.ndarray:
-        """|D v - nu| of every row; the parts of a row of several parts add up."""
-        rows, nodes = self.state.rows, self.state.nodes
-        D = rows["D"]
-        total = -rows["nu"].copy()
-        for side, column in (("node_a", 0), ("node_b", 6)):
-            body = nodes[rows[side]]
-            total += np.einsum("ij,ij->i", D[:, column : column + 3], body["v"])
-            total += np.einsum("ij,ij->i", D[:, column + 3 : column + 6], body["w"])
-        for joint in self.model.joints:
-            first = slice(joint.first_row, joint.first_row + joint.rows)
-            for part in range(1, joint.parts):
-                start = joint.first_row + part * joint.rows
-                total[first] += total[start : start + joint.rows]
-        return np.abs(total)
-
-    def _stop(self, clock: Any, ledger: np.ndarray) -> SolverError:
-        """What went wrong, where, why probably, and what to try."""
-        name, cause, advice = self._diagnosis(clock, ledger)
-        return SolverError(float(clock["time"]), int(clock["cycle"]), name, cause, advice)
-
-    def _diagnosis(self, clock: Any, ledger: np.ndarray) -> tuple[str, str, str]:
-        status, at = int(clock["status"]), int(clock["place"])
-        shorter = "take a shorter step: a smaller control.safety, or a smaller control.step"
-        bodies = self.model.bodies
-        if status == NOT_FINITE:
-            return f"body '{bodies[at]}'", "its motion has grown beyond all bounds", shorter
-        if status == POSITION:
-            joint = next(j for j in self.model.joints if at < j.first_row + j.rows * j.parts)
-            error = float(clock["value"])
-            return (
-                f"joint '{joint.name}'",
-                f"the joints cannot be closed (error {error:.3g} of the model's size): "
-                "they contradict each other, or the step is too long",
-                shorter + "; or remove a joint",
-            )
-        if status == STEP_TOO_SMALL and not clock["limit_node"]:
-            return (
-                "the model",
-                "no step is short enough for control.tolerance "
-                f"(the next would be {float(clock['next_step']):.3g} s)",
-                "look for a singular posture, a jump in a curve or in a law; "
-                "integrator: rattle passes them, a larger control.tolerance may",
-            )
-        if status == STEP_TOO_SMALL:
-            body = bodies[int(clock["limit_node"])]
-            return (
-                f"body '{body}'",
-                f"the step has collapsed to {float(clock['next_step']):.3g} s",
-                "look for a stiffness far too large, or a mass far too small, on this body",
-            )
-        if status == CURVE_END:
-            return self._curve_end()
-        share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
-        return (
-            "the model",
-            f"the energy balance is off by {share:.3g} % of the largest energy",
-            shorter + "; control.energy_limit sets the bound",
-        )
-
-    def _curve_end(self) -> tuple[str, str, str]:
-        first, x = int(self.model.curves[0]["fault"]), float(self.model.curves[0]["x"])
-        name = next(n for n, start in self.model.curve_names.items() if start == first)
-        last = self.model.curves[int(self.model.curves[first]["last"])]["x"]
-        return (
-            f"curve '{name}'",
-            f"read at {x:.6g}, outside its range {self.model.curves[first]['x']:.6g} to {last:.6g}",
-            "extend the curve, or say extrapolate: hold or linear on its card",
-        )

@@ -26,6 +26,7 @@ from crashsolve.foundation.vec3 import (
     dot,
     matvec,
     matvec_t,
+    norm,
     put,
     scale,
     sub,
@@ -103,6 +104,16 @@ def take_late(nodes, sign):
         b = nodes[i]
         add_to(b.force, scale(sign, vec(b.late_force)))
         add_to(b.torque, scale(sign, vec(b.late_torque)))
+
+
+@kernel
+def any_late(nodes):
+    """Whether a force began during the step."""
+    for i in range(1, nodes.shape[0]):
+        b = nodes[i]
+        if norm(vec(b.late_force)) > 0.0:
+            return True
+    return False
 
 
 @kernel

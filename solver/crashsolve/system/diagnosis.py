@@ -1,0 +1,135 @@
+"""Why the compiled loop stopped: place, likely cause and advice, as the user reads them."""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.errors import SolverError
+from crashsolve.model import ledger as energy
+from crashsolve.model.clock import (
+    CURVE_END,
+    NOT_FINITE,
+    POSITION,
+    STEP_TOO_SMALL,
+    UNSOLVED,
+    VELOCITY,
+)
+from crashsolve.model.model import Model, State
+
+# place, likely cause, advice
+Diagnosis = tuple[str, str, str]
+
+
+def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> SolverError:
+    """The error for a loop that has stopped with this clock and ledger."""
+    status, step = int(clock["status"]), float(clock["next_step"])
+    if status == NOT_FINITE:
+        name = f"body '{model.bodies[int(clock['place'])]}'"
+        found = name, "its motion has grown beyond all bounds", closer(model, state)
+    elif status == POSITION:
+        found = open_joints(model, state, clock)
+    elif status == VELOCITY:
+        found = broken_velocities(model, state)
+    elif status == UNSOLVED:
+        cause = f"no step is short enough for its equations to be solved (the next: {step:.3g} s)"
+        found = "the model", cause, pass_it(model, state)
+    elif status == STEP_TOO_SMALL:
+        found = collapsed_step(model, state, int(clock["limit_node"]), step)
+    elif status == CURVE_END:
+        found = curve_end(model)
+    else:
+        share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
+        cause = f"the energy balance is off by {share:.3g} % of the largest energy"
+        advice = f"{closer(model, state)}; control.energy_limit sets the bound"
+        found = "the model", cause, advice
+    return SolverError(float(clock["time"]), int(clock["cycle"]), *found)
+
+
+def closer(model: Model, state: State) -> str:
+    """How to ask this method for a closer look."""
+    if chooses_step(model, state):
+        return "ask for smaller errors: a smaller control.tolerance, or a smaller control.step_max"
+    return "take a shorter step: a smaller control.safety, or a smaller control.step"
+
+
+def pass_it(model: Model, state: State) -> str:
+    """What to do where a method gets stuck."""
+    look = "look for a singular posture, a jump in a curve or in a law; integrator: rattle passes"
+    if chooses_step(model, state):
+        return f"{look} them, a larger control.tolerance may"
+    return f"{look} them; or {closer(model, state)}"
+
+
+def chooses_step(model: Model, state: State) -> bool:
+    """Whether the method chooses its steps by their errors."""
+    return len(state.stages) > 0 and float(model.control[0]["fixed_step"]) == 0.0
+
+
+def open_joints(model: Model, state: State, clock: Any) -> Diagnosis:
+    """Positions that cannot be brought onto Phi = 0."""
+    name, error = joint_of(model, int(clock["place"])), float(clock["value"])
+    cause = (
+        f"the joints cannot be closed (error {error:.3g} of the model's size): "
+        "they contradict each other, or the step is too long"
+    )
+    return f"joint '{name}'", cause, closer(model, state) + "; or remove a joint"
+
+
+def broken_velocities(model: Model, state: State) -> Diagnosis:
+    """Velocities that cannot be brought onto D v = nu."""
+    speed = velocity_error(model, state) / state.rows["scale"]
+    cause = (
+        f"the velocities do not fit the joints (error {speed.max():.3g} of the model's size in a "
+        "second): they contradict each other, or the posture is singular"
+    )
+    advice = "remove a joint or a driver; integrator: rattle passes singular postures"
+    return f"joint '{joint_of(model, int(speed.argmax()))}'", cause, advice
+
+
+def joint_of(model: Model, row: int) -> str:
+    """Name of the joint that a row belongs to."""
+    return next(j.name for j in model.joints if row < j.first_row + j.rows * j.parts)
+
+
+def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> Diagnosis:
+    """A step shorter than step_min: by the stiffness of a body, or by the error of the method."""
+    if limit_node:
+        return (
+            f"body '{model.bodies[limit_node]}'",
+            f"the step has collapsed to {step:.3g} s",
+            "look for a stiffness far too large, or a mass far too small, on this body",
+        )
+    return (
+        "the model",
+        f"no step is short enough for control.tolerance (the next would be {step:.3g} s)",
+        pass_it(model, state),
+    )
+
+
+def curve_end(model: Model) -> Diagnosis:
+    """A curve read beyond its points."""
+    curves = model.curves
+    first, x = int(curves[0]["fault"]), float(curves[0]["x"])
+    name = next(n for n, start in model.curve_names.items() if start == first)
+    last = curves[int(curves[first]["last"])]["x"]
+    return (
+        f"curve '{name}'",
+        f"read at {x:.6g}, outside its range {curves[first]['x']:.6g} to {last:.6g}",
+        "extend the curve, or say extrapolate: hold or linear on its card",
+    )
+
+
+def velocity_error(model: Model, state: State) -> np.ndarray:
+    """|D v - nu| of every row; the parts of a row of several parts add up."""
+    rows = state.rows
+    total = -rows["nu"].copy()
+    for side, column in (("node_a", 0), ("node_b", 6)):
+        body, D = state.nodes[rows[side]], rows["D"]
+        total += np.einsum("ij,ij->i", D[:, column : column + 3], body["v"])
+        total += np.einsum("ij,ij->i", D[:, column + 3 : column + 6], body["w"])
+    for joint in model.joints:
+        first = slice(joint.first_row, joint.first_row + joint.rows)
+        for part in range(1, joint.parts):
+            start = joint.first_row + part * joint.rows
+            total[first] += total[start : start + joint.rows]
+    return np.abs(total)
