@@ -14,7 +14,8 @@ from crashsolve.foundation.record import Record
     REBUILD,
     ONSET,
     STOPPED,
-) = range(10)
+    UNHELD,
+) = range(11)
 
 CLOCK = Record(
     time=("s", "present time"),

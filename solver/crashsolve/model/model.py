@@ -42,6 +42,11 @@ class ContactGroup:
     output: np.ndarray
     search: Any | None  # of the near pairs; None when all pairs are kept
 
+    @property
+    def captures(self) -> bool:
+        """Whether its law is a constraint instead of a force."""
+        return not hasattr(self.normal, "normal_force")
+
 
 @dataclass
 class Joint:

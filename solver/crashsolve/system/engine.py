@@ -16,6 +16,7 @@ from crashsolve.model.clock import (
     REACHED,
     REBUILD,
     STEP_TOO_SMALL,
+    UNHELD,
 )
 from crashsolve.model.compliance import compliance
 from crashsolve.model.model import Model, State
@@ -25,6 +26,8 @@ from crashsolve.system.compose import compose, group_arrays, load, samples_withi
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
+# a depth of this share of the model's size is touching
+ONTO = 1e-9
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
 MANY_PASSES = 4.0
@@ -227,11 +230,17 @@ class Engine:
         current, found = int(self.clock["current"]), {}
         for group in self.model.contact_groups:
             depth, thick = group.history["depth"][current], group.parameters["thick"]
-            for i in np.flatnonzero(depth > 0.5 * thick):
-                found[self.model.contacts[group.parameters["card"][i]]] = (
-                    f"begins {depth[i]:.3g} m deep, over half of the {thick[i]:.3g} m from the "
-                    "middle of one side to that of the other"
+            # a constraint has no depth: what it is to hold begins apart, or touching
+            limit = ONTO * self.model.size if group.captures else 0.5 * thick
+            for i in np.flatnonzero(depth > limit):
+                why = (
+                    "nodes that are held must not begin inside"
+                    if group.captures
+                    else f"over half of the {thick[i]:.3g} m from the middle of one side "
+                    "to that of the other"
                 )
+                card = self.model.contacts[group.parameters["card"][i]]
+                found[card] = f"begins {depth[i]:.3g} m deep, {why}"
         return list(found.items())
 
     def _velocity_error(self) -> np.ndarray:
@@ -270,6 +279,10 @@ class Engine:
                 "they contradict each other, or the step is too long",
                 shorter + "; or remove a joint",
             )
+        if status == UNHELD:
+            gap = float(clock["value"])
+            cause = f"captured nodes cannot be kept on their surface (by {gap:.3g} m)"
+            return "a unilateral contact", cause, shorter
         if status == STEP_TOO_SMALL and not clock["limit_node"]:
             return (
                 "the model",
