@@ -80,6 +80,7 @@ class Model:
     title: str
     bodies: list[str]  # node names; the first is the ground
     mass: np.ndarray
+    slaves: np.ndarray  # nodes welded to rigid bodies
     size: float  # model length for tolerances [m]
     integrator: str
     choice: str  # why that one, where the deck leaves it open

@@ -114,6 +114,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
         }
         if c.search is not None:
             arrays |= {f"{c.word}_{name}": array for name, array in c.search.arrays().items()}
+    if len(model.slaves):
+        arrays |= {"slaves": model.slaves}
     if model.contact_groups:
         arrays |= {"cards": state.cards, "card_history": state.card_history}
     return arrays
@@ -165,8 +167,10 @@ def _imports(model: Any) -> str:
             if module is not None:
                 modules.add((module.__name__, _alias(module)))
     lines = ["from crashsolve.system import contacts"]
+    if has_slaves(model):
+        lines.append("from crashsolve.system import slaves")
     if captures(model):
-        lines = ["from crashsolve.system import captures, contacts"]
+        lines.append("from crashsolve.system import captures")
         lines.append("from crashsolve.model.clock import UNHELD")
     for name, alias in sorted(modules):
         package, _, leaf = name.rpartition(".")
@@ -200,7 +204,7 @@ def _joint_calls(model: Any, stage: str) -> list[str]:
 
 
 def _force_calls(model: Any) -> list[str]:
-    lines = []
+    lines = ["slaves.carry(groups.slaves, nodes)"] * has_slaves(model)
     for g in model.force_groups():
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
@@ -225,7 +229,7 @@ def _force_calls(model: Any) -> list[str]:
         lines += ["contacts.carry_onsets(clock.current, groups.card_history)"]
         lines += [f"{c.word}(clock, h, nodes, curves, groups)" for c in model.contact_groups]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
-    return lines
+    return lines + ["slaves.collect(groups.slaves, nodes)"] * has_slaves(model)
 
 
 def _contact(c: Any) -> str:
@@ -281,6 +285,11 @@ def _contact(c: Any) -> str:
         "        contacts.sum_losses(card, new)",
     ]
     return "\n".join(lines) + "\n"
+
+
+def has_slaves(model: Any) -> bool:
+    """Whether nodes are welded to rigid bodies."""
+    return len(model.slaves) > 0
 
 
 def captures(model: Any) -> list[Any]:

@@ -1,4 +1,4 @@
-"""All nodes of a flexible part as points, or as spheres of one radius."""
+"""Nodes of a flexible part as points or as spheres: all but those welded to rigid bodies."""
 
 from typing import Any
 
@@ -18,7 +18,11 @@ class Nodes(Card):
 
 
 def build(card: Nodes, scene: Any) -> list[dict[str, Any]]:
-    nodes = scene.part_nodes[card.part]
+    nodes = [node for node in scene.part_nodes[card.part] if node not in scene.welded]
+    if not nodes:
+        raise scene.fail(
+            "all its nodes are welded to rigid bodies; use a point_set on these", "part"
+        )
     return [{"node": node, "point": (0.0, 0.0, 0.0), "radius": card.radius} for node in nodes]
 
 
