@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.card import Card, Rotation, Vec3, quantity, word
+from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
 from crashsolve.foundation.posture import matrix
 from crashsolve.foundation.record import Record
 
@@ -49,6 +49,11 @@ class Rigid(Card):
     angular_velocity: Vec3 = quantity("rad/s", "world axes", default=(0.0, 0.0, 0.0))
     angular_velocity_axes: Literal["world", "body"] = word(
         "axes in which angular_velocity is given", default="world"
+    )
+
+    welded: tuple[BodyName, ...] = word(
+        "nodes of flexible parts that are part of it: their mass and inertia add to its own",
+        default=(),
     )
 
     @model_validator(mode="after")

@@ -35,8 +35,8 @@ from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
-__all__ += ["MaterialName", "Reference", "SectionName", "SensorName", "SpringName", "SurfaceName"]
-__all__ += ["existing_file"]
+__all__ += ["MaterialName", "PartName", "Reference", "SectionName", "SensorName", "SpringName"]
+__all__ += ["SurfaceName", "existing_file"]
 
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -70,6 +70,7 @@ CurveName = Annotated[str, AfterValidator(Reference("curves"))]
 SensorName = Annotated[str, AfterValidator(Reference("sensors"))]
 MaterialName = Annotated[str, AfterValidator(Reference("materials"))]
 SectionName = Annotated[str, AfterValidator(Reference("sections"))]
+PartName = Annotated[str, AfterValidator(Reference("parts"))]
 
 
 def existing_file(text: str, info: ValidationInfo) -> str:

@@ -54,6 +54,7 @@ from crashsolve.system.kinetics import (
 )
 from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.scene import (
+    CAPTURES,
     CONTACTS,
     JOINTS,
     REBUILDS,
@@ -62,9 +63,11 @@ from crashsolve.system.scene import (
     convective,
     energy,
     force_pass,
+    hold,
     jacobian,
     measure,
     need_rebuild,
+    react,
     residual,
 )
 from crashsolve.system.timestep import fit, wanted_step
@@ -156,6 +159,8 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
         kick_off(nodes, h)
         if JOINTS:
             kick_half_by_joints(nodes, 0.5 * h)
+        if CAPTURES:
+            hold(h, clock, control, nodes, groups)
         drift(nodes, h)
         if not JOINTS:
             break
@@ -226,6 +231,8 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
             acceleration_right_side(rows, nodes)
             solve_rows(saddle, rows, 1.0)
             scatter_delta(rows, nodes)
+    if CAPTURES:
+        react(h, clock, nodes, groups)
     add_impulse(clock, nodes, 0.5 * h)
     if CONTACTS:
         take_late(nodes, 1.0)

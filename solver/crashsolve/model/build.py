@@ -11,7 +11,7 @@ import numpy as np
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
-from crashsolve.model import touch
+from crashsolve.model import touch, welds
 from crashsolve.model.choice import choose
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
@@ -62,7 +62,8 @@ def build(deck: Deck) -> tuple[Model, State]:
     model = Model(
         title=deck.title,
         bodies=scene.names,
-        mass=scene.mass,
+        mass=np.where(np.isin(np.arange(len(scene.mass)), list(scene.welded)), 0.0, scene.mass),
+        slaves=welds.table(scene),
         size=scene.size,
         integrator=deck.control.integrator,
         choice="",
@@ -247,6 +248,7 @@ def initial_nodes(scene: Scene) -> np.ndarray:
     nodes["L"] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, scene.w)
     nodes["mass_inv"][1:] = 1.0 / scene.mass[1:]
     nodes["J_inv"][1:] = np.linalg.inv(J[1:]).reshape(-1, 9)
+    welds.unload(nodes, welds.table(scene))
     return nodes
 
 

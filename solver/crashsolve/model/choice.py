@@ -31,6 +31,8 @@ def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Cho
     """The integrator for a deck whose control says auto."""
     if stepwise:
         return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
+    if len(model.slaves):
+        return Choice("rattle", "nodes are welded to rigid bodies")
     searched = [c.word for c in model.contact_groups if c.search is not None]
     if searched:
         return Choice("rattle", f"contacts '{searched[0]}' keep a list of near pairs")

@@ -17,7 +17,8 @@ from crashsolve.foundation.record import Record
     VELOCITY,
     UNSOLVED,
     PAUSED,
-) = range(13)
+    UNHELD,
+) = range(14)
 
 CLOCK = Record(
     time=("s", "present time"),

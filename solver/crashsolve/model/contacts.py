@@ -72,22 +72,33 @@ def _add_card(
     builders: dict[str, GroupBuilder],
     scene: Scene,
 ) -> None:
-    card = entry.card
+    card, laws = entry.card, _laws(entry.card)
     sides = [_by_shape(names, surfaces) for names in (card.a, card.b)]
     on_both = set(card.a) & set(card.b)
-    bodies = {s.elements[0]["node"] for side in sides for group in side.values() for s in group}
+    bodies = [
+        {e["node"] for group in side.values() for s in group for e in s.elements} for side in sides
+    ]
     is_whole = all(name in surfaces for name in (*card.a, *card.b))
-    if is_whole and len(bodies) == 1:
+    if is_whole and len(bodies[0] | bodies[1]) == 1:
         raise scene.fail("all its surfaces are on one body; a body cannot touch itself", "b")
+    law = import_module(type(laws[0]).__module__)
+    if hasattr(law, "check"):
+        law.check(laws[0], scene, *bodies)
     for some_a in sides[0].values():
         for some_b in sides[1].values():
             narrow, swapped = gap_routine(some_a[0], some_b[0], scene)
             home = _home_of_gap(narrow)
-            laws = [card.normal] + ([] if card.friction is None else [card.friction])
             key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
             if key not in builders:
                 builders[key] = GroupBuilder(key, home, laws)
             builders[key].add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
+
+
+def _laws(card: Any) -> list[Any]:
+    """Laws of a contact card: those it names, or itself."""
+    if not hasattr(card, "normal"):
+        return [card]
+    return [card.normal] + ([] if card.friction is None else [card.friction])
 
 
 def _by_shape(names: Any, surfaces: dict[str, Surface]) -> dict[str, list[Surface]]:
@@ -214,15 +225,17 @@ class GroupBuilder:
             self.laws.append(self._law(entry, a, b, scene))
         names = tuple([s.entry.name for s in some] for some in ordered)
         order = -1 if swapped else 1
-        self.blocks.append((index, entry.card.speed_floor, order, names, on_both, rows))
+        floor = getattr(entry.card, "speed_floor", 0.0)
+        self.blocks.append((index, floor, order, names, on_both, rows))
 
     def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> dict[str, Any]:
         """Parameters of the laws between two surfaces."""
-        card = entry.card
-        law = self.modules[0].build(card.normal, scene, Pair(entry.name, a.radius, b.radius))
-        if card.friction is not None:
-            scene.refuse_stepwise(self.modules[1], "friction")
-            law = law | self.modules[1].build(card.friction, scene)
+        first, *others = _laws(entry.card)
+        scene.refuse_stepwise(self.modules[0])
+        law = self.modules[0].build(first, scene, Pair(entry.name, a.radius, b.radius))
+        for module, card in zip(self.modules[1:], others, strict=True):
+            scene.refuse_stepwise(module, "friction")
+            law = law | module.build(card, scene)
         return dict(law)
 
     def finish(self, nodes: Any) -> ContactGroup:

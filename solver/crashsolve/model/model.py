@@ -42,6 +42,11 @@ class ContactGroup:
     output: np.ndarray
     search: Any | None  # of the near pairs; None when all pairs are kept
 
+    @property
+    def captures(self) -> bool:
+        """Whether its law is a constraint instead of a force."""
+        return not hasattr(self.normal, "normal_force")
+
 
 @dataclass
 class Joint:
@@ -75,6 +80,7 @@ class Model:
     title: str
     bodies: list[str]  # node names; the first is the ground
     mass: np.ndarray
+    slaves: np.ndarray  # nodes welded to rigid bodies
     size: float  # model length for tolerances [m]
     integrator: str
     choice: str  # why that one, where the deck leaves it open

@@ -15,11 +15,15 @@ import numpy as np
 
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.posture import matrix, perpendicular
+from crashsolve.model import welds
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
 
 Vector = np.ndarray
+# velocities of a node and of its place on a body that differ by less than this share are the same
+SAME = 1e-9
+IMPLICIT = ("generalized_alpha", "radau_iia_5")
 
 
 class CardProblem(ValueError):
@@ -64,6 +68,10 @@ class Scene:
                 nodes = import_module(part.module_name).build(part.card, self)
                 for i, node in zip(self.part_nodes[part.name], nodes, strict=True):
                     self._place_body(i, node)
+        self.welded: dict[int, int] = {}  # nodes that are part of a rigid body
+        for entry in deck.entries["bodies"].values():
+            with self.building(entry):
+                self._weld(entry)
         self.size = self._model_size()
 
     def _place_body(self, i: int, body: dict[str, Any]) -> None:
@@ -76,6 +84,27 @@ class Scene:
         self.w[i] = body["angular_velocity"]
         self.r[i] = np.asarray(body["position"]) + arm
         self.v[i] = np.asarray(body["velocity"]) + np.cross(self.w[i], arm)
+
+    def _weld(self, entry: Entry) -> None:
+        """Nodes welded to a body become its slaves."""
+        body, nodes = self._index[entry.name], [self._index[name] for name in entry.card.welded]
+        flexible = {node for some in self.part_nodes.values() for node in some}
+        if nodes and self.deck.control.integrator in IMPLICIT:
+            message = "'welded' is for explicit integrators; use the joint of type weld instead"
+            raise self.fail(message, "welded")
+        for node in nodes:
+            name = self.names[node]
+            if node not in flexible:
+                raise self.fail(f"'{name}' is no node of a flexible part", "welded")
+            if node in self.welded:
+                raise self.fail(f"'{name}' is welded twice", "welded")
+            apart = welds.misfit(body, node, self)
+            if apart > SAME * (np.linalg.norm(self.v[node]) + np.linalg.norm(self.v[body])):
+                message = f"'{name}' begins {apart:.3g} m/s faster than its place on the body"
+                raise self.fail(f"{message}; give both the same motion", "welded")
+            self.welded[node] = body
+        if nodes:
+            welds.lump(body, nodes, self)
 
     def _model_size(self) -> float:
         """Extent of the bodies with their radii of gyration [m]."""
@@ -118,7 +147,12 @@ class Scene:
             self.warnings.append(message)
 
     def node(self, body: str) -> int:
-        return self._index[body]
+        """Index of a body or of a node of a part that may move by itself."""
+        i = self._index[body]
+        if i in self.welded:
+            whole = self.names[self.welded[i]]
+            raise self.fail(f"'{body}' is welded to '{whole}' and is no body; name '{whole}'")
+        return i
 
     def placed_nodes(self) -> dict[str, np.ndarray]:
         """Positions and postures at the start, as the node table names them."""

@@ -31,6 +31,8 @@ SIGNATURES = {
     "beyond": "current, h, nodes, curves, groups",
     "need_rebuild": "clock, nodes, groups",
     "sum_powers": "current, h, groups",
+    "hold": "h, clock, control, nodes, groups",
+    "react": "h, clock, nodes, groups",
     "energy": "clock, nodes, groups, ledger",
     "measure": "time, nodes, rows, curves, groups",
 }
@@ -46,7 +48,18 @@ def compose(model: Any) -> str:
     names = {"_collocation": getattr(method, "CHAPTER", ""), **dict.fromkeys(TABLEAUX, "")}
     recital = getattr(method, "RECITAL", model.integrator)
     given = {f"{INTEGRATORS}.{old}": new or model.integrator for old, new in names.items()}
-    return _insert(recital, given, {"crashsolve.system.scene": scene_text(model)})
+    text = _insert(recital, given, {"crashsolve.system.scene": scene_text(model)})
+    return text if captures(model) else _without(text, "CAPTURES")
+
+
+def _without(text: str, feature: str) -> str:
+    """Text of a recital without its blocks `if FEATURE:`."""
+    lines = text.splitlines(keepends=True)
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == feature:
+            end = node.end_lineno or node.lineno
+            lines[node.lineno - 1 : end] = [""] * (end - node.lineno + 1)
+    return "".join(lines)
 
 
 def _insert(name: str, given: dict[str, str], texts: dict[str, str]) -> str:
@@ -101,6 +114,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
         }
         if c.search is not None:
             arrays |= {f"{c.word}_{name}": array for name, array in c.search.arrays().items()}
+    if len(model.slaves):
+        arrays |= {"slaves": model.slaves}
     if model.contact_groups:
         arrays |= {"cards": state.cards, "card_history": state.card_history}
     return arrays
@@ -117,7 +132,9 @@ def scene_text(model: Any) -> str:
         f"PIECES = {bool(model.piecewise_groups())}\n"
         f"REBUILDS = {any(_looks_ahead(c) for c in model.contact_groups)}\n"
     )
-    parts += [_contact(model, c) for c in model.contact_groups]
+    if captures(model):
+        parts.append("CAPTURES = True\n")
+    parts += [_capture(c) if c.captures else _contact(model, c) for c in model.contact_groups]
     parts += [
         _function("residual", _joint_calls(model, "residual")),
         _function("jacobian", _joint_calls(model, "jacobian")),
@@ -131,6 +148,8 @@ def scene_text(model: Any) -> str:
         _function("energy", _energy_calls(model)),
         _function("measure", _measure_calls(model)),
     ]
+    if captures(model):
+        parts += [_function("hold", _hold_calls(model)), _function("react", _react_calls(model))]
     if is_implicit(model):
         parts.append(_function("tangents", _tangent_calls(model)))
     return "\n\n".join(parts) + "\n"
@@ -144,10 +163,15 @@ def _function(name: str, body: list[str]) -> str:
 def _imports(model: Any) -> str:
     modules = {(g.module.__name__, g.word) for g in model.groups}
     for c in model.contact_groups:
-        for module in (c.narrow, c.normal, c.friction):
+        for module in (c.narrow, None if c.captures else c.normal, c.friction):
             if module is not None:
                 modules.add((module.__name__, _alias(module)))
     lines = ["from crashsolve.system import contacts"]
+    if has_slaves(model):
+        lines.append("from crashsolve.system import slaves")
+    if captures(model):
+        lines.append("from crashsolve.system import captures")
+        lines.append("from crashsolve.model.clock import UNHELD")
     for name, alias in sorted(modules):
         package, _, leaf = name.rpartition(".")
         lines.append(f"from {package} import {leaf} as {alias}")
@@ -180,7 +204,7 @@ def _joint_calls(model: Any, stage: str) -> list[str]:
 
 
 def _force_calls(model: Any) -> list[str]:
-    lines = []
+    lines = ["slaves.carry(groups.slaves, nodes)"] * has_slaves(model)
     for g in model.force_groups():
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
@@ -205,7 +229,7 @@ def _force_calls(model: Any) -> list[str]:
         lines += ["contacts.carry_onsets(clock.current, groups.card_history)"]
         lines += [f"{c.word}(clock, h, nodes, curves, groups)" for c in model.contact_groups]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
-    return lines
+    return lines + ["slaves.collect(groups.slaves, nodes)"] * has_slaves(model)
 
 
 def _contact(model: Any, c: Any) -> str:
@@ -267,6 +291,91 @@ def _share_felt(model: Any) -> str:
     """How much of the force of a contact counts in the step in which it begins."""
     whole = model.integrator == "rattle"
     return "share_felt(old, depth, rate, h)" if whole else "begun_before(old, h)"
+
+
+def has_slaves(model: Any) -> bool:
+    """Whether nodes are welded to rigid bodies."""
+    return len(model.slaves) > 0
+
+
+def captures(model: Any) -> list[Any]:
+    """Contact groups whose law is a constraint instead of a force."""
+    return [c for c in model.contact_groups if c.captures]
+
+
+def _capture(c: Any) -> str:
+    """The loop over the pairs of one contact group that finds what is held, and where."""
+    g = f"groups.{c.word}"
+    lines = [
+        "@kernel",
+        f"def {c.word}(clock, h, nodes, curves, groups):",
+        f"    params, history, output = {g}_p, {g}_h, {g}_o",
+        "    for i in range(params.shape[0]):",
+        "        old, new = history[clock.current, i], history[1 - clock.current, i]",
+        f"        a, b = {g}_a[params[i].a], {g}_b[params[i].b]",
+        f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+        "        m, w = nodes[a.node], nodes[b.node]",
+        "        captures.look(clock, h, old, new, output[i], m, w, depth, n, x)",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _pairs(c: Any) -> str:
+    """Parameters, history and elements of a group, as functions of captures take them."""
+    g = f"groups.{c.word}"
+    return f"{g}_p, {g}_h, ({g}_a, {g}_b)"
+
+
+def _sweeps(model: Any, is_half: bool, is_blow: bool) -> list[str]:
+    """Sweeps over the pairs of all groups until their impulses agree."""
+    lines = ["for _ in range(captures.SWEEPS):", "    change, most = 0.0, 0.0"]
+    for c in captures(model):
+        call = f"{is_half}, {is_blow}, clock.current, {_pairs(c)}, nodes, change, most"
+        lines.append(f"    change, most = captures.sweep({call})")
+    return [*lines, "    if change <= captures.SETTLED * most:", "        break"]
+
+
+def _hold_calls(model: Any) -> list[str]:
+    groups, worst = captures(model), "worst = 0.0"
+    lines = [f"captures.forget(clock.current, groups.{c.word}_h)" for c in groups]
+    lines += [worst, "for _ in range(captures.PASSES):"]
+    body = [*_sweeps(model, True, False), worst]
+    for c in groups:
+        g = f"groups.{c.word}"
+        body += [
+            f"captures.drift_held(clock.current, h, {_pairs(c)}, nodes)",
+            f"params, history = {g}_p, {g}_h",
+            "for i in range(params.shape[0]):",
+            "    old, new = history[clock.current, i], history[1 - clock.current, i]",
+            "    if old.active == 1:",
+            f"        a, b = {g}_a[params[i].a], {g}_b[params[i].b]",
+            f"        depth, _, _ = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+            "        worst = max(worst, captures.aim(old, new, depth, h))",
+        ]
+    body += ["if worst <= captures.CLOSED * control.length:", "    break"]
+    lines += [f"    {line}" for line in body]
+    lines += ["if not worst <= captures.CLOSED * control.length:"]
+    lines += ["    clock.status, clock.value = UNHELD, worst"]
+    return lines + [f"captures.rub_open(clock.current, {_pairs(c)}, nodes)" for c in groups]
+
+
+def _react_calls(model: Any) -> list[str]:
+    groups = captures(model)
+    lines = ["if h > 0.0:", *(f"    {line}" for line in _sweeps(model, False, False))]
+    lines.append("    fresh = 0")
+    for c in groups:
+        call = f"h, clock.current, {_pairs(c)}, nodes"
+        lines.append(f"    fresh += captures.note_reactions({call})")
+    lines.append("    if fresh > 0:")
+    lines += [f"        {line}" for line in _sweeps(model, False, True)]
+    for c in groups:
+        call = f"clock.current, {_pairs(c)}, nodes, groups.card_history"
+        lines.append(f"        captures.note_blows({call})")
+    for c in groups:
+        params, history, elements = _pairs(c).split(", ", 2)
+        call = f"{params}, {history}, groups.{c.word}_o, {elements}"
+        lines.append(f"captures.settle(h, clock, {call}, nodes, groups.cards, groups.card_history)")
+    return lines
 
 
 def _data(c: Any) -> str:

@@ -11,6 +11,7 @@ from crashsolve.model.clock import (
     NOT_FINITE,
     POSITION,
     STEP_TOO_SMALL,
+    UNHELD,
     UNSOLVED,
     VELOCITY,
 )
@@ -33,6 +34,9 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
     elif status == UNSOLVED:
         cause = f"no step is short enough for its equations to be solved (the next: {step:.3g} s)"
         found = "the model", cause, pass_it(model, state)
+    elif status == UNHELD:
+        cause = f"captured nodes cannot be kept on their surface (by {float(clock['value']):.3g} m)"
+        found = "a unilateral contact", cause, closer(model, state)
     elif status == STEP_TOO_SMALL:
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
     elif status == CURVE_END:

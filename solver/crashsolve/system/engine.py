@@ -26,6 +26,8 @@ from crashsolve.system.diagnosis import diagnose, velocity_error
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
+# a depth of this share of the model's size is touching
+ONTO = 1e-9
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
 MANY_PASSES = 4.0
@@ -239,9 +241,15 @@ class Engine:
         current, found = int(self.clock["current"]), {}
         for group in self.model.contact_groups:
             depth, thick = group.history["depth"][current], group.parameters["thick"]
-            for i in np.flatnonzero(depth > 0.5 * thick):
-                found[self.model.contacts[group.parameters["card"][i]]] = (
-                    f"begins {depth[i]:.3g} m deep, over half of the {thick[i]:.3g} m from the "
-                    "middle of one side to that of the other"
+            # a constraint has no depth: what it is to hold begins apart, or touching
+            limit = ONTO * self.model.size if group.captures else 0.5 * thick
+            for i in np.flatnonzero(depth > limit):
+                why = (
+                    "nodes that are held must not begin inside"
+                    if group.captures
+                    else f"over half of the {thick[i]:.3g} m from the middle of one side "
+                    "to that of the other"
                 )
+                card = self.model.contacts[group.parameters["card"][i]]
+                found[card] = f"begins {depth[i]:.3g} m deep, {why}"
         return list(found.items())

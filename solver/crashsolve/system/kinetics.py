@@ -11,7 +11,7 @@ References: Simo and Wong (1991), Int. J. Num. Meth. Eng. 31, 19-52; Krysl and E
 
 from math import sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.rotation import (
     midpoint_spin,
     rotate_by_cayley,
@@ -61,11 +61,16 @@ def kick_off(nodes, h):
 def drift(nodes, h):
     """Move every body by its momentum at half step. Writes: nodes.r, q, A."""
     for i in range(1, nodes.shape[0]):
-        b = nodes[i]
-        put(b.r, add_scaled(vec(b.start_r), h, vec(b.v_half)))
-        omega = midpoint_spin(b.J, b.J_inv, matvec_t(b.start_A, vec(b.L_half)), h)
-        rotate_by_cayley(b.start_q, scale(0.5 * h, omega), b.q)
-        write_matrix(b.q, b.A)
+        drift_body(nodes[i], h)
+
+
+@inlined
+def drift_body(b, h):
+    """The same of one body. Writes: b.r, q, A."""
+    put(b.r, add_scaled(vec(b.start_r), h, vec(b.v_half)))
+    omega = midpoint_spin(b.J, b.J_inv, matvec_t(b.start_A, vec(b.L_half)), h)
+    rotate_by_cayley(b.start_q, scale(0.5 * h, omega), b.q)
+    write_matrix(b.q, b.A)
 
 
 @kernel

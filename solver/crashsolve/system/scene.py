@@ -5,6 +5,7 @@ and to the checks; none of it is ever called.
 """
 
 JOINTS = True  # has constraint rows
+CAPTURES = True  # has unilateral constraints; without, what asks for it is not in the step at all
 CONTACTS = True  # has contact pairs
 DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
@@ -30,6 +31,14 @@ def tangents(clock, nodes, curves, compliant, groups):
 
 def force_pass(clock, time, h, nodes, rows, curves, groups):
     """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
+
+
+def hold(h, clock, control, nodes, groups):
+    """Impulses in the first half of a step on what unilateral constraints hold. Writes: nodes."""
+
+
+def react(h, clock, nodes, groups):
+    """Impulses in the second half, and on what has just touched. Writes: nodes, new histories."""
 
 
 def approach(current, nodes, groups):

@@ -1,0 +1,31 @@
+"""Nodes of a flexible part as points or as spheres: all but those welded to rigid bodies."""
+
+from typing import Any
+
+from crashsolve.contact.shape import sphere
+from crashsolve.deck.card import Card, PartName, quantity, word
+
+GAP_AS = "sphere"
+PARAMETERS, bounding = sphere.PARAMETERS, sphere.bounding
+half_thickness = sphere.half_thickness
+
+
+class Nodes(Card):
+    """All nodes of a flexible part, as points or as spheres."""
+
+    part: PartName = word("part whose nodes they are")
+    radius: float = quantity("m", "distance of its surface from the nodes", default=0.0, ge=0)
+
+
+def build(card: Nodes, scene: Any) -> list[dict[str, Any]]:
+    nodes = [node for node in scene.part_nodes[card.part] if node not in scene.welded]
+    if not nodes:
+        raise scene.fail(
+            "all its nodes are welded to rigid bodies; use a point_set on these", "part"
+        )
+    return [{"node": node, "point": (0.0, 0.0, 0.0), "radius": card.radius} for node in nodes]
+
+
+def curvature_radius(card: Nodes) -> float | None:
+    """Radius for Hertz's stiffness [m]; points are sharp: it does not exist."""
+    return card.radius

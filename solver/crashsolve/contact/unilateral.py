@@ -1,0 +1,83 @@
+"""Unilateral constraint: nodes of flexible parts that touch are held until they would be pulled.
+
+    0 <= P_n,   v_n >= 0,   P_n v_n = 0       while a node touches, n out of b
+    |P_t| <= mu P_n,   v_t = 0 below mu P_n,   P_t against v_t at mu P_n
+
+P is the impulse on the node over half a step, v its velocity over b at the end of it: a node that
+arrives loses its normal velocity at once (Eq. 23), then its normal acceleration (Eq. 24), and
+leaves when the reaction would pull (Eq. 25; the chapter prints its sign the other way round). Each
+capture loses m v_n^2 / 2 of the node. Consequence to test: that of a bar's first node is 1 / (2 N)
+of the energy for N elements; the impulse of a bar end on is that of the force laws as N grows. A
+rigid body would lose all its energy, and its joints would be torn: it is refused.
+
+References: Ambrosio (2003), Eq. 23-25; Moreau (1988), in Nonsmooth Mechanics and Applications, CISM
+302, 1-82; Jean (1999), Computer Methods in Applied Mechanics and Engineering 177, 235-257.
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import Card, SurfaceName, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale
+
+STEPWISE = True
+INSTEAD = "a law of force does: normal: {type: lankarani_nikravesh, stiffness: ..., ...}"
+
+
+class Unilateral(Card):
+    """Contact that holds nodes of flexible parts which touch until they would be pulled."""
+
+    a: tuple[SurfaceName, ...] = word("surfaces on nodes of flexible parts")
+    b: tuple[SurfaceName, ...] = word("surfaces that hold them; the normal points out of them")
+    friction: float = quantity("1", "mu; sticks below mu times the reaction", default=0.0, ge=0)
+
+
+PARAMETERS = Record(friction_coefficient=("1", "mu"))
+HISTORY = Record(
+    normal=("1", 3, "n"),
+    arm_a=("m", 3, "point of contact from the node of side a"),
+    arm_b=("m", 3, "the same of side b"),
+    opening=("N s", 3, "impulse on side a in the first half of the step"),
+    closing=("N s", 3, "in the second half"),
+    blow=("N s", 3, "of captures, at the end of the step"),
+    lift=("m/s", "normal velocity that keeps the gap closed on a curved surface"),
+    rubbed=("J", "lost by friction in the step"),
+    met=("m/s", 3, "velocity over b before a capture"),
+    reaction=("N", 3, "force on side a at the end of the step, without captures"),
+)
+
+
+def build(card: Unilateral, scene: Any, pair: Any) -> dict[str, Any]:
+    return {"friction_coefficient": card.friction}
+
+
+def check(card: Unilateral, scene: Any, nodes_a: set[int], nodes_b: set[int]) -> None:
+    """Refuses what the law must not be used on; `nodes` are those of the surfaces of both sides."""
+    flexible = {node for nodes in scene.part_nodes.values() for node in nodes}
+    rigid = sorted(scene.names[node] for node in nodes_a - flexible)
+    if rigid:
+        whose = f"'{rigid[0]}' is not one" if rigid[0] != "ground" else "the ground is not one"
+        message = f"holds nodes of flexible parts, and {whose}: joints and energy of a rigid body"
+        raise scene.fail(f"{message} would not survive the capture; {INSTEAD}", "a")
+    for joint in scene.joints.values():
+        for node in sorted((set(joint.nodes) & (nodes_a | nodes_b)) - {0}):
+            side = "a" if node in nodes_a else "b"
+            message = f"joint '{joint.name}' holds '{scene.names[node]}' already"
+            raise scene.fail(f"{message}, and a capture would tear it; {INSTEAD}", side)
+
+
+@kernel
+def press(p, P, u, n, lift, mobility, mobility_along):
+    """Impulse on side a, from P at velocity u over b, that leaves no v_n below `lift` [N s].
+
+    The mobilities [1/kg] are those along n and along the slip.
+    """
+    P_n, u_n = dot(P, n), dot(u, n)
+    push = max(P_n - (u_n - lift) / mobility, 0.0)
+    held = add_scaled(P, -P_n, n)
+    rub = add_scaled(held, -1.0 / mobility_along, add_scaled(u, -u_n, n))
+    most, size = p.friction_coefficient * push, norm(rub)
+    if size > most:
+        rub = scale(most / size, rub)
+    return add_scaled(rub, push, n)

@@ -1,0 +1,95 @@
+"""Claims of nodes welded to a rigid body: its mass is theirs too, and nothing is lost between."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import crashsolve, differences
+
+from crashpost.result import Result
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+
+DECK = Path(__file__).resolve().parents[2] / "decks/verification/parts/welded.yaml"
+TEXT = DECK.read_text("utf-8").partition("expect:")[0]
+# a worker compiles the scene once
+pytestmark = pytest.mark.xdist_group("welded")
+
+
+def run(folder: Path, out: str, control: str, *words: str) -> Path:
+    deck = folder / "deck.yaml"
+    text = TEXT.replace("end_time: 0.2, step: 2e-5", control)
+    assert control in text
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", folder / out, *words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder / out
+
+
+def test_methods_of_high_order_keep_the_momentum_too(tmp_path: Path) -> None:
+    control = "end_time: 0.05, integrator: dormand_prince_8, tolerance: 1e-8"
+    result = Result(run(tmp_path, "out", control))
+    for name in ("momentum_error", "angular_momentum_error", "balance"):
+        # of a method that conserves neither momentum nor energy by itself: its tolerance
+        assert np.abs(result.series(f"glstat.model.{name}").values).max() < 1e-6
+    apart = "rbdout.east_end.position.x - rbdout.east_2_end.position.x"
+    assert np.abs(result.series(apart).values).max() < 1e-7
+
+
+def test_a_run_with_welded_nodes_goes_on_to_the_same_bits(tmp_path: Path) -> None:
+    control = "end_time: 0.02, step: 2e-5}\noutput: {restart: {every: 4e-3}"
+    whole, again = run(tmp_path, "whole", control), tmp_path / "again"
+    shutil.copytree(whole, again)
+    max(again.glob("restart_*.h5"), key=lambda path: path.stat().st_mtime_ns).unlink()
+    run(tmp_path, "again", control, "--restart")
+    assert differences(again, whole) == []
+
+
+def test_the_body_has_the_mass_and_inertia_of_all(tmp_path: Path) -> None:
+    model, state = build(read_deck(DECK))
+    hub, names = model.bodies.index("hub"), model.bodies
+    welded = [names.index("east_start"), names.index("north_start")]
+    assert not model.mass[welded].any()
+    arms = sum(model.mass[names.index(name)] for name in ("east_2_start", "north_2_start"))
+    assert model.mass[hub] == pytest.approx(0.5 + arms, rel=1e-14)
+    # by pairs of the same parts apart: angular momentum about the origin of each
+    apart = ["joined", "east_2_start", "north_2_start"]
+    here, there = moment(state.nodes, model, ["hub"], 0.0), moment(state.nodes, model, apart, 5.0)
+    np.testing.assert_allclose(here, there, rtol=1e-12, atol=1e-15)
+
+
+def moment(nodes: np.ndarray, model: object, names: list[str], height: float) -> np.ndarray:
+    """Angular momentum of some bodies about the world's z axis point at a height."""
+    some = nodes[[model.bodies.index(name) for name in names]]  # type: ignore[attr-defined]
+    p = some["v"] / some["mass_inv"][:, None]
+    return (np.cross(some["r"] - [0.0, 0.0, height], p) + some["L"]).sum(0)
+
+
+WRONG = {
+    "twice": (
+        "[east_start, north_start]",
+        "[east_start, east_start]",
+        "'east_start' is welded twice",
+    ),
+    "rigid": ("[east_start, north_start]", "[joined]", "'joined' is no node of a flexible part"),
+    "motion": ("[east_start, north_start]", "[east_1]", "'east_1' begins"),
+    "unknown": ("[east_start, north_start]", "[east_begin]", "unknown body 'east_begin'"),
+    "joint": ("b: east_2_start", "b: east_start", "'east_start' is welded to 'hub' and is no body"),
+    "method": ("step: 2e-5", "integrator: radau_iia_5", "'welded' is for explicit integrators"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_weld_is_refused(case: str, tmp_path: Path) -> None:
+    old, new, message = WRONG[case]
+    assert old in TEXT
+    text = TEXT.replace(old, new)
+    if case == "motion":
+        text = text.replace('velocity: [0, "${0.1*spin}", 0]', "velocity: [0, 1, 0]")
+    path = tmp_path / "deck.yaml"
+    path.write_text(text, "utf-8")
+    with pytest.raises(DeckErrors) as caught:
+        build(read_deck(path))
+    assert message in str(caught.value)
