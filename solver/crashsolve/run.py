@@ -277,8 +277,7 @@ class Run:
     def _log_line(self) -> None:
         e, clock = self.engine, self.engine.clock
         limiter = "samples, tolerance or deck" if len(e.state.stages) else "samples, turn or deck"
-        if clock["limit_node"]:
-            limiter = e.model.bodies[int(clock["limit_node"])]
+        limiter = e.limiter() or limiter
         self.log.cycle(
             int(clock["cycle"]),
             float(clock["time"]),
@@ -401,7 +400,7 @@ class Run:
                 "title": self.deck.title,
                 "host": socket.gethostname(),
                 "model": ", ".join(f"{n} {k}" for k, n in counts.items()) or "empty",
-                "mass": f"{model.mass.sum():.6g} kg",
+                "mass": f"{model.total_mass():.6g} kg",
                 "size": f"{model.size:.4g} m",
                 "integrator": ": ".join(filter(None, (model.integrator, model.choice))),
             },

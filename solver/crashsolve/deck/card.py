@@ -35,7 +35,15 @@ from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
-__all__ += ["MaterialName", "Reference", "SectionName", "SensorName", "SpringName", "SurfaceName"]
+__all__ += [
+    "MaterialName",
+    "PartName",
+    "Reference",
+    "SectionName",
+    "SensorName",
+    "SpringName",
+    "SurfaceName",
+]
 __all__ += ["existing_file"]
 
 Vec3 = tuple[float, float, float]
@@ -69,6 +77,7 @@ LoadName = Annotated[str, AfterValidator(Reference("loads"))]
 CurveName = Annotated[str, AfterValidator(Reference("curves"))]
 SensorName = Annotated[str, AfterValidator(Reference("sensors"))]
 MaterialName = Annotated[str, AfterValidator(Reference("materials"))]
+PartName = Annotated[str, AfterValidator(Reference("parts"))]
 SectionName = Annotated[str, AfterValidator(Reference("sections"))]
 
 

@@ -170,6 +170,13 @@ class Engine:
         if limit > 0.0 and not abs(self.ledger[energy.IMBALANCE]) <= limit * largest:
             raise self._stop(self.clock, self.ledger)
 
+    def limiter(self) -> str:
+        """The body or the element that sets the step; empty where none does."""
+        at = int(self.clock["limit_node"])
+        if at >= 0:
+            return self.model.bodies[at] if at else ""
+        return self.model.element_name(-1 - at)
+
     def law_warnings(self) -> list[str]:
         """What contact laws have met outside their range of validity, per contact card."""
         current, found = int(self.clock["current"]), set()
@@ -260,7 +267,8 @@ class Engine:
         shorter = "take a shorter step: a smaller control.safety, or a smaller control.step"
         bodies = self.model.bodies
         if status == NOT_FINITE:
-            return f"body '{bodies[at]}'", "its motion has grown beyond all bounds", shorter
+            what = f"body '{bodies[at]}'" if at < len(bodies) else self.model.part_at(at)
+            return what, "its motion has grown beyond all bounds", shorter
         if status == POSITION:
             joint = next(j for j in self.model.joints if at < j.first_row + j.rows * j.parts)
             error = float(clock["value"])
@@ -279,9 +287,8 @@ class Engine:
                 "integrator: rattle passes them, a larger control.tolerance may",
             )
         if status == STEP_TOO_SMALL:
-            body = bodies[int(clock["limit_node"])]
             return (
-                f"body '{body}'",
+                f"'{self.limiter()}'",
                 f"the step has collapsed to {float(clock['next_step']):.3g} s",
                 "look for a stiffness far too large, or a mass far too small, on this body",
             )
