@@ -18,8 +18,8 @@ from crashsolve.parts._quad import (
 )
 
 # rows of a block: of every element, then of its layers
-THICKNESS, SHAPE, RADIUS_2, WEIGHT, LOSS, PLANE_Q, BEND_Q, SHEAR_Q, SHEAR, LAYERS = (
-    *(0, 1, 5, 6, 7, 8, 10, 12, 14, 16),
+THICKNESS, SHAPE, RADIUS_2, WEIGHT, LOSS, PLANE_Q, BEND_Q, SHEAR_Q, SHEAR, DRILL, LAYERS = (
+    *(0, 1, 5, 6, 7, 8, 10, 12, 14, 16, 17),
 )
 # rows of `work`: places, velocities and spins of the corners; afterwards their forces and torques
 PLACE, VELOCITY, SPIN = 0, 12, 24
@@ -27,6 +27,9 @@ FORCE, TORQUE = 0, 12
 # strains of the step: of the plane, curvatures, shear; resultants; squared frequency
 MEMBRANE, CURVATURE, RESULTANT, MOMENT, RATE, AREA, DEPTH = 36, 39, 42, 45, 48, 49, 50
 ROWS = 51
+# stiffness against spins of the nodes about the normal that differ from the turn of the plane, over
+# that against shear of the plane: enough to tie them, too little to set the step
+DRILLING = 0.1
 
 
 @kernel
@@ -120,6 +123,7 @@ def strain(blocks, first, work, h, p):
         )
         at = LANES * MEMBRANE + e
         work[at], work[at + LANES], work[at + 2 * LANES] = h * xx, h * yy, h * (xy + yx)
+        drill = 0.5 * (yx - xy) - 0.25 * dot3(turn[3], axes[2])
         xx, xy, p_x = slopes(t_y[0], t_y[1], t_y[2], flat, hourglass, area)
         yx, yy, p_y = slopes(-t_x[0], -t_x[1], -t_x[2], flat, hourglass, area)
         at = LANES * CURVATURE + e
@@ -139,6 +143,7 @@ def strain(blocks, first, work, h, p):
         blocks[at + 5 * LANES] += h * k_s[1] * change[1]
         blocks[at + 6 * LANES] += h * 5.0 / 6.0 * G * gamma[0]
         blocks[at + 7 * LANES] += h * 5.0 / 6.0 * G * gamma[1]
+        blocks[at + 8 * LANES] += h * DRILLING * G * t * area * drill
         work[LANES * AREA + e] = area
         work[LANES * DEPTH + e] = t
 
@@ -182,8 +187,9 @@ def push(blocks, first, work, p):
         q_x, q_y, p_x = three(blocks, at)
         p_y, s_a, s_b = three(blocks, at + 3 * LANES)
         V = (t * blocks[at + 6 * LANES], t * blocks[at + 7 * LANES])
-        d_x, e_x, h_x = slopes_transposed(area * N[0], area * N[2], q_x, flat, hourglass, area)
-        d_y, e_y, h_y = slopes_transposed(area * N[2], area * N[1], q_y, flat, hourglass, area)
+        drill, xy = 0.5 * blocks[at + 8 * LANES], area * N[2]
+        d_x, e_x, h_x = slopes_transposed(area * N[0], xy - drill, q_x, flat, hourglass, area)
+        d_y, e_y, h_y = slopes_transposed(xy + drill, area * N[1], q_y, flat, hourglass, area)
         w, t_x, t_y = shears_transposed(V, (s_a, s_b), flat, hourglass)
         zero = (0.0, 0.0, 0.0)
         put_corners(
@@ -199,7 +205,7 @@ def push(blocks, first, work, p):
             (t_x[0] - n_d + z * d_y, t_y[0] + m_d - z * d_x, 0.0),
             (t_x[1] - n_e - z * e_y, t_y[1] + m_e + z * e_x, 0.0),
             (-n_h, m_h, 0.0),
-            (t_x[2] + z * h_y, t_y[2] - z * h_x, 0.0),
+            (t_x[2] + z * h_y, t_y[2] - z * h_x, -0.5 * drill),
         )
         radius_2 = blocks[first + LANES * RADIUS_2 + e]
         work[LANES * RATE + e] = rate_bound(flat, area, t, radius_2, E_rho, nu)

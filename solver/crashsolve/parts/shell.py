@@ -25,6 +25,8 @@ from crashsolve.foundation.vec3 import cross, dot, norm, sub, vec
 from crashsolve.parts._layers import elastic_layers
 from crashsolve.parts._quad import hourglass_stiffness, plane_axes
 from crashsolve.parts._quad_block import (
+    DRILL,
+    DRILLING,
     LAYERS,
     PLANE_Q,
     RADIUS_2,
@@ -112,6 +114,7 @@ OUTPUT = Record(
     kinetic=("J", "of the nodes that are no bodies"),
     strain=("J", "elastic energy of the layers and of transverse shear"),
     hourglass=("J", "of what one point does not see"),
+    drilling=("J", "of spins of the nodes about the normal against the turn of the plane"),
     plastic=("J", "plastic work"),
     drag=("J", "energy lost by drag"),
 )
@@ -354,15 +357,16 @@ def deform(p, clock, h, scene):
 def energies(p, new, out, scene):
     """Energies of a part. Writes: out."""
     out.kinetic = moving(p, scene.points)
-    out.strain = out.hourglass = out.plastic = 0.0
+    out.strain = out.hourglass = out.drilling = out.plastic = 0.0
     for i in range(p.element_count):
         lane = i % LANES
         at = p.first + i // LANES * p.stride + lane
         corner = p.first_corner + 4 * (i - lane) + lane
         d, e = diagonal(scene, corner, 2), diagonal(scene, corner + LANES, 2)
-        stretched, hourglass = element_energy(p, scene.lanes, at, d, e)
+        stretched, hourglass, drilling = element_energy(p, scene.lanes, at, d, e)
         out.strain += stretched
         out.hourglass += hourglass
+        out.drilling += drilling
     out.drag = new.damped
 
 
@@ -387,7 +391,7 @@ def diagonal(scene, corner, ahead):
 
 @kernel
 def element_energy(p, blocks, at, d, e):
-    """Elastic energy of the layers and shear, and that of the hourglass stresses [J]."""
+    """Elastic energy of the layers and shear, of the hourglass stresses, of drilling [J]."""
     t, nu = blocks[at + LANES * THICKNESS], p.poisson
     volume, total = 0.5 * norm(cross(d, e)) * t, 0.0
     for k in range(p.layers):
@@ -410,4 +414,6 @@ def element_energy(p, blocks, at, d, e):
     q = at + LANES * (PLANE_Q + 4)
     stored += 0.5 * blocks[q] * blocks[q] / k_s[0]
     stored += 0.5 * blocks[q + LANES] * blocks[q + LANES] / k_s[1]
-    return volume * total, stored
+    x = blocks[at + LANES * DRILL]
+    drilling = 0.5 * x * x / (DRILLING * p.shear * t * area)
+    return volume * total, stored, drilling

@@ -506,7 +506,7 @@ def _energy_calls(model: Any) -> list[str]:
             f"    o, new = groups.{g.word}_o[i], groups.{g.word}_h[clock.current, i]",
             f"    {g.word}.energies(groups.{g.word}_p[i], new, o, groups)",
             f"    ledger[{e.KINETIC}] += o.kinetic",
-            f"    ledger[{e.SPRING_STORED}] += o.strain + o.hourglass",
+            f"    ledger[{e.SPRING_STORED}] += o.strain + o.hourglass + o.drilling",
             f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag",
         ]
     if model.elements:
