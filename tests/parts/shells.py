@@ -51,7 +51,11 @@ class Elements:
         e = model.elements
         assert e is not None
         self.scene = SimpleNamespace(
-            points=self.points, corners=e.corners, lanes=self.state.blocks, work=e.work
+            points=self.points,
+            corners=e.corners,
+            lanes=self.state.blocks,
+            work=e.work,
+            curves=model.curves.view(np.recarray),
         )
 
     def move(self, motion: np.ndarray, h: float = 1.0) -> np.ndarray:

@@ -22,7 +22,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES, POINT, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, norm, sub, vec
-from crashsolve.parts._layers import elastic_layers
+from crashsolve.parts._layers import ALL_ROWS, PLASTIC_ROWS, STRAIN, layers
 from crashsolve.parts._quad import hourglass_stiffness, plane_axes
 from crashsolve.parts._quad_block import (
     DRILL,
@@ -30,8 +30,8 @@ from crashsolve.parts._quad_block import (
     LAYERS,
     PLANE_Q,
     RADIUS_2,
+    LOSS,
     RATE,
-    ROWS,  # noqa: F401  (the tables of the scene have so many)
     SHAPE,
     SHEAR,
     THICKNESS,
@@ -43,6 +43,7 @@ from crashsolve.parts._quad_block import (
 )
 
 STEPWISE = True
+ROWS = ALL_ROWS
 FAMILY = "matsum"
 ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
@@ -79,6 +80,7 @@ class Shell(Card):
     material: MaterialName = word("what it is made of")
     layers: int = word("points through the thickness", default=5, ge=1, le=MOST_LAYERS)
     rule: Literal["gauss", "lobatto"] = word("where they lie; lobatto: at the faces too", "gauss")
+    thinning: bool = word("the thickness follows the strain", default=False)
     nodes: tuple[NamedNode, ...] = word("nodes that are bodies", default=())
     hold: tuple[Hold, ...] = word("supports", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
@@ -108,6 +110,15 @@ PARAMETERS = Record(
     poisson=("1", "nu"),
     density=("kg/m^3", "rho"),
     drag=("1/s", "alpha"),
+    layer_rows=("count", "numbers of a layer"),
+    thins=("flag", "whether the thickness follows the strain"),
+    plastic=("flag", "whether the material yields"),
+    yield_stress=("Pa", "Y_0"),
+    isotropic=("Pa", "(1 - beta) H"),
+    kinematic=("Pa", "beta H"),
+    curve=("index", "Y over plastic strain; 0 for none"),
+    rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
+    rate_q=("1", "q of Cowper and Symonds"),
 )
 HISTORY = Record(damped=("J", "energy lost by drag"))
 OUTPUT = Record(
@@ -128,6 +139,10 @@ FIELDS = {
     "shear_force_yz": ("N/m", 1),
     "von_mises": ("Pa", 1),  # largest of the layers
     "elastic_energy_density": ("J/m^3", 1),
+    "plastic_energy_density": ("J/m^3", 1),  # over the volume at the start
+    "plastic_strain_top": ("1", 1),  # of the outermost layers and the middle one
+    "plastic_strain_mid": ("1", 1),
+    "plastic_strain_bottom": ("1", 1),
 }
 
 
@@ -152,8 +167,9 @@ class Laid:
     """A shell part in place: its mesh, with the masses of its nodes."""
 
     def __init__(self, card: Shell, scene: Any) -> None:
-        law, material_card = scene.law("materials", card.material)
-        self.card, self.material = card, law.build(material_card, scene)
+        _, self.material = scene.law("materials", card.material)
+        self.card = card
+        self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
         self.rule = rule(card, scene)
         self.mesh = scene.built(card.mesh)
         x = self.mesh.points[self.mesh.quads]
@@ -162,7 +178,7 @@ class Laid:
         self.area = 0.5 * np.linalg.norm(normal, axis=1)
         self._refuse_bad(x, normal, scene)
         n, t = len(self.mesh.points), card.thickness
-        self.weight = self.material["density"] * t * self.area
+        self.weight = self.material.density * t * self.area
         self.radius_2 = (self.area + t * t) / 12.0
         corners = self.mesh.quads.ravel()
         self.mass = np.bincount(corners, np.repeat(self.weight / 4, 4), n)
@@ -221,7 +237,7 @@ class Laid:
 
     def blocks(self) -> np.ndarray:
         """Numbers of the elements, (blocks, rows, lanes); the last block is filled up."""
-        rows = LAYERS + 3 * self.card.layers
+        rows = LAYERS + self.layer_rows * self.card.layers
         table = np.zeros((self.padded() // LANES, rows, LANES))
         for row, values in (
             (THICKNESS, np.full(len(self.area), self.card.thickness)),
@@ -267,10 +283,11 @@ class Laid:
         share = 0.5 * t[:, None] * weight
         arm = 0.5 * t[:, None] * zeta
         x, y, s = np.moveaxis(stress, 2, 0)
-        E, nu = self.material["young"], self.material["poisson"]
+        plastic = layers[:, :, STRAIN] if self.layer_rows > STRAIN else np.zeros(x.shape)
+        E, nu = self.material.young, self.material.poisson
         elastic = (x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s) / (2.0 * E)
         shear = rows[:, SHEAR : SHEAR + 2]
-        density = 0.5 * elastic @ weight + 0.6 * (shear**2).sum(1) / self.material["shear"]
+        density = 0.5 * elastic @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
         return {
             "thickness": t,
             "membrane_force": np.einsum("ek,ekc->ec", share, stress),
@@ -279,6 +296,10 @@ class Laid:
             "shear_force_yz": shear[:, 1] * t,
             "von_mises": np.sqrt(x * x + y * y - x * y + 3.0 * s * s).max(axis=1),
             "elastic_energy_density": density,
+            "plastic_energy_density": rows[:, LOSS] / (rows[:, WEIGHT] / self.material.density),
+            "plastic_strain_top": plastic[:, -1],
+            "plastic_strain_mid": plastic[:, (self.card.layers - 1) // 2],
+            "plastic_strain_bottom": plastic[:, 0],
         }
 
     def _shape(self) -> np.ndarray:
@@ -320,13 +341,15 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
     laid = scene.laid(card)
     zeta, weight = laid.rule
     room = np.zeros(MOST_LAYERS - card.layers)
-    names = ("young", "shear", "poisson", "density")
+    law, material_card = scene.law("materials", card.material)
     return {
+        "thins": card.thinning,
+        "layer_rows": laid.layer_rows,
         "layers": card.layers,
         "zeta": np.append(zeta, room),
         "weight": np.append(weight, room),
         "drag": card.drag,
-    } | {name: laid.material[name] for name in names}
+    } | law.build(material_card, scene)
 
 
 @kernel
@@ -343,7 +366,7 @@ def deform(p, clock, h, scene):
         live = min(LANES, p.element_count - done)
         gather(points, corners, corner, work)
         strain(blocks, first, work, h, p)
-        elastic_layers(blocks, first, work, p)
+        layers(blocks, first, work, h, p, scene.curves)
         push(blocks, first, work, p)
         scatter(points, corners, corner, live, work)
         for e in range(live):
@@ -367,6 +390,7 @@ def energies(p, new, out, scene):
         out.strain += stretched
         out.hourglass += hourglass
         out.drilling += drilling
+        out.plastic += scene.lanes[at + LANES * LOSS]
     out.drag = new.damped
 
 
@@ -395,7 +419,7 @@ def element_energy(p, blocks, at, d, e):
     t, nu = blocks[at + LANES * THICKNESS], p.poisson
     volume, total = 0.5 * norm(cross(d, e)) * t, 0.0
     for k in range(p.layers):
-        row = at + LANES * (LAYERS + 3 * k)
+        row = at + LANES * (LAYERS + p.layer_rows * k)
         x, y, s = blocks[row], blocks[row + LANES], blocks[row + 2 * LANES]
         density = x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s
         total += 0.25 * p.weight[k] * density / p.young
