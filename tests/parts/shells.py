@@ -94,11 +94,8 @@ class Elements:
     def rows(self, first: int, count: int) -> np.ndarray:
         """Numbers of all elements (elements, count)."""
         table = self.state.blocks.reshape(-1, int(self.p.stride) // 16, 16)
-        return (
-            table[:, first : first + count]
-            .transpose(0, 2, 1)
-            .reshape(-1, count)[: int(self.p.element_count)]
-        )
+        rows = table[:, first : first + count].transpose(0, 2, 1).reshape(-1, count)
+        return rows[: int(self.p.element_count)].copy()
 
 
 def any_turn(seed: int) -> np.ndarray:
