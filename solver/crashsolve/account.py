@@ -20,6 +20,7 @@ from crashsolve.output.log import Log
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.phases import ContactPhases
+from crashsolve.system.diagnosis import limiter
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ class Account:
                 "title": self.deck.title,
                 "host": socket.gethostname(),
                 "model": ", ".join(f"{n} {k}" for k, n in counts.items()) or "empty",
-                "mass": f"{model.mass.sum():.6g} kg",
+                "mass": f"{model.total_mass():.6g} kg",
                 "size": f"{model.size:.4g} m",
                 "integrator": ": ".join(filter(None, (model.integrator, model.choice))),
             },
@@ -69,9 +70,8 @@ class Account:
     def progress(self) -> None:
         """A line of the log, status.json, and the bar on a terminal."""
         e, clock = self.engine, self.engine.clock
-        limiter = "samples, tolerance or deck" if len(e.state.stages) else "samples, turn or deck"
-        if clock["limit_node"]:
-            limiter = e.model.bodies[int(clock["limit_node"])]
+        method = "tolerance" if len(e.state.stages) else "turn"
+        at = limiter(e.model, int(clock["limit_node"])) or f"samples, {method} or deck"
         self.log.cycle(
             int(clock["cycle"]),
             float(clock["time"]),
@@ -79,7 +79,7 @@ class Account:
             float(e.ledger[KINETIC]),
             balance(e),
             float(clock["residual"]),
-            limiter,
+            at,
         )
         self.status("running", None, "")
         span = self.deck.control.end_time - self.deck.control.start_time

@@ -14,7 +14,7 @@ def explain(deck: Deck, model: Model) -> str:
         f"bodies {len(model.bodies) - 1}, joints {len(model.joints)} "
         f"({model.saddle.rows()} constraint rows), "
         f"contact pairs {sum(len(c.parameters) for c in model.contact_groups)}",
-        f"mass {model.mass.sum():.6g} kg, size {model.size:.4g} m",
+        f"mass {model.total_mass():.6g} kg, size {model.size:.4g} m",
         f"integrator {': '.join(filter(None, (model.integrator, model.choice)))}",
         "",
         "in use",

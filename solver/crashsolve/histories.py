@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.model import touch
 from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST
@@ -44,6 +45,7 @@ class Histories:
         self._largest = np.zeros(2)
         self._margin = self._margins()
         self._parts = [self._model(), self._bodies(), self._joints(), self._contacts()]
+        self._parts += self._traces() + self._gauges()
         self._parts += [self._group(g) for g in engine.model.groups if g.keyword in FAMILY]
 
     @property
@@ -84,15 +86,25 @@ class Histories:
 
     def _momenta(self) -> tuple[np.ndarray, np.ndarray]:
         """Momentum, and angular momentum about the world origin."""
-        nodes = self.engine.nodes[1:]
+        nodes, points = self.engine.nodes[1:], self._free_points()
         p = nodes["v"] / nodes["mass_inv"][:, None]
-        return p.sum(0), (np.cross(nodes["r"], p) + nodes["L"]).sum(0)
+        linear, angular = p.sum(0), (np.cross(nodes["r"], p) + nodes["L"]).sum(0)
+        p, L = points["v"] / points["mass_inv"][:, None], points["w"] / points["J_inv"][:, None]
+        return linear + p.sum(0), angular + (np.cross(points["r"], p) + L).sum(0)
+
+    def _free_points(self) -> np.ndarray:
+        """Points that ride on no body."""
+        points = self.engine.state.points
+        return points[points["held"] < RIDES]
 
     def _momentum_sums(self) -> np.ndarray:
-        nodes = self.engine.nodes[1:]
+        nodes, points = self.engine.nodes[1:], self._free_points()
         p = np.linalg.norm(nodes["v"], axis=1) / nodes["mass_inv"]
         spin = np.linalg.norm(nodes["L"], axis=1)
-        return np.array([p.sum(), (p * np.linalg.norm(nodes["r"], axis=1) + spin).sum()])
+        sums = np.array([p.sum(), (p * np.linalg.norm(nodes["r"], axis=1) + spin).sum()])
+        p = np.linalg.norm(points["v"], axis=1) / points["mass_inv"]
+        spin = np.linalg.norm(points["w"], axis=1) / points["J_inv"]
+        return sums + [p.sum(), (p * np.linalg.norm(points["r"], axis=1) + spin).sum()]
 
     def _bodies(self) -> Part:
         columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]
@@ -140,6 +152,57 @@ class Histories:
                 for card in group.search.cards():
                     margins[card] = min(margins[card], group.search.margin)
         return margins
+
+    def _traces(self) -> list[Part]:
+        """Nodes of shells whose history the deck asks for."""
+        names, numbers = [], []
+        for part, laid, row in self._laid():
+            names += [f"{part}_{trace.name}" for trace in laid.card.traces]
+            numbers += [int(row["first_point"]) + k for k in laid.traced]
+        if not names:
+            return []
+        points = self.engine.state.points
+        start = points["r"][numbers].copy()
+        columns = [Column("position", a, "m", "of the node") for a in AXES]
+        columns += [Column("displacement", a, "m", "since the start") for a in AXES]
+        columns += [Column("velocity", a, "m/s", "of the node") for a in AXES]
+        return [
+            (
+                Family("nodout-shell", tuple(names), tuple(columns)),
+                lambda: np.hstack(
+                    [points["r"][numbers], points["r"][numbers] - start, points["v"][numbers]]
+                ),
+            )
+        ]
+
+    def _gauges(self) -> list[Part]:
+        """Elements of shells whose history the deck asks for."""
+        gauged = [(name, laid, row) for name, laid, row in self._laid() if laid.gauged]
+        if not gauged:
+            return []
+        names = [f"{part}_{g.name}" for part, laid, _ in gauged for g in laid.card.gauges]
+        fields = self.engine.model.element_groups()[0].module.FIELDS
+        columns = []
+        for field, (unit, count) in fields.items():
+            parts = ("",) if count == 1 else ("xx", "yy", "xy")
+            columns += [Column(field, part, unit, "of the element, its axes") for part in parts]
+        blocks = self.engine.state.blocks
+
+        def values() -> np.ndarray:
+            return np.concatenate([laid.gauge_values(blocks, row) for _, laid, row in gauged])
+
+        return [(Family("elout-shell", tuple(names), tuple(columns)), values)]
+
+    def _laid(self) -> list[tuple[str, Any, Any]]:
+        """Name, part in place and row of every part with points."""
+        groups = self.engine.model.element_groups()
+        elements = self.engine.model.elements
+        return [
+            (name, elements.parts[name], row)
+            for g in groups
+            for name, row in zip(g.names, g.parameters, strict=True)
+            if elements
+        ]
 
     def _group(self, group: Group) -> Part:
         """Outputs of one type; types of a family differ in columns and stand side by side."""

@@ -33,7 +33,14 @@ class Pictures:
         self._A0 = engine.state.nodes["A"].copy()
         self._skin = self._surfaces()
         self._lines = self._springs()
-        self._beams = [g for g in engine.model.groups if g.keyword == "parts"]
+        self._beams = [
+            g for g in engine.model.groups if g.keyword == "parts" and hasattr(g.module, "force")
+        ]
+        self._shells = [
+            (name, row, g.module)
+            for g in engine.model.element_groups()
+            for name, row in zip(g.names, g.parameters, strict=True)
+        ]
         self._pairs = [(g, n) for g in engine.model.contact_groups if (n := _places(g))]
         self.blocks = self._blocks()
 
@@ -78,6 +85,11 @@ class Pictures:
             ends = self._beam_ends()
             lines = np.arange(len(ends)).reshape(-1, 2)
             blocks.append(Block("beams", self._r0[ends], (("line", lines),), (TENSION,)))
+        for name, row, module in self._shells:
+            specs = tuple(FieldSpec(n, unit, k, "cell") for n, (unit, k) in module.FIELDS.items())
+            mesh = self._laid(name).mesh
+            points, cells = self._points_of(row)["r"].copy(), (("quad", mesh.quads),)
+            blocks.append(Block(f"part_{name}", points, cells, (VELOCITY, *specs)))
         if self._pairs:
             count = sum(places for _, places in self._pairs)
             vertices = np.arange(count)[:, None]
@@ -105,9 +117,25 @@ class Pictures:
             tension = np.concatenate([g.output["force"][:, 0] for g in self._beams])
             fields["beams"] = {"displacement": nodes["r"][ends] - self._r0[ends]}
             fields["beams"] |= {"tension": tension}
+        for name, row, _ in self._shells:
+            block = next(b for b in self.blocks if b.name == f"part_{name}")
+            points = self._points_of(row)
+            found = self._laid(name).all_fields(self.engine.state.blocks, row)
+            fields[block.name] = {"displacement": points["r"] - block.points}
+            fields[block.name] |= {"velocity": points["v"]} | found
         if self._pairs:
             fields["contacts"] = self._contact_fields()
         return fields
+
+    def _laid(self, name: str) -> Any:
+        """A part with points as it was laid."""
+        assert self.engine.model.elements is not None
+        return self.engine.model.elements.parts[name]
+
+    def _points_of(self, row: Any) -> np.ndarray:
+        """Points of a part."""
+        first = int(row["first_point"])
+        return self.engine.state.points[first : first + int(row["point_count"])]
 
     def _skin_points(self, pieces: list[Piece]) -> np.ndarray:
         return np.concatenate([self._r0[n] + p @ self._A0[n].reshape(3, 3).T for n, p, _ in pieces])

@@ -15,7 +15,7 @@ FLOORS = (
     (
         "deck",
         *("curves", "bodies", "joints", "springs", "contact", "friction", "loads", "sensors"),
-        *("materials", "sections", "parts"),
+        *("materials", "sections", "parts", "meshes"),
     ),
     ("model",),
     ("system",),

@@ -157,3 +157,13 @@ def apply_external(nodes, i, f, d, t):
     for k in range(3):
         ground.external[k] += f[k]
         ground.external[3 + k] += moment[k]
+
+
+@kernel
+def apply_to_point(point, ground, f):
+    """Force f from outside on a point. Writes: point, ground."""
+    add_to(point.force, f)
+    moment = cross(vec(point.r), f)
+    for k in range(3):
+        ground.external[k] += f[k]
+        ground.external[3 + k] += moment[k]

@@ -1,4 +1,4 @@
-"""Uniform gravity on every body.
+"""Uniform gravity on every body and on every node of shells.
 
 f_i = m_i g,   potential energy -m_i g . r_i
 """
@@ -7,15 +7,16 @@ from typing import Any
 
 from crashsolve.deck.card import Card, Vec3, quantity
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.motion import apply_external
+from crashsolve.foundation.motion import apply_external, apply_to_point
+from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import dot, put, scale, vec
+from crashsolve.foundation.vec3 import add, dot, put, scale, vec
 
 LEDGER = "potential"
 
 
 class Gravity(Card):
-    """Uniform gravity on every body."""
+    """Uniform gravity on every body and node."""
 
     acceleration: Vec3 = quantity("m/s^2", "acceleration of free fall", default=(0.0, 0.0, -9.81))
 
@@ -44,3 +45,18 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.stored = potential
     out.power = 0.0
     out.loss = 0.0
+
+
+@kernel
+def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
+    """The same of points that ride on no body. Writes: scene.points, nodes, out."""
+    g, points = vec(p.acceleration), scene.points
+    mass = 0.0
+    for i in range(points.shape[0]):
+        b = points[i]
+        if b.held < RIDES:
+            m = 1.0 / b.mass_inv
+            mass += m
+            out.stored -= m * dot(g, vec(b.r))
+            apply_to_point(b, nodes[0], scale(m, g))
+    put(out.force, add(vec(out.force), scale(mass, g)))

@@ -16,6 +16,12 @@ from crashsolve.model.choice import choose
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contacts import build_contacts
+from crashsolve.model.elements import (
+    build_elements,
+    initial_blocks,
+    initial_points,
+    tables_of_elements,
+)
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import ContactGroup, Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
@@ -51,7 +57,8 @@ def build(deck: Deck) -> tuple[Model, State]:
     scene.joints = {joint.name: joint for joint in joints}
     scene.size = max(scene.size, longest_arm(joints))
     for entries in _by_type(deck.entries["parts"]).values():
-        groups.append(_build_parts(entries, scene))
+        is_lean = hasattr(_module(entries[0]), "deform")
+        groups.append((build_elements if is_lean else _build_parts)(entries, scene))
     for keyword in ("springs", "loads", "sensors"):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
@@ -78,6 +85,7 @@ def build(deck: Deck) -> tuple[Model, State]:
         warnings=scene.warnings,
         citations=citations(_modules(groups, contact_groups)),
         surfaces=scene.surfaces,
+        elements=tables_of_elements(groups, deck, scene),
     )
     state = _state(model, scene)
     if model.integrator == "auto":
@@ -223,6 +231,8 @@ def _state(model: Model, scene: Scene) -> State:
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
         card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),
         ledger=np.zeros(len(ENTRIES)),
+        points=initial_points(model, scene.deck, scene),
+        blocks=initial_blocks(model, scene.deck, scene),
         stages=np.zeros(0),
     )
 

@@ -74,6 +74,17 @@ class Joint:
 
 
 @dataclass
+class Elements:
+    """Where the elements of parts with points are: corners, riders, room between loops."""
+
+    corners: np.ndarray
+    riders: np.ndarray
+    work: np.ndarray
+    parts: dict[str, Any]  # in place, by name
+    point_mass: float  # of the points that ride on no body
+
+
+@dataclass
 class Model:
     """Everything a run reads and never writes."""
 
@@ -95,6 +106,7 @@ class Model:
     warnings: list[str]
     citations: list[str]
     surfaces: dict[str, Any]
+    elements: Elements | None = None
 
     def joint_groups(self) -> list[Group]:
         return [g for g in self.groups if g.keyword == "joints"]
@@ -105,6 +117,34 @@ class Model:
     def piecewise_groups(self) -> list[Group]:
         """Laws of several pieces that can say how far they are past the one they were on."""
         return [g for g in self.groups if hasattr(g.module, "beyond")]
+
+    def total_mass(self) -> float:
+        """Of bodies and points [kg]."""
+        return float(self.mass.sum()) + (self.elements.point_mass if self.elements else 0.0)
+
+    def element_groups(self) -> list[Group]:
+        """Parts whose elements are kept in blocks."""
+        return [g for g in self.groups if hasattr(g.module, "deform")]
+
+    def element_name(self, number: int) -> str:
+        """Name of an element: of its part, and counted there from 1."""
+        name, row = self._last_part("first_element", number)
+        return f"{name}_{number - row['first_element'] + 1}"
+
+    def part_at(self, place: int) -> str:
+        """The part whose point a place behind those of the bodies is."""
+        point = place - len(self.bodies)
+        name, row = self._last_part("first_point", point)
+        return f"part '{name}', node {point - row['first_point'] + 1}"
+
+    def _last_part(self, column: str, number: int) -> tuple[str, Any]:
+        """The part in which a number lies that `column` begins."""
+        rows = [
+            (name, row)
+            for g in self.element_groups()
+            for name, row in zip(g.names, g.parameters, strict=True)
+        ]
+        return next((name, row) for name, row in reversed(rows) if row[column] <= number)
 
     def sensor_groups(self) -> list[Group]:
         return [g for g in self.groups if g.keyword == "sensors"]
@@ -124,4 +164,6 @@ class State:
     cards: np.ndarray
     card_history: np.ndarray
     ledger: np.ndarray
+    points: np.ndarray  # nodes of shells, see foundation/point.py
+    blocks: np.ndarray  # what their elements keep
     stages: np.ndarray  # of a Runge-Kutta step, from which the next may begin its iteration

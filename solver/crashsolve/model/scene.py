@@ -63,6 +63,7 @@ class Scene:
         for i, entry in enumerate(deck.entries["bodies"].values(), start=1):
             with self.building(entry):
                 self._place_body(i, import_module(entry.module_name).build(entry.card, self))
+        self._laid: dict[int, Any] = {}  # parts with points, by card
         for part in deck.entries["parts"].values():
             with self.building(part):
                 nodes = import_module(part.module_name).build(part.card, self)
@@ -109,9 +110,12 @@ class Scene:
     def _model_size(self) -> float:
         """Extent of the bodies with their radii of gyration [m]."""
         # bodies that cannot be built have no size; they are refused before anyone asks for it
-        if len(self.names) < 2 or self.errors:
+        if (len(self.names) < 2 and not self._laid) or self.errors:
             return 1.0
-        spread = np.ptp(self.r[1:], axis=0).max()
+        places = [self.r[1:], *(laid.mesh.points for laid in self._laid.values())]
+        spread = np.ptp(np.concatenate(places), axis=0).max()
+        if len(self.names) < 2:
+            return float(spread)
         trace = self.J[1:, 0] + self.J[1:, 4] + self.J[1:, 8]
         return float(max(spread, 2.0 * np.sqrt(0.5 * trace / self.mass[1:]).max()))
 
@@ -162,6 +166,33 @@ class Scene:
         """Module and card of an entry that another card names."""
         entry = self.deck.entries[keyword][name]
         return import_module(entry.module_name), entry.card
+
+    def built(self, card: Any) -> Any:
+        """What a law within a card makes of it."""
+        return import_module(type(card).__module__).build(card, self)
+
+    def laid(self, card: Any) -> Any:
+        """A part with points in place; once for every card."""
+        if id(card) not in self._laid:
+            self._laid[id(card)] = import_module(type(card).__module__).lay(card, self)
+        return self._laid[id(card)]
+
+    def _with_points(self) -> list[Any]:
+        """Cards of the parts with points, type by type as the model has them."""
+        entries = [e for e in self.deck.entries["parts"].values() if id(e.card) in self._laid]
+        types = list(dict.fromkeys(entry.type for entry in entries))
+        return [e.card for e in sorted(entries, key=lambda entry: types.index(entry.type))]
+
+    def faces(self, part: str, field: str) -> tuple[int, int]:
+        """First corner and number of the elements of a part with points."""
+        entry = self.deck.entries["parts"][part]
+        corner = 0
+        for card in self._with_points():
+            laid = self.laid(card)
+            if card is entry.card:
+                return corner, len(laid.area)
+            corner += laid.corners().size
+        raise self.fail(f"part '{part}' has no surface; name a shell", field)
 
     def curve(self, name: str) -> int:
         return self.curves[name]

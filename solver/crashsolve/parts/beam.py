@@ -171,6 +171,8 @@ def _numbers(card: Beam, scene: Any) -> tuple[dict[str, Any], dict[str, Any], fl
         raise scene.fail("begins and ends in one point; a beam needs a length", "mesh.to")
     law, material_card = scene.law("materials", card.material)
     material = law.build(material_card, scene)
+    if "plastic" in material:
+        raise scene.fail("a beam cannot yield yet; name an elastic material", "material")
     law, section_card = scene.law("sections", card.section)
     return law.build(section_card, material["poisson"]), material, length
 

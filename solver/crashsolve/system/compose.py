@@ -47,7 +47,12 @@ def compose(model: Any) -> str:
     method = import_module(f"{INTEGRATORS}.{model.integrator}")
     names = {"_collocation": getattr(method, "CHAPTER", ""), **dict.fromkeys(TABLEAUX, "")}
     recital = getattr(method, "RECITAL", model.integrator)
-    given = {f"{INTEGRATORS}.{old}": new or model.integrator for old, new in names.items()}
+    given = {
+        f"{INTEGRATORS}.{old}": f"{INTEGRATORS}.{new or model.integrator}"
+        for old, new in names.items()
+    }
+    if model.elements:
+        given |= {"crashsolve.system.timestep": "crashsolve.system.element_step"}
     text = _insert(recital, given, {"crashsolve.system.scene": scene_text(model)})
     return text if captures(model) else _without(text, "CAPTURES")
 
@@ -65,14 +70,14 @@ def _without(text: str, feature: str) -> str:
 def _insert(name: str, given: dict[str, str], texts: dict[str, str]) -> str:
     """Text of a recital or chapter with others in the place of their imports; each comes once.
 
-    `given` renames modules of integrators, `texts` holds what else takes the place of an import.
+    `given` renames modules, `texts` holds what else takes the place of an import.
     """
     lines = (PACKAGE / "integrators" / f"{name}.py").read_text("utf-8").splitlines(keepends=True)
     parts, at = [], 0
     for node in ast.parse("".join(lines)).body:
         if not isinstance(node, ast.ImportFrom) or node.module is None:
             continue
-        module = f"{INTEGRATORS}.{given[node.module]}" if node.module in given else node.module
+        module = given.get(node.module, node.module)
         assert node.end_lineno is not None
         parts += lines[at : node.lineno - 1]
         imports, at = lines[node.lineno - 1 : node.end_lineno], node.end_lineno
@@ -118,6 +123,10 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
         arrays |= {"slaves": model.slaves}
     if model.contact_groups:
         arrays |= {"cards": state.cards, "card_history": state.card_history}
+    if model.elements:
+        e = model.elements
+        arrays |= {"points": state.points, "lanes": state.blocks}
+        arrays |= {"corners": e.corners, "riders": e.riders, "work": e.work}
     return arrays
 
 
@@ -166,7 +175,7 @@ def _imports(model: Any) -> str:
         for module in (c.narrow, None if c.captures else c.normal, c.friction):
             if module is not None:
                 modules.add((module.__name__, _alias(module)))
-    lines = ["from crashsolve.system import contacts"]
+    lines = ["from crashsolve.system import contacts" + ", points" * bool(model.elements)]
     if has_slaves(model):
         lines.append("from crashsolve.system import slaves")
     if captures(model):
@@ -204,13 +213,17 @@ def _joint_calls(model: Any, stage: str) -> list[str]:
 
 
 def _force_calls(model: Any) -> list[str]:
-    lines = ["slaves.carry(groups.slaves, nodes)"] * has_slaves(model)
+    lines = ["slaves.carry(groups.slaves, nodes)"] * has_slaves(model) + _element_calls(model)
     for g in model.force_groups():
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
             "for i in range(p.shape[0]):",
             "    old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]",
             f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
+            *(
+                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, curves, groups)"]
+                * (model.elements is not None and hasattr(g.module, "force_on_points"))
+            ),
             "    lose(clock, old, new, o.power, o.loss)",
             *(
                 [f"    groups.{g.word}_w[clock.stage * p.shape[0] + i] = o.power"]
@@ -229,7 +242,42 @@ def _force_calls(model: Any) -> list[str]:
         lines += ["contacts.carry_onsets(clock.current, groups.card_history)"]
         lines += [f"{c.word}(clock, h, nodes, curves, groups)" for c in model.contact_groups]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
+    lines += _closing_calls(model)
     return lines + ["slaves.collect(groups.slaves, nodes)"] * has_slaves(model)
+
+
+def _element_calls(model: Any) -> list[str]:
+    """Motion of the points, and forces of the elements between them."""
+    lines = []
+    for g in model.element_groups():
+        lines += [
+            f"p, history = groups.{g.word}_p, groups.{g.word}_h",
+            "for i in range(p.shape[0]):",
+            "    old, new = history[clock.current, i], history[1 - clock.current, i]",
+            "    points.open_points(clock, h, p[i], old, new, groups.points)",
+        ]
+    if model.elements:
+        lines += ["points.carry(h, nodes, groups.points, groups.riders)"]
+        lines += ["clock.element_rate = 0.0"]
+    for g in model.element_groups():
+        lines += [
+            f"p = groups.{g.word}_p",
+            "for i in range(p.shape[0]):",
+            f"    {g.word}.deform(p[i], clock, h, groups)",
+        ]
+    return lines
+
+
+def _closing_calls(model: Any) -> list[str]:
+    """What the points end a force pass with."""
+    lines = ["points.unload(nodes, groups.points, groups.riders)"] if model.elements else []
+    for g in model.element_groups():
+        lines += [
+            f"p = groups.{g.word}_p",
+            "for i in range(p.shape[0]):",
+            "    points.close_points(h, p[i], groups.points, nodes)",
+        ]
+    return lines
 
 
 def _contact(model: Any, c: Any) -> str:
@@ -568,6 +616,17 @@ def _energy_calls(model: Any) -> list[str]:
                 f"    ledger[{getattr(e, LOST[kind])}] += "
                 f"groups.{g.word}_h[clock.current, i].dissipated"
             )
+    for g in model.element_groups():
+        lines += [
+            f"for i in range(groups.{g.word}_o.shape[0]):",
+            f"    o, new = groups.{g.word}_o[i], groups.{g.word}_h[clock.current, i]",
+            f"    {g.word}.energies(groups.{g.word}_p[i], new, o, groups)",
+            f"    ledger[{e.KINETIC}] += o.kinetic",
+            f"    ledger[{e.SPRING_STORED}] += o.strain + o.hourglass + o.drilling",
+            f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag",
+        ]
+    if model.elements:
+        lines += ["points.guard(clock, nodes, groups.points)"]
     for c in model.contact_groups:
         lines += [
             f"for i in range(groups.{c.word}_o.shape[0]):",

@@ -25,7 +25,8 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
     """The error for a loop that has stopped with this clock and ledger."""
     status, step = int(clock["status"]), float(clock["next_step"])
     if status == NOT_FINITE:
-        name = f"body '{model.bodies[int(clock['place'])]}'"
+        at = int(clock["place"])
+        name = f"body '{model.bodies[at]}'" if at < len(model.bodies) else model.part_at(at)
         found = name, "its motion has grown beyond all bounds", closer(model, state)
     elif status == POSITION:
         found = open_joints(model, state, clock)
@@ -99,15 +100,22 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
     """A step shorter than step_min: by the stiffness of a body, or by the error of the method."""
     if limit_node:
         return (
-            f"body '{model.bodies[limit_node]}'",
+            f"'{limiter(model, limit_node)}'",
             f"the step has collapsed to {step:.3g} s",
-            "look for a stiffness far too large, or a mass far too small, on this body",
+            "look for a stiffness far too large, or a mass far too small, there",
         )
     return (
         "the model",
         f"no step is short enough for control.tolerance (the next would be {step:.3g} s)",
         pass_it(model, state),
     )
+
+
+def limiter(model: Model, limit_node: int) -> str:
+    """The body or the element that sets the step; empty where none does."""
+    if limit_node >= 0:
+        return model.bodies[limit_node] if limit_node else ""
+    return model.element_name(-1 - limit_node)
 
 
 def curve_end(model: Model) -> Diagnosis:

@@ -1,0 +1,31 @@
+"""Points: the nodes of shells, which have no triad; elements keep plain numbers in blocks of 16.
+
+A point is leaner than a row of the node table: its rotary inertia is the same about any axis, and
+elements need its spin alone. A point that the deck names rides on a body of that name, so that
+joints, loads, contacts and sensors take hold of it as of any body.
+"""
+
+from crashsolve.foundation.record import Record
+
+# elements side by side, so that the compiler works on several at a time
+LANES = 16
+
+# bits of POINT.held: motions along and about the world axes, and all of them by a body
+RIDES = 64
+
+POINT = Record(
+    r=("m", 3, "position"),
+    v=("m/s", 3, "velocity; during a step that of its middle"),
+    w=("rad/s", 3, "angular velocity; during a step that of its middle"),
+    mass_inv=("1/kg", "inverse mass"),
+    J_inv=("1/(kg m^2)", "inverse inertia about any axis"),
+    force=("N", 3, "applied force"),
+    torque=("N m", 3, "applied torque"),
+    held=("flag", "bits: x, y, z, turns about them, and 64 where the point rides on a body"),
+)
+
+RIDER = Record(
+    point=("index", "point"),
+    node=("index", "body it rides on"),
+    spot=("m", 3, "from the mass centre, body axes"),
+)

@@ -1,0 +1,73 @@
+"""Pressure on a shell, along the normals of its elements as they move.
+
+    f = -p / 4 (x_3 - x_1) x (x_4 - x_2) / 2   on each corner
+
+Positive pressure acts against the normal. Work done has no potential: its power is that of the
+moment. Consequence to test: a flat plate takes p A in all, and a closed body nothing.
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.motion import apply_to_point
+from crashsolve.foundation.point import LANES
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, cross, dot, put, scale, sub, vec
+
+
+class Pressure(Card):
+    """Pressure on all elements of a shell."""
+
+    part: PartName = word("shell part")
+    pressure: float = quantity("Pa", "p, against the normal where positive")
+    curve: CurveName | None = word("factor over time; 1 when absent", default=None)
+
+
+PARAMETERS = Record(
+    pressure=("Pa", "p"),
+    curve=("index", "factor over time; 0 for none"),
+    first_corner=("index", "of the part's corners"),
+    element_count=("count", "elements"),
+)
+HISTORY = Record()
+OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
+
+
+def build(card: Pressure, scene: Any) -> dict[str, Any]:
+    corner, count = scene.faces(card.part, "part")
+    return {
+        "pressure": card.pressure,
+        "curve": scene.curve(card.curve) if card.curve else 0,
+        "first_corner": corner,
+        "element_count": count,
+    }
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: out."""
+    factor = 1.0
+    if p.curve > 0:
+        factor, _, _ = curve_value(curves, p.curve, t)
+    out.pressure = factor * p.pressure
+    put(out.force, (0.0, 0.0, 0.0))
+    out.stored = out.power = out.loss = 0.0
+
+
+@kernel
+def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
+    """Writes: scene.points, nodes, out."""
+    points, corners = scene.points, scene.corners
+    for i in range(p.element_count):
+        lane = i % LANES
+        at = p.first_corner + 4 * (i - lane) + lane
+        a, b = points[corners[at]], points[corners[at + LANES]]
+        c, d = points[corners[at + 2 * LANES]], points[corners[at + 3 * LANES]]
+        normal = cross(sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r)))
+        f = scale(-0.125 * out.pressure, normal)
+        for point in (a, b, c, d):
+            apply_to_point(point, nodes[0], f)
+            out.power += dot(f, vec(point.v))
+        put(out.force, add(vec(out.force), scale(4.0, f)))

@@ -1,0 +1,32 @@
+"""What every mesh hands on: places, corners of elements, and sets of nodes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass
+class Mesh:
+    """Points (n, 3) [m], corners of quadrilaterals (m, 4) counter-clockwise seen from outside."""
+
+    points: np.ndarray
+    quads: np.ndarray
+    sets: dict[str, np.ndarray]
+
+
+def net(nu: int, nv: int, closed: bool = False) -> tuple[np.ndarray, np.ndarray, dict]:
+    """Parameters (n, 2) from 0 to 1, quadrilaterals and sides of a net of nu by nv elements.
+
+    Points run along u first; a closed net has its last column in its first.
+    """
+    columns = nu if closed else nu + 1
+    i, j = np.meshgrid(np.arange(columns), np.arange(nv + 1))
+    numbers = np.arange(i.size).reshape(i.shape)
+    parameters = np.column_stack([i.ravel() / nu, j.ravel() / nv])
+    right = np.roll(numbers, -1, axis=1) if closed else numbers[:, 1:]
+    left = numbers if closed else numbers[:, :-1]
+    quads = np.stack([left[:-1], right[:-1], right[1:], left[1:]], axis=-1).reshape(-1, 4)
+    sides = {"v0": numbers[0], "v1": numbers[-1]}
+    if not closed:
+        sides |= {"u0": numbers[:, 0], "u1": numbers[:, -1]}
+    return parameters, quads, sides

@@ -1,0 +1,43 @@
+"""Listed mesh: nodes and quadrilaterals one by one, for a handful of elements.
+
+Consequence to test: the nodes are where the deck puts them.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.card import Card, Vec3, quantity, word
+from crashsolve.meshes._mesh import Mesh
+
+
+class NodeSet(Card):
+    """Some of the nodes under a name."""
+
+    name: str = word("name of the set")
+    nodes: tuple[int, ...] = word("numbers of the nodes, from 1", ge=1)
+
+
+class Listed(Card):
+    """Nodes and elements one by one."""
+
+    nodes: tuple[Vec3, ...] = quantity("m", "places; numbered from 1")
+    quads: tuple[tuple[int, int, int, int], ...] = word(
+        "numbers of four nodes each, counter-clockwise seen from outside", ge=1
+    )
+    sets: tuple[NodeSet, ...] = word("sets of nodes", default=())
+
+
+def build(card: Listed, scene: Any) -> Mesh:
+    points, quads = np.asarray(card.nodes, float), np.asarray(card.quads, np.int64) - 1
+    if not quads.size:
+        raise scene.fail("needs an element at least", "mesh.quads")
+    if quads.max() >= len(points):
+        message = f"there is no node {quads.max() + 1}; {len(points)} are listed"
+        raise scene.fail(message, "mesh.quads")
+    sets = {}
+    for k, own in enumerate(card.sets):
+        sets[own.name] = np.asarray(own.nodes, np.int64) - 1
+        if sets[own.name].max(initial=-1) >= len(points):
+            raise scene.fail(f"names a node beyond {len(points)}", f"mesh.sets.{k}.nodes")
+    return Mesh(points, quads, sets)

@@ -1,0 +1,75 @@
+"""Parts whose elements are kept in blocks: their rows, and the tables of all of them together."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.foundation.point import POINT, RIDER
+from crashsolve.model.model import Elements, Group, Model
+
+if TYPE_CHECKING:
+    from crashsolve.deck.read import Deck, Entry
+    from crashsolve.model.scene import Scene
+
+
+def build_elements(entries: list[Entry], scene: Scene) -> Group:
+    """All parts of one type, a row each."""
+    module = import_module(entries[0].module_name)
+    table = np.zeros(len(entries), module.PARAMETERS.dtype)
+    for row, entry in zip(table, entries, strict=True):
+        with scene.building(entry):
+            scene.refuse_stepwise(module)
+            for name, value in module.parameters(entry.card, scene).items():
+                row[name] = value
+    names = [entry.name for entry in entries]
+    history = np.zeros((2, len(entries)), module.HISTORY.dtype)
+    output = np.zeros(len(entries), module.OUTPUT.dtype)
+    return Group("parts", entries[0].type, module, names, table, history, output)
+
+
+def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Elements | None:
+    """Corners and riders of all parts; their places go to the parts' rows. Writes: groups."""
+    corners: list[np.ndarray] = []
+    riders: list[np.ndarray] = []
+    parts: dict[str, Any] = {}
+    points = first = count = 0
+    mass = 0.0
+    for group in (g for g in groups if hasattr(g.module, "deform")):
+        for name, row in zip(group.names, group.parameters, strict=True):
+            laid = parts[name] = scene.laid(deck.entries["parts"][name].card)
+            blocks = laid.blocks()
+            row["first_point"], row["point_count"] = points, len(laid.mass)
+            row["first"], row["stride"] = first, blocks[0].size
+            row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
+            row["element_count"] = len(laid.area)
+            corners.append((laid.corners() + points).ravel())
+            own = np.zeros(len(laid.named), RIDER.dtype)
+            own["point"], own["node"] = np.add(laid.named, points), scene.part_nodes[name]
+            riders.append(own)
+            mass += laid.mass.sum() - laid.mass[laid.named].sum()
+            points, first = points + len(laid.mass), first + blocks.size
+            count += len(laid.area)
+    if not corners:
+        return None
+    rows = max(g.module.ROWS for g in groups if hasattr(g.module, "deform"))
+    work = np.zeros(rows * blocks.shape[-1])
+    return Elements(np.concatenate(corners), np.concatenate(riders), work, parts, mass)
+
+
+def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
+    """All points at the start."""
+    tables = [scene.laid(card).points() for card in _cards(model, deck)]
+    return np.concatenate(tables) if tables else np.zeros(0, POINT.dtype)
+
+
+def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
+    """What all elements keep, at the start."""
+    tables = [scene.laid(card).blocks().ravel() for card in _cards(model, deck)]
+    return np.concatenate(tables) if tables else np.zeros(0)
+
+
+def _cards(model: Model, deck: Deck) -> list[Any]:
+    return [deck.entries["parts"][name].card for g in model.element_groups() for name in g.names]

@@ -1,0 +1,159 @@
+"""Four-node shell with one point in its plane: axes, strains of its motion, forces on its nodes.
+
+A field at the nodes u_1 ... u_4 enters as its differences along both diagonals, its hourglass and
+its sum,
+
+    D = u_3 - u_1,   E = u_4 - u_2,   H = u_1 - u_2 + u_3 - u_4,   S = u_1 + u_2 + u_3 + u_4
+
+a = (D - E) / 2 and b = (D + E) / 2 of the places point from side to side. The axes turn with the
+polar rotation of the plane's deformation. Rigid links reach from the nodes to the mean plane, so
+that a warped element keeps the moments in balance. Transverse shear is that of the four sides
+(assumed strain). Forces are the transpose of strains, so that a rigid motion does no work.
+
+References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonlinear dynamics of
+shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251. Belytschko and Leviathan
+(1994), Physical stabilization of the 4-node shell element with one point quadrature, the same 113,
+321-350. Dvorkin and Bathe (1984), A continuum mechanics based four-node shell element for general
+nonlinear analysis, Engineering Computations 1, 77-88.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.compile import inlined
+
+
+@inlined
+def dot3(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inlined
+def cross3(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@inlined
+def mix(s, a, t, b):
+    """s a + t b."""
+    return (s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2])
+
+
+@inlined
+def plane_axes(d, e, G):
+    """Axes by the polar rotation, diagonals in them, area; d and e are D and E of the places.
+
+    G is the inverse of the diagonals at the start, as columns in the axes of the start.
+    """
+    n = cross3(d, e)
+    twice = sqrt(dot3(n, n))
+    k = 1.0 / twice
+    e3 = (k * n[0], k * n[1], k * n[2])
+    length = sqrt(dot3(d, d))
+    k = 1.0 / length
+    a1 = (k * d[0], k * d[1], k * d[2])
+    a2 = cross3(e3, a1)
+    x, y = dot3(e, a1), dot3(e, a2)
+    # F11 + F22 and F21 - F12 of the deformation gradient
+    c = length * G[0] + x * G[2] + y * G[3]
+    s = y * G[2] - length * G[1] - x * G[3]
+    k = 1.0 / sqrt(c * c + s * s)
+    c, s = k * c, k * s
+    axes = (mix(c, a1, s, a2), mix(c, a2, -s, a1), e3)
+    return axes, (length * c, -length * s, c * x + s * y, c * y - s * x), 0.5 * twice
+
+
+@inlined
+def slopes(D, E, H, flat, hourglass, area):
+    """Derivatives by x and y of one component, and its hourglass without its linear part."""
+    x31, y31, x42, y42 = flat
+    k = 0.5 / area
+    by_x = k * (y42 * D - y31 * E)
+    by_y = k * (x31 * E - x42 * D)
+    return by_x, by_y, 0.25 * (H - hourglass[0] * by_x - hourglass[1] * by_y)
+
+
+@inlined
+def slopes_transposed(along_x, along_y, q, flat, hourglass, area):
+    """What acts on D, E and H for the power along_x by_x + along_y by_y + q hourglass."""
+    x31, y31, x42, y42 = flat
+    q = 0.25 * q
+    k = 0.5 / area
+    p_x, p_y = k * (along_x - q * hourglass[0]), k * (along_y - q * hourglass[1])
+    return y42 * p_x - x42 * p_y, x31 * p_y - y31 * p_x, q
+
+
+@inlined
+def sides(flat):
+    """a and b of the places in the plane."""
+    x31, y31, x42, y42 = flat
+    return 0.5 * (x31 - x42), 0.5 * (y31 - y42), 0.5 * (x31 + x42), 0.5 * (y31 + y42)
+
+
+@inlined
+def shears(w, theta_x, theta_y, flat, hourglass, area):
+    """Transverse shear in the middle, and its change across the element, along a and b.
+
+    w is (D, E, H) of the deflection, theta_x and theta_y are (D, E, S) of the turns.
+    """
+    a_x, a_y, b_x, b_y = sides(flat)
+    h_x, h_y = hourglass
+    mean_x, mean_y = 0.25 * theta_x[2], 0.25 * theta_y[2]
+    p_x, p_y = 0.5 * (theta_x[0] - theta_x[1]), 0.5 * (theta_y[0] - theta_y[1])
+    q_x, q_y = 0.5 * (theta_x[0] + theta_x[1]), 0.5 * (theta_y[0] + theta_y[1])
+    g_a = 0.5 * (w[0] - w[1]) + a_x * mean_y - a_y * mean_x + 0.25 * (h_x * q_y - h_y * q_x)
+    g_b = 0.5 * (w[0] + w[1]) + b_x * mean_y - b_y * mean_x + 0.25 * (h_x * p_y - h_y * p_x)
+    twist = w[2] + h_x * mean_y - h_y * mean_x
+    k = 1.0 / area
+    gamma = (k * (b_y * g_a - a_y * g_b), k * (a_x * g_b - b_x * g_a))
+    return gamma, (twist + a_x * q_y - a_y * q_x, twist + b_x * p_y - b_y * p_x)
+
+
+@inlined
+def shears_transposed(V, Q, flat, hourglass):
+    """What acts on (D, E, H) of w and (D, E, S) of the turns for A V . gamma + Q . change."""
+    a_x, a_y, b_x, b_y = sides(flat)
+    h_x, h_y = hourglass
+    g_a, g_b = b_y * V[0] - b_x * V[1], a_x * V[1] - a_y * V[0]
+    both = Q[0] + Q[1]
+    w = (0.5 * (g_a + g_b), 0.5 * (g_b - g_a), both)
+    mean_x = 0.25 * (a_x * g_a + b_x * g_b + h_x * both)
+    mean_y = 0.25 * (a_y * g_a + b_y * g_b + h_y * both)
+    q_x, q_y = 0.25 * h_x * g_a + a_x * Q[0], 0.25 * h_y * g_a + a_y * Q[0]
+    p_x, p_y = 0.25 * h_x * g_b + b_x * Q[1], 0.25 * h_y * g_b + b_y * Q[1]
+    theta_x = (-0.5 * (p_y + q_y), -0.5 * (q_y - p_y), -mean_y)
+    theta_y = (0.5 * (p_x + q_x), 0.5 * (q_x - p_x), mean_x)
+    return w, theta_x, theta_y
+
+
+@inlined
+def hourglass_stiffness(flat, area, E, G, nu, t):
+    """Of the plane: xx, yy, xy times E t; and of the change of transverse shear along a and b.
+
+    The integrals of the slopes of xi eta over the element, with the strains of pure bending.
+    """
+    a_x, a_y, b_x, b_y = sides(flat)
+    k = 4.0 / (3.0 * area)
+    plane = E * t * k
+    shear = 5.0 / 6.0 * G * t / (12.0 * area)
+    stiff = (
+        plane * (a_y * a_y + b_y * b_y),
+        plane * (a_x * a_x + b_x * b_x),
+        plane * nu * (a_x * a_y + b_x * b_y),
+    )
+    return stiff, (shear * (b_x * b_x + b_y * b_y), shear * (a_x * a_x + a_y * a_y))
+
+
+@inlined
+def rate_bound(flat, area, thickness, radius_2, E_rho, nu):
+    """Bound of the largest squared frequency of the free element [1/s^2]: row sums of M^-1 K."""
+    x31, y31, x42, y42 = flat
+    k = 2.0 / (area * area)
+    xx, yy = k * (y31 * y31 + y42 * y42), k * (x31 * x31 + x42 * x42)
+    xy = k * abs(x31 * y31 + x42 * y42)
+    plane = max(xx + nu * yy, yy + nu * xx) + (1.0 + nu) * xy
+    plane = max(plane, 0.5 * (1.0 - nu) * (xx + yy + 2.0 * xy))
+    # bending against rotary inertia, and shear: of the sides and of their mean turn
+    bending = plane * thickness * thickness / (12.0 * radius_2)
+    largest = 0.5 * (xx + yy) + sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy)
+    shear = 5.0 / 12.0 * (1.0 - nu) * (largest + 1.0 / radius_2)
+    return E_rho / (1.0 - nu * nu) * max(max(plane, bending), shear)

@@ -1,0 +1,28 @@
+"""Length of the next step of a scene with elements: as for bodies, and stable in every element.
+
+    h <= 2 safety / omega,   omega^2 the largest squared frequency of any free element
+
+The frequencies of a mesh are not above those of its free elements, whose masses it shares out.
+Consequence to test: a plate is stable for safety < 1, and not above its highest frequency.
+
+Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Elements, 6.2.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.system.timestep import fit  # noqa: F401  (the recital takes it from here)
+from crashsolve.system.timestep import wanted_step as step_of_bodies
+
+
+@kernel
+def wanted_step(clock, control, nodes):
+    """Next step [s]. Writes: clock.limit_node, below 0 for elements."""
+    h = step_of_bodies(clock, control, nodes)
+    if control.fixed_step > 0.0:
+        return h
+    fastest = sqrt(clock.element_rate)
+    if fastest * h > 2.0 * control.safety:
+        h = 2.0 * control.safety / fastest
+        clock.limit_node = -1 - clock.limit_element
+    return h

@@ -1,0 +1,145 @@
+"""Motion of points: kick and drift at the start of a step, kick at its end, riders on bodies.
+
+    v_half = (v + h/2 f / m) / (1 + alpha h/2),   r += h v_half
+    v      = v_half + h/2 (f_new / m - alpha v_half)
+
+alpha is a drag proportional to mass. A step of no length leaves everything as it is. Consequence
+to test: the drag takes alpha m v_half^2 h, and nothing else is lost.
+"""
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.point import RIDES
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    cross,
+    dot,
+    matvec,
+    put,
+    scale,
+    sub,
+    vec,
+)
+from crashsolve.model.clock import NOT_FINITE
+
+
+@kernel
+def open_points(clock, h, p, old, new, points):
+    """First kick and drift of the points of a part. Writes: points, clock, new."""
+    slow, lost = 1.0 / (1.0 + 0.5 * p.drag * h), 0.0
+    for i in range(p.first_point, p.first_point + p.point_count):
+        b = points[i]
+        put(b.v, scale(slow, add_scaled(vec(b.v), 0.5 * h * b.mass_inv, vec(b.force))))
+        put(b.w, scale(slow, add_scaled(vec(b.w), 0.5 * h * b.J_inv, vec(b.torque))))
+        put(b.r, add_scaled(vec(b.r), h, vec(b.v)))
+        zero = (0.0, 0.0, 0.0)
+        put(b.force, zero)
+        put(b.torque, zero)
+        if p.drag > 0.0 and b.held < RIDES:
+            lost += brake(clock, h * p.drag, b)
+    new.damped = old.damped + lost
+
+
+@kernel
+def brake(clock, share, b):
+    """Impulse of the drag on a point from outside; returns the energy lost. Writes: clock."""
+    p, spin = scale(share / b.mass_inv, vec(b.v)), scale(share / b.J_inv, vec(b.w))
+    turn = add(cross(vec(b.r), p), spin)
+    for k in range(3):
+        clock.impulse[k] -= p[k]
+        clock.angular_impulse[k] -= turn[k]
+    return dot(p, vec(b.v)) + dot(spin, vec(b.w))
+
+
+@kernel
+def carry(h, nodes, points, riders):
+    """Riders follow their bodies; velocities are those of the step, as points have them.
+
+    Writes: points.
+    """
+    for i in range(riders.shape[0]):
+        rider = riders[i]
+        b, body = points[rider.point], nodes[rider.node]
+        d = matvec(body.A, vec(rider.spot))
+        place = add(vec(body.r), d)
+        if h > 0.0:
+            before = add(vec(body.start_r), matvec(body.start_A, vec(rider.spot)))
+            put(b.v, scale(1.0 / h, sub(place, before)))
+            put(b.w, scale(2.0 / h, half_turn(body.start_q, body.q)))
+        else:
+            put(b.v, add(vec(body.v), cross(vec(body.w), d)))
+            put(b.w, vec(body.w))
+        put(b.r, place)
+
+
+@kernel
+def half_turn(old, new):
+    """Cayley vector of the turn from one quaternion to another, world axes."""
+    w = old[0] * new[0] + old[1] * new[1] + old[2] * new[2] + old[3] * new[3]
+    a, b = (old[1], old[2], old[3]), (new[1], new[2], new[3])
+    turn = sub(scale(old[0], b), add(scale(new[0], a), cross(b, a)))
+    return scale(1.0 / w, turn)
+
+
+@kernel
+def close_points(h, p, points, nodes):
+    """Second kick of the points of a part; what holds points acts from outside.
+
+    Writes: points, nodes.
+    """
+    for i in range(p.first_point, p.first_point + p.point_count):
+        b = points[i]
+        if b.held > 0 and b.held < RIDES:
+            hold(b, nodes[0])
+        drag = 0.5 * h * p.drag
+        v = add_scaled(scale(1.0 - drag, vec(b.v)), 0.5 * h * b.mass_inv, vec(b.force))
+        w = add_scaled(scale(1.0 - drag, vec(b.w)), 0.5 * h * b.J_inv, vec(b.torque))
+        put(b.v, v)
+        put(b.w, w)
+
+
+@kernel
+def hold(b, ground):
+    """Take the held components from force and torque. Writes: b, ground."""
+    bits = b.held
+    for k in range(3):
+        f = b.force[k] if (bits >> k) & 1 else 0.0
+        t = b.torque[k] if (bits >> (3 + k)) & 1 else 0.0
+        b.force[k] -= f
+        b.torque[k] -= t
+        ground.external[k] -= f
+        ground.external[3 + k] -= t
+        # moment of the reaction -f e_k about the origin
+        i, j = (k + 1) % 3, (k + 2) % 3
+        ground.external[3 + i] -= b.r[j] * f
+        ground.external[3 + j] += b.r[i] * f
+
+
+@kernel
+def unload(nodes, points, riders):
+    """Forces on riders go to their bodies. Writes: nodes, points."""
+    for i in range(riders.shape[0]):
+        rider = riders[i]
+        b, body = points[rider.point], nodes[rider.node]
+        d, f = matvec(body.A, vec(rider.spot)), vec(b.force)
+        add_to(body.force, f)
+        add_to(body.torque, add(vec(b.torque), cross(d, f)))
+        put(b.force, (0.0, 0.0, 0.0))
+        put(b.torque, (0.0, 0.0, 0.0))
+
+
+@kernel
+def guard(clock, nodes, points):
+    """Stop at a point whose motion is not a finite number; its place follows those of the nodes.
+
+    Writes: clock.
+    """
+    for i in range(points.shape[0]):
+        b = points[i]
+        total = 0.0
+        for k in range(3):
+            total += abs(b.r[k]) + abs(b.v[k]) + abs(b.w[k])
+        if not total < 1e100:
+            clock.status, clock.place = NOT_FINITE, nodes.shape[0] + i
+            return

@@ -1,0 +1,138 @@
+"""What a shell element promises: patches, rigid motions, balance, energy, modes, honest step."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shells import ODD, PATCH, SQUARE, STEEL, Elements, any_turn
+
+from crashsolve.parts._quad_block import LAYERS, SHEAR
+
+E, NU = STEEL["young"], STEEL["poisson"]
+PLANE = E / (1 - NU**2) * np.array([[1, NU, 0], [NU, 1, 0], [0, 0, (1 - NU) / 2]])
+MESHES = {"square": SQUARE, "odd": ODD, "patch": PATCH}
+# out of its plane by a tenth of its side
+WARPED = ([[0, 0, 0.1], [0.9, 0.1, -0.1], [1.2, 0.8, 0.1], [-0.2, 1.1, -0.1]], [[1, 2, 3, 4]])
+
+
+@pytest.fixture(params=range(3))
+def seed(request: pytest.FixtureRequest) -> int:
+    return int(request.param)
+
+
+def inner(mesh: list, elements: Elements) -> list[int]:
+    return [4, 5, 6, 7] if mesh is PATCH else []
+
+
+def placed(mesh: tuple, turn: np.ndarray) -> tuple:
+    """The mesh somewhere else in space."""
+    nodes = np.asarray(mesh[0], float)
+    nodes = np.hstack([nodes, np.zeros((len(nodes), 3 - nodes.shape[1]))])
+    return ((nodes @ turn.T + [0.3, -0.2, 0.5]).tolist(), mesh[1])
+
+
+def test_a_patch_holds_constant_strain_of_its_plane(tmp_path: Path) -> None:
+    patch = Elements(tmp_path, PATCH, 0.001)
+    x, y = patch.points.r[:, 0].copy(), patch.points.r[:, 1].copy()
+    motion = np.zeros((8, 6))
+    motion[:, 0], motion[:, 1] = 1e-6 * (x + y / 2), 1e-6 * (y + x / 2)
+    force = patch.move(motion)
+    normal, shear = (PLANE @ [1e-6, 1e-6, 1e-6])[1:]
+    # whatever the axes of an element: mean stress, and radius of Mohr's circle
+    for layer in range(5):
+        xx, yy, xy = patch.rows(LAYERS + 3 * layer, 3).T
+        # strains are those of the middle of a step: relative 1e-6
+        np.testing.assert_allclose(0.5 * (xx + yy), normal, rtol=2e-6)
+        np.testing.assert_allclose(np.hypot(0.5 * (xx - yy), xy), shear, rtol=2e-6)
+    np.testing.assert_allclose(force[4:], 0.0, atol=1e-5 * np.abs(force).max())
+
+
+def test_a_patch_holds_constant_curvature_and_twist(tmp_path: Path) -> None:
+    patch = Elements(tmp_path, PATCH, 0.001)
+    x, y = patch.points.r[:, 0].copy(), patch.points.r[:, 1].copy()
+    motion = np.zeros((8, 6))
+    motion[:, 2] = 1e-6 * 0.5 * (x**2 + x * y + y**2)
+    motion[:, 3], motion[:, 4] = 1e-6 * (y + x / 2), -1e-6 * (x + y / 2)
+    force = patch.move(motion)
+    edge = 0.12 * 0.001**3 / 12 * np.abs(PLANE @ [1e-6, 1e-6, 1e-6]).max()
+    # slopes of 1e-7 stretch and turn the plane by their squares; what is left is round-off
+    assert np.abs(force[4:, 2:5]).max() < 1e-6 * edge
+    assert np.abs(force[:4, 3:]).max() > 0.1 * edge
+    # the shear of a wrong slope would be 1e-7
+    assert np.abs(patch.rows(SHEAR, 2)).max() < 1e-12 * E
+
+
+def test_rigid_motions_strain_nothing(tmp_path: Path, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shell = Elements(tmp_path, WARPED)
+    rest = shell.state.blocks.copy()
+    for _ in range(3):
+        shell.turn(rng.normal(size=3), rng.normal(size=3), rng.normal(size=3))
+    change = (shell.state.blocks - rest).reshape(-1, int(shell.p.stride) // 16, 16)[0, 6:, 0]
+    # round-off of strains is 1e-16; a strain of 1 gives stresses of E
+    assert np.abs(change).max() < 1e-13 * E
+
+
+def test_a_strained_element_turns_its_forces_with_it(tmp_path: Path, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shell = Elements(tmp_path, WARPED)
+    before = shell.move(1e-2 * rng.normal(size=(4, 6)))
+    R = shell.turn(rng.normal(size=3), rng.normal(size=3), rng.normal(size=3))
+    after = np.hstack([shell.points.force, shell.points.torque])
+    expected = np.hstack([before[:, :3] @ R.T, before[:, 3:] @ R.T])
+    np.testing.assert_allclose(after, expected, atol=1e-12 * np.abs(before).max())
+
+
+def test_forces_and_moments_balance_also_when_warped(tmp_path: Path, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shell = Elements(tmp_path, placed(WARPED, any_turn(seed)))
+    force = shell.move(0.05 * rng.normal(size=(4, 6)))
+    size = np.abs(force).max()
+    np.testing.assert_allclose(force[:, :3].sum(0), 0.0, atol=1e-14 * size)
+    moment = np.cross(shell.points.r, force[:, :3]) + force[:, 3:]
+    np.testing.assert_allclose(moment.sum(0), 0.0, atol=1e-14 * size)
+
+
+@pytest.mark.parametrize("mesh", [SQUARE, ODD, WARPED], ids=["square", "odd", "warped"])
+def test_six_rigid_and_three_drilling_motions_cost_nothing(tmp_path: Path, mesh: tuple) -> None:
+    K = Elements(tmp_path, mesh).stiffness()
+    # steps of 1e-7: asymmetry of that order
+    np.testing.assert_allclose(K, K.T, atol=1e-5 * np.abs(K).max())
+    values = np.linalg.eigvalsh(0.5 * (K + K.T))
+    softest = 0.05**3 * E * 0.01
+    # differences over 1e-7 of a length of 1
+    assert (np.abs(values[:9]) < 1e-7 * values[-1]).all()
+    assert (values[9:] > softest).all()
+
+
+def test_the_work_of_the_nodes_is_stored(tmp_path: Path, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shell = Elements(tmp_path, ODD)
+    way, work = rng.normal(size=(4, 6)), 0.0
+    last = np.zeros((4, 6))
+    for _ in range(20):
+        force = shell.move(1e-5 * way)
+        work -= 0.5 * 1e-5 * (way * (force + last)).sum()
+        last = force
+    out = shell.energies()
+    assert out.hourglass > 0.0
+    # strains of 2e-4: energy of second order in them, error of third
+    assert out.strain + out.hourglass + out.drilling == pytest.approx(work, rel=1e-3)
+
+
+@pytest.mark.parametrize("thickness", [0.001, 0.05, 0.5])
+def test_the_step_bounds_the_highest_frequency(tmp_path: Path, seed: int, thickness: float) -> None:
+    rng = np.random.default_rng(seed)
+    nodes = np.array(SQUARE[0]) * rng.uniform(0.2, 1.0, 2) + rng.uniform(-0.08, 0.08, (4, 2))
+    shell = Elements(tmp_path, (nodes.tolist(), SQUARE[1]), thickness)
+    K = shell.stiffness()
+    told = float(shell.clock.element_rate)
+    inverse = np.hstack(
+        [
+            np.repeat(shell.points.mass_inv[:, None], 3, 1),
+            np.repeat(shell.points.J_inv[:, None], 3, 1),
+        ]
+    ).ravel()
+    M = np.sqrt(inverse)
+    highest = np.linalg.eigvalsh(M[:, None] * 0.5 * (K + K.T) * M)[-1]
+    assert 0.5 * told < highest <= told
