@@ -280,6 +280,32 @@ def test_a_permanent_set_is_that_of_the_turning_point(method: str, tmp_path: Pat
     assert abs(engine.ledger[-1]) < 1e-8 * engine.ledger[-2]
 
 
+@pytest.mark.parametrize("method", [*METHODS, "generalized_alpha", "radau_iia_5"])
+def test_friction_changes_its_regime_at_an_end_of_a_step(method: str, tmp_path: Path) -> None:
+    # a point of 1 kg slides on its depth of rest: from 3 m/s by mu g down to v_1, then v - v_0 decays
+    mu, g, v_0, v_1, end = 0.3, 9.81, 0.1, 1.0, 1.2
+    friction = {"type": "coulomb", "coefficient": mu, "none_below": v_0, "full_above": v_1}
+    normal = {"type": "kelvin_voigt", "stiffness": 1e4, "damping": 10.0}
+    block = {"mass": 1.0, "inertia": [1.0] * 3, "position": [0, 0, -g / 1e4], "velocity": [3, 0, 0]}
+    scene = {
+        "bodies": {"block": block},
+        "surfaces": {
+            "tip": {"type": "point_set", "body": "block", "points": [[0, 0, 0]]},
+            "floor": {"type": "plane"},
+        },
+        "contacts": {
+            "rest": {"a": ["tip"], "b": ["floor"], "normal": normal, "friction": friction}
+        },
+        "loads": {"weight": {"type": "gravity", "acceleration": [0, 0, -g]}},
+    }
+    engine = run(tmp_path, scene, end, integrator=method, tolerance=1e-9)
+    fading = end - (3.0 - v_1) / (mu * g)
+    exact = v_0 + (v_1 - v_0) * np.exp(-mu * g * fading / (v_1 - v_0))
+    assert engine.clock["located"] == 1
+    # a thousand times the tolerance, as above
+    assert engine.state.nodes[1]["v"][0] == pytest.approx(exact, abs=1e-6)
+
+
 def test_a_law_that_counts_in_whole_steps_is_refused(tmp_path: Path) -> None:
     friction = {"type": "bristle", "stiffness": 1e4, "static": 0.3, "dynamic": 0.2}
     normal = {"type": "kelvin_voigt", "stiffness": 1e5, "damping": 10.0}

@@ -3,6 +3,7 @@
     f = -mu f_d N v/|v|,   f_d = 0 | (|v| - v_0)/(v_1 - v_0) | 1   below v_0 | between | above v_1
 
 v is the tangential velocity of a relative to b (the chapter prints the whole velocity of the node).
+v_0 and v_1 are corners: methods that choose their steps by error end them there.
 Nothing rests on a slope. Consequence to test: on a slope below the friction angle a block creeps
 at v_0 + (v_1 - v_0) tan(slope)/mu.
 
@@ -38,7 +39,7 @@ PARAMETERS = Record(
     friction_none_below=("m/s", "v_0"),
     friction_full_above=("m/s", "v_1"),
 )
-HISTORY = Record()
+HISTORY = Record(friction_regime=("index", "0 below v_0, 1 between, 2 from v_1 on"))
 
 
 def build(card: Coulomb, scene: Any) -> dict[str, Any]:
@@ -51,8 +52,11 @@ def build(card: Coulomb, scene: Any) -> dict[str, Any]:
 
 @kernel
 def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
-    """Returns force on a, stored energy, dissipated power, loss, stiffness, damping."""
+    """Returns force on a, stored energy, power, loss, stiffness, damping. Writes: new."""
     v = speed(slip)
+    new.friction_regime = (1 if v >= p.friction_none_below else 0) + (
+        1 if v >= p.friction_full_above else 0
+    )
     rise = p.friction_full_above - p.friction_none_below
     share = min(max((v - p.friction_none_below) / rise, 0.0), 1.0)
     full = p.friction_coefficient * normal_force
@@ -60,8 +64,20 @@ def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
 
 
 @kernel
+def regime_left(p, old, slip):
+    """How far the sliding speed has left the regime of the start of the step [m/s]."""
+    v = speed(slip)
+    if old.friction_regime == 0:
+        return v - p.friction_none_below
+    if old.friction_regime == 2:
+        return p.friction_full_above - v
+    return max(p.friction_none_below - v, v - p.friction_full_above)
+
+
+@kernel
 def release(p, old, new):
-    """Nothing is remembered after separation."""
+    """Nothing is remembered after separation. Writes: new."""
+    new.friction_regime = 0
 
 
 @kernel

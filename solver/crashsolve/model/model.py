@@ -118,6 +118,10 @@ class Model:
         """Laws of several pieces that can say how far they are past the one they were on."""
         return [g for g in self.groups if hasattr(g.module, "beyond")]
 
+    def rubbing_groups(self) -> list[ContactGroup]:
+        """Contacts whose friction can say how far it is past the regime it was in."""
+        return [c for c in self.contact_groups if hasattr(c.friction, "regime_left")]
+
     def total_mass(self) -> float:
         """Of bodies and points [kg]."""
         return float(self.mass.sum()) + (self.elements.point_mass if self.elements else 0.0)

@@ -138,7 +138,7 @@ def scene_text(model: Any) -> str:
         f"CONTACTS = {bool(model.contact_groups)}\n"
         f"DENSE = {samples_within_steps(model)}\n"
         f"ONSETS = {bool(model.contact_groups or model.piecewise_groups())}\n"
-        f"PIECES = {bool(model.piecewise_groups())}\n"
+        f"PIECES = {bool(model.piecewise_groups() or model.rubbing_groups())}\n"
         f"REBUILDS = {any(_looks_ahead(c) for c in model.contact_groups)}\n"
     )
     if captures(model):
@@ -535,6 +535,20 @@ def _beyond_calls(model: Any) -> list[str]:
             "for i in range(p.shape[0]):",
             f"    past = {g.word}.beyond(p[i], history[current, i], h, nodes, curves)",
             "    farthest = max(farthest, past)",
+        ]
+    for c in model.rubbing_groups():
+        g = f"groups.{c.word}"
+        lines += [
+            f"params, history = {g}_p, {g}_h",
+            "for i in range(params.shape[0]):",
+            "    p, old = params[i], history[current, i]",
+            "    if old.active == 1:",
+            f"        a, b = {g}_a[p.a], {g}_b[p.b]",
+            f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+            "        if depth > 0.0:",
+            "            _, slip, _, _ = contacts.closing(nodes[a.node], nodes[b.node], x, n)",
+            f"            past = h * {_alias(c.friction)}.regime_left(p, old, slip)",
+            "            farthest = max(farthest, past)",
         ]
     return [*lines, "return farthest"]
 
