@@ -281,6 +281,14 @@ def test_meshes_that_a_deck_has_not_are_refused(tmp_path: Path) -> None:
     assert "--meshes 1,2: error: the deck has no part whose elements can be divided" in done.stderr
 
 
+def test_the_runs_of_a_study_estimate_nothing_and_keep_no_accuracy() -> None:
+    deck = read_deck(PENDULUM, {"control.step": "auto", "control.accuracy": "1e-3"})
+    for setting in settings(deck, ("rattle", "radau_iia_5"), None, None):
+        words = {"control.step": "auto", "control.accuracy": "1e-3"} | setting.overrides
+        control = read_deck(PENDULUM, words).control
+        assert (control.estimate, control.accuracy) == ("off", None)
+
+
 def test_all_methods_that_can_run_a_deck_are_compared() -> None:
     able, notes = suited(read_deck(PENDULUM))
     assert able[0] == "rattle"

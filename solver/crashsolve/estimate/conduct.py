@@ -165,8 +165,9 @@ class Estimating:
         for problem in self.problems:
             self.log.line(f"  {problem}")
         share = 100.0 * self.cpu / spent if spent > 0.0 else 0.0
+        pilots = ", with pilot runs and earlier ones," if self.accuracy else ""
         self.log.line(
-            f"  price of these errors {self.cpu:.3g} s of CPU, {share:.0f} % of the run's"
+            f"  price of these errors{pilots} {self.cpu:.3g} s of CPU, {share:.0f} % of the run's"
         )
 
 
