@@ -36,6 +36,8 @@ EXTREMES = ("argmax", "argmin")
 LATCHED = ("final", "max", "abs_max")
 # a step that stands this little out of the samples is one of them
 SAME_PLACE = 1e-9
+# a sum that is smaller than this share of its parts is nothing
+CANCELS = 1e-6
 # numbers below this share of their scale are round-off
 DIGITS = 1e-13
 
@@ -252,13 +254,17 @@ def _gap_inside(watch: Watch, main: Samples) -> float:
 
 
 def _scale(watch: Watch, channels: list[Channel], main: Samples, series: Series) -> float:
-    """What errors are compared with: the largest magnitude of the history, or of its vector."""
+    """What errors are compared with: the largest magnitude of the history, or of its vector.
+
+    A sum counts by itself, unless its parts cancel.
+    """
     if watch.statistic in ("argmax", "argmin"):
         return float(main.time[-1] - main.time[0])
     largest = float(np.max(np.abs(series.values)))
     if not set(watch.channels[0]) & set("*/") and not is_sampled(watch.channels[0]):
-        sizes = [np.max(main.size[c.name], initial=0.0) for c in channels]
-        largest = max(largest, *map(float, sizes))
+        size = max(float(np.max(main.size[c.name], initial=0.0)) for c in channels)
+        is_plain = watch.channels[0].strip().lstrip("-").strip("' ") == channels[0].name
+        largest = max(largest, size if is_plain else CANCELS * size)
     if watch.statistic == "integral":
         return float(cumulative(series.time, np.full(len(series.time), largest))[-1])
     return largest
