@@ -81,6 +81,14 @@ def test_a_time_that_another_swing_may_take_has_that_error() -> None:
     assert "another extreme" in found.how
 
 
+def test_the_time_of_a_count_is_known_to_one_sample() -> None:
+    runs = [samples(n, lambda t: np.where(t > 0.305, 1.0, 0.0)) for n in (20, 10, 5)]
+    judge = Judge({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
+    found = judge.estimate(Watch("x", (NAME,), "argmax"), runs[0], runs[1:])
+    assert found.value == pytest.approx(0.31)
+    assert found.error == pytest.approx(0.01, rel=1e-6)
+
+
 def test_what_measures_the_run_is_not_estimated() -> None:
     name = "glstat.model.balance"
     family = Family("glstat", ("model",), (Column("balance", "", "%", ""),))

@@ -125,6 +125,16 @@ def test_a_watched_channel_that_does_not_exist_is_refused(tmp_path: Path) -> Non
     assert "deck.yaml:13:9" in first
 
 
+def test_an_accuracy_of_nothing_but_the_run_itself_is_refused(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    text = PENDULUM.read_text("utf-8").split("expect:")[0]
+    deck.write_text(text + "watch: [glstat.model.balance]\n", "utf-8")
+    words = ["--set", "control.step=auto", "--set", "control.accuracy=1e-4"]
+    done = crashsolve(deck, "-o", tmp_path, *words, NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 2
+    assert "every watched channel is a measure of the run's errors itself" in done.stderr
+
+
 def test_a_stop_while_errors_are_estimated_keeps_the_finished_run(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text(PENDULUM.read_text("utf-8").replace("interval: 1}", "interval: 0.02}"))

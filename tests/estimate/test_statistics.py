@@ -72,3 +72,18 @@ def test_a_peak_that_one_sample_caught_is_not_trusted() -> None:
     values = np.where(np.arange(11) == 4, 3.0, 0.0)
     assert unresolved(Series(time, values), "max") == 3.0
     assert unresolved(Series(time, np.sin(3.0 * time)), "max") == 0.0
+
+
+def test_a_jump_has_no_parabola_and_a_time_known_to_one_sample() -> None:
+    time = np.linspace(0.0, 1.0, 11)
+    count = Series(time, np.where(time > 0.45, 2.0, 0.0))
+    assert refined(count, "max") == plain(count, "max") == 2.0
+    assert unresolved(count, "max") == 0.0
+    assert refined(count, "argmax") == plain(count, "argmax") == time[5]
+    assert unresolved(count, "argmax") == pytest.approx(0.1)
+    fall = Series(time, -count.values)
+    assert unresolved(fall, "argmin") == pytest.approx(0.1)
+    # a smooth top has its parabola
+    hill = Series(time, -((time - 0.52) ** 2))
+    assert unresolved(hill, "argmax") == 0.0
+    assert refined(hill, "argmax") == pytest.approx(0.52)

@@ -221,6 +221,24 @@ def test_steps_and_meshes_have_orders_of_their_own() -> None:
     assert "0.3, 0.075, 0.019 away; order 2.00 in the length of elements" in found.notes[-1]
 
 
+def test_methods_that_contradict_each_other_are_not_believed() -> None:
+    trials = []
+    for method, limit, order in (("rattle", 1.0, 2), ("dormand_prince_5", 1.1, 5)):
+        for h in (0.2, 0.1, 0.05, 0.025):
+            t = trial(1, h, limit + h**order)
+            t.setting = Setting(Series(method), f"{h}", {})
+            trials.append(t)
+    found = find(Watch("x", ("x",), "final"), 0, trials, None)
+    assert "methods lead" in found.notes[0]
+    assert found.error(trials[7]) == pytest.approx(0.1 / 1.1, rel=0.05)
+    assert cheapest([found], trials, 1e-2) is None
+    # where they agree the error is that of the better one
+    for t in trials[4:]:
+        t.answers[0]["value"] -= 0.1
+    found = find(Watch("x", ("x",), "final"), 0, trials, None)
+    assert found.error(trials[7]) < 1e-6
+
+
 def test_a_mesh_is_not_its_own_judge() -> None:
     # of no order in the mesh
     wrong = {1: 0.5, 2: 0.1, 4: 0.03}
@@ -279,6 +297,14 @@ def test_meshes_that_a_deck_has_not_are_refused(tmp_path: Path) -> None:
     done = crashsolve("study", PENDULUM, "-o", tmp_path / "study", "--meshes", "1,2")
     assert done.returncode == 2
     assert "--meshes 1,2: error: the deck has no part whose elements can be divided" in done.stderr
+
+
+def test_the_runs_of_a_study_estimate_nothing_and_keep_no_accuracy() -> None:
+    deck = read_deck(PENDULUM, {"control.step": "auto", "control.accuracy": "1e-3"})
+    for setting in settings(deck, ("rattle", "radau_iia_5"), None, None):
+        words = {"control.step": "auto", "control.accuracy": "1e-3"} | setting.overrides
+        control = read_deck(PENDULUM, words).control
+        assert (control.estimate, control.accuracy) == ("off", None)
 
 
 def test_all_methods_that_can_run_a_deck_are_compared() -> None:

@@ -23,7 +23,8 @@ class Control(Card):
     accuracy: float | None = quantity(
         "1",
         "largest estimated error of every watched channel, over the largest magnitude that it, "
-        "or the vector it is a component of, has in the run (of a time: over the run's duration); "
+        "or the vector it is a component of, has in the run (of a sum: the sum, of a time: the "
+        "run's duration); "
         "pilot runs find the step or the tolerance",
         None,
         gt=0,

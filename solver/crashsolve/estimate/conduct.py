@@ -20,8 +20,8 @@ from crashsolve.deck.read import Deck
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
-from crashsolve.estimate.samples import Samples, read
-from crashsolve.foundation.errors import RunStopped, SolverError
+from crashsolve.estimate.samples import Channel, Samples, read
+from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
 from crashsolve.output.log import Log
 from crashsolve.sampling import Schedule
@@ -34,12 +34,16 @@ STRIDE = 8.0
 
 
 class Estimating:
-    """The estimates of one run, told in its log; `cpu` [s] is their price."""
+    """The estimates of one run, told in its log; `cpu` [s] is their price.
+
+    Raises DeckErrors for a channel that does not exist, or an accuracy of none.
+    """
 
     def __init__(
         self, deck: Deck, families: Sequence[Family], stopped: Callable[[], bool], log: Log
     ) -> None:
         self.estimator = Estimator(deck, families, stopped)
+        _refuse_hollow(deck, self.estimator.channels)
         self.accuracy, self.log = deck.control.accuracy, log
         self.interval = Schedule.of(deck).interval
         self.coarseness, self.cpu, self.reruns = 1.0, 0.0, 0
@@ -165,9 +169,19 @@ class Estimating:
         for problem in self.problems:
             self.log.line(f"  {problem}")
         share = 100.0 * self.cpu / spent if spent > 0.0 else 0.0
+        pilots = ", with pilot runs and earlier ones," if self.accuracy else ""
         self.log.line(
-            f"  price of these errors {self.cpu:.3g} s of CPU, {share:.0f} % of the run's"
+            f"  price of these errors{pilots} {self.cpu:.3g} s of CPU, {share:.0f} % of the run's"
         )
+
+
+def _refuse_hollow(deck: Deck, channels: dict[str, list[Channel]]) -> None:
+    """Raises DeckErrors for an accuracy where no watched number has an error of its own."""
+    of_run = [any(channel.is_of_the_run for channel in found) for found in channels.values()]
+    if deck.control.accuracy is not None and all(of_run):
+        message = "accuracy: every watched channel is a measure of the run's errors itself"
+        advice = "watch what the answer is about, such as rbdout.BODY.position.x"
+        raise DeckErrors([DeckError(str(deck.path), None, None, "control", message, advice)])
 
 
 def _of_steps(estimate: Estimate) -> float:

@@ -20,7 +20,7 @@ import numpy as np
 from crashsolve.deck.statistic import PATH
 from crashsolve.estimate.expression import cumulative, evaluate, is_sampled
 from crashsolve.estimate.samples import Channel, Samples
-from crashsolve.estimate.statistic import Series, plain, refined, unresolved, within
+from crashsolve.estimate.statistic import Series, plain, plateau, refined, unresolved, within
 from crashsolve.study.convergence import Convergence, distance, examine
 from crashsolve.study.watch import Watch
 
@@ -36,6 +36,8 @@ EXTREMES = ("argmax", "argmin")
 LATCHED = ("final", "max", "abs_max")
 # a step that stands this little out of the samples is one of them
 SAME_PLACE = 1e-9
+# a sum that is smaller than this share of its parts is nothing
+CANCELS = 1e-6
 # numbers below this share of their scale are round-off
 DIGITS = 1e-13
 
@@ -80,23 +82,23 @@ class Judge:
 
     def estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         """The number of the run and its error, `others` being companions in any order."""
-        course = self._course(watch, main)
-        if course is None:
-            return self._estimate(watch, main, others)
-        found = self._estimate(course, main, others)
-        return replace(found, watch=watch)
+        return replace(self._estimate(self._resolved(watch, main), main, others), watch=watch)
 
-    def _course(self, watch: Watch, main: Samples) -> Watch | None:
-        """What a largest value of any step is the maximum of, where a sample has caught it."""
+    def _resolved(self, watch: Watch, main: Samples) -> Watch:
+        """What tells a largest value of any step: the course where a sample has caught it.
+
+        Otherwise the last sample, for the greatest of its samples has no gaps beside it. Other
+        numbers are what they are.
+        """
         (channel, *others) = self.channels[watch.channels[0]]
         course = channel.course
         is_plain = not others and watch.channels[0].strip() == channel.name
         if course is None or not is_plain or watch.statistic not in LATCHED or watch.during:
-            return None
-        self.channels.setdefault(course.name, [course])
+            return watch
         value, top = main.values[channel.name][-1], np.max(main.values[course.name])
         if value > top * (1.0 + SAME_PLACE):
-            return None
+            return replace(watch, statistic="final")
+        self.channels.setdefault(course.name, [course])
         return replace(watch, channels=(course.name,), statistic="max")
 
     def _estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
@@ -131,8 +133,11 @@ class Judge:
         height = replace(watch, statistic=watch.statistic.removeprefix("arg"))
         error = self.estimate(height, main, others).error or 0.0
         signed = series.values if watch.statistic == "argmax" else -series.values
-        able = series.time[signed >= np.max(signed) - error]
-        return float(np.max(np.abs(able - series.time[np.argmax(signed)])))
+        at = int(np.argmax(signed))
+        able = signed >= signed[at] - error
+        # where it stays it has come but once
+        able[at : plateau(signed, at) + 1] = False
+        return float(np.max(np.abs(series.time[able] - series.time[at]), initial=0.0))
 
     def _of_steps(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> _Steps | None:
         """Error by the length of the steps. Raises ValueError for samples that do not serve."""
@@ -249,13 +254,17 @@ def _gap_inside(watch: Watch, main: Samples) -> float:
 
 
 def _scale(watch: Watch, channels: list[Channel], main: Samples, series: Series) -> float:
-    """What errors are compared with: the largest magnitude of the history, or of its vector."""
+    """What errors are compared with: the largest magnitude of the history, or of its vector.
+
+    A sum counts by itself, unless its parts cancel.
+    """
     if watch.statistic in ("argmax", "argmin"):
         return float(main.time[-1] - main.time[0])
     largest = float(np.max(np.abs(series.values)))
     if not set(watch.channels[0]) & set("*/") and not is_sampled(watch.channels[0]):
-        sizes = [np.max(main.size[c.name], initial=0.0) for c in channels]
-        largest = max(largest, *map(float, sizes))
+        size = max(float(np.max(main.size[c.name], initial=0.0)) for c in channels)
+        is_plain = watch.channels[0].strip().lstrip("-").strip("' ") == channels[0].name
+        largest = max(largest, size if is_plain else CANCELS * size)
     if watch.statistic == "integral":
         return float(cumulative(series.time, np.full(len(series.time), largest))[-1])
     return largest

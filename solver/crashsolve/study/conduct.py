@@ -147,7 +147,7 @@ def _still_converging(findings: list[Finding]) -> str:
     names = [
         f"{finding.watch.name} (to {finding.estimate:.1g})"
         for finding in findings
-        if finding.estimate < CONVERGED and not finding.is_absolute
+        if finding.estimate < CONVERGED and not (finding.is_absolute or finding.diverges)
     ]
     if not names:
         return "Neither energies, impulses nor the largest speed converge."

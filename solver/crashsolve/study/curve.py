@@ -59,12 +59,16 @@ class Ladder:
 
 @dataclass
 class Source:
-    """Where some runs lead, the curve of the finest of them, and what its mesh may be wrong by."""
+    """Where some runs lead, and the curve of the finest of them.
+
+    `mesh_error` is what its mesh may be wrong by, `apart` how far away another method leads.
+    """
 
     name: str
     convergence: Convergence
     finest: Curve
     mesh_error: float = 0.0
+    apart: float = 0.0
 
     @property
     def is_steady(self) -> bool:

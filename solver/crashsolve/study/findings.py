@@ -8,7 +8,7 @@ model, not of the step, and is only reported. Where the reference is zero the er
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import inf, isfinite, nan
 from typing import Any
@@ -36,6 +36,9 @@ from crashsolve.study.curve import (
 from crashsolve.study.settings import order_of
 from crashsolve.study.trials import Trial
 from crashsolve.study.watch import PATH, Watch
+
+# two answers that are farther apart than this many times both errors contradict each other
+EXPLAINED = 3.0
 
 
 @dataclass
@@ -109,7 +112,7 @@ def find(
         finding.notes = [f"zero to the round-off of its vector, {around:.3g} {finding.unit}"]
         return finding
     # one method may do so by its round-off, or another not by luck
-    finding.diverges = 2 * sum(judged) >= len(judged) > 0
+    finding.diverges |= 2 * sum(judged) >= len(judged) > 0
     for source in found:
         if source.is_steady:
             finding.estimate = min(finding.estimate, source.convergence.error / scale)
@@ -178,11 +181,36 @@ def _set_reference(
             return None
         reason = known.get("problem", "its samples are at other times")
         finding.notes.append(f"the reference folder does not serve: {reason}")
+    _hear_others(finding, best, found)
     finding.reference = best.convergence.value
     finding.kind = "extrapolated" if best.convergence.is_extrapolated else "finest run"
     if len(curves) > 1:
         finding.kind += f" of {best.name}"
     return best
+
+
+def _hear_others(finding: Finding, best: Source, found: Sequence[Source]) -> None:
+    """Where another method leads farther away than both errors explain, that is the error.
+
+    Writes: best, finding.
+    """
+    own, apart, since = best.convergence, 0.0, inf
+    size = float(np.max(np.abs(own.value)))
+    for other in found:
+        gap = np.abs(own.value - other.convergence.value)
+        limit = EXPLAINED * (own.error + other.convergence.error) + ROUND_OFF * size
+        if other.is_steady and np.max(gap) > limit:
+            apart = max(apart, float(np.max(gap)))
+            since = min(since, float(other.finest.times[np.argmax(gap > limit)]))
+    if apart > 0.0:
+        best.convergence, best.apart = replace(own, error=apart), apart
+        finding.diverges = True
+        share = f"{apart / size:.2g}" if size else f"{apart:.2g} {finding.unit}"
+        after = f" after t = {since:.6g} s" if finding.watch.statistic == PATH else ""
+        finding.notes.append(
+            f"methods lead {share} apart{after}, more than their estimated errors explain: that is "
+            "taken for the error of the reference"
+        )
 
 
 def _away(watch: Watch, found: Convergence) -> float | None:
@@ -221,6 +249,9 @@ def _set_errors(finding: Finding, curve: Curve, scale: float, best: Source | Non
         and curve.series.mesh == best.finest.series.mesh
     )
     blind = best.mesh_error / scale if best is not None and is_blind else 0.0
+    # nor what is wrong with their method
+    if best is not None and curve is best.finest:
+        blind += best.apart / scale
     for trial, value in zip(curve.trials, curve.values, strict=True):
         finding.errors[trial.setting.folder] = distance(value, finding.reference) / scale + blind
     last = curve.trials[-1].setting.folder
