@@ -132,20 +132,10 @@ def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves
 
 @kernel
 def evaluate(time, h, clock, nodes, rows, saddle, curves, scene):
-    """Forces and reactions of the present place and velocity. Writes: nodes, rows, outputs,
-    new histories.
+    """Forces and reactions of the present place and velocity, but of contacts that begin there.
+
+    Writes: nodes, rows, outputs, new histories.
     """
-    clear_forces(nodes)
-    force_pass(clock, time, h, nodes, rows, curves, scene)
-    if JOINTS:
-        jacobian(clock.current, time, nodes, rows, curves, scene)
-        factor_constraints(rows, saddle, nodes)
-        react(time, clock, nodes, rows, saddle, curves, scene)
-
-
-@kernel
-def evaluate_within(time, h, clock, nodes, rows, saddle, curves, scene):
-    """The same within a step: without the forces of contacts that begin in it. Writes: the same."""
     clear_forces(nodes)
     force_pass(clock, time, h, nodes, rows, curves, scene)
     if CONTACTS:

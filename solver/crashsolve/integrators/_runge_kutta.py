@@ -21,7 +21,6 @@ from crashsolve.integrators._places import (
     begin,
     begin_contacts,
     evaluate,
-    evaluate_within,
     onset_gap,
     project,
     react,
@@ -173,7 +172,7 @@ def pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene):
         refresh(nodes)
         weigh_pass(0.0, i, clock, scene)
         after = scene.C[i] * h
-        evaluate_within(begun + after, after, clock, nodes, rows, saddle, curves, scene)
+        evaluate(begun + after, after, clock, nodes, rows, saddle, curves, scene)
         keep_rates(nodes, rows, scene.stages, i)
 
 
@@ -328,7 +327,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
         refresh(nodes)
         if i < STAGES - 1:
             weigh_pass(h, i, clock, scene)
-            evaluate_within(
+            evaluate(
                 clock.time + scene.C[i] * h,
                 scene.C[i] * h,
                 clock,
@@ -351,5 +350,7 @@ def weigh_pass(h, i, clock, scene):
     clock.stage = i
     clock.opens = 1 if i == 1 else 0
     clock.closes = 1 if i == STAGES - 1 else 0
+    # 1 but for round-off
+    clock.ends = 1 if scene.C[i] > 1.0 - 1e-9 else 0
     clock.lead = h * scene.A[end]
     clock.share = h * scene.A[end + i]

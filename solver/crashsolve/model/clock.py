@@ -33,6 +33,7 @@ CLOCK = Record(
     stage=("index", "stage of a Runge-Kutta step that the present force pass belongs to"),
     opens=("flag", "whether that is the first pass of the step"),
     closes=("flag", "whether it is the last"),
+    ends=("flag", "whether it is at the end of the step, where contacts begin"),
     status=("flag", "why the loop stopped"),
     fault=("flag", "why the last attempt at a step failed, as a status"),
     place=("index", "row, node or curve the status is about"),
