@@ -5,7 +5,7 @@ from math import exp
 
 import numpy as np
 from long_chains import chain, loop
-from sweeps import ALL, RATTLE, SMOOTH, STIFF, Sweep
+from sweeps import ALL, EXPLICIT, RATTLE, STIFF, Sweep
 
 from crashpost.result import Result
 
@@ -61,7 +61,7 @@ MATRIX = (
         "extreme/mass_ratio",
         "ratio",
         (1, 1e2, 1e4, 1e6, 1e8),
-        integrators=SMOOTH,
+        integrators=(*ALL, "dormand_prince_8"),
     ),
     Sweep(
         "stiffness over 12 decades in one model",
@@ -201,7 +201,7 @@ MATRIX = (
         "extreme/free_spin",
         "spin",
         (1, 1e3, 1e5),
-        integrators=SMOOTH,
+        integrators=EXPLICIT,
         also={"control.tolerance": "1e-10"},
         look=flips,
     ),
@@ -210,8 +210,27 @@ MATRIX = (
         "extreme/free_spin",
         "periods",
         (1, 100, 1000),
-        integrators=SMOOTH,
+        integrators=EXPLICIT,
         also={"control.tolerance": "1e-10"},
+        look=flips,
+    ),
+    # their unknown is the angular velocity: the momentum errs by the tolerance, in 1e5 steps
+    Sweep(
+        "spin by an implicit method, rad/s",
+        "extreme/free_spin",
+        "spin",
+        (1, 1e3, 1e5),
+        integrators=STIFF,
+        also={"control.tolerance": "1e-10", "lost": "1e-5"},
+        look=flips,
+    ),
+    Sweep(
+        "turning over by an implicit method, periods",
+        "extreme/free_spin",
+        "periods",
+        (1, 100),
+        integrators=STIFF,
+        also={"control.tolerance": "1e-10", "lost": "1e-5"},
         look=flips,
     ),
     Sweep(

@@ -65,6 +65,7 @@ from crashsolve.system.scene import (
     sum_powers,
 )
 from crashsolve.system.stages import (
+    add_kick,
     add_outside,
     estimate,
     fastest_point,
@@ -126,6 +127,7 @@ def advance(until, sampling, scene):
             if clock.status != RUNNING:
                 return
             add_outside(clock, scene.stages, scene.A, STAGES - 1, h)
+            add_kick(clock, 1.0)
         accept(time, h, clock, control)
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)
@@ -155,12 +157,14 @@ def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
     reach(nodes, scene.stages, scene.A, SAMPLE, h)
     add_outside(clock, scene.stages, scene.A, STAGES - 1, -h)
     add_outside(clock, scene.stages, scene.A, SAMPLE, h)
+    add_kick(clock, -1.0)
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, curves, scene)
         refresh(nodes)
         factor_constraints(rows, saddle, nodes)
         if not project(time, clock, control, nodes, rows, saddle, curves, scene):
             clock.status = POSITION
+        add_kick(clock, 1.0)
     return time - begun
 
 

@@ -51,6 +51,7 @@ CLOCK = Record(
     driver_power=("W", "its present rate"),
     impulse=("N s", 3, "impulse from outside"),
     angular_impulse=("N m s", 3, "angular impulse from outside about the world origin"),
+    kick=("N s", 6, "impulse and its moment that closed the joints at the end of the last step"),
     external_before=("N", 6, "force and torque from outside at the step's start"),
 )
 
