@@ -145,6 +145,38 @@ def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path)
     assert order > 2 - SLOPE, (errors, steps)
 
 
+@pytest.mark.parametrize("method", ["dormand_prince_5", "dormand_prince_8", *METHODS])
+def test_a_force_that_jumps_at_its_onset_does_not_bind_the_steps_before_it(
+    method: str, tmp_path: Path
+) -> None:
+    normal = {"type": "kelvin_voigt", "stiffness": 1e6, "restitution": 0.1}
+    scene = {
+        "bodies": {
+            # held by a hinge far away, whose reaction jumps as well
+            "arm": {
+                "mass": 1,
+                "inertia": [1e-3] * 3,
+                "position": [0, 0, 0.101],
+                "velocity": [0, 0, -1],
+                "angular_velocity": [0, -0.1, 0],
+            }
+        },
+        "joints": {"far": {"type": "spherical", "b": "arm", "at": [10, 0, 0.101]}},
+        "surfaces": {
+            "skin": {"type": "sphere", "body": "arm", "radius": 0.1},
+            "floor": {"type": "plane"},
+        },
+        "contacts": {"blow": {"a": ["skin"], "b": ["floor"], "normal": normal}},
+    }
+    engine = run(tmp_path, scene, 1.0001e-3, integrator=method, tolerance=1e-10)
+    assert engine.clock["located"] == 1
+    # steps grow by at most 5 from the first to the onset, and begin anew after it
+    assert engine.clock["cycle"] + engine.clock["rejected"] < 100
+    engine.advance(0.02)
+    # the hinge adds 1e-5 of inertia, and turns the arm by 1e-4 meanwhile
+    assert engine.state.nodes["v"][1, 2] == pytest.approx(0.1, abs=1e-4)
+
+
 @BOTH
 def test_a_wall_with_a_corner_gives_back_what_it_took(method: str, tmp_path: Path) -> None:
     scene = {

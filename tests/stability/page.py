@@ -27,7 +27,7 @@ range with one method: the figures are those of the worst run of the range.
 |---|---|
 | deck | the deck below `decks/`; its `expect:` entries say what must be true over the range, how nearly, and why |
 | range | the setting that is swept, from its least to its largest value |
-| method | integrator, with the settings beside the deck's own: errors that a step may make count over the largest speed in the model |
+| method | integrator, with the settings beside the deck's own; the error of a step, `tolerance`, counts over the largest speed in the model; **every**: refused before any method begins |
 | energy | largest error of the energy balance, % of the largest energy |
 | joints | largest error of the constraints over the model's size |
 | share | largest deviation from what is known over the bound that the deck states: 1 is the bound |

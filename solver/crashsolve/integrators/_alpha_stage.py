@@ -10,7 +10,7 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import Saddle
-from crashsolve.integrators._places import begin_contacts, evaluate_within, project
+from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.alpha import (
     alpha_weights,
@@ -110,7 +110,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
 @stage
 def visit_end(h, clock, nodes, rows, curves, scene):
     """Forces and constraints at the end, with the multipliers so far. Writes: nodes, rows."""
-    clock.opens, clock.closes = 1, 0
+    clock.opens, clock.closes, clock.ends = 1, 0, 1
     clock.lead, clock.share = 0.5 * h, 0.0
     clear_forces(nodes)
     force_pass(clock, clock.time + h, h, nodes, rows, curves, scene)
@@ -132,9 +132,9 @@ def end_factor(scene):
 @stage
 def arrive(h, clock, nodes, rows, saddle, curves, scene):
     """Forces and losses at the end of the step. Writes: nodes, histories, scene.stages."""
-    clock.opens = clock.closes = 1
+    clock.opens = clock.closes = clock.ends = 1
     clock.lead = clock.share = 0.5 * h
-    evaluate_within(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
     keep_outside(nodes, rows, scene.stages, 1)
     if CONTACTS:
         begin_contacts(clock.time + h, clock, nodes, rows, saddle, curves, scene)

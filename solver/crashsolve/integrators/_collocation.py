@@ -11,7 +11,7 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import Saddle
-from crashsolve.integrators._places import begin_contacts, evaluate_within, project
+from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.integrators.radau_iia_5 import STAGES
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.collocation import (
@@ -90,7 +90,7 @@ def visit_stages(h, first, clock, nodes, rows, saddle, curves, scene):
         stand(nodes, scene.stages, i)
         weigh_pass(h, i, clock, scene)
         time = scene.C[i] * h
-        evaluate_within(clock.time + time, time, clock, nodes, rows, saddle, curves, scene)
+        evaluate(clock.time + time, time, clock, nodes, rows, saddle, curves, scene)
         keep_rates(nodes, rows, scene.stages, i)
         keep_spin_rates(nodes, scene.stages, i)
         if first:
@@ -136,9 +136,9 @@ def stage_factors(scene):
 @stage
 def arrive(h, clock, nodes, rows, saddle, curves, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
-    clock.opens, clock.closes = 0, 1
+    clock.opens, clock.closes, clock.ends = 0, 1, 1
     clock.share = h * scene.A[STAGES * STAGES - 1]
-    evaluate_within(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
     keep_rates(nodes, rows, scene.stages, STAGES - 1)
     keep_spin_rates(nodes, scene.stages, STAGES - 1)
     if CONTACTS:
@@ -165,6 +165,7 @@ def weigh_pass(h, i, clock, scene):
     end = STAGES * (STAGES - 1)
     clock.opens = 1 if i == 1 else 0
     clock.closes = 0
+    clock.ends = 1 if i == STAGES - 1 else 0
     clock.lead = 0.0
     # the last stage counts when the step has arrived
     clock.share = h * scene.A[end + i] if i < STAGES - 1 else 0.0

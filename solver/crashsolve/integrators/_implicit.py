@@ -38,7 +38,7 @@ from crashsolve.system.scene import (
     need_rebuild,
     residual,
 )
-from crashsolve.system.stages import add_outside, fastest_point, next_length
+from crashsolve.system.stages import add_kick, add_outside, fastest_point, next_length
 from crashsolve.system.timestep import fit
 
 MANY = 8  # passes for the stages of a step, after which the next is no longer
@@ -83,6 +83,7 @@ def advance(until, sampling, scene):
             if clock.status != RUNNING:
                 return
             add_outside(clock, scene.stages, scene.A, STAGES - 1, h)
+            add_kick(clock, 1.0)
         accept(time, h, clock, control)
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)

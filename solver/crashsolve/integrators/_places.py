@@ -32,7 +32,12 @@ from crashsolve.system.scene import (
     jacobian,
     residual,
 )
-from crashsolve.system.stages import displace_by_joints, spin_round_off, typical_speed
+from crashsolve.system.stages import (
+    displace_by_joints,
+    note_kick,
+    spin_round_off,
+    typical_speed,
+)
 from crashsolve.system.timestep import wanted_step
 
 PROJECTIONS = 10
@@ -77,6 +82,8 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
     # also those of the last stage
     factor_constraints(rows, saddle, nodes)
     previous, worst = 1e300, 0.0
+    for k in range(6):
+        clock.kick[k] = 0.0
     for _ in range(PROJECTIONS):
         velocity_residual(rows, nodes)
         worst = worst_rate(rows, saddle)
@@ -87,6 +94,7 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
         solve_rows(saddle, rows, -1.0)
         scatter_delta(rows, nodes)
         kick_by_joints(nodes, 1.0)
+        note_kick(clock, nodes)
     # per second, in the model's size; fast models have larger numbers to round
     limit = control.constraint_tolerance * max(1.0, clock.fastest / control.length)
     if not worst <= limit + spin_round_off(nodes):
@@ -132,20 +140,10 @@ def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves
 
 @kernel
 def evaluate(time, h, clock, nodes, rows, saddle, curves, scene):
-    """Forces and reactions of the present place and velocity. Writes: nodes, rows, outputs,
-    new histories.
+    """Forces and reactions of the present place and velocity, but of contacts that begin there.
+
+    Writes: nodes, rows, outputs, new histories.
     """
-    clear_forces(nodes)
-    force_pass(clock, time, h, nodes, rows, curves, scene)
-    if JOINTS:
-        jacobian(clock.current, time, nodes, rows, curves, scene)
-        factor_constraints(rows, saddle, nodes)
-        react(time, clock, nodes, rows, saddle, curves, scene)
-
-
-@kernel
-def evaluate_within(time, h, clock, nodes, rows, saddle, curves, scene):
-    """The same within a step: without the forces of contacts that begin in it. Writes: the same."""
     clear_forces(nodes)
     force_pass(clock, time, h, nodes, rows, curves, scene)
     if CONTACTS:

@@ -21,7 +21,6 @@ from crashsolve.integrators._places import (
     begin,
     begin_contacts,
     evaluate,
-    evaluate_within,
     onset_gap,
     project,
     react,
@@ -66,6 +65,7 @@ from crashsolve.system.scene import (
     sum_powers,
 )
 from crashsolve.system.stages import (
+    add_kick,
     add_outside,
     estimate,
     fastest_point,
@@ -127,6 +127,7 @@ def advance(until, sampling, scene):
             if clock.status != RUNNING:
                 return
             add_outside(clock, scene.stages, scene.A, STAGES - 1, h)
+            add_kick(clock, 1.0)
         accept(time, h, clock, control)
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)
@@ -156,12 +157,14 @@ def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
     reach(nodes, scene.stages, scene.A, SAMPLE, h)
     add_outside(clock, scene.stages, scene.A, STAGES - 1, -h)
     add_outside(clock, scene.stages, scene.A, SAMPLE, h)
+    add_kick(clock, -1.0)
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, curves, scene)
         refresh(nodes)
         factor_constraints(rows, saddle, nodes)
         if not project(time, clock, control, nodes, rows, saddle, curves, scene):
             clock.status = POSITION
+        add_kick(clock, 1.0)
     return time - begun
 
 
@@ -173,7 +176,7 @@ def pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene):
         refresh(nodes)
         weigh_pass(0.0, i, clock, scene)
         after = scene.C[i] * h
-        evaluate_within(begun + after, after, clock, nodes, rows, saddle, curves, scene)
+        evaluate(begun + after, after, clock, nodes, rows, saddle, curves, scene)
         keep_rates(nodes, rows, scene.stages, i)
 
 
@@ -329,7 +332,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
         refresh(nodes)
         if i < STAGES - 1:
             weigh_pass(h, i, clock, scene)
-            evaluate_within(
+            evaluate(
                 clock.time + scene.C[i] * h,
                 scene.C[i] * h,
                 clock,
@@ -352,5 +355,7 @@ def weigh_pass(h, i, clock, scene):
     clock.stage = i
     clock.opens = 1 if i == 1 else 0
     clock.closes = 1 if i == STAGES - 1 else 0
+    # 1 but for round-off
+    clock.ends = 1 if scene.C[i] > 1.0 - 1e-9 else 0
     clock.lead = h * scene.A[end]
     clock.share = h * scene.A[end + i]

@@ -338,7 +338,7 @@ def _contact(model: Any, c: Any) -> str:
 def _share_felt(model: Any) -> str:
     """How much of the force of a contact counts in the step in which it begins."""
     whole = model.integrator == "rattle"
-    return "share_felt(old, depth, rate, h)" if whole else "begun_before(old, h)"
+    return "share_felt(old, depth, rate, h)" if whole else "begun_before(clock, old, h)"
 
 
 def has_slaves(model: Any) -> bool:

@@ -110,13 +110,14 @@ def share_felt(old, depth, rate, h):
 
 
 @kernel
-def begun_before(old, h):
-    """1 of a contact that the step began with, 0 of one that begins in it.
+def begun_before(clock, old, h):
+    """0 of a contact that begins at the end of the step, 1 of any other.
 
     A step ends where a contact begins. What jumps there must not act in a stage at its end: that
-    has the weight of all of the step, and no step to the onset would be short enough.
+    has the weight of all of the step, and no step to the onset would be short enough. What a stage
+    within the step meets, it feels: a touch and go shows in the error of the step.
     """
-    return 1.0 if old.active == 1 or h <= 0.0 else 0.0
+    return 0.0 if clock.ends == 1 and old.active == 0 and h > 0.0 else 1.0
 
 
 @kernel

@@ -229,6 +229,23 @@ def add_outside(clock, stages, A, i, h):
 
 
 @kernel
+def note_kick(clock, nodes):
+    """Add what the ground has given to put velocities onto the joints. Writes: clock.kick."""
+    ground = nodes[0]
+    for k in range(3):
+        clock.kick[k] -= ground.joint_force[k]
+        clock.kick[3 + k] -= ground.joint_torque[k]
+
+
+@kernel
+def add_kick(clock, sign):
+    """Count that among the impulses from outside, or no more (-1). Writes: clock."""
+    for k in range(3):
+        clock.impulse[k] += sign * clock.kick[k]
+        clock.angular_impulse[k] += sign * clock.kick[3 + k]
+
+
+@kernel
 def weigh_part(A, D, terms, last, sample, part):
     """Weights of all rates in the dense output at a part of the step, as those of a further stage.
 
