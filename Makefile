@@ -9,7 +9,7 @@ BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long bench stability docs clean
+.PHONY: demo test long bench stability beam docs clean
 
 demo: $(VENV)/plot.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -28,6 +28,9 @@ bench: $(VENV)/test.installed
 stability: $(VENV)/test.installed
 	$(BIN)/python tests/stability/page.py > stability.partial
 	mv stability.partial solver/STABILITY.md
+
+beam: $(VENV)/plot.installed
+	$(BIN)/python decks/scenes/beam_impact.py
 
 docs: $(VENV)/plot.installed
 	$(BIN)/crashsolve keywords > solver/KEYWORDS.md

@@ -17,20 +17,26 @@ three-dimensional beam-elements, Computer Methods in Applied Mechanics and Engin
 from math import atan2, sqrt
 
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.turn import posture_in, times
+from crashsolve.foundation.turn import times
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, scale
 
 
 @kernel
 def halfway(a, b):
     """R by rows (9), v and w."""
-    w, x, y, z = posture_in(a, b)
+    return halfway_of((a.q[0], a.q[1], a.q[2], a.q[3]), (b.q[0], b.q[1], b.q[2], b.q[3]))
+
+
+@kernel
+def halfway_of(p, q):
+    """The same between two triads given by their quaternions."""
+    w, x, y, z = times((p[0], -p[1], -p[2], -p[3]), q)
     # q and -q are one posture: take the shorter turn
     if w < 0.0:
         w, x, y, z = -w, -x, -y, -z
     s = 1.0 / sqrt(2.0 + 2.0 * w)
     half = (s * (1.0 + w), s * x, s * y, s * z)
-    return matrix_of(times((a.q[0], a.q[1], a.q[2], a.q[3]), half)), (x, y, z), w
+    return matrix_of(times(p, half)), (x, y, z), w
 
 
 @kernel

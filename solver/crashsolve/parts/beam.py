@@ -143,17 +143,7 @@ def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
 def elements(card: Beam, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     """The elements between neighbours."""
     section, material, length = _numbers(card, scene)
-    E, G, A = material["young"], material["shear"], section["area"]
-    I_y, I_z = section["second"]
-    shear_y, shear_z = section["shear"]
-    k_y = 1.0 / (length**3 / (12.0 * E * I_z) + length / (shear_y * G * A))
-    k_z = 1.0 / (length**3 / (12.0 * E * I_y) + length / (shear_z * G * A))
-    row = {
-        "length": length,
-        "stiffness": (E * A / length, k_y, k_z),
-        "turning_stiffness": np.array([G * section["torsion"], E * I_y, E * I_z]) / length,
-        "damping": card.damping,
-    }
+    row = stiffness_row(section, material, length, card.damping)
     pairs = zip(nodes[:-1], nodes[1:], strict=True)
     return [
         row
@@ -164,22 +154,49 @@ def elements(card: Beam, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     ]
 
 
+def stiffness_row(
+    section: dict[str, Any], material: dict[str, Any], length: float, damping: float
+) -> dict[str, Any]:
+    """Length, stiffness and damping of an element."""
+    E, G, A = material["young"], material["shear"], section["area"]
+    I_y, I_z = section["second"]
+    shear_y, shear_z = section["shear"]
+    k_y = 1.0 / (length**3 / (12.0 * E * I_z) + length / (shear_y * G * A))
+    k_z = 1.0 / (length**3 / (12.0 * E * I_y) + length / (shear_z * G * A))
+    return {
+        "length": length,
+        "stiffness": (E * A / length, k_y, k_z),
+        "turning_stiffness": np.array([G * section["torsion"], E * I_y, E * I_z]) / length,
+        "damping": damping,
+    }
+
+
 def _numbers(card: Beam, scene: Any) -> tuple[dict[str, Any], dict[str, Any], float]:
     """Section, material and length of an element."""
     length = dist(card.mesh.from_, card.mesh.to) / card.mesh.count
     if not length > 0.0:
         raise scene.fail("begins and ends in one point; a beam needs a length", "mesh.to")
+    return *laws(card, scene), length
+
+
+def laws(card: Any, scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Section and material of a card."""
     law, material_card = scene.law("materials", card.material)
     material = law.build(material_card, scene)
     if "plastic" in material:
         raise scene.fail("a beam cannot yield yet; name an elastic material", "material")
     law, section_card = scene.law("sections", card.section)
-    return law.build(section_card, material["poisson"]), material, length
+    return law.build(section_card, material["poisson"]), material
 
 
 def _triad(card: Beam, section: dict[str, Any], scene: Any) -> np.ndarray:
     """Axes of the section at the start as columns: along the beam, y, z."""
     along = scene.unit(np.subtract(card.mesh.to, card.mesh.from_), "mesh.to")
+    return axes_of(card, along, section, scene)
+
+
+def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Any) -> np.ndarray:
+    """Axes of the section of an element as columns: along it, y, z."""
     if card.side is None:
         I_y, I_z = section["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:
@@ -197,8 +214,13 @@ def _triad(card: Beam, section: dict[str, Any], scene: Any) -> np.ndarray:
 
 def _rate(row: dict[str, Any], node: int, scene: Any) -> float:
     """Largest eigenvalue of M^-1 sum k D^T D of one node of a straight element [1/s^2]."""
+    return fastest_rate(row, scene.mass[node], np.diag(scene.J[node].reshape(3, 3)))
+
+
+def fastest_rate(row: dict[str, Any], mass: float, moments: Any) -> float:
+    """The same for a node of this mass and these moments of inertia, axes of the element."""
     k, k_r, half = row["stiffness"], row["turning_stiffness"], 0.5 * row["length"]
-    mass, (J_x, J_y, J_z) = scene.mass[node], np.diag(scene.J[node].reshape(3, 3))
+    J_x, J_y, J_z = moments
     rates = [k[0] / mass, k_r[0] / J_x]
     for shear, bend, J in ((k[1], k_r[2], J_z), (k[2], k_r[1], J_y)):
         cross_term = shear * half / np.sqrt(mass * J)
@@ -212,6 +234,12 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
+    pull(p, out, a, b, R, v, w)
+
+
+@kernel
+def pull(p, out, a, b, R, v, w):
+    """Forces on the nodes a and b of an element whose frame is R. Writes: a, b, out."""
     eta = half_angle_over_sine(v, w)
     y = matvec_t(R, sub(vec(b.r), vec(a.r)))
     spin = matvec_t(R, sub(vec(b.w), vec(a.w)))
@@ -265,6 +293,12 @@ def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
+    yield_rows(p, a, b, R, v, w, rows, first)
+
+
+@kernel
+def yield_rows(p, a, b, R, v, w, rows, first):
+    """Rows of an element whose frame is R. Writes: rows."""
     eta = half_angle_over_sine(v, w)
     y = matvec_t(R, sub(vec(b.r), vec(a.r)))
     for k in range(3):

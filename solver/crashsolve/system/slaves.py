@@ -5,7 +5,7 @@
 
 Ambrosio (2003), Eq. 9-10: what acts on the nodes welded to a rigid part acts on it. The chapter
 prints the couples of Eq. 8 with the opposite sign, and Eq. 10 as if it were another Eq. 9.
-Consequence to test: a free body of rigid and flexible parts keeps its angular momentum to round-off.
+Consequence to test: a free body of rigid and flexible parts keeps its angular momentum.
 """
 
 from crashsolve.foundation.compile import kernel

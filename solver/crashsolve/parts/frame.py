@@ -1,0 +1,150 @@
+"""Frame: bars between listed points, each a chain of the beam's elements, stiff where they meet.
+
+    u = R^T (r_b - r_a) - l e_x,   theta = log((A_a Q)^T A_b Q),   R = A_a Q exp(theta / 2)
+
+Q turns the axes of an element to those of the nodes, which at the start are the world's: what is
+kinked at the start is free of stress. Energy, forces and stiffness are those of the beam. A node
+has half the mass and rotary inertia of each element that meets in it. Consequence to test: a
+straight bar in any direction is the beam; an arm across another twists it.
+
+References: those of the beam.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.posture import quaternion_of
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import times
+from crashsolve.parts import beam
+from crashsolve.parts._halfway import halfway_of
+
+HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, beam.TANGENTS
+PARAMETERS = beam.PARAMETERS + Record(turn=("1", 4, "unit quaternion Q, element to nodes"))
+
+
+class Frame(Card):
+    """Bars with shear and finite rotations between listed points; their nodes are bodies."""
+
+    points: tuple[Vec3, ...] = quantity("m", "where bars meet: nodes P_1, P_2, ... of a part P")
+    bars: tuple[tuple[int, int], ...] = word(
+        "pairs of points by their number from 1; nodes within bar k: P_bark_1, P_bark_2, ..."
+    )
+    elements: int = word("number of elements of each bar", ge=1)
+    section: SectionName = word("cross section")
+    material: MaterialName = word("what it is made of")
+    side: Vec3 | None = word(
+        "direction near the section's y axis; needed where I_y and I_z differ", default=None
+    )
+    damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
+    velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=beam.ZERO)
+    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=beam.ZERO)
+
+    def node_names(self, part: str) -> list[str]:
+        """Names of the nodes of a part of this name."""
+        inner = [f"bar{k + 1}_{j}" for k in range(len(self.bars)) for j in range(1, self.elements)]
+        return [f"{part}_{word}" for word in (*range(1, len(self.points) + 1), *inner)]
+
+
+def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
+    """The nodes as bodies."""
+    _check(card, scene)
+    section, material = beam.laws(card, scene)
+    places, chains = _mesh(card)
+    I_y, I_z = section["second"]
+    mass, J = np.zeros(len(places)), np.zeros((len(places), 3, 3))
+    for a, b in chains:
+        length = float(np.linalg.norm(places[b] - places[a]))
+        T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
+        share = 0.5 * material["density"] * length
+        for node in (a, b):
+            mass[node] += share * section["area"]
+            J[node] += share * T @ np.diag([I_y + I_z, I_y, I_z]) @ T.T
+    return [
+        {
+            "mass": mass[i],
+            "inertia": J[i],
+            "mass_centre": beam.ZERO,
+            "position": place,
+            "quaternion": (1.0, 0.0, 0.0, 0.0),
+            "velocity": card.velocity + np.cross(card.angular_velocity, place - places[0]),
+            "angular_velocity": card.angular_velocity,
+        }
+        for i, place in enumerate(places)
+    ]
+
+
+def elements(card: Frame, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
+    """The elements, bar after bar."""
+    section, material = beam.laws(card, scene)
+    places, chains = _mesh(card)
+    rows = []
+    for a, b in chains:
+        length = float(np.linalg.norm(places[b] - places[a]))
+        T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
+        row = beam.stiffness_row(section, material, length, card.damping)
+        rates = []
+        for node in (nodes[a], nodes[b]):
+            # the least moment stands for all: where bars meet no axes are principal ones
+            least = np.linalg.eigvalsh(scene.J[node].reshape(3, 3))[0]
+            rates.append(beam.fastest_rate(row, scene.mass[node], [least] * 3))
+        ends = {"node_a": nodes[a], "node_b": nodes[b], "turn": quaternion_of(T)}
+        rows.append(row | ends | {"rate_a": rates[0], "rate_b": rates[1]})
+    return rows
+
+
+def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
+    """Places (n, 3) of all nodes, and the two nodes of each element."""
+    places, chains = [np.asarray(point) for point in card.points], []
+    for first, last in card.bars:
+        start, end = places[first - 1], places[last - 1]
+        chain = [first - 1]
+        for j in range(1, card.elements):
+            chain.append(len(places))
+            places.append(start + (end - start) * (j / card.elements))
+        chain.append(last - 1)
+        chains += list(zip(chain[:-1], chain[1:], strict=True))
+    return np.array(places), chains
+
+
+def _check(card: Frame, scene: Any) -> None:
+    """Refuses bars to points that do not exist, without length, twice; points without a bar."""
+    count, seen = len(card.points), set()
+    for k, bar in enumerate(card.bars, start=1):
+        if not all(1 <= end <= count for end in bar):
+            raise scene.fail(f"bar {k} joins {list(bar)}, but points are 1 to {count}", "bars")
+        a, b = (np.asarray(card.points[end - 1]) for end in bar)
+        if not np.linalg.norm(b - a) > 0.0:
+            raise scene.fail(f"bar {k} begins and ends in one point", "bars")
+        if frozenset(bar) in seen:
+            raise scene.fail(f"bar {k} is given twice", "bars")
+        seen.add(frozenset(bar))
+    loose = sorted(set(range(1, count + 1)) - {end for bar in card.bars for end in bar})
+    if loose:
+        raise scene.fail(f"point {loose[0]} has no bar; take it out or join it", "points")
+
+
+@kernel
+def turned(body, turn):
+    """Posture of an element's end: unit quaternion q Q."""
+    q = (body.q[0], body.q[1], body.q[2], body.q[3])
+    return times(q, (turn[0], turn[1], turn[2], turn[3]))
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, out."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
+    beam.pull(p, out, a, b, R, v, w)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
+    beam.yield_rows(p, a, b, R, v, w, rows, first)

@@ -1,0 +1,101 @@
+"""Claims of frames: a straight bar is the beam; wrong ones are refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+
+DECK = """title: frames
+control: {end_time: 1}
+materials: {steel: {type: elastic, young: 2e9, poisson: 0.3, density: 7850}}
+sections: {flat: {type: rectangle, width: 0.02, height: 0.05}}
+parts:
+  line:
+    type: beam
+    mesh: {shape: line, from: [0, 0, 0], to: [0.6, 0.8, 0], elements: 3}
+    section: flat
+    material: steel
+    side: [0, 0, 1]
+    damping: 1e-3
+  bar:
+    type: frame
+    points: [[0, 0, 0], [0.6, 0.8, 0]]
+    bars: [[1, 2]]
+    elements: 3
+    section: flat
+    material: steel
+    side: [0, 0, 1]
+    damping: 1e-3
+"""
+LINE = ["line_start", "line_1", "line_2", "line_end"]
+BAR = ["bar_1", "bar_bar1_1", "bar_bar1_2", "bar_2"]
+
+
+def scene(folder: Path, text: str = DECK) -> tuple[object, object]:
+    path = folder / "frame.yaml"
+    path.write_text(text, "utf-8")
+    return build(read_deck(path))
+
+
+def test_a_straight_bar_has_the_masses_forces_and_rates_of_the_beam(tmp_path: Path) -> None:
+    model, state = scene(tmp_path)
+    line, bar = ([model.bodies.index(name) for name in names] for names in (LINE, BAR))  # type: ignore[attr-defined]
+    nodes = state.nodes.view(np.recarray)  # type: ignore[attr-defined]
+    np.testing.assert_allclose(nodes.mass_inv[bar], nodes.mass_inv[line], rtol=1e-14)
+    rng = np.random.default_rng(4)
+    moved = rng.normal(0.0, 0.05, (4, 3))
+    v, w = rng.normal(size=(4, 3)), rng.normal(size=(4, 3))
+    for at in (line, bar):
+        nodes.r[at] += moved
+        nodes.v[at], nodes.w[at] = v, w
+    turns = [turn(x) for x in rng.normal(0.0, 0.3, (4, 3))]
+    for at in (line, bar):
+        for i, q in zip(at, turns, strict=True):
+            nodes.q[i] = product(q, nodes.q[i])
+    for g in model.groups:  # type: ignore[attr-defined]
+        p, out = g.parameters.view(np.recarray), g.output.view(np.recarray)
+        for i in range(len(p)):
+            force = getattr(g.module.force, "py_func", g.module.force)
+            force(p[i], None, None, out[i], 0.0, 0.0, nodes, None, None)
+    scale = np.abs(nodes.force[line]).max()
+    np.testing.assert_allclose(nodes.force[bar], nodes.force[line], atol=1e-12 * scale)
+    np.testing.assert_allclose(nodes.torque[bar], nodes.torque[line], atol=1e-12 * scale)
+    # the frame knows no axes of its nodes: its bound of the rate is the larger
+    assert (nodes.stiffness[bar] >= nodes.stiffness[line] * (1.0 - 1e-12)).all()
+
+
+def turn(x: np.ndarray) -> np.ndarray:
+    """Unit quaternion of a rotation vector."""
+    angle = float(np.linalg.norm(x))
+    return np.array([np.cos(0.5 * angle), *(np.sin(0.5 * angle) / angle * x)])
+
+
+def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Product of two quaternions."""
+    w = p[0] * q[0] - p[1:] @ q[1:]
+    return np.array([w, *(p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:]))])
+
+
+WRONG = {
+    "missing": ("[[1, 2]]", "[[1, 3]]", "bars: bar 1 joins [1, 3], but points are 1 to 2"),
+    "short": (
+        "[[0, 0, 0], [0.6, 0.8, 0]]",
+        "[[0, 0, 0], [0, 0, 0]]",
+        "begins and ends in one point",
+    ),
+    "twice": ("[[1, 2]]", "[[1, 2], [2, 1]]", "bars: bar 2 is given twice"),
+    "loose": ("[0.6, 0.8, 0]]", "[0.6, 0.8, 0], [1, 0, 0]]", "points: point 3 has no bar"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_frame_is_refused(case: str, tmp_path: Path) -> None:
+    old, new, message = WRONG[case]
+    assert old in DECK
+    with pytest.raises(DeckErrors) as caught:
+        scene(tmp_path, DECK.replace(old, new))
+    assert message in str(caught.value)
