@@ -1,4 +1,4 @@
-"""Claim: runs with shells go on to the same bits, draw what they computed, and stop where unstable."""
+"""Claim: shells go on to the same bits, draw what they computed, and stop where unstable."""
 
 import shutil
 from pathlib import Path

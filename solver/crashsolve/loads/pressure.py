@@ -2,7 +2,8 @@
 
     f = -p / 4 (x_3 - x_1) x (x_4 - x_2) / 2   on each corner
 
-Positive pressure acts against the normal. Its work is that of the mean force of a step. Consequence to test: a flat plate takes p A in all, and a closed body nothing.
+Positive pressure acts against the normal. Its work is that of the mean force of a step.
+Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 """
 
 from typing import Any
