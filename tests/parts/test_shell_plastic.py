@@ -62,7 +62,7 @@ def test_yielding_layers_meet_the_yield_condition_to_round_off(
         share = 1.0 - material.get("kinematic", 0.0)
         limit = factor * (Y + share * material.get("hardening", 0.0) * rows[:, STRAIN])
         excess = size(rows[:, :3] - rows[:, BACK:]) / limit - 1.0
-        # four units of round-off for the root, some for the stress that is put together from it
+        # 1e-14 for the root, as much for the stress that is put together from it
         assert np.abs(excess[flows]).max(initial=0.0) < 2e-14
         assert (excess < 2e-14).all()
         yielded += flows.sum()

@@ -2,8 +2,8 @@
 
     f = -p / 4 (x_3 - x_1) x (x_4 - x_2) / 2   on each corner
 
-Positive pressure acts against the normal. Work done has no potential: its power is that of the
-moment. Consequence to test: a flat plate takes p A in all, and a closed body nothing.
+Positive pressure acts against the normal. Its work is that of the mean force of a step.
+Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 """
 
 from typing import Any
@@ -14,7 +14,7 @@ from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.motion import apply_to_point
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, cross, dot, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
 
 
 class Pressure(Card):
@@ -31,7 +31,7 @@ PARAMETERS = Record(
     first_corner=("index", "of the part's corners"),
     element_count=("count", "elements"),
 )
-HISTORY = Record()
+HISTORY = Record(pressure=("Pa", "pressure at the last step"))
 OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
 
 
@@ -47,13 +47,14 @@ def build(card: Pressure, scene: Any) -> dict[str, Any]:
 
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
-    """Writes: out."""
+    """Writes: out, new."""
     factor = 1.0
     if p.curve > 0:
         factor, _, _ = curve_value(curves, p.curve, t)
     out.pressure = factor * p.pressure
     put(out.force, (0.0, 0.0, 0.0))
     out.stored = out.power = out.loss = 0.0
+    new.pressure = out.pressure
 
 
 @kernel
@@ -65,9 +66,13 @@ def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
         at = p.first_corner + 4 * (i - lane) + lane
         a, b = points[corners[at]], points[corners[at + LANES]]
         c, d = points[corners[at + 2 * LANES]], points[corners[at + 3 * LANES]]
-        normal = cross(sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r)))
-        f = scale(-0.125 * out.pressure, normal)
+        x, y = sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r))
+        f = scale(-0.125 * out.pressure, cross(x, y))
+        # velocities are those of the step: before it, the diagonals were shorter by them
+        x = add_scaled(x, -h, sub(vec(c.v), vec(a.v)))
+        y = add_scaled(y, -h, sub(vec(d.v), vec(b.v)))
+        mean = scale(0.5, add_scaled(f, -0.125 * old.pressure, cross(x, y)))
         for point in (a, b, c, d):
             apply_to_point(point, nodes[0], f)
-            out.power += dot(f, vec(point.v))
+            out.loss += h * dot(mean, vec(point.v))
         put(out.force, add(vec(out.force), scale(4.0, f)))

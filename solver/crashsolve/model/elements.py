@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.foundation.point import POINT, RIDER
+from crashsolve.foundation.point import LANES, POINT, RIDER
 from crashsolve.model.model import Elements, Group, Model
 
 if TYPE_CHECKING:
@@ -40,9 +40,8 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
     for group in (g for g in groups if hasattr(g.module, "deform")):
         for name, row in zip(group.names, group.parameters, strict=True):
             laid = parts[name] = scene.laid(deck.entries["parts"][name].card)
-            blocks = laid.blocks()
             row["first_point"], row["point_count"] = points, len(laid.mass)
-            row["first"], row["stride"] = first, blocks[0].size
+            row["first"], row["stride"] = first, laid.stride
             row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
             row["element_count"] = len(laid.area)
             corners.append((laid.corners() + points).ravel())
@@ -50,12 +49,12 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
             own["point"], own["node"] = np.add(laid.named, points), scene.part_nodes[name]
             riders.append(own)
             mass += laid.mass.sum() - laid.mass[laid.named].sum()
-            points, first = points + len(laid.mass), first + blocks.size
+            points, first = points + len(laid.mass), first + laid.padded() // LANES * laid.stride
             count += len(laid.area)
     if not corners:
         return None
     rows = max(g.module.ROWS for g in groups if hasattr(g.module, "deform"))
-    work = np.zeros(rows * blocks.shape[-1])
+    work = np.zeros(rows * LANES)
     return Elements(np.concatenate(corners), np.concatenate(riders), work, parts, mass)
 
 

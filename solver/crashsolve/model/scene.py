@@ -16,6 +16,7 @@ import numpy as np
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.posture import matrix, perpendicular
 from crashsolve.model import welds
+from crashsolve.model.soundness import faults
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
@@ -170,6 +171,14 @@ class Scene:
     def built(self, card: Any) -> Any:
         """What a law within a card makes of it."""
         return import_module(type(card).__module__).build(card, self)
+
+    def mesh(self, card: Any) -> Any:
+        """The mesh of a part, refused where its elements do not hang together."""
+        mesh = self.built(card.mesh)
+        wrong = faults(mesh)
+        if wrong:
+            raise self.fail(wrong, "mesh")
+        return mesh
 
     def laid(self, card: Any) -> Any:
         """A part with points in place; once for every card."""

@@ -36,12 +36,14 @@ from crashsolve.parts._quad_block import (
 # rows of a plastic layer: stress, equivalent plastic strain, alpha
 STRAIN, BACK, PLASTIC_ROWS = 3, 4, 7
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
-# rate, what is missing, and the strain across the thickness of all layers
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN = (ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10))
-ALL_ROWS = ROWS + 11
+# rate, what is missing; of all layers, the strain across the thickness and the plastic work
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST = (
+    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11)
+)
+ALL_ROWS = ROWS + 12
 PASSES = 50
 # of the yield stress: some units of round-off
-CLOSE = 4e-15
+CLOSE = 1e-14
 
 
 @kernel
@@ -51,6 +53,7 @@ def clear_resultants(work):
         work[LANES * RESULTANT + e] = 0.0
     for e in range(LANES):
         work[LANES * THIN + e] = 0.0
+        work[LANES * LOST + e] = 0.0
 
 
 @inlined
@@ -106,23 +109,26 @@ def layers(blocks, first, work, h, p, curves):
         if p.plastic == 0 or h == 0.0:
             elastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
         else:
-            plastic_layer(blocks, first, at, work, h, p, p.zeta[k], p.weight[k], curves)
+            plastic_layer(blocks, at, work, h, p, p.zeta[k], p.weight[k], curves)
+    if p.plastic == 1:
+        for e in range(LANES):
+            blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
     if p.thins == 1:
         for e in range(LANES):
             blocks[first + LANES * THICKNESS + e] *= 1.0 + work[LANES * THIN + e]
 
 
 @kernel
-def plastic_layer(blocks, first, at, work, h, p, zeta, weight, curves):
+def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
     """Stress of a plastic layer after the strains of a step of h. Writes: blocks, work."""
     if p.rate_D > 0.0:
         find_factors(work, h, p, zeta)
     find_trial(blocks, at, work, p, zeta)
     if p.curve > 0:
         look_up(blocks, at, work, p, curves)
-    if measure_gap(work) > 0.0:
+    if worst_gap(work) > 0.0:
         return_to_yield(blocks, at, work, p, curves)
-    settle(blocks, first, at, work, p, zeta, weight)
+    settle(blocks, at, work, p, zeta, weight)
 
 
 @kernel
@@ -150,47 +156,53 @@ def find_trial(blocks, at, work, p, zeta):
         s2 = 0.75 * (s_x - s_y) * (s_x - s_y) + 3.0 * s_xy * s_xy
         put = LANES * XI + e
         work[put], work[put + LANES], work[put + 2 * LANES] = s_x, s_y, s_xy
-        work[LANES * FACTOR + e] = factor
+        work[LANES * FACTOR + e], work[LANES * SLOPE + e] = factor, factor * slope
         work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
-        work[LANES * YIELD + e], work[LANES * SLOPE + e] = flow, factor * slope
-        work[LANES * GAP + e] = sqrt(s1 + s2) - flow
+        work[LANES * GAP + e] = sqrt(s1 + s2) / flow - 1.0
 
 
 @kernel
 def look_up(blocks, at, work, p, curves):
-    """Yield stress of a curve at the present plastic strain. Writes: work."""
+    """Yield stress of a curve at the present plastic strain, and what is beyond it.
+
+    Writes: work.
+    """
+    c1, c2 = softening(p)
     for e in range(LANES):
         g, factor = work[LANES * G + e], work[LANES * FACTOR + e]
-        size = (work[LANES * GAP + e] + work[LANES * YIELD + e]) if g > 0.0 else 0.0
-        flow, slope, _ = curve_value(
-            curves, p.curve, blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
-        )
-        before = work[LANES * YIELD + e]
+        k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
+        size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
+        strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
+        flow, slope, _ = curve_value(curves, p.curve, strain)
         work[LANES * YIELD + e], work[LANES * SLOPE + e] = factor * flow, factor * slope
-        work[LANES * GAP + e] += before - factor * flow
+        work[LANES * GAP + e] = size / (factor * flow) - 1.0
 
 
 @kernel
-def measure_gap(work):
-    """Largest stress beyond yield, over the yield stress, of lanes that yield; 0 if none does."""
-    worst = 0.0
+def worst_gap(work):
+    """Largest stress beyond yield, over the yield stress."""
+    worst = -1.0
     for e in range(LANES):
-        gap = work[LANES * GAP + e] / work[LANES * YIELD + e]
-        if work[LANES * G + e] > 0.0:
-            gap = abs(gap)
-        worst = max(worst, gap)
+        worst = max(worst, work[LANES * GAP + e])
     return worst
+
+
+@inlined
+def softening(p):
+    """c1 and c2 of the return."""
+    moves = 2.0 / 3.0 * p.kinematic
+    return p.young / (3.0 - 3.0 * p.poisson) + moves, 2.0 * p.shear + moves
 
 
 @kernel
 def return_to_yield(blocks, at, work, p, curves):
     """Newton's method for g in all lanes; those within yield stay at 0. Writes: work."""
     before = 1e300
-    for _ in range(PASSES):
-        correct(blocks, at, work, p)
-        if p.curve > 0:
+    for count in range(PASSES):
+        if p.curve > 0 and count > 0:
             look_up(blocks, at, work, p, curves)
-        worst = measure_gap(work)
+        correct(blocks, at, work, p)
+        worst = worst_gap(work)
         # as good as round-off lets it be
         if worst <= CLOSE or (worst < 1e-10 and worst >= before):
             break
@@ -199,34 +211,36 @@ def return_to_yield(blocks, at, work, p, curves):
 
 @kernel
 def correct(blocks, at, work, p):
-    """A step of Newton's method. Writes: work."""
-    c1 = p.young / (3.0 - 3.0 * p.poisson) + 2.0 / 3.0 * p.kinematic
-    c2 = 2.0 * p.shear + 2.0 / 3.0 * p.kinematic
-    start, hardening = p.yield_stress, p.isotropic
+    """A step of Newton's method; the gap is that before it, of lanes that yield. Writes: work."""
+    c1, c2 = softening(p)
+    start, hardening, has_curve = p.yield_stress, p.isotropic, p.curve > 0
     for e in range(LANES):
         g, s1, s2 = work[LANES * G + e], work[LANES * S1 + e], work[LANES * S2 + e]
-        slope = work[LANES * SLOPE + e]
-        k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
-        size = sqrt(s1 * k1 * k1 + s2 * k2 * k2) + 1e-300
-        fall = (s1 * c1 * k1 * k1 * k1 + s2 * c2 * k2 * k2 * k2) / size
-        steep = -fall - slope * 2.0 / 3.0 * (size - g * fall)
-        g = max(0.0, g - work[LANES * GAP + e] / steep)
-        k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
-        size = sqrt(s1 * k1 * k1 + s2 * k2 * k2)
+        # both factors by one division
+        k = 1.0 / ((1.0 + c1 * g) * (1.0 + c2 * g))
+        k1, k2 = k * (1.0 + c2 * g), k * (1.0 + c1 * g)
+        a, b = s1 * k1 * k1, s2 * k2 * k2
+        size = sqrt(a + b) + 1e-300
+        over = 1.0 / size
         strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
         flow = work[LANES * FACTOR + e] * (start + hardening * strain)
-        work[LANES * G + e], work[LANES * YIELD + e] = g, flow
-        work[LANES * GAP + e] = size - flow
+        flow = work[LANES * YIELD + e] if has_curve else flow
+        fall = (a * c1 * k1 + b * c2 * k2) * over
+        gap = size - flow
+        steep = fall + work[LANES * SLOPE + e] * 2.0 / 3.0 * (size - g * fall)
+        # a lane within yield stays there
+        ahead = max(0.0, g + gap / steep)
+        work[LANES * G + e] = ahead
+        work[LANES * GAP + e] = abs(gap) * over if ahead > 0.0 else 0.0
 
 
 @kernel
-def settle(blocks, first, at, work, p, zeta, weight):
+def settle(blocks, at, work, p, zeta, weight):
     """Stress, plastic strain and alpha from g; resultants, plastic work, thinning.
 
     Writes: blocks, work.
     """
-    c1 = p.young / (3.0 - 3.0 * p.poisson) + 2.0 / 3.0 * p.kinematic
-    c2 = 2.0 * p.shear + 2.0 / 3.0 * p.kinematic
+    c1, c2 = softening(p)
     moves, softness = 2.0 / 3.0 * p.kinematic, -p.poisson / p.young
     for e in range(LANES):
         g, t = work[LANES * G + e], work[LANES * DEPTH + e]
@@ -247,7 +261,7 @@ def settle(blocks, first, at, work, p, zeta, weight):
         s_x, s_y, s_xy = x + a_x, y + a_y, xy + a_xy
         lost = 0.5 * ((old_x + s_x) * p_x + (old_y + s_y) * p_y) + (old_xy + s_xy) * g * xy
         share, z = 0.5 * weight * t, 0.5 * t * zeta
-        blocks[first + LOSS * LANES + e] += share * work[LANES * AREA + e] * lost
+        work[LANES * LOST + e] += share * work[LANES * AREA + e] * lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y

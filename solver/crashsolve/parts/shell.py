@@ -171,10 +171,9 @@ class Laid:
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
         self.rule = rule(card, scene)
-        self.mesh = scene.built(card.mesh)
+        self.mesh = scene.mesh(card)
         x = self.mesh.points[self.mesh.quads]
-        self.diagonals = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
-        normal = np.cross(*self.diagonals)
+        normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
         self.area = 0.5 * np.linalg.norm(normal, axis=1)
         self._refuse_bad(x, normal, scene)
         n, t = len(self.mesh.points), card.thickness
@@ -237,8 +236,7 @@ class Laid:
 
     def blocks(self) -> np.ndarray:
         """Numbers of the elements, (blocks, rows, lanes); the last block is filled up."""
-        rows = LAYERS + self.layer_rows * self.card.layers
-        table = np.zeros((self.padded() // LANES, rows, LANES))
+        table = np.zeros((self.padded() // LANES, self.stride // LANES, LANES))
         for row, values in (
             (THICKNESS, np.full(len(self.area), self.card.thickness)),
             (RADIUS_2, self.radius_2),
@@ -252,7 +250,13 @@ class Laid:
         """Points of the corners, (blocks, 4, lanes)."""
         return np.stack([self._in_lanes(column) for column in self.mesh.quads.T], axis=1)
 
+    @property
+    def stride(self) -> int:
+        """Numbers of a block."""
+        return LANES * (LAYERS + self.layer_rows * self.card.layers)
+
     def padded(self) -> int:
+        """Elements with those that fill the last block."""
         return -(-len(self.area) // LANES) * LANES
 
     def _in_lanes(self, values: np.ndarray) -> np.ndarray:
@@ -304,7 +308,8 @@ class Laid:
 
     def _shape(self) -> np.ndarray:
         """Inverse of the diagonals in axes between them, by rows (m, 4)."""
-        d, e = self.diagonals
+        x = self.mesh.points[self.mesh.quads]
+        d, e = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
         d_length, e_length = np.linalg.norm(d, axis=1), np.linalg.norm(e, axis=1)
         # both axes are as far from one diagonal as from the other
         half = 0.5 * np.arccos(np.clip((d * e).sum(1) / (d_length * e_length), -1.0, 1.0))

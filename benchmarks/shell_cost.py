@@ -1,0 +1,200 @@
+"""What a shell costs: bare force and update per element and cycle, a whole run, and its memory.
+
+    python benchmarks/shell_cost.py [elements along a side, a multiple of 4]
+
+CPU time, so that a busy machine disturbs little. Flops are counted on the kernels as plain Python;
+bytes are what a cycle must move where the model does not fit into the cache: numbers of the
+elements read and written, corners read, points read and written twice.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.machine import machine_code
+from crashsolve.foundation.point import LANES, POINT
+from crashsolve.foundation.table import Tables
+from crashsolve.model.build import build
+from crashsolve.system.engine import Engine
+
+DECK = """
+title: shells
+control: {{end_time: {end}, safety: 0.9, energy_limit: "off", estimate: "off"}}
+materials:
+  elastic: {{type: elastic, young: 2.1e11, poisson: 0.3, density: 7850}}
+  plastic: {{type: elastoplastic, young: 2.1e11, poisson: 0.3, density: 7850, yield_stress: 2.5e8,
+    hardening: 1e9}}
+parts:
+  plate:
+    type: shell
+    mesh: {{type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [{n}, {n}]}}
+    thickness: {thickness}
+    material: {material}
+    hold: [{{nodes: u0}}, {{nodes: u1}}, {{nodes: v0}}, {{nodes: v1}}]
+loads: {{q: {{type: pressure, part: plate, pressure: {pressure}}}}}
+output: {{history: {{interval: {end}}}}}
+"""
+BARE = """
+from crashsolve.foundation.compile import entry
+from crashsolve.parts.shell import deform
+
+@entry
+def advance(h, flag, scene):
+    for _ in range(scene.cycles[0]):
+        deform(scene.p[0], scene.clock[0], h, scene)
+"""
+
+
+def engine(folder: Path, n: int, material: str) -> Engine:
+    """A plate of n by n elements."""
+    path = folder / f"{material}.yaml"
+    values = {"n": n, "material": material, "thickness": 0.1 / n, "pressure": 1e5, "end": 1e-3}
+    path.write_text(DECK.format(**values), "utf-8")
+    return Engine(*build(read_deck(path)))
+
+
+def bare(folder: Path, n: int, material: str) -> float:
+    """CPU time of gather, strain, stress, force and scatter per element and cycle [s].
+
+    Points have velocities and stay where they are: every layer strains by 1e-4 a cycle, for ever
+    the same way, and all of them yield where there is a yield stress.
+    """
+    e = engine(folder, n, material)
+    state, elements, group = e.state, e.model.elements, e.model.element_groups()[0]
+    assert elements is not None
+    rng = np.random.default_rng(1)
+    state.points["v"] = rng.normal(size=(len(state.points), 3)) * 1e-4 / n
+    cycles = max(1, 2_000_000 // n**2)
+    tables = Tables(
+        {"points": state.points, "lanes": state.blocks, "corners": elements.corners}
+        | {"work": elements.work, "p": group.parameters, "clock": state.clock}
+        | {"curves": e.model.curves, "cycles": np.array([cycles])}
+    )
+    source = folder / "bare_shells.py"
+    source.write_text(BARE, "utf-8")
+    advance = machine_code(source, "advance", tables)
+    best = 1e300
+    for _ in range(5):
+        begun = time.process_time()
+        advance(1.0, False, tables)
+        best = min(best, time.process_time() - begun)
+    return best / (cycles * n**2)
+
+
+class Counted(float):
+    """A number that counts what is done with it."""
+
+    count = 0
+
+
+def _counting(name: str) -> Any:
+    plain = getattr(float, name)
+
+    def act(self: Any, *others: Any) -> Any:
+        Counted.count += 1
+        return Counted(plain(float(self), *map(float, others)))
+
+    return act
+
+
+for _name in ("add", "sub", "mul", "truediv"):
+    for _side in ("", "r"):
+        setattr(Counted, f"__{_side}{_name}__", _counting(f"__{_side}{_name}__"))
+
+
+def flops(folder: Path, material: str) -> float:
+    """Operations per element and cycle, counted; square roots are left out."""
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+    from bench import plain
+
+    e = engine(folder, 4, material)
+    state, elements, group = e.state, e.model.elements, e.model.element_groups()[0]
+    assert elements is not None
+    state.points["v"] = np.random.default_rng(1).normal(size=(len(state.points), 3)) * 5e-3
+    scene = SimpleNamespace(
+        points=state.points.view(np.recarray),
+        corners=elements.corners,
+        lanes=[Counted(x) for x in state.blocks],
+        work=[Counted(x) for x in elements.work],
+        curves=e.model.curves.view(np.recarray),
+    )
+    Counted.count = 0
+    p, clock = group.parameters.view(np.recarray)[0], state.clock.view(np.recarray)[0]
+    plain(group.module.deform)(p, clock, 1.0, scene)
+    return Counted.count / 16
+
+
+def moved(stride: int) -> float:
+    """Bytes that an element and cycle moves through memory, a point to an element."""
+    return 8 * (2 * stride / LANES + 4) + 4 * POINT.dtype.itemsize
+
+
+def bandwidth() -> float:
+    """Bytes per second of a sum of two long arrays on one core."""
+    a, b = np.ones(20_000_000), np.ones(20_000_000)
+    best = 1e300
+    for _ in range(5):
+        begun = time.process_time()
+        np.add(a, b, out=b)
+        best = min(best, time.process_time() - begun)
+    return 24 * len(a) / best
+
+
+def whole(folder: Path, n: int, material: str) -> tuple[float, float, float]:
+    """CPU time per element and cycle of a run [s], memory per element [bytes], set-up time [s]."""
+    path = folder / f"{material}.yaml"
+    end = 40 * 0.9 / n / 6000
+    values = {"n": n, "material": material, "thickness": 0.1 / n, "pressure": 1e5, "end": end}
+    path.write_text(DECK.format(**values), "utf-8")
+    script = (
+        "import sys, time\n"
+        "from pathlib import Path\n"
+        "from crashsolve.deck.read import read_deck\n"
+        "from crashsolve.model.build import build\n"
+        "from crashsolve.system.engine import Engine\n"
+        "begun = time.process_time()\n"
+        "e = Engine(*build(read_deck(Path(sys.argv[1]))))\n"
+        "e.start()\n"
+        "ready = time.process_time()\n"
+        "e.advance(float(sys.argv[2]))\n"
+        "done = time.process_time()\n"
+        "told = Path('/proc/self/status').read_text().partition('VmHWM:')[2]\n"
+        "peak = 1024 * int(told.split()[0])\n"
+        "print(done - ready, int(e.clock['cycle']), peak, ready - begun)\n"
+    )
+    for _ in range(2):  # the first run compiles
+        words = [sys.executable, "-c", script, str(path), str(end)]
+        told = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
+    cpu, cycles, peak, ready = map(float, told)
+    return cpu / (cycles * n**2), peak / n**2, ready
+
+
+def main(n: int) -> None:
+    """Print the table."""
+    print(f"{n * n} elements, 5 layers; {os.uname().machine}, one core")
+    print(f"bandwidth of one core {bandwidth() / 1e9:.1f} GB/s")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for material in ("elastic", "plastic"):
+            e = engine(folder, n, material)
+            stride = int(e.model.element_groups()[0].parameters["stride"][0])
+            seconds, run = bare(folder, n, material), whole(folder, n, material)
+            bytes_moved, count = moved(stride), flops(folder, material)
+            print(
+                f"{material:8} bare {1e-6 / seconds:6.2f} M/s {1e9 * seconds:6.1f} ns, "
+                f"{count:.0f} flops, {bytes_moved:.0f} bytes, {count / seconds / 1e9:.1f} Gflop/s, "
+                f"{bytes_moved / seconds / 1e9:.1f} GB/s; whole run {1e-6 / run[0]:.2f} M/s, "
+                f"{run[1]:.0f} bytes per element all told, set-up {run[2]:.1f} s of CPU"
+            )
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 64)

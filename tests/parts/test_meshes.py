@@ -1,0 +1,181 @@
+"""Meshes: area, orientation, sets, files; what is wrong with one is said, with its place."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+
+DECK: dict[str, Any] = {
+    "control": {"end_time": 1},
+    "materials": {"m": {"type": "elastic", "young": 1e5, "poisson": 0.3, "density": 1.0}},
+}
+GRID = {"type": "grid", "along": [2, 0, 0], "across": [0, 1, 0], "elements": [4, 3]}
+TUBE = {"type": "tube", "width": 0.6, "height": 0.4, "length": 2, "elements": [3, 2, 8]}
+MESHES = {
+    "grid": (GRID, 2.0, 20),
+    # chords of a circle
+    "cylinder": (
+        {"type": "cylinder", "radius": 1, "length": 2, "elements": [8, 3]},
+        2 * 8 * 2 * np.sin(np.pi / 8),
+        32,
+    ),
+    "tube": (TUBE, 4.0, 90),
+    "box": ({"type": "box", "size": [1, 2, 3], "elements": [2, 2, 3]}, 22.0, 34),
+    "listed": (
+        {
+            "type": "listed",
+            "nodes": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
+            "quads": [[1, 2, 3, 4]],
+        },
+        1.0,
+        4,
+    ),
+}
+INP = """*HEADING
+two squares
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 2, 0, 0
+4, 0, 1, 0
+5, 1, 1, 0
+6, 2, 1, 0
+*ELEMENT, TYPE=S4, ELSET=PLATE
+1, 1, 2, 5, 4
+2, 2, 3, 6, 5
+*NSET, NSET=LEFT
+1, 4
+"""
+
+
+def laid(folder: Path, mesh: dict[str, Any], **words: Any) -> Any:
+    part = {"type": "shell", "mesh": mesh, "thickness": 0.01, "material": "m"} | words
+    path = folder / "mesh.yaml"
+    path.write_text(yaml.safe_dump(DECK | {"parts": {"s": part}}), "utf-8")
+    model, _ = build(read_deck(path))
+    assert model.elements is not None
+    return model.elements.parts["s"]
+
+
+def refusal(folder: Path, mesh: dict[str, Any], **words: Any) -> str:
+    with pytest.raises(DeckErrors) as caught:
+        laid(folder, mesh, **words)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_a_mesh_has_the_area_and_the_nodes_of_its_shape(tmp_path: Path, name: str) -> None:
+    mesh, area, nodes = MESHES[name]
+    part = laid(tmp_path, mesh)
+    assert part.area.sum() == pytest.approx(area, rel=1e-12)
+    assert len(part.mesh.points) == nodes
+    assert part.mass.sum() == pytest.approx(0.01 * area, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["cylinder", "tube", "box"])
+def test_normals_of_a_hollow_mesh_point_outwards(tmp_path: Path, name: str) -> None:
+    part = laid(tmp_path, MESHES[name][0])
+    x = part.mesh.points[part.mesh.quads]
+    middle = part.mesh.points.mean(axis=0)
+    normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
+    assert ((x.mean(axis=1) - middle) * normal).sum(axis=1).min() > 0.0
+
+
+def test_a_dent_pushes_two_sides_in_and_two_out(tmp_path: Path) -> None:
+    dent = {"depth": 0.01, "from": 0.5, "to": 1.5}
+    plain = laid(tmp_path, TUBE | {"elements": [2, 2, 8]}).mesh.points
+    way = laid(tmp_path, TUBE | {"elements": [2, 2, 8], "dent": dent}).mesh.points - plain
+    middle = np.isclose(plain[:, 2], 1.0)
+    across, up = middle & (abs(plain[:, 0]) < 1e-9), middle & (abs(plain[:, 1]) < 1e-9)
+    np.testing.assert_allclose(way[across][:, 1] * np.sign(plain[across][:, 1]), 0.01)
+    np.testing.assert_allclose(way[up][:, 0] * np.sign(plain[up][:, 0]), -0.01)
+    assert np.count_nonzero(np.abs(way).max(axis=1) > 1e-9) == 4 * 3
+
+
+def test_a_file_gives_its_elements_and_its_sets(tmp_path: Path) -> None:
+    (tmp_path / "plate.inp").write_text(INP, "utf-8")
+    part = laid(tmp_path, {"type": "file", "file": "plate.inp", "unit": 0.001})
+    assert part.area.sum() == pytest.approx(2e-6, rel=1e-12)
+    assert sorted(part.mesh.sets["LEFT"]) == [0, 3]
+
+
+def test_what_meshio_passes_over_is_refused_with_its_line(tmp_path: Path) -> None:
+    (tmp_path / "plate.inp").write_text(INP + "*INSTANCE, NAME=A, PART=B\n1,0,0\n", "utf-8")
+    told = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
+    assert "plate.inp, line 15: *INSTANCE would be passed over; write the mesh flat" in told
+
+
+def test_files_of_other_elements_or_none_are_refused(tmp_path: Path) -> None:
+    text = INP.replace("TYPE=S4", "TYPE=S3").replace("5, 4\n", "5\n").replace("6, 5\n", "6\n")
+    (tmp_path / "plate.inp").write_text(text, "utf-8")
+    told = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
+    assert "2 elements are of type triangle; shells are of type quad" in told
+    (tmp_path / "plate.inp").write_text(INP, "utf-8")
+    told = refusal(tmp_path, {"type": "file", "file": "plate.inp", "elements": "ROOF"})
+    assert "no element set 'ROOF' (sets: PLATE)" in told
+    told = refusal(tmp_path, {"type": "file", "file": "mesh.yaml"})
+    assert "meshio" in told
+
+
+def listed(nodes: list[list[float]], quads: list[list[int]]) -> dict[str, Any]:
+    return {"type": "listed", "nodes": nodes, "quads": quads}
+
+
+SIX: list[list[float]] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
+WRONG = {
+    "doubled": (
+        listed([*SIX, [1, 0, 0], [1, 1, 0]], [[1, 2, 5, 4], [7, 3, 6, 8]]),
+        "nodes 2 and 7 lie in one place (1, 0, 0) m; merge them",
+    ),
+    "turned over": (
+        listed(SIX, [[1, 2, 5, 4], [2, 5, 6, 3]]),
+        "elements 1 and 2 face opposite ways",
+    ),
+    "pieces": (
+        listed([*SIX, [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], [[1, 2, 5, 4], [7, 8, 9, 10]]),
+        "node 3 belongs to no element",
+    ),
+    "in two": (
+        listed(
+            [SIX[0], SIX[1], SIX[4], SIX[3], [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]],
+            [[1, 2, 3, 4], [5, 6, 7, 8]],
+        ),
+        "falls into 2 pieces: no way leads from node 1 to node 5; make two parts",
+    ),
+    "crossed": (
+        listed([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[1, 2, 3, 4]]),
+        "element 1 is degenerate or folded over at its corner",
+    ),
+    "flat": (
+        listed([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]], [[1, 2, 3, 4]]),
+        "element 1 is degenerate",
+    ),
+    "no such node": (listed(SIX, [[1, 2, 5, 9]]), "there is no node 9; 6 are listed"),
+    "parallel": (GRID | {"across": [1, 0, 0]}, "needs two sides that are not parallel"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_mesh_that_cannot_serve_is_refused(tmp_path: Path, name: str) -> None:
+    mesh, message = WRONG[name]
+    assert message in refusal(tmp_path, mesh)
+
+
+def test_a_set_that_does_not_exist_is_named_with_those_that_do(tmp_path: Path) -> None:
+    told = refusal(tmp_path, GRID, hold=[{"nodes": "left"}])
+    assert "mesh.yaml" in told
+    assert "hold.nodes: the mesh has no set of nodes 'left' (sets: u0, u1, v0, v1)" in told
+
+
+def test_other_methods_than_rattle_are_refused(tmp_path: Path) -> None:
+    DECK["control"]["integrator"] = "dormand_prince_5"
+    try:
+        assert "say integrator: rattle" in refusal(tmp_path, GRID)
+    finally:
+        del DECK["control"]["integrator"]

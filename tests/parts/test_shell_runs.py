@@ -1,0 +1,77 @@
+"""Claim: shells go on to the same bits, draw what they computed, and stop where unstable."""
+
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from command import crashsolve, datasets, differences
+
+from crashpost.result import Result
+
+BALL = Path(__file__).resolve().parents[2] / "decks/verification/parts/shell_ball.yaml"
+# a worker compiles the scene once
+pytestmark = pytest.mark.xdist_group("shells")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The ball on the plate, yielding and thinning, with dumps, and its results."""
+    folder = tmp_path_factory.mktemp("ball")
+    deck = folder / "ball.yaml"
+    text = BALL.read_text("utf-8").partition("expect:")[0]
+    text = text.replace("type: elastic,", "type: elastoplastic, yield_stress: 2e8,")
+    text = text.replace("layers: 2", "layers: 3\n    thinning: true")
+    text = text.replace("2.4e-3", "4e-4").replace(
+        "{history: {interval: 2e-5}}",
+        "{history: {interval: 2e-5}, states: {interval: 1e-4}, restart: {every: 1e-4}}",
+    )
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", folder / "whole")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "plate_" in done.stdout  # an element sets the step
+    return deck, folder / "whole"
+
+
+def test_a_plate_goes_on_from_its_dump_to_the_same_bits(
+    whole: tuple[Path, Path], tmp_path: Path
+) -> None:
+    deck, folder = whole
+    again = tmp_path / "again"
+    shutil.copytree(folder, again)
+    # leaves the dump before the last
+    max(again.glob("restart_*.h5"), key=lambda path: path.stat().st_mtime_ns).unlink()
+    done = crashsolve(deck, "-o", again, "--restart")
+    assert done.returncode == 0, done.stderr
+    assert "going on from t = " in done.stdout
+    assert differences(again, folder) == []
+
+
+def test_states_hold_what_histories_hold(whole: tuple[Path, Path]) -> None:
+    _, folder = whole
+    mesh, result = datasets(folder / "mesh.h5"), Result(folder)
+    assert mesh["part_plate/cells"].shape == (400, 4)
+    with h5py.File(folder / "states" / "000004.h5") as file:
+        moment = float(file.attrs["time"])
+        fields = {name: file["part_plate"][name][:] for name in file["part_plate"]}
+    series = result.series("rbdout.plate_mid.position.z")
+    place = float(np.interp(moment, series.time, series.values))
+    # single precision
+    assert fields["displacement"][:, 2].min() == pytest.approx(place, rel=1e-6)
+    assert fields["displacement"].shape == (441, 3)
+    assert (fields["plastic_strain_top"] > 0.0).any()
+    assert fields["thickness"].min() < 0.002
+    # the energies of all elements are those of the part
+    area = (0.3 / 20) ** 2
+    plastic = (fields["plastic_energy_density"] * 0.002 * area).sum()
+    told = result.series("matsum.plate.plastic").values[-1]
+    assert plastic == pytest.approx(told, rel=1e-5)
+    assert (fields["von_mises"] < 2e8 * (1.0 + 1e-6)).all()
+
+
+def test_a_step_too_long_is_stopped(tmp_path: Path) -> None:
+    # five times the stable one
+    done = crashsolve(BALL, "-o", tmp_path / "long", "--set", "control.step=1.2e-5")
+    assert done.returncode == 4
+    assert "take a shorter step" in done.stderr + done.stdout
