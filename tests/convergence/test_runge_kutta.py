@@ -282,7 +282,7 @@ def test_a_permanent_set_is_that_of_the_turning_point(method: str, tmp_path: Pat
 
 @pytest.mark.parametrize("method", [*METHODS, "generalized_alpha", "radau_iia_5"])
 def test_friction_changes_its_regime_at_an_end_of_a_step(method: str, tmp_path: Path) -> None:
-    # a point of 1 kg slides on its depth of rest: from 3 m/s by mu g down to v_1, then v - v_0 decays
+    # 1 kg slides at its depth of rest: from 3 m/s by mu g down to v_1, then v - v_0 decays
     mu, g, v_0, v_1, end = 0.3, 9.81, 0.1, 1.0, 1.2
     friction = {"type": "coulomb", "coefficient": mu, "none_below": v_0, "full_above": v_1}
     normal = {"type": "kelvin_voigt", "stiffness": 1e4, "damping": 10.0}
