@@ -27,6 +27,10 @@ WRONG = {
     "    side: [0, 1, 0]\n": ("", ":10:14: error: part 'arm': section: this section bends more"),
     "section: flat": ("section: flit", "unknown section 'flit'; did you mean 'flat'?"),
     "material: steel": ("material: steal", "unknown material 'steal'; did you mean 'steel'?"),
+    "type: elastic,": (
+        "type: elastoplastic, yield_stress: 2e8,",
+        "part 'arm': material: a beam cannot yield yet; name an elastic material",
+    ),
     "elements: 2": ("elements: 0", "elements: must be at least 1, not 0"),
     "hub:": ("arm_end:", "part 'arm': its node 'arm_end' has the name of a body; rename one"),
 }

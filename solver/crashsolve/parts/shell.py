@@ -19,7 +19,7 @@ import numpy as np
 
 from crashsolve.deck.card import Card, Law, MaterialName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.point import LANES, POINT, RIDES
+from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, norm, sub, vec
 from crashsolve.parts._layers import ALL_ROWS, PLASTIC_ROWS, STRAIN, layers
@@ -222,9 +222,8 @@ class Laid:
         way = self.mesh.points - self.mesh.points[0]
         return np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, way)
 
-    def points(self) -> np.ndarray:
-        """The points of the part."""
-        table = np.zeros(len(self.mesh.points), POINT.dtype)
+    def write_points(self, table: np.ndarray) -> None:
+        """Rows of POINT at the start. Writes: table."""
         table["r"], table["v"] = self.mesh.points, self.velocities()
         table["w"] = self.card.angular_velocity
         table["mass_inv"], table["J_inv"] = 1.0 / self.mass, 1.0 / self.J
@@ -232,11 +231,10 @@ class Laid:
         for k in range(3):
             table["v"][self.held >> k & 1 == 1, k] = 0.0
             table["w"][self.held >> (3 + k) & 1 == 1, k] = 0.0
-        return table
 
-    def blocks(self) -> np.ndarray:
-        """Numbers of the elements, (blocks, rows, lanes); the last block is filled up."""
-        table = np.zeros((self.padded() // LANES, self.stride // LANES, LANES))
+    def write_blocks(self, numbers: np.ndarray) -> None:
+        """Numbers of the elements, block by block; the last is filled up. Writes: numbers."""
+        table = numbers.reshape(-1, self.stride // LANES, LANES)
         for row, values in (
             (THICKNESS, np.full(len(self.area), self.card.thickness)),
             (RADIUS_2, self.radius_2),
@@ -244,7 +242,6 @@ class Laid:
             *((SHAPE + k, column) for k, column in enumerate(self._shape().T)),
         ):
             table[:, row] = self._in_lanes(values)
-        return table
 
     def corners(self) -> np.ndarray:
         """Points of the corners, (blocks, 4, lanes)."""
