@@ -3,9 +3,9 @@
     I_y = (b h^3 - (b - t_w) (h - 2 t_f)^3) / 12,   J = (2 b t_f^3 + H t_w^3) / 3,   H = h - t_f
     1 / (kappa_z A) = (t_f H^2 b^3 / 24 + (c^2 H + c t_w H^3 / 6 + t_w^2 H^5 / 120) / t_w) / I^2
 
-c = b t_f H / 2 and I = 2 c H / 2 + t_w H^3 / 12; the latter is the energy of the shear flow. Along y
-the flanges bear the shear, as rectangles do. Torsion is free of warping. Consequence to test: with
-the web alone kappa_z is 5/6.
+c = b t_f H / 2 and I = c H + t_w H^3 / 12; this is the energy of the shear flow. Along y the
+flanges bear the shear, as rectangles do. Torsion is free of warping. Consequence to test: with the
+web alone kappa_z is 5/6.
 
 Reference: Megson (2017), Aircraft Structures for Engineering Students, chapters 16 to 18 and 20.
 """
