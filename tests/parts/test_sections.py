@@ -13,6 +13,7 @@ SECTIONS = {
     "tube": {"radius": 0.3, "thickness": 0.1},
     "rectangle": {"width": 0.2, "height": 0.5},
     "rectangular_tube": {"width": 0.2, "height": 0.5, "thickness": 0.001},
+    "i_section": {"width": 0.2, "height": 0.4, "flange": 0.01, "web": 0.008},
     "general": {"area": 2, "I_y": 3, "I_z": 4, "torsion": 5, "shear_y": 0.6, "shear_z": 0.7},
 }
 
@@ -92,3 +93,28 @@ def test_webs_alone_bear_shear_as_a_rectangle() -> None:
     tall = section("rectangular_tube", width=0.0101, height=20.0, thickness=1e-4)
     # flanges are 5e-4 of the webs
     assert tall["shear"][1] == pytest.approx(5.0 / 6.0, rel=3e-3)
+
+
+def test_a_web_without_flanges_is_a_thin_rectangle() -> None:
+    web = section("i_section", width=0.0401, height=0.4, flange=1e-9, web=0.008)
+    flat = section("rectangle", width=0.008, height=0.4)
+    assert web["second"][0] == pytest.approx(flat["second"][0], rel=1e-6)
+    # of the thin rectangle: 5/6 without the 1 % that its Poisson's ratio takes in Cowper's formula
+    assert web["shear"][1] == pytest.approx(5 / 6, rel=1e-6)
+    # the thin formula of torsion errs by 0.63 t / h
+    assert web["torsion"] == pytest.approx(flat["torsion"], rel=0.7 * 0.008 / 0.4)
+
+
+def test_the_shear_flow_of_an_i_is_that_of_its_integral() -> None:
+    b, H, t_f, t_w = 0.2, 0.39, 0.01, 0.008
+    found = section("i_section", **SECTIONS["i_section"])
+    inertia = t_w * H**3 / 12 + 2 * b * t_f * (H / 2) ** 2
+    s = (np.arange(4000) + 0.5) / 4000
+    flange = t_f * s * (b / 2) * (H / 2) / inertia
+    z = H * (s - 0.5)
+    web = (b * t_f * H / 2 + t_w * (H**2 / 4 - z**2) / 2) / inertia
+    flow = 4 * (flange**2).mean() * (b / 2) / t_f + (web**2).mean() * H / t_w
+    # midpoints: (1/4000)^2
+    assert 1 / (found["shear"][1] * found["area"]) == pytest.approx(flow, rel=1e-6)
+    # equilibrium: the flow of the web is the whole force
+    assert web.mean() * H == pytest.approx(1.0, rel=1e-6)
