@@ -23,6 +23,7 @@ from crashsolve.parts import beam
 from crashsolve.parts._halfway import halfway_of
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, beam.TANGENTS
+ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(turn=("1", 4, "unit quaternion Q, element to nodes"))
 
 
@@ -47,6 +48,10 @@ class Frame(Card):
         """Names of the nodes of a part of this name."""
         inner = [f"bar{k + 1}_{j}" for k in range(len(self.bars)) for j in range(1, self.elements)]
         return [f"{part}_{word}" for word in (*range(1, len(self.points) + 1), *inner)]
+
+    def element_names(self, part: str) -> list[str]:
+        """Names of its elements, bar after bar."""
+        return [f"{part}_{k + 1}" for k in range(self.elements * len(self.bars))]
 
 
 def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
