@@ -99,10 +99,11 @@ def joint_of(model: Model, row: int) -> str:
 def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> Diagnosis:
     """A step shorter than step_min: by the stiffness of a body, or by the error of the method."""
     if limit_node:
+        what = "body" if limit_node > 0 else "element"
         return (
-            f"'{limiter(model, limit_node)}'",
+            f"{what} '{limiter(model, limit_node)}'",
             f"the step has collapsed to {step:.3g} s",
-            "look for a stiffness far too large, or a mass far too small, there",
+            f"look for a stiffness far too large, or a mass far too small, on this {what}",
         )
     return (
         "the model",
