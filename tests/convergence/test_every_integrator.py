@@ -66,6 +66,7 @@ def test_the_order_on_the_squeezer(method: str) -> None:
     assert slope(SQUEEZER, method) == pytest.approx(order_of(method), abs=SLOPE)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_the_order_on_the_heavy_top(method: str) -> None:
     # the mass centre after 0.1 s is published to eight digits

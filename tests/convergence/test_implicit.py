@@ -145,7 +145,15 @@ def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path)
     assert order > 2 - SLOPE, (errors, steps)
 
 
-@pytest.mark.parametrize("method", ["dormand_prince_5", "dormand_prince_8", *METHODS])
+@pytest.mark.parametrize(
+    "method",
+    [
+        "dormand_prince_5",
+        pytest.param("dormand_prince_8", marks=pytest.mark.long),
+        pytest.param("generalized_alpha", marks=pytest.mark.long),
+        "radau_iia_5",
+    ],
+)
 def test_a_force_that_jumps_at_its_onset_does_not_bind_the_steps_before_it(
     method: str, tmp_path: Path
 ) -> None:
