@@ -1,6 +1,7 @@
 """The commands as a user starts them: separate processes, in folders of their own."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -82,3 +83,14 @@ def _same_bits(a: np.ndarray, b: np.ndarray) -> bool:
 def _serial(path: Path) -> int:
     with h5py.File(path) as file:
         return int(file.attrs["serial"])
+
+
+def gone_on(deck: Path, whole: Path, again: Path) -> str:
+    """What a run prints that goes on from the dump before the last; its bits are those of whole."""
+    shutil.copytree(whole, again)
+    max(again.glob("restart_*.h5"), key=lambda path: path.stat().st_mtime_ns).unlink()
+    done = crashsolve(deck, "-o", again, "--restart")
+    assert done.returncode == 0, done.stderr
+    assert "going on from t = " in done.stdout
+    assert differences(again, whole) == []
+    return done.stdout

@@ -1,12 +1,11 @@
 """Claim: shells go on to the same bits, draw what they computed, and stop where unstable."""
 
-import shutil
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from command import crashsolve, datasets, differences
+from command import crashsolve, datasets, gone_on
 
 from crashpost.result import Result
 
@@ -38,14 +37,7 @@ def test_a_plate_goes_on_from_its_dump_to_the_same_bits(
     whole: tuple[Path, Path], tmp_path: Path
 ) -> None:
     deck, folder = whole
-    again = tmp_path / "again"
-    shutil.copytree(folder, again)
-    # leaves the dump before the last
-    max(again.glob("restart_*.h5"), key=lambda path: path.stat().st_mtime_ns).unlink()
-    done = crashsolve(deck, "-o", again, "--restart")
-    assert done.returncode == 0, done.stderr
-    assert "going on from t = " in done.stdout
-    assert differences(again, folder) == []
+    gone_on(deck, folder, tmp_path / "again")
 
 
 def test_states_hold_what_histories_hold(whole: tuple[Path, Path]) -> None:
