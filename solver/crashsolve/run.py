@@ -151,11 +151,16 @@ class Run:
     def _begin(self, dump: Any) -> None:
         """Take up the dump, if any; prepare the estimates; open the files."""
         # both measure from the start of the run, whatever a dump brings
-        self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
+        self._take_up(self.engine)
         resumed = None if dump is None else self._restore(*dump)
         self.estimating = self.account.estimating = self._prepare_estimates(dump)
-        self.engine.on_pause = self._obey_at_once
         self._open(resumed)
+
+    def _take_up(self, engine: Engine) -> None:
+        """Make this engine the run's: what is told, written and obeyed is of it."""
+        self.engine = self.account.engine = engine
+        engine.on_pause = self._obey_at_once
+        self.histories, self.pictures = Histories(engine), Pictures(engine)
 
     def _open(self, resumed: float | None) -> None:
         """Evaluate the initial state, unless a dump brought another; open the files."""
@@ -204,10 +209,8 @@ class Run:
     def _start_anew(self) -> None:
         """The same deck from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
-        self.engine = self.account.engine = Engine(*build(self.deck))
-        self.engine.on_pause = self._obey_at_once
+        self._take_up(Engine(*build(self.deck)))
         self.account.phases = None
-        self.histories, self.pictures = Histories(self.engine), Pictures(self.engine)
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}
         self._clear_folder()

@@ -15,16 +15,14 @@ from typing import Any
 
 from pydantic import model_validator
 
-from crashsolve.deck.card import Card, CurveName, quantity, word
+from crashsolve.deck.card import CurveName, quantity, word
 from crashsolve.foundation.record import Record
+from crashsolve.materials import elastic
 
 
-class Elastoplastic(Card):
+class Elastoplastic(elastic.Elastic):
     """Elastoplastic material of von Mises."""
 
-    young: float = quantity("Pa", "E, modulus of elasticity", gt=0)
-    poisson: float = quantity("1", "nu, Poisson's ratio", gt=-1, lt=0.5)
-    density: float = quantity("kg/m^3", "mass per volume", gt=0)
     yield_stress: float | None = quantity("Pa", "Y_0; or give `curve`", default=None, gt=0)
     hardening: float = quantity("Pa", "H, stress over plastic strain", default=0.0, ge=0)
     kinematic: float = quantity("1", "beta, share of H that moves", default=0.0, ge=0, le=1)
@@ -45,11 +43,7 @@ PARAMETERS = HISTORY = OUTPUT = Record()
 
 
 def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:
-    return {
-        "young": card.young,
-        "poisson": card.poisson,
-        "shear": card.young / (2.0 + 2.0 * card.poisson),
-        "density": card.density,
+    return elastic.build(card, scene) | {
         "plastic": 1,
         "yield_stress": card.yield_stress or 0.0,
         "isotropic": (1.0 - card.kinematic) * card.hardening,

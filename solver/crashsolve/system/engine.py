@@ -156,10 +156,9 @@ class Engine:
         # no trace of how long it took may reach a dump
         clock["pause"] = 0
         spent = monotonic() - begun
-        if spent > LONGEST_CALL:
-            self._steps_per_call = max(self._steps_per_call // 2, 1)
-        elif spent < 0.25 * LONGEST_CALL and clock["status"] == PAUSED:
-            self._steps_per_call *= 2
+        if spent > LONGEST_CALL or clock["status"] == PAUSED:
+            share = min(max(0.5 * LONGEST_CALL / max(spent, 1e-6), 0.5), 1e3)
+            self._steps_per_call = max(int(self._steps_per_call * share), 1)
         return int(clock["status"])
 
     def sample(self, time: float | None = None) -> None:
