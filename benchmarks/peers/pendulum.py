@@ -62,6 +62,7 @@ PROBLEM = Problem(
             crash.DECKS / "benchmark/pendulum.yaml",
             [
                 ("rattle", "step", [3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5]),
+                ("dormand_prince_8", "step", [0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05]),
                 *crash.TOLERANCES,
             ],
             lambda body: body["bob"]["r"][:2],
