@@ -61,9 +61,6 @@ def plain(source: Path, name: str) -> Function:
 def _compile_apart(source: Path, name: str, tables: Tables, path: Path) -> None:
     """Write machine code to `path` in a process of its own, which no signal to this one reaches."""
     environment = {k: v for k, v in os.environ.items() if k != "CRASHSOLVE_CALL_KERNELS"}
-    # elements in blocks are what loops over lanes are for
-    vectors = "1" if "lanes" in tables.places else "0"
-    environment |= {"NUMBA_LOOP_VECTORIZE": vectors}
     words = [sys.executable, "-m", "crashsolve.foundation.compiler", source, name, path]
     done = subprocess.run(
         [str(word) for word in words],
