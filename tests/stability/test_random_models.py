@@ -11,7 +11,7 @@ from sweeps import REFUSED, STOPPED, outcome
 
 from crashpost.result import Result
 
-FEW, MANY = range(8), range(8, 308)
+FEW, MANY = range(8), range(8, 38)
 METHODS = [
     "rattle",
     "dormand_prince_5",
