@@ -39,6 +39,8 @@ def _kept_in_place(engine: Engine) -> dict[str, np.ndarray]:
         arrays |= {f"{name}/{c.word}": array for name, array in seen.items()}
     # a sample may lie within the last step
     arrays |= engine.stages
+    # an implicit method may use the factors of its last step in the next
+    arrays |= engine.tableau
     return arrays | {"saddle/columns": model.saddle.columns, "saddle/blocks": model.saddle.blocks}
 
 

@@ -56,8 +56,10 @@ def is_smooth(clock):
 
 
 @stage
-def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
+def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
     """The end of the step, by iteration. Returns whether that converges and the joints close.
+
+    `kept`: with the factors at hand.
 
     Writes: nodes, rows, scene.stages, new histories.
     """
@@ -75,8 +77,9 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
     for count in range(PASSES):
         stand_at_end(nodes, scene.stages, weights, h, ratio)
         visit_end(h, clock, nodes, rows, curves, scene)
-        if count == 0:
+        if count == 0 and not kept:
             tangents(clock, nodes, curves, compliant, scene)
+            clock.factored = h
             linearise(rows, compliant, nodes, t, tt)
             factor_compliant(factor, compliant, rows.shape[0], tt, t)
         missing_accelerations(nodes, scene.stages)

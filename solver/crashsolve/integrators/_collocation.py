@@ -48,8 +48,10 @@ def open_step(clock, nodes, rows, scene):
 
 
 @stage
-def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
+def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
     """All stages, by iteration. Returns whether they converge and the joints can be closed.
+
+    `kept`: with the factors at hand.
 
     Writes: nodes, rows, scene.stages, new histories.
     """
@@ -59,7 +61,7 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     previous, converged = 1e300, False
     for count in range(PASSES):
-        visit_stages(h, count == 0, clock, nodes, rows, saddle, curves, scene)
+        visit_stages(h, count == 0 and not kept, clock, nodes, rows, saddle, curves, scene)
         worst = correct_stages(h, speed, control, nodes, rows, scene)
         clock.iterations += 1
         clock.passes = count + 1
@@ -80,8 +82,8 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
 
 
 @stage
-def visit_stages(h, first, clock, nodes, rows, saddle, curves, scene):
-    """Rates of all stages where they are at present; in the first pass also their matrices.
+def visit_stages(h, anew, clock, nodes, rows, saddle, curves, scene):
+    """Rates of all stages where they are at present; `anew`: also their matrices.
 
     Writes: nodes, rows, scene.stages, new histories.
     """
@@ -93,9 +95,10 @@ def visit_stages(h, first, clock, nodes, rows, saddle, curves, scene):
         evaluate(clock.time + time, time, clock, nodes, rows, saddle, curves, scene)
         keep_rates(nodes, rows, scene.stages, i)
         keep_spin_rates(nodes, scene.stages, i)
-        if first:
+        if anew:
             t = h * scene.T[(STAGES + 1) * i]
             tangents(clock, nodes, curves, tables[i - 1], scene)
+            clock.factored = h
             linearise(rows, tables[i - 1], nodes, t, t * t)
             factor_compliant(factors[i - 1], tables[i - 1], rows.shape[0], t * t, t)
 

@@ -42,6 +42,8 @@ from crashsolve.system.stages import add_kick, add_outside, fastest_point, next_
 from crashsolve.system.timestep import fit
 
 MANY = 8  # passes for the stages of a step, after which the next is no longer
+# the factors of a step serve the next, of hardly another length, where few passes were enough
+FEW, CLOSE = 4, 0.02
 ATTEMPTS = 300  # at one step: what takes more will not end
 ONSET = 1e-4  # of the way in the step, by which what begins may be passed
 
@@ -113,7 +115,12 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
         if attempts > ATTEMPTS:
             clock.status = STEP_TOO_SMALL
             break
-        if not pass_stages(trial, clock, control, nodes, rows, saddle, curves, scene):
+        kept = serves(trial, clock)
+        if not pass_stages(trial, kept, clock, control, nodes, rows, saddle, curves, scene):
+            clock.factored = 0.0
+            # the factors may be what fails
+            if kept:
+                continue
             # too long for the iteration or the joints: as if the error were large
             clock.rejected += 1
             h = trial = clock.next_step = 0.25 * trial
@@ -144,7 +151,15 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
     # something began at the end, searched for or met by chance
     clock.kinked = 1 if bracket[-1] > 0 or bracket[3] > 0.0 else 0
     clock.located += clock.kinked
+    if clock.kinked == 1:
+        clock.factored = 0.0
     return trial
+
+
+@kernel
+def serves(h, clock):
+    """Whether the factors at hand do for a step of h."""
+    return clock.passes <= FEW and abs(h - clock.factored) <= CLOSE * h
 
 
 @kernel

@@ -42,6 +42,7 @@ CLOCK = Record(
     iterations=("count", "of positions, and passes over implicit stages"),
     kinked=("flag", "whether the last step ended where a contact begins or ends"),
     passes=("count", "passes of the last iteration for implicit stages"),
+    factored=("s", "step of the factors of an implicit method; 0: out of date"),
     rejected=("count", "attempts at a step that were too long"),
     fastest=("m/s", "largest speed so far, to which the error of a step is compared"),
     error=("1", "estimated error of the last step over size and speed"),
