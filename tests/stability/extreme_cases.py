@@ -350,6 +350,15 @@ MATRIX = (
         "vertical curves", "extreme/steep_curve", "width", (0,), "is refused", "", ALL, quick=(0,)
     ),
     Sweep(
+        "a table used up to its last share",
+        "extreme/table_spent",
+        "spent",
+        (0.5, 0.9, 0.999),
+        # methods that try a step again
+        integrators=("dormand_prince_5", *STIFF),
+        quick=(0.9,),
+    ),
+    Sweep(
         "tables read past their end, s",
         "extreme/table_end",
         "last",

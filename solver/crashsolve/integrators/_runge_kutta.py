@@ -192,6 +192,8 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
         if attempts > ATTEMPTS:
             clock.status = STEP_TOO_SMALL
             break
+        # past the end of a table in an attempt that was too long is no fault
+        curves[0].fault = 0
         closed = pass_stages(h, clock, control, nodes, rows, saddle, curves, scene)
         if closed and ONSETS:
             end, search = cut(h, search, clock, control, nodes, rows, saddle, curves, scene)
