@@ -118,3 +118,9 @@ def test_the_shear_flow_of_an_i_is_that_of_its_integral() -> None:
     assert 1 / (found["shear"][1] * found["area"]) == pytest.approx(flow, rel=1e-6)
     # equilibrium: the flow of the web is the whole force
     assert web.mean() * H == pytest.approx(1.0, rel=1e-6)
+
+
+def test_mass_elsewhere_than_stiffness_has_second_moments_of_its_own() -> None:
+    numbers = SECTIONS["general"]
+    assert "rotary" not in section("general", **numbers)
+    assert section("general", **numbers, rotary_z=9)["rotary"] == (3, 9)

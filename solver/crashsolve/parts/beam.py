@@ -120,8 +120,7 @@ def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
     section, material, length = _numbers(card, scene)
     start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.count
     quaternion = quaternion_of(_triad(card, section, scene))
-    I_y, I_z = section["second"]
-    per_length = material["density"] * np.diag([I_y + I_z, I_y, I_z])
+    per_length = rotary_inertia(section, material)
     nodes = []
     for k in range(n + 1):
         way = (end - start) * (k / n)
@@ -171,6 +170,12 @@ def stiffness_row(
     }
 
 
+def rotary_inertia(section: dict[str, Any], material: dict[str, Any]) -> np.ndarray:
+    """Rotary inertia per length (3, 3), axes of the section [kg m]."""
+    R_y, R_z = section.get("rotary", section["second"])
+    return material["density"] * np.diag([R_y + R_z, R_y, R_z])
+
+
 def _numbers(card: Beam, scene: Any) -> tuple[dict[str, Any], dict[str, Any], float]:
     """Section, material and length of an element."""
     length = dist(card.mesh.from_, card.mesh.to) / card.mesh.count
@@ -214,19 +219,19 @@ def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Any) -
 
 def _rate(row: dict[str, Any], node: int, scene: Any) -> float:
     """Largest eigenvalue of M^-1 sum k D^T D of one node of a straight element [1/s^2]."""
-    return fastest_rate(row, scene.mass[node], np.diag(scene.J[node].reshape(3, 3)))
+    return fastest_rate(row, scene.mass[node], scene.J[node].reshape(3, 3))
 
 
-def fastest_rate(row: dict[str, Any], mass: float, moments: Any) -> float:
-    """The same for a node of this mass and these moments of inertia, axes of the element."""
-    k, k_r, half = row["stiffness"], row["turning_stiffness"], 0.5 * row["length"]
-    J_x, J_y, J_z = moments
-    rates = [k[0] / mass, k_r[0] / J_x]
-    for shear, bend, J in ((k[1], k_r[2], J_z), (k[2], k_r[1], J_y)):
-        cross_term = shear * half / np.sqrt(mass * J)
-        plane = [[shear / mass, cross_term], [cross_term, (shear * half**2 + bend) / J]]
-        rates.append(float(np.linalg.eigvalsh(plane)[-1]))
-    return float(max(rates))
+def fastest_rate(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
+    """The same for a node of this mass and inertia (3, 3), axes of the element."""
+    half, D = 0.5 * row["length"], np.eye(6)
+    # shear along y turns about z, along z about y the other way
+    D[1, 5], D[2, 4] = half, -half
+    K = D.T @ np.diag([*row["stiffness"], *row["turning_stiffness"]]) @ D
+    M = np.zeros((6, 6))
+    M[:3, :3], M[3:, 3:] = mass * np.eye(3), J
+    inverse = np.linalg.inv(np.linalg.cholesky(M))
+    return float(np.linalg.eigvalsh(inverse @ K @ inverse.T)[-1])
 
 
 @kernel

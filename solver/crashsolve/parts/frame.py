@@ -59,15 +59,15 @@ def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
     _check(card, scene)
     section, material = beam.laws(card, scene)
     places, chains = _mesh(card)
-    I_y, I_z = section["second"]
+    per_length = beam.rotary_inertia(section, material)
     mass, J = np.zeros(len(places)), np.zeros((len(places), 3, 3))
     for a, b in chains:
         length = float(np.linalg.norm(places[b] - places[a]))
         T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
-        share = 0.5 * material["density"] * length
+        share = 0.5 * length
         for node in (a, b):
-            mass[node] += share * section["area"]
-            J[node] += share * T @ np.diag([I_y + I_z, I_y, I_z]) @ T.T
+            mass[node] += share * material["density"] * section["area"]
+            J[node] += share * T @ per_length @ T.T
     return [
         {
             "mass": mass[i],
@@ -93,9 +93,8 @@ def elements(card: Frame, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
         row = beam.stiffness_row(section, material, length, card.damping)
         rates = []
         for node in (nodes[a], nodes[b]):
-            # the least moment stands for all: where bars meet no axes are principal ones
-            least = np.linalg.eigvalsh(scene.J[node].reshape(3, 3))[0]
-            rates.append(beam.fastest_rate(row, scene.mass[node], [least] * 3))
+            J = T.T @ scene.J[node].reshape(3, 3) @ T
+            rates.append(beam.fastest_rate(row, scene.mass[node], J))
         ends = {"node_a": nodes[a], "node_b": nodes[b], "turn": quaternion_of(T)}
         rows.append(row | ends | {"rate_a": rates[0], "rate_b": rates[1]})
     return rows
