@@ -38,6 +38,7 @@ from crashsolve.foundation.vec3 import (
     sub,
     vec,
 )
+from crashsolve.parts._damping import Damped, brake, coefficients, heavier, report_added
 from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
 
 ZERO = (0.0, 0.0, 0.0)
@@ -67,7 +68,7 @@ class Mesh(Card):
         return self.elements * self.division
 
 
-class Beam(Card):
+class Beam(Damped):
     """Beam with shear and finite rotations; its nodes are bodies."""
 
     mesh: Mesh = word("nodes: P_start, P_1, P_2, ..., P_end of a part P; elements: P_1, P_2, ...")
@@ -76,7 +77,6 @@ class Beam(Card):
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
-    damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
     velocity: Vec3 = quantity("m/s", "at the start, of the first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
 
@@ -101,6 +101,10 @@ PARAMETERS = Record(
     stiffness=("N/m", 3, "diagonal of K"),
     turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
     damping=("s", "beta"),
+    drag_a=("1/s", "alpha, times the element's share in its first node"),
+    drag_b=("1/s", "the same of the second"),
+    viscosity=("N s/m", "rho A c b_1, of the stretch"),
+    quick_viscosity=("N s^2/m^2", "rho A b_2^2, of its square in compression"),
     rate_a=("1/s^2", "largest k times mobility at the first node"),
     rate_b=("1/s^2", "the same at the second"),
 )
@@ -120,15 +124,15 @@ def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
     section, material, length = _numbers(card, scene)
     start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.count
     quaternion = quaternion_of(_triad(card, section, scene))
-    per_length = rotary_inertia(section, material)
+    mass, J = halves(card, section, material, length, scene)
+    report_added(card, *scaled(card, section, material, np.full(n, length), scene), scene)
     nodes = []
     for k in range(n + 1):
-        way = (end - start) * (k / n)
-        share = length * (0.5 if k in (0, n) else 1.0)
+        way, ends = (end - start) * (k / n), 1 if k in (0, n) else 2
         nodes.append(
             {
-                "mass": material["density"] * section["area"] * share,
-                "inertia": per_length * share,
+                "mass": mass * ends,
+                "inertia": J * ends,
                 "mass_centre": ZERO,
                 "position": start + way,
                 "quaternion": quaternion,
@@ -139,24 +143,42 @@ def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
     return nodes
 
 
+def halves(
+    card: Any, section: dict[str, Any], material: dict[str, Any], length: float, scene: Any
+) -> tuple[float, np.ndarray]:
+    """Mass [kg] and inertia (3, 3) [kg m^2] of half an element, axes of the section."""
+    mass, factor = scaled(card, section, material, np.array([length]), scene)
+    share = 0.5 * float(factor[0]) * length
+    return 0.5 * float(mass[0] * factor[0]), share * rotary_inertia(section, material)
+
+
+def scaled(
+    card: Any, section: dict[str, Any], material: dict[str, Any], lengths: np.ndarray, scene: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """Masses of elements of these lengths [kg], and the factors by which they are heavier."""
+    mass = material["density"] * section["area"] * lengths
+    per_length, squares = rotary_inertia(section, material), []
+    for length, m in zip(lengths, mass, strict=True):
+        row = stiffness_row(section, material, length)
+        squares.append(2.0 * fastest_rate(row, 0.5 * m, 0.5 * length * per_length))
+    return mass, heavier(card, np.array(squares), scene)
+
+
 def elements(card: Beam, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     """The elements between neighbours."""
     section, material, length = _numbers(card, scene)
-    row = stiffness_row(section, material, length, card.damping)
-    pairs = zip(nodes[:-1], nodes[1:], strict=True)
+    half, _ = halves(card, section, material, length, scene)
+    row = stiffness_row(section, material, length) | damping_row(card, section, material, scene)
     return [
-        row
-        | {"node_a": a, "node_b": b}
-        | {"rate_a": _rate(row, a, scene)}
-        | {"rate_b": _rate(row, b, scene)}
-        for a, b in pairs
+        row | ends_row(card, row, (a, b), scene, np.eye(3), half)
+        for a, b in zip(nodes[:-1], nodes[1:], strict=True)
     ]
 
 
 def stiffness_row(
-    section: dict[str, Any], material: dict[str, Any], length: float, damping: float
+    section: dict[str, Any], material: dict[str, Any], length: float
 ) -> dict[str, Any]:
-    """Length, stiffness and damping of an element."""
+    """Length and stiffness of an element."""
     E, G, A = material["young"], material["shear"], section["area"]
     I_y, I_z = section["second"]
     shear_y, shear_z = section["shear"]
@@ -166,7 +188,38 @@ def stiffness_row(
         "length": length,
         "stiffness": (E * A / length, k_y, k_z),
         "turning_stiffness": np.array([G * section["torsion"], E * I_y, E * I_z]) / length,
-        "damping": damping,
+    }
+
+
+def damping_row(
+    card: Any, section: dict[str, Any], material: dict[str, Any], scene: Any
+) -> dict[str, Any]:
+    """Damping and viscosity of an element."""
+    b_1, b_2_squared = coefficients(card, scene)
+    per_length = material["density"] * section["area"]
+    speed = np.sqrt(material["young"] / material["density"])
+    return {
+        "damping": card.damping,
+        "viscosity": b_1 * per_length * speed,
+        "quick_viscosity": b_2_squared * per_length,
+    }
+
+
+def ends_row(
+    card: Any, row: dict[str, Any], nodes: tuple[int, int], scene: Any, T: np.ndarray, half: float
+) -> dict[str, Any]:
+    """Nodes of an element with half its mass each, drag on them and its bound of the step.
+
+    T are its axes in those of the nodes, as columns.
+    """
+    a, b = nodes
+    return {
+        "node_a": a,
+        "node_b": b,
+        "drag_a": card.drag * half / scene.mass[a],
+        "drag_b": card.drag * half / scene.mass[b],
+        "rate_a": fastest_rate(row, scene.mass[a], T.T @ scene.J[a].reshape(3, 3) @ T),
+        "rate_b": fastest_rate(row, scene.mass[b], T.T @ scene.J[b].reshape(3, 3) @ T),
     }
 
 
@@ -217,13 +270,11 @@ def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Any) -
     return np.column_stack([along, side, np.cross(along, side)])
 
 
-def _rate(row: dict[str, Any], node: int, scene: Any) -> float:
-    """Largest eigenvalue of M^-1 sum k D^T D of one node of a straight element [1/s^2]."""
-    return fastest_rate(row, scene.mass[node], scene.J[node].reshape(3, 3))
-
-
 def fastest_rate(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
-    """The same for a node of this mass and inertia (3, 3), axes of the element."""
+    """Largest eigenvalue of M^-1 sum k D^T D of one node of a straight element [1/s^2].
+
+    The node has this mass and inertia (3, 3), axes of the element.
+    """
     half, D = 0.5 * row["length"], np.eye(6)
     # shear along y turns about z, along z about y the other way
     D[1, 5], D[2, 4] = half, -half
@@ -240,6 +291,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
     pull(p, out, a, b, R, v, w)
+    drag(p, out, nodes)
 
 
 @kernel
@@ -254,6 +306,8 @@ def pull(p, out, a, b, R, v, w):
     u_dot = matvec_t(R, sub(vec(b.v), vec(a.v)))
     u_dot = sub(u_dot, cross(sub(mean, swing_of(v, w, spin)), y))
     f, energy, power = answer(p.stiffness, p.damping, u, u_dot)
+    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    f, power = (f[0] + slow * u_dot[0], f[1], f[2]), power + slow * u_dot[0] * u_dot[0]
     m, bending, turning = answer(p.turning_stiffness, p.damping, theta, turned_rate(eta, v, spin))
     out.stored = energy + bending
     out.power = power + turning
@@ -273,8 +327,15 @@ def pull(p, out, a, b, R, v, w):
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
     # rows of a bent or stretched element are longer than those of a straight one
     growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
-    tell(a, growth * p.rate_a, p.damping)
-    tell(b, growth * p.rate_b, p.damping)
+    tell(a, growth * p.rate_a, p.damping, slow)
+    tell(b, growth * p.rate_b, p.damping, slow)
+
+
+@kernel
+def drag(p, out, nodes):
+    """Drag on both nodes. Writes: nodes, out."""
+    if p.drag_a > 0.0:
+        out.power += brake(nodes, p.node_a, p.drag_a) + brake(nodes, p.node_b, p.drag_b)
 
 
 @kernel
@@ -287,10 +348,10 @@ def answer(stiffness, damping, x, x_dot):
 
 
 @kernel
-def tell(body, rate, damping):
+def tell(body, rate, damping, viscosity):
     """Tell the step control of an element. Writes: body."""
     body.stiffness += rate
-    body.damping += damping * rate
+    body.damping += damping * rate + viscosity * body.mass_inv
 
 
 @kernel

@@ -14,12 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity, word
+from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.posture import quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
 from crashsolve.parts import beam
+from crashsolve.parts._damping import Damped, report_added
 from crashsolve.parts._halfway import halfway_of
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, beam.TANGENTS
@@ -27,7 +28,7 @@ ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(turn=("1", 4, "unit quaternion Q, element to nodes"))
 
 
-class Frame(Card):
+class Frame(Damped):
     """Bars with shear and finite rotations between listed points; their nodes are bodies."""
 
     points: tuple[Vec3, ...] = quantity("m", "where bars meet: nodes P_1, P_2, ... of a part P")
@@ -40,7 +41,6 @@ class Frame(Card):
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
-    damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
     velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=beam.ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=beam.ZERO)
 
@@ -59,15 +59,17 @@ def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
     _check(card, scene)
     section, material = beam.laws(card, scene)
     places, chains = _mesh(card)
-    per_length = beam.rotary_inertia(section, material)
-    mass, J = np.zeros(len(places)), np.zeros((len(places), 3, 3))
+    mass, J, lengths = np.zeros(len(places)), np.zeros((len(places), 3, 3)), []
     for a, b in chains:
         length = float(np.linalg.norm(places[b] - places[a]))
         T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
-        share = 0.5 * length
+        half, inertia = beam.halves(card, section, material, length, scene)
+        lengths.append(length)
         for node in (a, b):
-            mass[node] += share * material["density"] * section["area"]
-            J[node] += share * T @ per_length @ T.T
+            mass[node] += half
+            J[node] += T @ inertia @ T.T
+    heaviness = beam.scaled(card, section, material, np.array(lengths), scene)
+    report_added(card, *heaviness, scene)
     return [
         {
             "mass": mass[i],
@@ -86,17 +88,14 @@ def elements(card: Frame, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     """The elements, bar after bar."""
     section, material = beam.laws(card, scene)
     places, chains = _mesh(card)
-    rows = []
+    damped, rows = beam.damping_row(card, section, material, scene), []
     for a, b in chains:
         length = float(np.linalg.norm(places[b] - places[a]))
         T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
-        row = beam.stiffness_row(section, material, length, card.damping)
-        rates = []
-        for node in (nodes[a], nodes[b]):
-            J = T.T @ scene.J[node].reshape(3, 3) @ T
-            rates.append(beam.fastest_rate(row, scene.mass[node], J))
-        ends = {"node_a": nodes[a], "node_b": nodes[b], "turn": quaternion_of(T)}
-        rows.append(row | ends | {"rate_a": rates[0], "rate_b": rates[1]})
+        row = beam.stiffness_row(section, material, length) | damped
+        half, _ = beam.halves(card, section, material, length, scene)
+        ends = beam.ends_row(card, row, (nodes[a], nodes[b]), scene, T, half)
+        rows.append(row | ends | {"turn": quaternion_of(T)})
     return rows
 
 
@@ -144,6 +143,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
     beam.pull(p, out, a, b, R, v, w)
+    beam.drag(p, out, nodes)
 
 
 @kernel
