@@ -99,3 +99,34 @@ def test_a_wrong_frame_is_refused(case: str, tmp_path: Path) -> None:
     with pytest.raises(DeckErrors) as caught:
         scene(tmp_path, DECK.replace(old, new))
     assert message in str(caught.value)
+
+
+ENDS = {
+    "no bar": ("{bar: 2, point: 1}", "ends: bar 2 does not end in point 1"),
+    "no point": ("{bar: 1, point: 3}", "ends: bar 1 does not end in point 3"),
+    "twice": ("{bar: 1, point: 2}, {bar: 1, point: 2}", "ends: bar 1 at point 2 is given twice"),
+    "massless": (
+        "{bar: 1, point: 2, free: [turn_y]}",
+        "every bar at point 2 has an end of its own",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", ENDS)
+def test_wrong_ends_are_refused(case: str, tmp_path: Path) -> None:
+    ends, message = ENDS[case]
+    with pytest.raises(DeckErrors) as caught:
+        scene(tmp_path, DECK.replace("bars: [[1, 2]]", f"bars: [[1, 2]]\n    ends: [{ends}]"))
+    assert message in str(caught.value)
+
+
+def test_a_joint_named_like_that_of_an_end_is_refused(tmp_path: Path) -> None:
+    text = DECK.replace("[0.6, 0.8, 0]]", "[0.6, 0.8, 0], [1, 0, 0]]").replace(
+        "bars: [[1, 2]]", "bars: [[1, 2], [2, 3]]\n    ends: [{bar: 2, point: 2}]"
+    )
+    model, _ = scene(tmp_path, text)
+    assert [joint.name for joint in model.joints] == ["bar_bar2_start"]  # type: ignore[attr-defined]
+    joint = "joints: {bar_bar2_start: {type: spherical, b: line_start, at: [0, 0, 0]}}\n"
+    with pytest.raises(DeckErrors) as caught:
+        scene(tmp_path, text + joint)
+    assert "its joint 'bar_bar2_start' has the name of another" in str(caught.value)

@@ -77,6 +77,9 @@ class Beam(Damped):
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
+    offset: tuple[float, float] = quantity(
+        "m", "of the section's centre from the line of nodes, along y and z", default=(0.0, 0.0)
+    )
     velocity: Vec3 = quantity("m/s", "at the start, of the first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
 
@@ -133,7 +136,7 @@ def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
             {
                 "mass": mass * ends,
                 "inertia": J * ends,
-                "mass_centre": ZERO,
+                "mass_centre": (0.0, *card.offset),
                 "position": start + way,
                 "quaternion": quaternion,
                 "velocity": np.asarray(card.velocity) + np.cross(card.angular_velocity, way),

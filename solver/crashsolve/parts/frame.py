@@ -19,7 +19,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.posture import quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
-from crashsolve.parts import beam
+from crashsolve.parts import _ends, beam
 from crashsolve.parts._damping import Damped, report_added
 from crashsolve.parts._halfway import halfway_of
 
@@ -36,6 +36,7 @@ class Frame(Damped):
         "pairs of points by their number from 1; nodes within bar k: P_bark_1, P_bark_2, ..."
     )
     elements: int = word("number of elements of each bar", ge=1)
+    ends: tuple[_ends.End, ...] = word("ends of bars hinged to their point, or beside it", ())
     section: SectionName = word("cross section")
     material: MaterialName = word("what it is made of")
     side: Vec3 | None = word(
@@ -47,7 +48,12 @@ class Frame(Damped):
     def node_names(self, part: str) -> list[str]:
         """Names of the nodes of a part of this name."""
         inner = [f"bar{k + 1}_{j}" for k in range(len(self.bars)) for j in range(1, self.elements)]
-        return [f"{part}_{word}" for word in (*range(1, len(self.points) + 1), *inner)]
+        own = [f"{part}_{word}" for word in (*range(1, len(self.points) + 1), *inner)]
+        return own + _ends.names(self, part)
+
+    def joints(self, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
+        """Joints that its ends bring: type and words by name."""
+        return _ends.joints(self, part)
 
     def element_names(self, part: str) -> list[str]:
         """Names of its elements, bar after bar."""
@@ -102,14 +108,18 @@ def elements(card: Frame, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
 def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
     """Places (n, 3) of all nodes, and the two nodes of each element."""
     places, chains = [np.asarray(point) for point in card.points], []
-    for first, last in card.bars:
-        start, end = places[first - 1], places[last - 1]
-        chain = [first - 1]
+    first_end = len(places) + len(card.bars) * (card.elements - 1)
+    own = {(end.bar, end.point): first_end + k for k, end in enumerate(card.ends)}
+    for k, (first, last) in enumerate(card.bars, start=1):
+        way = _ends.along(card, k)
+        chain = [own.get((k, first), first - 1)]
+        start = _ends.start(card, k)
         for j in range(1, card.elements):
             chain.append(len(places))
-            places.append(start + (end - start) * (j / card.elements))
-        chain.append(last - 1)
+            places.append(start + way * (j / card.elements))
+        chain.append(own.get((k, last), last - 1))
         chains += list(zip(chain[:-1], chain[1:], strict=True))
+    places += [_ends.place(card, end) for end in card.ends]
     return np.array(places), chains
 
 
@@ -119,12 +129,14 @@ def _check(card: Frame, scene: Any) -> None:
     for k, bar in enumerate(card.bars, start=1):
         if not all(1 <= end <= count for end in bar):
             raise scene.fail(f"bar {k} joins {list(bar)}, but points are 1 to {count}", "bars")
-        a, b = (np.asarray(card.points[end - 1]) for end in bar)
-        if not np.linalg.norm(b - a) > 0.0:
+        if not np.linalg.norm(_ends.along(card, k)) > 0.0:
             raise scene.fail(f"bar {k} begins and ends in one point", "bars")
         if frozenset(bar) in seen:
             raise scene.fail(f"bar {k} is given twice", "bars")
         seen.add(frozenset(bar))
+    wrong = _ends.fault(card)
+    if wrong:
+        raise scene.fail(wrong, "ends")
     loose = sorted(set(range(1, count + 1)) - {end for bar in card.bars for end in bar})
     if loose:
         raise scene.fail(f"point {loose[0]} has no bar; take it out or join it", "points")
