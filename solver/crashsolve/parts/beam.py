@@ -243,9 +243,15 @@ def _numbers(card: Beam, scene: Any) -> tuple[dict[str, Any], dict[str, Any], fl
 def laws(card: Any, scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     """Section and material of a card."""
     law, material_card = scene.law("materials", card.material)
+    is_fibrous, word = hasattr(card, "fibres"), law.__name__.rpartition(".")[2]
+    if word != ("elastoplastic" if is_fibrous else "elastic"):
+        advice = "say type: beam" if is_fibrous else "say type: fibre_beam for one that yields"
+        wanted = "elastoplastic" if is_fibrous else "elastic"
+        raise scene.fail(f"needs a material of type {wanted}; or {advice}", "material")
+    if is_fibrous:
+        # nodes are built before curves are; what yields is the fibres' business
+        material_card = material_card.model_copy(update={"curve": None})
     material = law.build(material_card, scene)
-    if "plastic" in material:
-        raise scene.fail("a beam cannot yield yet; name an elastic material", "material")
     law, section_card = scene.law("sections", card.section)
     return law.build(section_card, material["poisson"]), material
 
@@ -300,6 +306,20 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def pull(p, out, a, b, R, v, w):
     """Forces on the nodes a and b of an element whose frame is R. Writes: a, b, out."""
+    y, u, theta, u_dot, theta_dot = deformation(p, a, b, R, v, w)
+    f, energy, power = answer(p.stiffness, p.damping, u, u_dot)
+    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    f, power = (f[0] + slow * u_dot[0], f[1], f[2]), power + slow * u_dot[0] * u_dot[0]
+    m, bending, turning = answer(p.turning_stiffness, p.damping, theta, theta_dot)
+    out.stored = energy + bending
+    out.power = power + turning
+    out.loss = 0.0
+    act(p, out, a, b, R, v, w, y, theta, f, m, slow)
+
+
+@kernel
+def deformation(p, a, b, R, v, w):
+    """From a to b, u, theta and the rates of both, axes of R."""
     eta = half_angle_over_sine(v, w)
     y = matvec_t(R, sub(vec(b.r), vec(a.r)))
     spin = matvec_t(R, sub(vec(b.w), vec(a.w)))
@@ -308,20 +328,23 @@ def pull(p, out, a, b, R, v, w):
     theta = scale(2.0 * eta, v)
     u_dot = matvec_t(R, sub(vec(b.v), vec(a.v)))
     u_dot = sub(u_dot, cross(sub(mean, swing_of(v, w, spin)), y))
-    f, energy, power = answer(p.stiffness, p.damping, u, u_dot)
-    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
-    f, power = (f[0] + slow * u_dot[0], f[1], f[2]), power + slow * u_dot[0] * u_dot[0]
-    m, bending, turning = answer(p.turning_stiffness, p.damping, theta, turned_rate(eta, v, spin))
-    out.stored = energy + bending
-    out.power = power + turning
-    out.loss = 0.0
+    return y, u, theta, u_dot, turned_rate(eta, v, spin)
+
+
+@kernel
+def act(p, out, a, b, R, v, w, y, theta, f, m, slow):
+    """The force f and the moments m, which belong to u and theta, on both nodes.
+
+    Writes: a, b, out.
+    """
+    eta = half_angle_over_sine(v, w)
     # the force acts in both nodes; half of its moment about the other falls to each
     c = scale(0.5, cross(f, y))
     m = add(turned_rate(eta, v, m), scale(2.0, swing_of(v, w, c)))
     put(out.force, f)
     put(out.moment_a, sub(m, c))
     put(out.moment_b, add(m, c))
-    put(out.strain, scale(1.0 / p.length, u))
+    put(out.strain, scale(1.0 / p.length, (y[0] - p.length, y[1], y[2])))
     put(out.curvature, scale(1.0 / p.length, theta))
     f = matvec(R, f)
     add_to(a.force, f)

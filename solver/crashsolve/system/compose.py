@@ -614,6 +614,13 @@ LOST = {
 }
 
 
+def _part_damping(g: Any, entry: int) -> list[str]:
+    """What a part has lost by other than plastic work."""
+    lost = f"groups.{g.word}_h[clock.current, i]"
+    plastic = f" - {lost}.work" if "work" in (g.history.dtype.names or ()) else ""
+    return [f"    ledger[{entry}] += {lost}.dissipated{plastic}"]
+
+
 def _energy_calls(model: Any) -> list[str]:
     from crashsolve.model import ledger as e
 
@@ -633,9 +640,7 @@ def _energy_calls(model: Any) -> list[str]:
                 f"groups.{g.word}_h[clock.current, i].dissipated"
             )
         if g.keyword == "parts":
-            lines.append(
-                f"    ledger[{e.PART_DAMPING}] += groups.{g.word}_h[clock.current, i].dissipated"
-            )
+            lines += _part_damping(g, e.PART_DAMPING)
     for g in model.element_groups():
         lines += [
             f"for i in range(groups.{g.word}_o.shape[0]):",
