@@ -16,8 +16,9 @@ shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 from typing import Any, Literal
 
 import numpy as np
+from pydantic import model_validator
 
-from crashsolve.deck.card import Card, Law, MaterialName, Vec3, quantity, word
+from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
@@ -74,6 +75,22 @@ class Hold(Card):
     motions: tuple[Motion, ...] = word("along and about world axes", default=MOTIONS)
 
 
+class Weld(Card):
+    """Nodes that are part of a body: of a rigid one, or of the nodes of another part."""
+
+    nodes: str = word("set of nodes of the mesh")
+    to: BodyName | None = word("body, or node of a beam, that they are part of", default=None)
+    part: PartName | None = word(
+        "or a part of beams: each is part of the nearest of its nodes", default=None
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> "Weld":
+        if (self.to is None) == (self.part is None):
+            raise ValueError("needs either to or part")
+        return self
+
+
 class Shell(Damped):
     """Thin shell of quadrilaterals."""
 
@@ -85,6 +102,7 @@ class Shell(Damped):
     thinning: bool = word("the thickness follows the strain", default=False)
     nodes: tuple[NamedNode, ...] = word("nodes that are bodies", default=())
     hold: tuple[Hold, ...] = word("supports", default=())
+    welded: tuple[Weld, ...] = word("nodes without a motion of their own", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
     velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
@@ -229,18 +247,29 @@ class Laid:
         """Bits of the motions that every node does not make."""
         held = np.zeros(len(self.mesh.points), np.int64)
         for k, hold in enumerate(self.card.hold):
-            if hold.nodes not in self.mesh.sets:
-                known = ", ".join(sorted(self.mesh.sets)) or "none"
-                message = f"the mesh has no set of nodes '{hold.nodes}' (sets: {known})"
-                raise scene.fail(message, f"hold.{k}.nodes")
+            own = self._set(hold.nodes, f"hold.{k}.nodes", scene)
             for motion in hold.motions:
-                held[self.mesh.sets[hold.nodes]] |= 1 << MOTIONS.index(motion)
+                held[own] |= 1 << MOTIONS.index(motion)
         for node, index in zip(self.card.nodes, self.named, strict=True):
             if held[index]:
                 message = f"node '{node.name}' is held; say traces if you only want its history"
                 raise scene.fail(message, "nodes")
         held[self.named] = RIDES
+        for k, weld in enumerate(self.card.welded):
+            own = self._set(weld.nodes, f"welded.{k}.nodes", scene)
+            if held[own].any():
+                message = "some of these nodes are held, welded or named otherwise already"
+                raise scene.fail(message, f"welded.{k}.nodes")
+            held[own] = RIDES
         return held
+
+    def _set(self, name: str, field: str, scene: Any) -> np.ndarray:
+        """Numbers of a set of nodes."""
+        if name not in self.mesh.sets:
+            known = ", ".join(sorted(self.mesh.sets)) or "none"
+            raise scene.fail(f"the mesh has no set of nodes '{name}' (sets: {known})", field)
+        own: np.ndarray = self.mesh.sets[name]
+        return own
 
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], of held nodes without what they do not make."""
