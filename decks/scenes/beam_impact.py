@@ -167,7 +167,7 @@ def draw_meshes(runs: Runs, plt: Any) -> None:
         ax.set_xlabel("elements")
         ax.set_xticks(FINER, [str(n) for n in FINER])
         ax.minorticks_off()
-        ax.legend(fontsize=6)
+        ax.legend(fontsize=6, handlelength=4)
     save(figure, "meshes")
 
 

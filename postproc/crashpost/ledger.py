@@ -20,7 +20,8 @@ SUMS = ("imbalance", "largest", "initial")
 # what there is and its sum, then what was lost, then what came from outside
 ORDER = (
     *("kinetic", "potential", "spring stored", "contact stored", "friction stored", "mechanical"),
-    *("spring dissipated", "contact dissipated", "friction dissipated", "joint friction", "brake"),
+    *("spring dissipated", "part damping", "contact dissipated", "friction dissipated"),
+    *("joint friction", "brake"),
     *("external work", "driver work"),
 )
 

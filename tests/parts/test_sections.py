@@ -1,6 +1,7 @@
 """Sections of beams against integrals, tables and each other."""
 
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,11 +15,17 @@ SECTIONS = {
     "rectangle": {"width": 0.2, "height": 0.5},
     "rectangular_tube": {"width": 0.2, "height": 0.5, "thickness": 0.001},
     "i_section": {"width": 0.2, "height": 0.4, "flange": 0.01, "web": 0.008},
+    "fibres": {
+        "fibres": [[1, 1, 2], [-1, 1, 2], [1, -1, 2], [-1, -1, 2]],
+        "torsion": 5,
+        "shear_y": 0.6,
+        "shear_z": 0.7,
+    },
     "general": {"area": 2, "I_y": 3, "I_z": 4, "torsion": 5, "shear_y": 0.6, "shear_z": 0.7},
 }
 
 
-def section(word: str, poisson: float = NU, **fields: float) -> dict:
+def section(word: str, poisson: float = NU, **fields: Any) -> dict:
     kind = law_class("sections", word)
     return __import__(kind.__module__, fromlist=["build"]).build(kind(**fields), poisson)
 
@@ -118,3 +125,9 @@ def test_the_shear_flow_of_an_i_is_that_of_its_integral() -> None:
     assert 1 / (found["shear"][1] * found["area"]) == pytest.approx(flow, rel=1e-6)
     # equilibrium: the flow of the web is the whole force
     assert web.mean() * H == pytest.approx(1.0, rel=1e-6)
+
+
+def test_mass_elsewhere_than_stiffness_has_second_moments_of_its_own() -> None:
+    numbers = SECTIONS["general"]
+    assert "rotary" not in section("general", **numbers)
+    assert section("general", **numbers, rotary_z=9)["rotary"] == (3, 9)

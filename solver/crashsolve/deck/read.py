@@ -108,6 +108,7 @@ class _Reader:
         watch = [self.card(item, Watch) for item in self.items["watch"].values()]
         title = self.title()
         self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.mistakes)
+        entries["joints"] |= joints_of_parts(entries, self.mistakes)
         for group in entries.values():
             for entry in group.values():
                 self.check_names(entry)
@@ -243,6 +244,23 @@ def part_nodes(
             mistakes.append(_placed(part.item, Mistake((), message, "rename one of them")))
         names += own
     return names
+
+
+def joints_of_parts(
+    entries: Mapping[str, dict[str, Entry]], mistakes: list[DeckError]
+) -> dict[str, Entry]:
+    """Joints that parts bring; one whose name a joint of the deck has goes to `mistakes`."""
+    found: dict[str, Entry] = {}
+    for part in entries["parts"].values():
+        own = part.card.joints(part.name) if hasattr(part.card, "joints") else {}
+        for name, (word, fields) in own.items():
+            if name in entries["joints"]:
+                message = f"its joint '{name}' has the name of another"
+                mistakes.append(_placed(part.item, Mistake((), message, "rename one of them")))
+            kind = law_class("joints", word)
+            card = kind.model_validate(fields)
+            found[name] = Entry(name, word, kind.__module__, card, part.where, part.item)
+    return found
 
 
 def _placed(item: Item, mistake: Mistake) -> DeckError:

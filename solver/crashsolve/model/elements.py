@@ -45,10 +45,8 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
             row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
             row["element_count"] = len(laid.area)
             corners.append((laid.corners() + points).ravel())
-            own = np.zeros(len(laid.named), RIDER.dtype)
-            own["point"], own["node"] = np.add(laid.named, points), scene.part_nodes[name]
-            riders.append(own)
-            mass += laid.mass.sum() - laid.mass[laid.named].sum()
+            riders.append(_riders(laid, scene.part_nodes[name], scene.rides[name], points, scene))
+            mass += laid.mass.sum() - laid.mass[riders[-1]["point"] - points].sum()
             points, first = points + len(laid.mass), first + laid.padded() // LANES * laid.stride
             count += len(laid.area)
     if not corners:
@@ -56,6 +54,18 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
     rows = max(g.module.ROWS for g in groups if hasattr(g.module, "deform"))
     work = np.zeros(rows * LANES)
     return Elements(np.concatenate(corners), np.concatenate(riders), work, parts, mass)
+
+
+def _riders(
+    laid: Any, named: list[int], rides: list[tuple[int, int]], first: int, scene: Scene
+) -> np.ndarray:
+    """Points of a part that ride on bodies: those of its named nodes, and welded ones."""
+    pairs = [*zip(laid.named, named, strict=True), *rides]
+    rows = np.zeros(len(pairs), RIDER.dtype)
+    for row, (point, node) in zip(rows, pairs, strict=True):
+        row["point"], row["node"] = point + first, node
+        row["spot"] = scene.to_body(node, laid.mesh.points[point])
+    return rows
 
 
 def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:

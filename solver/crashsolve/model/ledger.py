@@ -1,4 +1,7 @@
-"""The entries of the energy ledger, in the order of State.ledger."""
+"""The entries of the energy ledger, in the order of State.ledger.
+
+Entries behind the imbalance are shares of others: they are told, and summed nowhere.
+"""
 
 ENTRIES = (
     "kinetic",
@@ -16,6 +19,7 @@ ENTRIES = (
     "initial",
     "largest",
     "imbalance",
+    "part_damping",
 )
 (
     KINETIC,
@@ -33,6 +37,7 @@ ENTRIES = (
     INITIAL,
     LARGEST,
     IMBALANCE,
+    PART_DAMPING,
 ) = range(len(ENTRIES))
 # what the energy at the start is the sum of
 STORED = (KINETIC, POTENTIAL, SPRING_STORED, CONTACT_STORED, FRICTION_STORED)

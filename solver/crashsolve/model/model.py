@@ -135,6 +135,28 @@ class Model:
         name, row = self._last_part("first_element", number)
         return f"{name}_{number - row['first_element'] + 1}"
 
+    def element_with_node(self, number: int) -> str:
+        """Name of an element, and that of its nodes with the least mass."""
+        name, row = self._last_part("first_element", number)
+        assert self.elements is not None
+        laid = self.elements.parts[name]
+        corners = laid.mesh.quads[number - row["first_element"]]
+        lightest = corners[np.argmin(laid.mass[corners])]
+        return f"{self.element_name(number)}, node {lightest + 1}"
+
+    def node_with_element(self, node: int) -> str:
+        """Name of a body; of a part's node with that of its stiffest element."""
+        fastest, words = 0.0, self.bodies[node]
+        for g in self.groups:
+            if g.keyword != "parts" or "node_a" not in (g.parameters.dtype.names or ()):
+                continue
+            for end in "ab":
+                for i in np.flatnonzero(g.parameters[f"node_{end}"] == node):
+                    rate = float(g.parameters[f"rate_{end}"][i])
+                    if rate > fastest:
+                        fastest, words = rate, f"{g.names[i]}, node {self.bodies[node]}"
+        return words
+
     def part_at(self, place: int) -> str:
         """The part whose point a place behind those of the bodies is."""
         point = place - len(self.bodies)

@@ -74,6 +74,10 @@ class Scene:
         for entry in deck.entries["bodies"].values():
             with self.building(entry):
                 self._weld(entry)
+        self.rides: dict[str, list[tuple[int, int]]] = {}  # points of a part, and their bodies
+        for part in deck.entries["parts"].values():
+            with self.building(part):
+                self.rides[part.name] = self._ride(part)
         self.size = self._model_size()
 
     def _place_body(self, i: int, body: dict[str, Any]) -> None:
@@ -107,6 +111,46 @@ class Scene:
             self.welded[node] = body
         if nodes:
             welds.lump(body, nodes, self)
+
+    def _ride(self, part: Entry) -> list[tuple[int, int]]:
+        """Points of a part that are part of bodies, with these; their masses go to the bodies."""
+        pairs: list[tuple[int, int]] = []
+        if self.errors:
+            return pairs
+        for k, weld in enumerate(getattr(part.card, "welded", ())):
+            laid = self.laid(part.card)
+            points = laid.mesh.sets[weld.nodes]
+            others = self._weld_targets(weld, part, f"welded.{k}")
+            x = laid.mesh.points[points]
+            gaps = np.linalg.norm(x[:, None] - self.r[None, others], axis=2)
+            nearest = np.asarray(others)[np.argmin(gaps, axis=1)]
+            for body in np.unique(nearest):
+                own = points[nearest == body]
+                self._check_ride(laid, own, int(body), f"welded.{k}")
+                places = laid.mesh.points[own]
+                welds.lump_points(int(body), places, laid.mass[own], laid.J[own], self)
+                pairs += [(int(point), int(body)) for point in own]
+        return pairs
+
+    def _weld_targets(self, weld: Any, part: Entry, field: str) -> list[int]:
+        """Bodies among which the nodes of a set find theirs."""
+        some = [self._index[weld.to]] if weld.to else self.part_nodes[weld.part]
+        if 0 in some:
+            raise self.fail("the ground holds nodes by `hold`", f"{field}.to")
+        if weld.part == part.name or not some:
+            raise self.fail("needs a part whose nodes are bodies, other than itself", field)
+        return [self.welded.get(node, node) for node in some]
+
+    def _check_ride(self, laid: Any, points: np.ndarray, body: int, field: str) -> None:
+        """The points must begin with the motion of their places on the body."""
+        way = laid.mesh.points[points] - self.r[body]
+        there = self.v[body] + np.cross(self.w[body], way)
+        apart = float(np.linalg.norm(laid.velocities()[points] - there, axis=1).max(initial=0.0))
+        spin = float(np.linalg.norm(np.asarray(laid.card.angular_velocity) - self.w[body]))
+        speed = float(np.linalg.norm(there, axis=1).max(initial=0.0))
+        if apart > SAME * (speed + 1.0) or spin > SAME * (1.0 + np.linalg.norm(self.w[body])):
+            message = f"nodes begin {apart:.3g} m/s faster than their places on the body"
+            raise self.fail(f"{message}; give both the same motion", field)
 
     def _model_size(self) -> float:
         """Extent of the bodies with their radii of gyration [m]."""

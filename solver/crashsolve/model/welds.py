@@ -41,6 +41,26 @@ def lump(body: int, slaves: list[int], scene: Any) -> None:
     scene.r[body], scene.mass[body], scene.J[body] = centre, mass.sum(), J.ravel()
 
 
+def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene: Any) -> None:
+    """Add points (n, 3) of these masses and inertias about any axis to a body.
+
+    Writes: scene.mass, J, r, v, offset.
+    """
+    A, total = scene.matrix(body), scene.mass[body] + mass.sum()
+    centre = (scene.mass[body] * scene.r[body] + mass @ x) / total
+    if any(body in nodes for nodes in scene.part_nodes.values()):
+        # an element holds its node at the mass centre, which must stay on the axis
+        centre = scene.r[body]
+    moments = scene.J[body].reshape(3, 3) + J.sum() * np.eye(3)
+    places, masses = np.vstack([scene.r[body], x]), np.append(scene.mass[body], mass)
+    for s, m in zip((places - centre) @ A, masses, strict=True):
+        moments += m * (s @ s * np.eye(3) - np.outer(s, s))
+    way = centre - scene.r[body]
+    scene.v[body] += np.cross(scene.w[body], way)
+    scene.offset[body] += A.T @ way
+    scene.r[body], scene.mass[body], scene.J[body] = centre, total, moments.ravel()
+
+
 def misfit(body: int, slave: int, scene: Any) -> float:
     """Difference of the velocities of a node and of its place on the body [m/s]."""
     way = scene.r[slave] - scene.r[body]

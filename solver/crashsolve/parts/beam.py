@@ -38,6 +38,7 @@ from crashsolve.foundation.vec3 import (
     sub,
     vec,
 )
+from crashsolve.parts._damping import Damped, brake, coefficients, heavier, report_added
 from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
 
 ZERO = (0.0, 0.0, 0.0)
@@ -67,7 +68,7 @@ class Mesh(Card):
         return self.elements * self.division
 
 
-class Beam(Card):
+class Beam(Damped):
     """Beam with shear and finite rotations; its nodes are bodies."""
 
     mesh: Mesh = word("nodes: P_start, P_1, P_2, ..., P_end of a part P; elements: P_1, P_2, ...")
@@ -76,7 +77,9 @@ class Beam(Card):
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
-    damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
+    offset: tuple[float, float] = quantity(
+        "m", "of the section's centre from the line of nodes, along y and z", default=(0.0, 0.0)
+    )
     velocity: Vec3 = quantity("m/s", "at the start, of the first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
 
@@ -101,6 +104,10 @@ PARAMETERS = Record(
     stiffness=("N/m", 3, "diagonal of K"),
     turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
     damping=("s", "beta"),
+    drag_a=("1/s", "alpha, times the element's share in its first node"),
+    drag_b=("1/s", "the same of the second"),
+    viscosity=("N s/m", "rho A c b_1, of the stretch"),
+    quick_viscosity=("N s^2/m^2", "rho A b_2^2, of its square in compression"),
     rate_a=("1/s^2", "largest k times mobility at the first node"),
     rate_b=("1/s^2", "the same at the second"),
 )
@@ -120,17 +127,16 @@ def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
     section, material, length = _numbers(card, scene)
     start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.count
     quaternion = quaternion_of(_triad(card, section, scene))
-    I_y, I_z = section["second"]
-    per_length = material["density"] * np.diag([I_y + I_z, I_y, I_z])
+    mass, J = halves(card, section, material, length, scene)
+    report_added(card, *scaled(card, section, material, np.full(n, length), scene), scene)
     nodes = []
     for k in range(n + 1):
-        way = (end - start) * (k / n)
-        share = length * (0.5 if k in (0, n) else 1.0)
+        way, ends = (end - start) * (k / n), 1 if k in (0, n) else 2
         nodes.append(
             {
-                "mass": material["density"] * section["area"] * share,
-                "inertia": per_length * share,
-                "mass_centre": ZERO,
+                "mass": mass * ends,
+                "inertia": J * ends,
+                "mass_centre": (0.0, *card.offset),
                 "position": start + way,
                 "quaternion": quaternion,
                 "velocity": np.asarray(card.velocity) + np.cross(card.angular_velocity, way),
@@ -140,24 +146,42 @@ def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
     return nodes
 
 
+def halves(
+    card: Any, section: dict[str, Any], material: dict[str, Any], length: float, scene: Any
+) -> tuple[float, np.ndarray]:
+    """Mass [kg] and inertia (3, 3) [kg m^2] of half an element, axes of the section."""
+    mass, factor = scaled(card, section, material, np.array([length]), scene)
+    share = 0.5 * float(factor[0]) * length
+    return 0.5 * float(mass[0] * factor[0]), share * rotary_inertia(section, material)
+
+
+def scaled(
+    card: Any, section: dict[str, Any], material: dict[str, Any], lengths: np.ndarray, scene: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """Masses of elements of these lengths [kg], and the factors by which they are heavier."""
+    mass = material["density"] * section["area"] * lengths
+    per_length, squares = rotary_inertia(section, material), []
+    for length, m in zip(lengths, mass, strict=True):
+        row = stiffness_row(section, material, length)
+        squares.append(2.0 * fastest_rate(row, 0.5 * m, 0.5 * length * per_length))
+    return mass, heavier(card, np.array(squares), scene)
+
+
 def elements(card: Beam, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     """The elements between neighbours."""
     section, material, length = _numbers(card, scene)
-    row = stiffness_row(section, material, length, card.damping)
-    pairs = zip(nodes[:-1], nodes[1:], strict=True)
+    half, _ = halves(card, section, material, length, scene)
+    row = stiffness_row(section, material, length) | damping_row(card, section, material, scene)
     return [
-        row
-        | {"node_a": a, "node_b": b}
-        | {"rate_a": _rate(row, a, scene)}
-        | {"rate_b": _rate(row, b, scene)}
-        for a, b in pairs
+        row | ends_row(card, row, (a, b), scene, np.eye(3), half)
+        for a, b in zip(nodes[:-1], nodes[1:], strict=True)
     ]
 
 
 def stiffness_row(
-    section: dict[str, Any], material: dict[str, Any], length: float, damping: float
+    section: dict[str, Any], material: dict[str, Any], length: float
 ) -> dict[str, Any]:
-    """Length, stiffness and damping of an element."""
+    """Length and stiffness of an element."""
     E, G, A = material["young"], material["shear"], section["area"]
     I_y, I_z = section["second"]
     shear_y, shear_z = section["shear"]
@@ -167,8 +191,45 @@ def stiffness_row(
         "length": length,
         "stiffness": (E * A / length, k_y, k_z),
         "turning_stiffness": np.array([G * section["torsion"], E * I_y, E * I_z]) / length,
-        "damping": damping,
     }
+
+
+def damping_row(
+    card: Any, section: dict[str, Any], material: dict[str, Any], scene: Any
+) -> dict[str, Any]:
+    """Damping and viscosity of an element."""
+    b_1, b_2_squared = coefficients(card, scene)
+    per_length = material["density"] * section["area"]
+    speed = np.sqrt(material["young"] / material["density"])
+    return {
+        "damping": card.damping,
+        "viscosity": b_1 * per_length * speed,
+        "quick_viscosity": b_2_squared * per_length,
+    }
+
+
+def ends_row(
+    card: Any, row: dict[str, Any], nodes: tuple[int, int], scene: Any, T: np.ndarray, half: float
+) -> dict[str, Any]:
+    """Nodes of an element with half its mass each, drag on them and its bound of the step.
+
+    T are its axes in those of the nodes, as columns.
+    """
+    a, b = nodes
+    return {
+        "node_a": a,
+        "node_b": b,
+        "drag_a": card.drag * half / scene.mass[a],
+        "drag_b": card.drag * half / scene.mass[b],
+        "rate_a": fastest_rate(row, scene.mass[a], T.T @ scene.J[a].reshape(3, 3) @ T),
+        "rate_b": fastest_rate(row, scene.mass[b], T.T @ scene.J[b].reshape(3, 3) @ T),
+    }
+
+
+def rotary_inertia(section: dict[str, Any], material: dict[str, Any]) -> np.ndarray:
+    """Rotary inertia per length (3, 3), axes of the section [kg m]."""
+    R_y, R_z = section.get("rotary", section["second"])
+    return material["density"] * np.diag([R_y + R_z, R_y, R_z])
 
 
 def _numbers(card: Beam, scene: Any) -> tuple[dict[str, Any], dict[str, Any], float]:
@@ -182,9 +243,15 @@ def _numbers(card: Beam, scene: Any) -> tuple[dict[str, Any], dict[str, Any], fl
 def laws(card: Any, scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     """Section and material of a card."""
     law, material_card = scene.law("materials", card.material)
+    is_fibrous, word = hasattr(card, "fibres"), law.__name__.rpartition(".")[2]
+    if word != ("elastoplastic" if is_fibrous else "elastic"):
+        advice = "say type: beam" if is_fibrous else "say type: fibre_beam for one that yields"
+        wanted = "elastoplastic" if is_fibrous else "elastic"
+        raise scene.fail(f"needs a material of type {wanted}; or {advice}", "material")
+    if is_fibrous:
+        # nodes are built before curves are; what yields is the fibres' business
+        material_card = material_card.model_copy(update={"curve": None})
     material = law.build(material_card, scene)
-    if "plastic" in material:
-        raise scene.fail("a beam cannot yield yet; name an elastic material", "material")
     law, section_card = scene.law("sections", card.section)
     return law.build(section_card, material["poisson"]), material
 
@@ -212,21 +279,19 @@ def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Any) -
     return np.column_stack([along, side, np.cross(along, side)])
 
 
-def _rate(row: dict[str, Any], node: int, scene: Any) -> float:
-    """Largest eigenvalue of M^-1 sum k D^T D of one node of a straight element [1/s^2]."""
-    return fastest_rate(row, scene.mass[node], np.diag(scene.J[node].reshape(3, 3)))
+def fastest_rate(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
+    """Largest eigenvalue of M^-1 sum k D^T D of one node of a straight element [1/s^2].
 
-
-def fastest_rate(row: dict[str, Any], mass: float, moments: Any) -> float:
-    """The same for a node of this mass and these moments of inertia, axes of the element."""
-    k, k_r, half = row["stiffness"], row["turning_stiffness"], 0.5 * row["length"]
-    J_x, J_y, J_z = moments
-    rates = [k[0] / mass, k_r[0] / J_x]
-    for shear, bend, J in ((k[1], k_r[2], J_z), (k[2], k_r[1], J_y)):
-        cross_term = shear * half / np.sqrt(mass * J)
-        plane = [[shear / mass, cross_term], [cross_term, (shear * half**2 + bend) / J]]
-        rates.append(float(np.linalg.eigvalsh(plane)[-1]))
-    return float(max(rates))
+    The node has this mass and inertia (3, 3), axes of the element.
+    """
+    half, D = 0.5 * row["length"], np.eye(6)
+    # shear along y turns about z, along z about y the other way
+    D[1, 5], D[2, 4] = half, -half
+    K = D.T @ np.diag([*row["stiffness"], *row["turning_stiffness"]]) @ D
+    M = np.zeros((6, 6))
+    M[:3, :3], M[3:, 3:] = mass * np.eye(3), J
+    inverse = np.linalg.inv(np.linalg.cholesky(M))
+    return float(np.linalg.eigvalsh(inverse @ K @ inverse.T)[-1])
 
 
 @kernel
@@ -235,11 +300,26 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
     pull(p, out, a, b, R, v, w)
+    drag(p, out, nodes)
 
 
 @kernel
 def pull(p, out, a, b, R, v, w):
     """Forces on the nodes a and b of an element whose frame is R. Writes: a, b, out."""
+    y, u, theta, u_dot, theta_dot = deformation(p, a, b, R, v, w)
+    f, energy, power = answer(p.stiffness, p.damping, u, u_dot)
+    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    f, power = (f[0] + slow * u_dot[0], f[1], f[2]), power + slow * u_dot[0] * u_dot[0]
+    m, bending, turning = answer(p.turning_stiffness, p.damping, theta, theta_dot)
+    out.stored = energy + bending
+    out.power = power + turning
+    out.loss = 0.0
+    act(p, out, a, b, R, v, w, y, theta, f, m, slow)
+
+
+@kernel
+def deformation(p, a, b, R, v, w):
+    """From a to b, u, theta and the rates of both, axes of R."""
     eta = half_angle_over_sine(v, w)
     y = matvec_t(R, sub(vec(b.r), vec(a.r)))
     spin = matvec_t(R, sub(vec(b.w), vec(a.w)))
@@ -248,18 +328,23 @@ def pull(p, out, a, b, R, v, w):
     theta = scale(2.0 * eta, v)
     u_dot = matvec_t(R, sub(vec(b.v), vec(a.v)))
     u_dot = sub(u_dot, cross(sub(mean, swing_of(v, w, spin)), y))
-    f, energy, power = answer(p.stiffness, p.damping, u, u_dot)
-    m, bending, turning = answer(p.turning_stiffness, p.damping, theta, turned_rate(eta, v, spin))
-    out.stored = energy + bending
-    out.power = power + turning
-    out.loss = 0.0
+    return y, u, theta, u_dot, turned_rate(eta, v, spin)
+
+
+@kernel
+def act(p, out, a, b, R, v, w, y, theta, f, m, slow):
+    """The force f and the moments m, which belong to u and theta, on both nodes.
+
+    Writes: a, b, out.
+    """
+    eta = half_angle_over_sine(v, w)
     # the force acts in both nodes; half of its moment about the other falls to each
     c = scale(0.5, cross(f, y))
     m = add(turned_rate(eta, v, m), scale(2.0, swing_of(v, w, c)))
     put(out.force, f)
     put(out.moment_a, sub(m, c))
     put(out.moment_b, add(m, c))
-    put(out.strain, scale(1.0 / p.length, u))
+    put(out.strain, scale(1.0 / p.length, (y[0] - p.length, y[1], y[2])))
     put(out.curvature, scale(1.0 / p.length, theta))
     f = matvec(R, f)
     add_to(a.force, f)
@@ -268,8 +353,15 @@ def pull(p, out, a, b, R, v, w):
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
     # rows of a bent or stretched element are longer than those of a straight one
     growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
-    tell(a, growth * p.rate_a, p.damping)
-    tell(b, growth * p.rate_b, p.damping)
+    tell(a, growth * p.rate_a, p.damping, slow)
+    tell(b, growth * p.rate_b, p.damping, slow)
+
+
+@kernel
+def drag(p, out, nodes):
+    """Drag on both nodes. Writes: nodes, out."""
+    if p.drag_a > 0.0:
+        out.power += brake(nodes, p.node_a, p.drag_a) + brake(nodes, p.node_b, p.drag_b)
 
 
 @kernel
@@ -282,10 +374,10 @@ def answer(stiffness, damping, x, x_dot):
 
 
 @kernel
-def tell(body, rate, damping):
+def tell(body, rate, damping, viscosity):
     """Tell the step control of an element. Writes: body."""
     body.stiffness += rate
-    body.damping += damping * rate
+    body.damping += damping * rate + viscosity * body.mass_inv
 
 
 @kernel

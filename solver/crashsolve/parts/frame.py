@@ -14,12 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity, word
+from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.posture import quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
-from crashsolve.parts import beam
+from crashsolve.parts import _ends, beam
+from crashsolve.parts._damping import Damped, report_added
 from crashsolve.parts._halfway import halfway_of
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, beam.TANGENTS
@@ -27,7 +28,7 @@ ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(turn=("1", 4, "unit quaternion Q, element to nodes"))
 
 
-class Frame(Card):
+class Frame(Damped):
     """Bars with shear and finite rotations between listed points; their nodes are bodies."""
 
     points: tuple[Vec3, ...] = quantity("m", "where bars meet: nodes P_1, P_2, ... of a part P")
@@ -35,19 +36,24 @@ class Frame(Card):
         "pairs of points by their number from 1; nodes within bar k: P_bark_1, P_bark_2, ..."
     )
     elements: int = word("number of elements of each bar", ge=1)
+    ends: tuple[_ends.End, ...] = word("ends of bars hinged to their point, or beside it", ())
     section: SectionName = word("cross section")
     material: MaterialName = word("what it is made of")
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
-    damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
     velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=beam.ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=beam.ZERO)
 
     def node_names(self, part: str) -> list[str]:
         """Names of the nodes of a part of this name."""
         inner = [f"bar{k + 1}_{j}" for k in range(len(self.bars)) for j in range(1, self.elements)]
-        return [f"{part}_{word}" for word in (*range(1, len(self.points) + 1), *inner)]
+        own = [f"{part}_{word}" for word in (*range(1, len(self.points) + 1), *inner)]
+        return own + _ends.names(self, part)
+
+    def joints(self, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
+        """Joints that its ends bring: type and words by name."""
+        return _ends.joints(self, part)
 
     def element_names(self, part: str) -> list[str]:
         """Names of its elements, bar after bar."""
@@ -59,15 +65,17 @@ def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
     _check(card, scene)
     section, material = beam.laws(card, scene)
     places, chains = _mesh(card)
-    I_y, I_z = section["second"]
-    mass, J = np.zeros(len(places)), np.zeros((len(places), 3, 3))
+    mass, J, lengths = np.zeros(len(places)), np.zeros((len(places), 3, 3)), []
     for a, b in chains:
         length = float(np.linalg.norm(places[b] - places[a]))
         T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
-        share = 0.5 * material["density"] * length
+        half, inertia = beam.halves(card, section, material, length, scene)
+        lengths.append(length)
         for node in (a, b):
-            mass[node] += share * section["area"]
-            J[node] += share * T @ np.diag([I_y + I_z, I_y, I_z]) @ T.T
+            mass[node] += half
+            J[node] += T @ inertia @ T.T
+    heaviness = beam.scaled(card, section, material, np.array(lengths), scene)
+    report_added(card, *heaviness, scene)
     return [
         {
             "mass": mass[i],
@@ -86,32 +94,32 @@ def elements(card: Frame, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     """The elements, bar after bar."""
     section, material = beam.laws(card, scene)
     places, chains = _mesh(card)
-    rows = []
+    damped, rows = beam.damping_row(card, section, material, scene), []
     for a, b in chains:
         length = float(np.linalg.norm(places[b] - places[a]))
         T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
-        row = beam.stiffness_row(section, material, length, card.damping)
-        rates = []
-        for node in (nodes[a], nodes[b]):
-            # the least moment stands for all: where bars meet no axes are principal ones
-            least = np.linalg.eigvalsh(scene.J[node].reshape(3, 3))[0]
-            rates.append(beam.fastest_rate(row, scene.mass[node], [least] * 3))
-        ends = {"node_a": nodes[a], "node_b": nodes[b], "turn": quaternion_of(T)}
-        rows.append(row | ends | {"rate_a": rates[0], "rate_b": rates[1]})
+        row = beam.stiffness_row(section, material, length) | damped
+        half, _ = beam.halves(card, section, material, length, scene)
+        ends = beam.ends_row(card, row, (nodes[a], nodes[b]), scene, T, half)
+        rows.append(row | ends | {"turn": quaternion_of(T)})
     return rows
 
 
 def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
     """Places (n, 3) of all nodes, and the two nodes of each element."""
     places, chains = [np.asarray(point) for point in card.points], []
-    for first, last in card.bars:
-        start, end = places[first - 1], places[last - 1]
-        chain = [first - 1]
+    first_end = len(places) + len(card.bars) * (card.elements - 1)
+    own = {(end.bar, end.point): first_end + k for k, end in enumerate(card.ends)}
+    for k, (first, last) in enumerate(card.bars, start=1):
+        way = _ends.along(card, k)
+        chain = [own.get((k, first), first - 1)]
+        start = _ends.start(card, k)
         for j in range(1, card.elements):
             chain.append(len(places))
-            places.append(start + (end - start) * (j / card.elements))
-        chain.append(last - 1)
+            places.append(start + way * (j / card.elements))
+        chain.append(own.get((k, last), last - 1))
         chains += list(zip(chain[:-1], chain[1:], strict=True))
+    places += [_ends.place(card, end) for end in card.ends]
     return np.array(places), chains
 
 
@@ -121,12 +129,14 @@ def _check(card: Frame, scene: Any) -> None:
     for k, bar in enumerate(card.bars, start=1):
         if not all(1 <= end <= count for end in bar):
             raise scene.fail(f"bar {k} joins {list(bar)}, but points are 1 to {count}", "bars")
-        a, b = (np.asarray(card.points[end - 1]) for end in bar)
-        if not np.linalg.norm(b - a) > 0.0:
+        if not np.linalg.norm(_ends.along(card, k)) > 0.0:
             raise scene.fail(f"bar {k} begins and ends in one point", "bars")
         if frozenset(bar) in seen:
             raise scene.fail(f"bar {k} is given twice", "bars")
         seen.add(frozenset(bar))
+    wrong = _ends.fault(card)
+    if wrong:
+        raise scene.fail(wrong, "ends")
     loose = sorted(set(range(1, count + 1)) - {end for bar in card.bars for end in bar})
     if loose:
         raise scene.fail(f"point {loose[0]} has no bar; take it out or join it", "points")
@@ -145,6 +155,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
     beam.pull(p, out, a, b, R, v, w)
+    beam.drag(p, out, nodes)
 
 
 @kernel

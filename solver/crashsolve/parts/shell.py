@@ -16,14 +16,16 @@ shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 from typing import Any, Literal
 
 import numpy as np
+from pydantic import model_validator
 
-from crashsolve.deck.card import Card, Law, MaterialName, Vec3, quantity, word
+from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, norm, sub, vec
+from crashsolve.parts._damping import Damped, coefficients, heavier, report_added
 from crashsolve.parts._layers import ALL_ROWS, PLASTIC_ROWS, STRAIN, layers
-from crashsolve.parts._quad import hourglass_stiffness, plane_axes
+from crashsolve.parts._quad import hourglass_stiffness, plane_axes, rate_bound
 from crashsolve.parts._quad_block import (
     DRILL,
     DRILLING,
@@ -41,6 +43,7 @@ from crashsolve.parts._quad_block import (
     scatter,
     strain,
 )
+from crashsolve.parts._viscous import HEAVIER, SLOW_ROWS, TAKEN, allow, damp, slow_row
 
 STEPWISE = True
 ROWS = ALL_ROWS
@@ -72,7 +75,23 @@ class Hold(Card):
     motions: tuple[Motion, ...] = word("along and about world axes", default=MOTIONS)
 
 
-class Shell(Card):
+class Weld(Card):
+    """Nodes that are part of a body: of a rigid one, or of the nodes of another part."""
+
+    nodes: str = word("set of nodes of the mesh")
+    to: BodyName | None = word("body, or node of a beam, that they are part of", default=None)
+    part: PartName | None = word(
+        "or a part of beams: each is part of the nearest of its nodes", default=None
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> "Weld":
+        if (self.to is None) == (self.part is None):
+            raise ValueError("needs either to or part")
+        return self
+
+
+class Shell(Damped):
     """Thin shell of quadrilaterals."""
 
     mesh: Card = Law("meshes", "places of the nodes, elements, sets of nodes")
@@ -83,9 +102,9 @@ class Shell(Card):
     thinning: bool = word("the thickness follows the strain", default=False)
     nodes: tuple[NamedNode, ...] = word("nodes that are bodies", default=())
     hold: tuple[Hold, ...] = word("supports", default=())
+    welded: tuple[Weld, ...] = word("nodes without a motion of their own", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
-    drag: float = quantity("1/s", "alpha, damping force over momentum", default=0.0, ge=0)
     velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
 
@@ -110,6 +129,10 @@ PARAMETERS = Record(
     poisson=("1", "nu"),
     density=("kg/m^3", "rho"),
     drag=("1/s", "alpha"),
+    damping=("s", "beta"),
+    linear=("1", "b_1"),
+    quadratic=("1", "b_2^2"),
+    slows=("flag", "whether elements keep rows of damping and added mass"),
     layer_rows=("count", "numbers of a layer"),
     thins=("flag", "whether the thickness follows the strain"),
     plastic=("flag", "whether the material yields"),
@@ -128,6 +151,7 @@ OUTPUT = Record(
     drilling=("J", "of spins of the nodes about the normal against the turn of the plane"),
     plastic=("J", "plastic work"),
     drag=("J", "energy lost by drag"),
+    damping=("J", "energy lost by damping of strains and viscosity"),
 )
 
 # of the elements in pictures: unit and components; resultants along the element's axes
@@ -180,8 +204,11 @@ class Laid:
         self.weight = self.material.density * t * self.area
         self.radius_2 = (self.area + t * t) / 12.0
         corners = self.mesh.quads.ravel()
-        self.mass = np.bincount(corners, np.repeat(self.weight / 4, 4), n)
-        self.J = np.bincount(corners, np.repeat(self.weight / 4 * self.radius_2, 4), n)
+        self.slows = bool(card.damping or card.viscosity or card.mass_scaling)
+        self.heavier = self._heavier(scene)
+        share = self.heavier * self.weight / 4
+        self.mass = np.bincount(corners, np.repeat(share, 4), n)
+        self.J = np.bincount(corners, np.repeat(share * self.radius_2, 4), n)
         self.named = [nearest(self.mesh.points, node) for node in card.nodes]
         self.traced = [nearest(self.mesh.points, node) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
@@ -200,22 +227,49 @@ class Laid:
                 )
                 raise scene.fail(message, "mesh")
 
+    def _heavier(self, scene: Any) -> np.ndarray:
+        """Factors of the masses of the elements."""
+        if self.card.mass_scaling is None:
+            return np.ones(len(self.area))
+        E_rho, nu = self.material.young / self.material.density, self.material.poisson
+        # as plain Python: this is no place to compile for
+        bound = getattr(rate_bound, "py_func", rate_bound)
+        rows = zip(self._diagonals(), self.area, self.radius_2, strict=True)
+        squares = [
+            bound((D[0, 0], D[1, 0], D[0, 1], D[1, 1]), area, self.card.thickness, r_2, E_rho, nu)
+            for D, area, r_2 in rows
+        ]
+        factors: np.ndarray = heavier(self.card, np.array(squares), scene)
+        report_added(self.card, self.weight, factors, scene)
+        return factors
+
     def _held(self, scene: Any) -> np.ndarray:
         """Bits of the motions that every node does not make."""
         held = np.zeros(len(self.mesh.points), np.int64)
         for k, hold in enumerate(self.card.hold):
-            if hold.nodes not in self.mesh.sets:
-                known = ", ".join(sorted(self.mesh.sets)) or "none"
-                message = f"the mesh has no set of nodes '{hold.nodes}' (sets: {known})"
-                raise scene.fail(message, f"hold.{k}.nodes")
+            own = self._set(hold.nodes, f"hold.{k}.nodes", scene)
             for motion in hold.motions:
-                held[self.mesh.sets[hold.nodes]] |= 1 << MOTIONS.index(motion)
+                held[own] |= 1 << MOTIONS.index(motion)
         for node, index in zip(self.card.nodes, self.named, strict=True):
             if held[index]:
                 message = f"node '{node.name}' is held; say traces if you only want its history"
                 raise scene.fail(message, "nodes")
         held[self.named] = RIDES
+        for k, weld in enumerate(self.card.welded):
+            own = self._set(weld.nodes, f"welded.{k}.nodes", scene)
+            if held[own].any():
+                message = "some of these nodes are held, welded or named otherwise already"
+                raise scene.fail(message, f"welded.{k}.nodes")
+            held[own] = RIDES
         return held
+
+    def _set(self, name: str, field: str, scene: Any) -> np.ndarray:
+        """Numbers of a set of nodes."""
+        if name not in self.mesh.sets:
+            known = ", ".join(sorted(self.mesh.sets)) or "none"
+            raise scene.fail(f"the mesh has no set of nodes '{name}' (sets: {known})", field)
+        own: np.ndarray = self.mesh.sets[name]
+        return own
 
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], of held nodes without what they do not make."""
@@ -242,6 +296,8 @@ class Laid:
             *((SHAPE + k, column) for k, column in enumerate(self._shape().T)),
         ):
             table[:, row] = self._in_lanes(values)
+        if self.slows:
+            table[:, HEAVIER - SLOW_ROWS] = self._in_lanes(self.heavier)
 
     def corners(self) -> np.ndarray:
         """Points of the corners, (blocks, 4, lanes)."""
@@ -250,7 +306,12 @@ class Laid:
     @property
     def stride(self) -> int:
         """Numbers of a block."""
-        return LANES * (LAYERS + self.layer_rows * self.card.layers)
+        return LANES * (self._layers_end + SLOW_ROWS * self.slows)
+
+    @property
+    def _layers_end(self) -> int:
+        """Rows of a block up to its last layer."""
+        return LAYERS + self.layer_rows * self.card.layers
 
     def padded(self) -> int:
         """Elements with those that fill the last block."""
@@ -278,7 +339,7 @@ class Laid:
 
     def fields(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Values of FIELDS from what elements keep (m, rows)."""
-        layers = rows[:, LAYERS:].reshape(len(rows), self.card.layers, -1)
+        layers = rows[:, LAYERS : self._layers_end].reshape(len(rows), self.card.layers, -1)
         t, stress = rows[:, THICKNESS], layers[:, :, :3]
         zeta, weight = self.rule
         share = 0.5 * t[:, None] * weight
@@ -305,6 +366,10 @@ class Laid:
 
     def _shape(self) -> np.ndarray:
         """Inverse of the diagonals in axes between them, by rows (m, 4)."""
+        return np.linalg.inv(self._diagonals()).reshape(-1, 4)
+
+    def _diagonals(self) -> np.ndarray:
+        """Diagonals in axes between them, as columns (m, 2, 2)."""
         x = self.mesh.points[self.mesh.quads]
         d, e = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
         d_length, e_length = np.linalg.norm(d, axis=1), np.linalg.norm(e, axis=1)
@@ -312,7 +377,7 @@ class Laid:
         half = 0.5 * np.arccos(np.clip((d * e).sum(1) / (d_length * e_length), -1.0, 1.0))
         x, y = np.sin(half), np.cos(half)
         diagonals = np.array([[d_length * x, -e_length * x], [d_length * y, e_length * y]])
-        return np.linalg.inv(diagonals.transpose(2, 0, 1)).reshape(-1, 4)
+        return diagonals.transpose(2, 0, 1)
 
 
 def lay(card: Shell, scene: Any) -> Laid:
@@ -351,6 +416,10 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
         "zeta": np.append(zeta, room),
         "weight": np.append(weight, room),
         "drag": card.drag,
+        "damping": card.damping,
+        "linear": coefficients(card, scene)[0],
+        "quadratic": coefficients(card, scene)[1],
+        "slows": laid.slows,
     } | law.build(material_card, scene)
 
 
@@ -369,7 +438,11 @@ def deform(p, clock, h, scene):
         gather(points, corners, corner, work)
         strain(blocks, first, work, h, p)
         layers(blocks, first, work, h, p, scene.curves)
+        if p.slows == 1:
+            damp(blocks, first, work, h, p)
         push(blocks, first, work, p)
+        if p.slows == 1:
+            allow(blocks, first, work, h, p)
         scatter(points, corners, corner, live, work)
         for e in range(live):
             if work[LANES * RATE + e] > clock.element_rate:
@@ -382,7 +455,7 @@ def deform(p, clock, h, scene):
 def energies(p, new, out, scene):
     """Energies of a part. Writes: out."""
     out.kinetic = moving(p, scene.points)
-    out.strain = out.hourglass = out.drilling = out.plastic = 0.0
+    out.strain = out.hourglass = out.drilling = out.plastic = out.damping = 0.0
     for i in range(p.element_count):
         lane = i % LANES
         at = p.first + i // LANES * p.stride + lane
@@ -393,6 +466,8 @@ def energies(p, new, out, scene):
         out.hourglass += hourglass
         out.drilling += drilling
         out.plastic += scene.lanes[at + LANES * LOSS]
+        if p.slows == 1:
+            out.damping += scene.lanes[slow_row(p, at) + LANES * TAKEN]
     out.drag = new.damped
 
 

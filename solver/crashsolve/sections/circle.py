@@ -11,8 +11,11 @@ Mechanics 33, 335-340.
 from math import pi
 from typing import Any
 
+import numpy as np
+
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
+from crashsolve.sections.tube import rings
 
 
 class Circle(Card):
@@ -34,3 +37,8 @@ def build(card: Circle, poisson: float) -> dict[str, Any]:
         "torsion": 2.0 * second,
         "shear": (shear, shear),
     }
+
+
+def fibres(card: Circle, grid: tuple[int, int]) -> np.ndarray:
+    """Places and areas (y, z, A) of fibres: rings and sectors."""
+    return rings(0.0, card.radius, grid)

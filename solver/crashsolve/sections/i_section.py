@@ -12,10 +12,12 @@ Reference: Megson (2017), Aircraft Structures for Engineering Students, chapters
 
 from typing import Any
 
+import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
+from crashsolve.sections.rectangle import patch
 
 
 class ISection(Card):
@@ -57,3 +59,11 @@ def web_area(b: float, H: float, t_f: float, t_w: float) -> float:
     inertia = c * H + t_w * H**3 / 12.0
     web = (c * c * H + c * t_w * H**3 / 6.0 + t_w**2 * H**5 / 120.0) / t_w
     return float(inertia**2 / (t_f * H**2 * b**3 / 24.0 + web))
+
+
+def fibres(card: ISection, grid: tuple[int, int]) -> np.ndarray:
+    """Places and areas (y, z, A) of fibres, so many of each flange along y, of the web along z."""
+    flange = patch(card.width, card.flange, (grid[0], 1))
+    arm = (card.height - card.flange) / 2.0
+    web = patch(card.web, card.height - 2.0 * card.flange, (1, grid[1]))
+    return np.concatenate([flange - [0.0, arm, 0.0], flange + [0.0, arm, 0.0], web])

@@ -12,6 +12,8 @@ Mechanics 33, 335-340. Timoshenko and Goodier (1970), Theory of Elasticity, 109.
 from math import pi, tanh
 from typing import Any
 
+import numpy as np
+
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
 
@@ -42,3 +44,16 @@ def torsion(long: float, short: float) -> float:
     # terms of 1 / n^5: what is left out is below 1e-10
     series = sum(tanh(n * pi * long / (2.0 * short)) / n**5 for n in range(1, 301, 2))
     return long * short**3 * (1.0 / 3.0 - 64.0 * short / (pi**5 * long) * series)
+
+
+def fibres(card: Rectangle, grid: tuple[int, int]) -> np.ndarray:
+    """Places and areas (y, z, A) of fibres, so many along y and z."""
+    return patch(card.width, card.height, grid)
+
+
+def patch(width: float, height: float, grid: tuple[int, int]) -> np.ndarray:
+    """Fibres (y, z, A) of a rectangle about the origin."""
+    n, m = grid
+    y, z = ((np.arange(n) + 0.5) / n - 0.5) * width, ((np.arange(m) + 0.5) / m - 0.5) * height
+    Y, Z = np.meshgrid(y, z)
+    return np.column_stack([Y.ravel(), Z.ravel(), np.full(n * m, width * height / (n * m))])

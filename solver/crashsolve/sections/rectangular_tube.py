@@ -10,10 +10,12 @@ Reference: Megson (2017), Aircraft Structures for Engineering Students, chapters
 
 from typing import Any
 
+import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
+from crashsolve.sections.rectangle import patch
 
 
 class RectangularTube(Card):
@@ -58,3 +60,14 @@ def shear_area(flange: float, web: float, t: float) -> float:
     flanges = web**2 * flange**3 / 24.0
     webs = c * c * web + c * web**3 / 6.0 + web**5 / 120.0
     return inertia**2 / (t * (flanges + 2.0 * webs))
+
+
+def fibres(card: RectangularTube, grid: tuple[int, int]) -> np.ndarray:
+    """Places and areas (y, z, A) of fibres on the middle line, so many of each wall."""
+    t = card.thickness
+    a, b = card.width - t, card.height - t
+    flange, web = patch(a, 0.0, (grid[0], 1)), patch(0.0, b, (1, grid[1]))
+    flange[:, 2], web[:, 2] = a * t / grid[0], b * t / grid[1]
+    sides = [flange + [0.0, s * b / 2.0, 0.0] for s in (-1, 1)]
+    sides += [web + [s * a / 2.0, 0.0, 0.0] for s in (-1, 1)]
+    return np.concatenate(sides)

@@ -12,6 +12,7 @@ Mechanics 33, 335-340.
 from math import pi
 from typing import Any
 
+import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity
@@ -48,3 +49,20 @@ def build(card: Tube, poisson: float) -> dict[str, Any]:
         "torsion": 2.0 * second,
         "shear": (shear, shear),
     }
+
+
+def fibres(card: Tube, grid: tuple[int, int]) -> np.ndarray:
+    """Places and areas (y, z, A) of fibres: rings and sectors."""
+    return rings(card.radius - card.thickness, card.radius, grid)
+
+
+def rings(inner: float, outer: float, grid: tuple[int, int]) -> np.ndarray:
+    """Fibres (y, z, A) of equal areas, in rings and sectors between two radii."""
+    n, m = grid
+    edges = np.sqrt(np.linspace(inner**2, outer**2, n + 1))
+    # sectors have their mass centres at these radii
+    middle = 2.0 / 3.0 * np.diff(edges**3) / np.diff(edges**2) * np.sinc(1.0 / m)
+    angle = 2.0 * pi * (np.arange(m) + 0.5) / m
+    R, angles = np.meshgrid(middle, angle)
+    y, z = (R * np.cos(angles)).ravel(), (R * np.sin(angles)).ravel()
+    return np.column_stack([y, z, np.full(n * m, pi * (outer**2 - inner**2) / (n * m))])

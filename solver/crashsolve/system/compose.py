@@ -614,10 +614,19 @@ LOST = {
 }
 
 
+def _part_damping(g: Any, entry: int) -> list[str]:
+    """What a part has lost by other than plastic work."""
+    lost = f"groups.{g.word}_h[clock.current, i]"
+    plastic = f" - {lost}.work" if "work" in (g.history.dtype.names or ()) else ""
+    return [f"    ledger[{entry}] += {lost}.dissipated{plastic}"]
+
+
 def _energy_calls(model: Any) -> list[str]:
     from crashsolve.model import ledger as e
 
     lines = ["clear_ledger(ledger)", f"ledger[{e.KINETIC}] = kinetic_energy(nodes)"]
+    if any(g.keyword == "parts" for g in model.groups):
+        lines.append(f"ledger[{e.PART_DAMPING}] = 0.0")
     for g in model.force_groups():
         kind = getattr(g.module, "LEDGER", "external" if g.keyword == "loads" else "spring")
         lines += [
@@ -630,6 +639,8 @@ def _energy_calls(model: Any) -> list[str]:
                 f"    ledger[{getattr(e, LOST[kind])}] += "
                 f"groups.{g.word}_h[clock.current, i].dissipated"
             )
+        if g.keyword == "parts":
+            lines += _part_damping(g, e.PART_DAMPING)
     for g in model.element_groups():
         lines += [
             f"for i in range(groups.{g.word}_o.shape[0]):",
@@ -637,7 +648,8 @@ def _energy_calls(model: Any) -> list[str]:
             f"    {g.word}.energies(groups.{g.word}_p[i], new, o, groups)",
             f"    ledger[{e.KINETIC}] += o.kinetic",
             f"    ledger[{e.SPRING_STORED}] += o.strain + o.hourglass + o.drilling",
-            f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag",
+            f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag + o.damping",
+            f"    ledger[{e.PART_DAMPING}] += o.drag + o.damping",
         ]
     if model.elements:
         lines += ["points.guard(clock, nodes, groups.points)"]

@@ -113,10 +113,10 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
 
 
 def limiter(model: Model, limit_node: int) -> str:
-    """The body or the element that sets the step; empty where none does."""
-    if limit_node >= 0:
-        return model.bodies[limit_node] if limit_node else ""
-    return model.element_name(-1 - limit_node)
+    """The body, or element and its node, that sets the step; empty where none does."""
+    if limit_node < 0:
+        return model.element_with_node(-1 - limit_node)
+    return model.node_with_element(limit_node) if limit_node else ""
 
 
 def curve_end(model: Model) -> Diagnosis:

@@ -1,0 +1,205 @@
+"""Claims of fibre beams: elastic they are the beam; beyond yield closed forms hold."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from bench import Bench, Law
+
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+
+DECK = """
+title: one fibre beam
+control: {end_time: 1}
+materials:
+  soft: {type: elastoplastic, young: 2000, poisson: 0.3, density: 3, YIELD}
+  hooke: {type: elastic, young: 2000, poisson: 0.3, density: 3}
+sections: {s: {SECTION}}
+curves: {flow: {points: [[0, 4], [1, 24], [5, 24]]}}
+parts:
+  s: &s
+    type: fibre_beam
+    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 1}
+    section: s
+    material: soft
+    side: [0, 1, 0]
+    fibres: [GRID]
+    WORDS
+"""
+RECTANGLE = "type: rectangle, width: 0.5, height: 0.8"
+SHAPES = {
+    RECTANGLE: "4, 16",
+    "type: circle, radius: 0.4": "4, 16",
+    "type: tube, radius: 0.4, thickness: 0.05": "1, 64",
+    "type: rectangular_tube, width: 0.5, height: 0.8, thickness: 0.02": "16, 16",
+    "type: i_section, width: 0.5, height: 0.8, flange: 0.03, web: 0.02": "16, 32",
+}
+STIFF = "yield_stress: 1e9"
+PERFECT = "yield_stress: 4"
+
+
+def text(flow: str = STIFF, section: str = RECTANGLE, grid: str = "4, 16", words: str = "") -> str:
+    found = DECK
+    for word, value in (("YIELD", flow), ("SECTION", section), ("GRID", grid), ("WORDS", words)):
+        found = found.replace(word, value)
+    return found
+
+
+def element(folder: Path, *words: str) -> Law:
+    return Bench(folder, "", text(*words)).law("parts", "s_1")
+
+
+def act(law: Law) -> Any:
+    """The element's output after a step to where the nodes are."""
+    return law.force(h=1.0)
+
+
+def bend(law: Law, turn: float, axis: int = 1, stretch: float = 0.0) -> Any:
+    """Both ends turned against each other by an angle, on the arc of a circle."""
+    rotation = 0.5 * turn * np.eye(3)[axis]
+    nodes = law.bench.nodes
+    q = [[1.0, 0.0, 0.0, 0.0]] * 2
+    for node, sign in ((1, -1.0), (2, 1.0)):
+        law.bench.move(node, q=q[node - 1])
+        law.bench.turn(node, sign * rotation)
+    law.bench.move(2, r=nodes[1].r + [1.0 + stretch, 0.0, 0.0])
+    return act(law)
+
+
+@pytest.mark.parametrize("section", SHAPES)
+def test_below_yield_it_is_the_beam(tmp_path: Path, section: str) -> None:
+    words = text(STIFF, section, SHAPES[section], "damping: 0.1\n    drag: 2")
+    fibrous = Bench(tmp_path, "", words).law("parts", "s_1")
+    plain_beam = words.replace("type: fibre_beam", "type: beam").replace(
+        "material: soft", "material: hooke"
+    )
+    beam = Bench(tmp_path, "", plain_beam.replace(f"fibres: [{SHAPES[section]}]", "")).law(
+        "parts", "s_1"
+    )
+    fibrous.bench.shake(3, 1.0, 0.4)
+    beam.bench.nodes[:] = fibrous.bench.nodes
+    here, there = act(fibrous), beam.force()
+    # round-off of sums over fibres
+    for name in ("force", "moment_a", "moment_b"):
+        size = np.abs(there[name]).max()
+        np.testing.assert_allclose(here[name], there[name], atol=1e-12 * size)
+    for name in ("stored", "power"):
+        assert float(here[name]) == pytest.approx(float(there[name]), rel=1e-12)
+    n, m = fibrous.bench.nodes, beam.bench.nodes
+    np.testing.assert_allclose(n.stiffness, m.stiffness, rtol=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [1.5, 3.0, 10.0])
+def test_the_moment_of_a_rectangle_beyond_yield(tmp_path: Path, ratio: float) -> None:
+    """M = M_p (1 - (kappa_Y / kappa)^2 / 3) at kappa = ratio kappa_Y."""
+    law = element(tmp_path, PERFECT, RECTANGLE, "2, 32")
+    limit = 4.0 * 0.5 * 0.8**2 / 4.0
+    at_yield = 4.0 / 2000 / 0.4
+    out = bend(law, ratio * at_yield)
+    wanted = limit * (1.0 - 1.0 / (3.0 * ratio**2))
+    # fibres as high as 1/32 of the section yield one by one
+    assert float(out.moment_a[1]) == pytest.approx(wanted, rel=3e-3)
+
+
+LIMITS = {
+    RECTANGLE: 0.5 * 0.8**2 / 4,
+    "type: circle, radius: 0.4": 4 * 0.4**3 / 3,
+    "type: tube, radius: 0.4, thickness: 0.05": 4 * (0.4**3 - 0.35**3) / 3,
+    "type: rectangular_tube, width: 0.5, height: 0.8, thickness: 0.02": 0.02 * 0.78 * (0.48 + 0.39),
+    "type: i_section, width: 0.5, height: 0.8, flange: 0.03, web: 0.02": (
+        0.5 * 0.03 * 0.77 + 0.02 * 0.74**2 / 4
+    ),
+}
+
+
+@pytest.mark.parametrize("section", SHAPES)
+def test_limit_moments_about_y(tmp_path: Path, section: str) -> None:
+    out = bend(element(tmp_path, PERFECT, section, SHAPES[section]), 1.0)
+    # few fibres over the height: 1/(2 n^2) for their second moment, and sectors as chords
+    assert float(out.moment_a[1]) == pytest.approx(4.0 * LIMITS[section], rel=0.012)
+
+
+def test_a_fibre_hardens_along_its_curve_and_by_the_rate(tmp_path: Path) -> None:
+    law = element(tmp_path, "curve: flow, rate_D: 40, rate_q: 2")
+    law.bench.move(2, r=[1.1, 0, 0], v=[10, 0, 0])
+    out = act(law)
+    stress = float(out.force[0]) / (0.5 * 0.8)
+    plastic = 0.1 - stress / 2000
+    assert float(out.plastic_strain) == pytest.approx(plastic, rel=1e-12)
+    assert stress == pytest.approx((4 + 20 * plastic) * (1 + np.sqrt(10 / 40)), rel=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_work_of_a_cycle_is_stored_or_lost(tmp_path: Path, share: float) -> None:
+    law = element(tmp_path, f"yield_stress: 4, hardening: 300, kinematic: {share}")
+    work, before, lost, stored = 0.0, None, 0.0, 0.0
+    for angle in [*np.linspace(0, 0.2, 21), *np.linspace(0.2, -0.2, 41)]:
+        out = bend(law, angle)
+        moment = 0.5 * float(out.moment_a[1] + out.moment_b[1])
+        if before is not None:
+            work += 0.5 * (moment + before[1]) * (angle - before[0])
+        before, stored = (angle, moment), float(out.stored)
+        lost += float(out.loss)
+        law.accept()
+    assert lost > 0.0
+    assert work == pytest.approx(stored + lost, rel=1e-12)
+    assert float(law.out.plastic_work) == pytest.approx(lost, rel=1e-12)
+
+
+def test_a_sample_changes_nothing(tmp_path: Path) -> None:
+    law = element(tmp_path, PERFECT)
+    bend(law, 0.3)
+    law.accept()
+    first = act(law).moment_a.copy()
+    law.accept()
+    out = law.force(h=0.0)
+    np.testing.assert_allclose(out.moment_a, first, rtol=1e-13)
+    assert float(out.loss) == 0.0
+
+
+REFUSED = {
+    "elastic": (
+        "material: soft",
+        "material: hooke",
+        "needs a material of type elastoplastic; or say type: beam",
+    ),
+    "beam": ("type: fibre_beam", "type: beam", "fibres"),
+    "many": ("fibres: [4, 16]", "fibres: [9, 16]", "makes 144 fibres of this section; at most 64"),
+    "line": ("fibres: [4, 16]", "fibres: [1, 16]", "fibres on one line do not resist bending"),
+    "general": (
+        RECTANGLE,
+        "type: general, area: 1, I_y: 1, I_z: 1, torsion: 1, shear_y: 1, shear_z: 1",
+        "this section has no fibres",
+    ),
+    "implicit": (
+        "control: {",
+        "control: {integrator: radau_iia_5, ",
+        "'fibre_beam' counts in whole steps",
+    ),
+    "aside": (
+        RECTANGLE,
+        "type: fibres, fibres: [[0, 1, 1], [1, 2, 1]], torsion: 1, shear_y: 1, shear_z: 1",
+        "their mass centre must be the origin",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_yield_is_refused(tmp_path: Path, case: str) -> None:
+    old, new, message = REFUSED[case]
+    path = tmp_path / "deck.yaml"
+    assert old in text()
+    path.write_text(text().replace(old, new), "utf-8")
+    with pytest.raises(DeckErrors) as caught:
+        build(read_deck(path))
+    assert message in str(caught.value)
+
+
+def test_a_section_of_listed_fibres_is_a_sandwich(tmp_path: Path) -> None:
+    flanges = "[[0.1, 0.5, 0.2], [-0.1, 0.5, 0.2], [0.1, -0.5, 0.2], [-0.1, -0.5, 0.2]]"
+    section = f"type: fibres, fibres: {flanges}, torsion: 1, shear_y: 1, shear_z: 1"
+    out = bend(element(tmp_path, PERFECT, section), 0.1)
+    assert float(out.moment_a[1]) == pytest.approx(4.0 * 0.4 * 1.0, rel=1e-12)

@@ -1,0 +1,89 @@
+"""Claims of shells that are part of other bodies: mass goes over whole, mistakes are refused."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+
+DECK = """
+title: a plate on a hub
+control: {end_time: 1}
+materials: {nylon: {type: elastic, young: 2e9, poisson: 0.3, density: 1000}}
+sections: {rod: {type: circle, radius: 0.01}}
+bodies:
+  hub: {mass: 0.3, inertia: [3e-4, 4e-4, 5e-4], position: [-0.1, 0, 0], rotation: {axis: [1, 2, 3], angle: 0.7}}
+parts:
+  plate:
+    type: shell
+    mesh: {type: grid, along: [0.2, 0, 0], across: [0, 0.1, 0], elements: [2, 1]}
+    thickness: 3e-3
+    material: nylon
+    welded: [{nodes: u0, to: hub}, {nodes: u1, part: rib}]
+  rib:
+    type: beam
+    mesh: {shape: line, from: [0.2, 0, 0], to: [0.2, 0.1, 0], elements: 1}
+    section: rod
+    material: nylon
+"""  # noqa: E501
+
+
+def model_of(folder: Path, text: str = DECK) -> tuple[Any, Any]:
+    path = folder / "deck.yaml"
+    path.write_text(text, "utf-8")
+    return build(read_deck(path))
+
+
+def totals(model: Any, state: Any) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass, mass centre and inertia about the origin of all that moves."""
+    nodes, points = state.nodes[1:], state.points[state.points["held"] < 64]
+    m = np.concatenate([1.0 / nodes["mass_inv"], 1.0 / points["mass_inv"]])
+    x = np.concatenate([nodes["r"], points["r"]])
+    A = nodes["A"].reshape(-1, 3, 3)
+    J = (A @ nodes["J"].reshape(-1, 3, 3) @ A.transpose(0, 2, 1)).sum(0)
+    J = J + (1.0 / points["J_inv"]).sum() * np.eye(3)
+    for mass, s in zip(m, x, strict=True):
+        J += mass * (s @ s * np.eye(3) - np.outer(s, s))
+    return float(m.sum()), m @ x / m.sum(), J
+
+
+def test_welding_changes_neither_mass_nor_its_centre_nor_its_inertia(tmp_path: Path) -> None:
+    free = DECK.replace("welded: [{nodes: u0, to: hub}, {nodes: u1, part: rib}]", "welded: []")
+    before, after = totals(*model_of(tmp_path, free)), totals(*model_of(tmp_path))
+    for old, new in zip(before, after, strict=True):
+        np.testing.assert_allclose(new, old, rtol=1e-12, atol=1e-15)
+
+
+def test_points_ride_where_they_are_and_on_the_nearest_node(tmp_path: Path) -> None:
+    model, state = model_of(tmp_path)
+    assert len(model.elements.riders) == 4
+    for rider in model.elements.riders:
+        node, point = state.nodes[rider["node"]], state.points[rider["point"]]
+        place = node["r"] + node["A"].reshape(3, 3) @ rider["spot"]
+        np.testing.assert_allclose(place, point["r"], atol=1e-15)
+        if point["r"][0] > 0.1:
+            wanted = "rib_start" if point["r"][1] < 0.05 else "rib_end"
+            assert model.bodies[rider["node"]] == wanted
+
+
+WRONG = {
+    "set": ("nodes: u0", "nodes: rim", "the mesh has no set of nodes 'rim' (sets: "),
+    "ground": ("to: hub", "to: ground", "the ground holds nodes by `hold`"),
+    "twice": ("nodes: u0", "nodes: u1", "held, welded or named otherwise already"),
+    "both": ("to: hub", "to: hub, part: rib", "needs either to or part"),
+    "itself": ("part: rib", "part: plate", "needs a part whose nodes are bodies"),
+    "faster": ("position: [", "velocity: [0, 0, 3], position: [", "nodes begin 3 m/s faster"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_weld_is_refused(tmp_path: Path, case: str) -> None:
+    old, new, message = WRONG[case]
+    assert old in DECK
+    with pytest.raises(DeckErrors) as caught:
+        model_of(tmp_path, DECK.replace(old, new, 1))
+    assert message in str(caught.value)
