@@ -103,13 +103,28 @@ def layers(blocks, first, work, h, p, curves):
     Writes: blocks, work.
     """
     clear_resultants(work)
+    through_thickness(blocks, first + LANES * LAYERS, work, h, p, curves)
+    take_up(blocks, first, work, p)
+
+
+@kernel
+def through_thickness(blocks, first, work, h, p, curves):
+    """Stresses of the layers at one point of the plane of every element, added to the resultants.
+
+    Writes: blocks, work.
+    """
     for k in range(p.layers):
-        at = first + LANES * (LAYERS + p.layer_rows * k)
+        at = first + LANES * p.layer_rows * k
         # a step of no length changes nothing, whatever the rate was
         if p.plastic == 0 or h == 0.0:
             elastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
         else:
             plastic_layer(blocks, at, work, h, p, p.zeta[k], p.weight[k], curves)
+
+
+@kernel
+def take_up(blocks, first, work, p):
+    """Plastic work and thickness of the elements after a step. Writes: blocks."""
     if p.plastic == 1:
         for e in range(LANES):
             blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]

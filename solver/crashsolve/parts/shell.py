@@ -21,7 +21,7 @@ from crashsolve.deck.card import Card, Law, MaterialName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import cross, dot, norm, sub, vec
+from crashsolve.foundation.vec3 import dot, sub, vec
 from crashsolve.parts._layers import ALL_ROWS, PLASTIC_ROWS, STRAIN, layers
 from crashsolve.parts._quad import hourglass_stiffness, plane_axes
 from crashsolve.parts._quad_block import (
@@ -31,19 +31,24 @@ from crashsolve.parts._quad_block import (
     LOSS,
     PLANE_Q,
     RADIUS_2,
-    RATE,
     SHAPE,
     SHEAR,
     THICKNESS,
     WEIGHT,
     gather,
+    note_rate,
     push,
     scatter,
     strain,
 )
 
 STEPWISE = True
-ROWS = ALL_ROWS
+# the column that counts elements of a kind, and the file of its kernels
+KINDS = {"one_point": "shell", "four_points": "_full"}
+# points in the plane of a quadrilateral
+POINTS = {"reduced": 1, "fully_integrated": 4}
+# beside the rows of layers, sums over the points of a plane
+ROWS = ALL_ROWS + 22
 FAMILY = "matsum"
 ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
@@ -77,6 +82,9 @@ class Shell(Card):
 
     mesh: Card = Law("meshes", "places of the nodes, elements, sets of nodes")
     thickness: float = quantity("m", "t", gt=0)
+    element: Literal["reduced", "fully_integrated"] = word(
+        "quadrilaterals with one point in their plane, or 2 by 2 of them", default="reduced"
+    )
     material: MaterialName = word("what it is made of")
     layers: int = word("points through the thickness", default=5, ge=1, le=MOST_LAYERS)
     rule: Literal["gauss", "lobatto"] = word("where they lie; lobatto: at the faces too", "gauss")
@@ -101,6 +109,8 @@ PARAMETERS = Record(
     stride=("count", "numbers of a block"),
     first_corner=("index", "of the part's corners"),
     element_count=("count", "elements"),
+    one_point=("count", "of them, quadrilaterals with one point in their plane"),
+    four_points=("count", "quadrilaterals with 2 by 2 points"),
     first_element=("index", "number of the part's first element among all"),
     layers=("count", "points through the thickness"),
     zeta=("1", MOST_LAYERS, "places of the layers, -1 to 1"),
@@ -137,7 +147,7 @@ FIELDS = {
     "moment": ("N", 3),  # xx, yy, xy
     "shear_force_xz": ("N/m", 1),
     "shear_force_yz": ("N/m", 1),
-    "von_mises": ("Pa", 1),  # largest of the layers
+    "von_mises": ("Pa", 1),  # largest of the layers and points
     "elastic_energy_density": ("J/m^3", 1),
     "plastic_energy_density": ("J/m^3", 1),  # over the volume at the start
     "plastic_strain_top": ("1", 1),  # of the outermost layers and the middle one
@@ -171,6 +181,7 @@ class Laid:
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
         self.rule = rule(card, scene)
+        self.points = POINTS[card.element]
         self.mesh = scene.mesh(card)
         x = self.mesh.points[self.mesh.quads]
         normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
@@ -250,7 +261,7 @@ class Laid:
     @property
     def stride(self) -> int:
         """Numbers of a block."""
-        return LANES * (LAYERS + self.layer_rows * self.card.layers)
+        return LANES * (LAYERS + self.points * self.layer_rows * self.card.layers)
 
     def padded(self) -> int:
         """Elements with those that fill the last block."""
@@ -277,29 +288,30 @@ class Laid:
         return self.fields(self.own_rows(blocks, row)[: len(self.area)])
 
     def fields(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Values of FIELDS from what elements keep (m, rows)."""
-        layers = rows[:, LAYERS:].reshape(len(rows), self.card.layers, -1)
-        t, stress = rows[:, THICKNESS], layers[:, :, :3]
+        """Values of FIELDS from what elements keep (m, rows): means of the points of a plane."""
+        count = self.card.layers
+        layers = rows[:, LAYERS:].reshape(len(rows), self.points, count, -1)
+        t, shear = rows[:, THICKNESS], rows[:, SHEAR : SHEAR + 2]
+        mean = layers.mean(axis=1)
         zeta, weight = self.rule
         share = 0.5 * t[:, None] * weight
         arm = 0.5 * t[:, None] * zeta
-        x, y, s = np.moveaxis(stress, 2, 0)
-        plastic = layers[:, :, STRAIN] if self.layer_rows > STRAIN else np.zeros(x.shape)
+        x, y, s = np.moveaxis(layers[..., :3], 3, 0)
+        plastic = mean[:, :, STRAIN] if self.layer_rows > STRAIN else np.zeros((len(rows), count))
         E, nu = self.material.young, self.material.poisson
         elastic = (x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s) / (2.0 * E)
-        shear = rows[:, SHEAR : SHEAR + 2]
-        density = 0.5 * elastic @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
+        density = 0.5 * elastic.mean(axis=1) @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
         return {
             "thickness": t,
-            "membrane_force": np.einsum("ek,ekc->ec", share, stress),
-            "moment": np.einsum("ek,ekc->ec", share * arm, stress),
+            "membrane_force": np.einsum("ek,ekc->ec", share, mean[:, :, :3]),
+            "moment": np.einsum("ek,ekc->ec", share * arm, mean[:, :, :3]),
             "shear_force_xz": shear[:, 0] * t,
             "shear_force_yz": shear[:, 1] * t,
-            "von_mises": np.sqrt(x * x + y * y - x * y + 3.0 * s * s).max(axis=1),
+            "von_mises": np.sqrt(x * x + y * y - x * y + 3.0 * s * s).max(axis=(1, 2)),
             "elastic_energy_density": density,
             "plastic_energy_density": rows[:, LOSS] / (rows[:, WEIGHT] / self.material.density),
             "plastic_strain_top": plastic[:, -1],
-            "plastic_strain_mid": plastic[:, (self.card.layers - 1) // 2],
+            "plastic_strain_mid": plastic[:, (count - 1) // 2],
             "plastic_strain_bottom": plastic[:, 0],
         }
 
@@ -344,10 +356,13 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
     zeta, weight = laid.rule
     room = np.zeros(MOST_LAYERS - card.layers)
     law, material_card = scene.law("materials", card.material)
+    count = len(laid.area)
     return {
         "thins": card.thinning,
         "layer_rows": laid.layer_rows,
         "layers": card.layers,
+        "one_point": count if laid.points == 1 else 0,
+        "four_points": count if laid.points == 4 else 0,
         "zeta": np.append(zeta, room),
         "weight": np.append(weight, room),
         "drag": card.drag,
@@ -356,34 +371,37 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
 
 @kernel
 def deform(p, clock, h, scene):
-    """Strains, stresses and forces of all elements of a part after a step of h.
+    """Strains, stresses and forces of the one-point elements of a part after a step of h.
 
     Writes: scene.points, lanes, work, clock.
     """
     points, corners, blocks, work = scene.points, scene.corners, scene.lanes, scene.work
     done = 0
-    while done < p.element_count:
+    while done < p.one_point:
         number = done // LANES
         first, corner = p.first + number * p.stride, p.first_corner + 4 * done
-        live = min(LANES, p.element_count - done)
+        live = min(LANES, p.one_point - done)
         gather(points, corners, corner, work)
         strain(blocks, first, work, h, p)
         layers(blocks, first, work, h, p, scene.curves)
         push(blocks, first, work, p)
         scatter(points, corners, corner, live, work)
-        for e in range(live):
-            if work[LANES * RATE + e] > clock.element_rate:
-                clock.element_rate = work[LANES * RATE + e]
-                clock.limit_element = p.first_element + done + e
+        note_rate(clock, work, p.first_element + done, live)
         done += LANES
 
 
 @kernel
 def energies(p, new, out, scene):
-    """Energies of a part. Writes: out."""
+    """Energies of a part but for its elements. Writes: out."""
     out.kinetic = moving(p, scene.points)
     out.strain = out.hourglass = out.drilling = out.plastic = 0.0
-    for i in range(p.element_count):
+    out.drag = new.damped
+
+
+@kernel
+def add_energies(p, out, scene):
+    """Energies of the one-point elements. Writes: out."""
+    for i in range(p.one_point):
         lane = i % LANES
         at = p.first + i // LANES * p.stride + lane
         corner = p.first_corner + 4 * (i - lane) + lane
@@ -393,7 +411,6 @@ def energies(p, new, out, scene):
         out.hourglass += hourglass
         out.drilling += drilling
         out.plastic += scene.lanes[at + LANES * LOSS]
-    out.drag = new.damped
 
 
 @kernel
@@ -418,28 +435,57 @@ def diagonal(scene, corner, ahead):
 @kernel
 def element_energy(p, blocks, at, d, e):
     """Elastic energy of the layers and shear, of the hourglass stresses, of drilling [J]."""
-    t, nu = blocks[at + LANES * THICKNESS], p.poisson
-    volume, total = 0.5 * norm(cross(d, e)) * t, 0.0
-    for k in range(p.layers):
-        row = at + LANES * (LAYERS + p.layer_rows * k)
-        x, y, s = blocks[row], blocks[row + LANES], blocks[row + 2 * LANES]
-        density = x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s
-        total += 0.25 * p.weight[k] * density / p.young
-    x, y = blocks[at + LANES * SHEAR], blocks[at + LANES * (SHEAR + 1)]
-    total += 0.6 * (x * x + y * y) / p.shear
-    shape = at + LANES * SHAPE
-    G = (blocks[shape], blocks[shape + LANES], blocks[shape + 2 * LANES], blocks[shape + 3 * LANES])
-    _, flat, area = plane_axes(d, e, G)
-    k, k_s = hourglass_stiffness(flat, area, p.young, p.shear, nu, t)
-    det, stored = k[0] * k[1] - k[2] * k[2], 0.0
+    t, flat, area = in_plane(blocks, at, d, e)
+    total = layer_energy(p, blocks, at + LANES * LAYERS) + shear_energy(p, blocks, at)
+    k, _ = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
+    det, stored = k[0] * k[1] - k[2] * k[2], twist_energy(p, blocks, at, t, flat, area)
     for pair in range(2):
         q = at + LANES * (PLANE_Q + 2 * pair)
         x, y = blocks[q], blocks[q + LANES]
         share = 1.0 if pair == 0 else 12.0 / (t * t)
         stored += 0.5 * share * (k[1] * x * x + k[0] * y * y - 2.0 * k[2] * x * y) / det
+    return area * t * total, stored, drilling_energy(p, blocks, at, t, area)
+
+
+@kernel
+def in_plane(blocks, at, d, e):
+    """Thickness of an element, its diagonals in its axes, its area."""
+    shape = at + LANES * SHAPE
+    G = (blocks[shape], blocks[shape + LANES], blocks[shape + 2 * LANES], blocks[shape + 3 * LANES])
+    _, flat, area = plane_axes(d, e, G)
+    return blocks[at + LANES * THICKNESS], flat, area
+
+
+@kernel
+def twist_energy(p, blocks, at, t, flat, area):
+    """Energy of the change of transverse shear across the element [J]."""
+    _, k = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
     q = at + LANES * (PLANE_Q + 4)
-    stored += 0.5 * blocks[q] * blocks[q] / k_s[0]
-    stored += 0.5 * blocks[q + LANES] * blocks[q + LANES] / k_s[1]
+    x, y = blocks[q], blocks[q + LANES]
+    return 0.5 * x * x / k[0] + 0.5 * y * y / k[1]
+
+
+@kernel
+def drilling_energy(p, blocks, at, t, area):
+    """Energy of the spins about the normal against the turn of the plane [J]."""
     x = blocks[at + LANES * DRILL]
-    drilling = 0.5 * x * x / (DRILLING * p.shear * t * area)
-    return volume * total, stored, drilling
+    return 0.5 * x * x / (DRILLING * p.shear * t * area)
+
+
+@kernel
+def layer_energy(p, blocks, at):
+    """Elastic energy per volume of the layers at a point of the plane [J/m^3]."""
+    total = 0.0
+    for k in range(p.layers):
+        row = at + LANES * p.layer_rows * k
+        x, y, s = blocks[row], blocks[row + LANES], blocks[row + 2 * LANES]
+        density = x * x + y * y - 2.0 * p.poisson * x * y + 2.0 * (1.0 + p.poisson) * s * s
+        total += 0.25 * p.weight[k] * density / p.young
+    return total
+
+
+@kernel
+def shear_energy(p, blocks, at):
+    """Energy per volume of the transverse shear in the middle [J/m^3]."""
+    x, y = blocks[at + LANES * SHEAR], blocks[at + LANES * (SHEAR + 1)]
+    return 0.6 * (x * x + y * y) / p.shear
