@@ -12,6 +12,7 @@ from bench import plain
 from crashsolve.deck.read import read_deck
 from crashsolve.foundation.posture import matrix
 from crashsolve.model.build import build
+from crashsolve.parts._layers import FAILED_ROWS
 from crashsolve.parts._quad_block import LAYERS
 
 STEEL = {"type": "elastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
@@ -107,7 +108,7 @@ class Elements:
 
     def layers(self, element: int = 0) -> np.ndarray:
         """Rows of all layers at all points of an element (points times layers, rows)."""
-        count = int(self.p.stride) // 16 - LAYERS
+        count = int(self.p.stride) // 16 - LAYERS - FAILED_ROWS * bool(self.p.failure)
         return self.rows(LAYERS, count)[element].reshape(-1, int(self.p.layer_rows))
 
 

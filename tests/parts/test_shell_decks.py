@@ -2,12 +2,14 @@
 
 from pathlib import Path
 
+import h5py
 import pytest
 from command import crashsolve
 
 from crashpost.cli import main as crashpost
 
-DECKS = Path(__file__).resolve().parents[2] / "decks/verification/parts"
+VERIFICATION = Path(__file__).resolve().parents[2] / "decks/verification"
+DECKS = VERIFICATION / "parts"
 # benchmarks S1, S2, S5, S9, P10, X3, and their parts; those beyond ten seconds are long
 PARTS = {
     "shell_roof": ("roof",),
@@ -39,3 +41,16 @@ def test_every_element_meets_the_expectations(
     deck: str, kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     _met(deck, tmp_path, [f"parts.{part}.element={kind}" for part in PARTS[deck]], capsys)
+
+
+def test_deleted_elements_are_hidden_in_pictures(tmp_path: Path) -> None:
+    deck = VERIFICATION / "materials/johnson_cook.yaml"
+    done = crashsolve(deck, "-o", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    hidden = []
+    for path in sorted((tmp_path / "states").glob("*.h5")):
+        with h5py.File(path) as file:
+            assert "vtkGhostType" not in file["part_whole"]
+            hidden.append(int(file["part_torn/vtkGhostType"][0]))
+    # it tears at half of the time
+    assert hidden[0] == 0 and hidden[-1] == 32

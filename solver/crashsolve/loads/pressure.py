@@ -37,6 +37,11 @@ OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
 
 
 def build(card: Pressure, scene: Any) -> dict[str, Any]:
+    if scene.can_fail(card.part):
+        message = (
+            f"the elements of '{card.part}' may be deleted (failure_strain): load its nodes instead"
+        )
+        raise scene.fail(message, "part")
     corner, quads, triangles = scene.faces(card.part, "part")
     return {
         "pressure": card.pressure,

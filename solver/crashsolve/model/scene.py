@@ -203,6 +203,11 @@ class Scene:
             corner += laid.corners().size
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
 
+    def can_fail(self, part: str) -> bool:
+        """Whether elements of a part may be deleted."""
+        card = self.deck.entries["parts"][part].card
+        return any(own is card for own in self._with_points()) and self.laid(card).can_fail
+
     def curve(self, name: str) -> int:
         return self.curves[name]
 

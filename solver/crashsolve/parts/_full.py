@@ -17,8 +17,17 @@ element for general nonlinear analysis, Engineering Computations 1, 77-88.
 
 from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.parts._failure import (
+    add_losses,
+    delete,
+    diagonal,
+    has_failed,
+    mute_forces,
+    mute_strains,
+)
 from crashsolve.parts._layers import (
     ALL_ROWS,
+    DROPPED,
     LOST,
     THIN,
     clear_resultants,
@@ -29,12 +38,12 @@ from crashsolve.parts._quad import plane_axes, sides
 from crashsolve.parts._quad_block import (
     FLAT,
     LAYERS,
-    LOSS,
     MEMBRANE,
     MODES,
     PLACE,
     PLANE_Q,
     RESULTANT,
+    THICKNESS,
     diagonals,
     gather,
     note_rate,
@@ -44,7 +53,6 @@ from crashsolve.parts._quad_block import (
     strain,
 )
 from crashsolve.parts.shell import (
-    diagonal,
     drilling_energy,
     in_plane,
     layer_energy,
@@ -53,7 +61,8 @@ from crashsolve.parts.shell import (
 )
 
 # further rows of `work`: strains of the middle; sums over the points of resultants, of resultants
-# less nu times those across times xi and eta, of the change of thickness and of plastic work
+# less nu times those across times xi and eta, of the change of thickness, of
+# plastic work and of what failed layers lose
 MEAN, SUM, XI_ETA, CHANGES = ALL_ROWS, ALL_ROWS + 6, ALL_ROWS + 12, ALL_ROWS + 20
 PLACE_OF_POINT = 3.0**-0.5
 
@@ -71,9 +80,14 @@ def deform(p, clock, h, scene):
         live = min(LANES, p.four_points - done)
         gather(points, corners, corner, work)
         strain(blocks, first, work, h, p)
+        if p.failure > 0.0:
+            mute_strains(blocks, first, work)
         stress(blocks, first, work, h, p, scene.curves)
         resist(blocks, first, work)
         push(blocks, first, work, p)
+        if p.failure > 0.0:
+            mute_forces(blocks, first, work)
+            erode(p, scene, first, corner, live)
         scatter(points, corners, corner, live, work)
         note_rate(clock, work, p.first_element + done, live)
         done += LANES
@@ -87,7 +101,7 @@ def stress(blocks, first, work, h, p, curves):
     """
     for row in range(6 * LANES):
         work[LANES * MEAN + row] = work[LANES * MEMBRANE + row]
-    for row in range(16 * LANES):
+    for row in range(17 * LANES):
         work[LANES * SUM + row] = 0.0
     for point in range(4):
         xi = PLACE_OF_POINT if point == 1 or point == 2 else -PLACE_OF_POINT
@@ -102,7 +116,18 @@ def stress(blocks, first, work, h, p, curves):
     for e in range(LANES):
         work[LANES * THIN + e] = work[LANES * CHANGES + e]
         work[LANES * LOST + e] = work[LANES * (CHANGES + 1) + e]
-    take_up(blocks, first, work, p)
+        work[LANES * DROPPED + e] = work[LANES * (CHANGES + 2) + e]
+    take_up(blocks, first, p.stride, work, p)
+
+
+@kernel
+def erode(p, scene, first, corner, live):
+    """Delete the elements of a block that have failed. Writes: scene.lanes."""
+    for e in range(live):
+        if has_failed(scene.lanes, first + e, p, 4):
+            d, c = diagonal(scene, corner + e, 2), diagonal(scene, corner + LANES + e, 2)
+            stored, drilling = element_energy(p, scene.lanes, first + e, d, c)
+            delete(scene, first, p.stride, corner, e, 4, stored + drilling)
 
 
 @inlined
@@ -146,6 +171,7 @@ def add_point(work, xi, eta, nu):
             work[to + 3 * LANES] += 0.25 * eta * y
         work[LANES * CHANGES + e] += 0.25 * work[LANES * THIN + e]
         work[LANES * (CHANGES + 1) + e] += 0.25 * work[LANES * LOST + e]
+        work[LANES * (CHANGES + 2) + e] += 0.25 * work[LANES * DROPPED + e]
 
 
 @kernel
@@ -173,12 +199,21 @@ def add_energies(p, out, scene):
         lane = i % LANES
         at = p.first + i // LANES * p.stride + lane
         corner = p.first_corner + 4 * (i - lane) + lane
-        d, e = diagonal(scene, corner, 2), diagonal(scene, corner + LANES, 2)
-        t, flat, area = in_plane(scene.lanes, at, d, e)
-        total = shear_energy(p, scene.lanes, at)
-        for point in range(4):
-            row = at + LANES * (LAYERS + point * p.layers * p.layer_rows)
-            total += 0.25 * layer_energy(p, scene.lanes, row)
-        out.strain += area * t * total + twist_energy(p, scene.lanes, at, t, flat, area)
-        out.drilling += drilling_energy(p, scene.lanes, at, t, area)
-        out.plastic += scene.lanes[at + LANES * LOSS]
+        add_losses(p, scene.lanes, at, p.stride, out)
+        if scene.lanes[at + LANES * THICKNESS] > 0.0:
+            d, e = diagonal(scene, corner, 2), diagonal(scene, corner + LANES, 2)
+            stored, drilling = element_energy(p, scene.lanes, at, d, e)
+            out.strain += stored
+            out.drilling += drilling
+
+
+@kernel
+def element_energy(p, blocks, at, d, e):
+    """Elastic energy of the layers and of transverse shear, of drilling [J]."""
+    t, flat, area = in_plane(blocks, at, d, e)
+    total = shear_energy(p, blocks, at)
+    for point in range(4):
+        row = at + LANES * (LAYERS + point * p.layers * p.layer_rows)
+        total += 0.25 * layer_energy(p, blocks, row)
+    stored = area * t * total + twist_energy(p, blocks, at, t, flat, area)
+    return stored, drilling_energy(p, blocks, at, t, area)

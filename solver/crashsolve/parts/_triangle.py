@@ -19,7 +19,15 @@ theory and assumed shear strain fields, part I, Int. J. Num. Meth. Eng. 36, 1859
 
 from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.parts._layers import layers
+from crashsolve.parts._failure import (
+    add_losses,
+    delete,
+    diagonal,
+    has_failed,
+    mute_forces,
+    mute_strains,
+)
+from crashsolve.parts._layers import FAILED_ROWS, layers
 from crashsolve.parts._quad import dot3, plane_axes
 from crashsolve.parts._quad_block import (
     AREA,
@@ -28,7 +36,6 @@ from crashsolve.parts._quad_block import (
     DRILL,
     DRILLING,
     LAYERS,
-    LOSS,
     MEMBRANE,
     MOMENT,
     PLACE,
@@ -51,7 +58,6 @@ from crashsolve.parts._quad_block import (
     three,
 )
 from crashsolve.parts.shell import (
-    diagonal,
     drilling_energy,
     in_plane,
     layer_energy,
@@ -66,7 +72,8 @@ SOFTER = 0.3
 @kernel
 def stride_of(p):
     """Numbers of a block of triangles."""
-    return LANES * (LAYERS + p.layer_rows * p.layers)
+    rows = LAYERS + p.layer_rows * p.layers
+    return LANES * (rows + FAILED_ROWS) if p.failure > 0.0 else LANES * rows
 
 
 @kernel
@@ -91,8 +98,13 @@ def deform(p, clock, h, scene):
         live = min(LANES, p.triangles - done)
         gather(points, corners, at, work)
         strain(blocks, first, work, h, p)
-        layers(blocks, first, work, h, p, scene.curves)
+        if p.failure > 0.0:
+            mute_strains(blocks, first, work)
+        layers(blocks, first, stride, work, h, p, scene.curves)
         push(blocks, first, work, p)
+        if p.failure > 0.0:
+            mute_forces(blocks, first, work)
+            erode(p, scene, first, at, live)
         scatter(points, corners, at, live, work)
         note_rate(clock, work, p.first_element + quads + done, live)
         done += LANES
@@ -139,13 +151,13 @@ def mean_shears(g1, g2, g3):
 
 @inlined
 def whirl_stiffness(s, area, t, G):
-    """Stiffness against the sum of the three G: a shear that goes round the middle.
+    """Stiffness over t against the sum of the three G: a shear that goes round the middle.
 
     gamma = sum G / (2 A) e_z x (x - x_mean), whose square has the integral A / 36 sum |s|^2.
     """
     s1, s2, s3 = s
     squares = dot2(s1, s1) + dot2(s2, s2) + dot2(s3, s3)
-    return 5.0 / 6.0 * G * t * weakened(s, t) * squares / (144.0 * area)
+    return 5.0 / 6.0 * G * weakened(s, t) * squares / (144.0 * area)
 
 
 @inlined
@@ -202,7 +214,8 @@ def strain(blocks, first, work, h, p):
         at = LANES * CURVATURE + e
         work[at], work[at + LANES], work[at + 2 * LANES] = h * xx, -h * yy, h * (xy - yx)
         s = edges(flat)
-        blocks[first + LANES * PLANE_Q + e] += h * whirl_stiffness(s, area, t, G) * (G1 + G2 + G3)
+        stiff = h * t * whirl_stiffness(s, area, t, G)
+        blocks[first + LANES * PLANE_Q + e] += stiff * (G1 + G2 + G3)
         m1, m2, m3 = mean_shears(g1, g2, g3)
         stiff = h * 5.0 / 6.0 * G * weakened(s, t)
         at = first + LANES * SHEAR + e
@@ -294,7 +307,7 @@ def mobile(s, r, k, ends):
 
 @inlined
 def shear_trace(flat, area, t, G, k):
-    """Trace of the shear stiffness times the mobility of the three G; k is 1 / r^2."""
+    """Trace of the shear stiffness over t times the mobility of the three G; k is 1 / r^2."""
     s1, s2, s3 = edges(flat)
     g1, g2, g3 = gradients(flat, area)
     m1, m2, m3 = mean_shears(g1, g2, g3)
@@ -304,7 +317,7 @@ def shear_trace(flat, area, t, G, k):
     trace += 2.0 * dot2(m3, m1) * mobile(s3, s1, k, -1.0)
     # the deflections take no part in the sum of the G
     whirl = 0.25 * k * (dot2(s1, s1) + dot2(s2, s2) + dot2(s3, s3))
-    mean = 5.0 / 6.0 * G * t * area * weakened((s1, s2, s3), t)
+    mean = 5.0 / 6.0 * G * area * weakened((s1, s2, s3), t)
     return mean * trace + whirl_stiffness((s1, s2, s3), area, t, G) * whirl
 
 
@@ -324,7 +337,7 @@ def rate_bound(flat, area, t, radius_2, p):
     plane *= p.young / (p.density * (1.0 - nu * nu))
     bending = plane * t * t / (12.0 * radius_2)
     shear = shear_trace(flat, area, t, p.shear, 1.0 / radius_2)
-    return max(plane, bending + 3.0 / (p.density * t * area) * shear)
+    return max(plane, bending + 3.0 / (p.density * area) * shear)
 
 
 @kernel
@@ -335,12 +348,31 @@ def add_energies(p, out, scene):
     for i in range(p.triangles):
         lane = i % LANES
         at, c = first + i // LANES * stride + lane, first_corner + 4 * (i - lane) + lane
-        d, e = diagonal(scene, c, 2), diagonal(scene, c + LANES, 2)
-        t, flat, area = in_plane(blocks, at, d, e)
-        total = shear_energy(p, blocks, at) / weakened(edges(flat), t)
-        total += layer_energy(p, blocks, at + LANES * LAYERS)
-        Q = blocks[at + LANES * PLANE_Q]
-        out.strain += area * t * total
-        out.strain += 0.5 * Q * Q / whirl_stiffness(edges(flat), area, t, p.shear)
-        out.drilling += drilling_energy(p, blocks, at, t, area)
-        out.plastic += blocks[at + LANES * LOSS]
+        add_losses(p, blocks, at, stride, out)
+        if blocks[at + LANES * THICKNESS] > 0.0:
+            d, e = diagonal(scene, c, 2), diagonal(scene, c + LANES, 2)
+            stored, drilling = element_energy(p, blocks, at, d, e)
+            out.strain += stored
+            out.drilling += drilling
+
+
+@kernel
+def element_energy(p, blocks, at, d, e):
+    """Elastic energy of the layers and of transverse shear, of drilling [J]."""
+    t, flat, area = in_plane(blocks, at, d, e)
+    total = shear_energy(p, blocks, at) / weakened(edges(flat), t)
+    total += layer_energy(p, blocks, at + LANES * LAYERS)
+    Q = blocks[at + LANES * PLANE_Q]
+    whirl = t * whirl_stiffness(edges(flat), area, t, p.shear)
+    stored = area * t * total + 0.5 * Q * Q / whirl
+    return stored, drilling_energy(p, blocks, at, t, area)
+
+
+@kernel
+def erode(p, scene, first, corner, live):
+    """Delete the triangles of a block that have failed. Writes: scene.lanes."""
+    for e in range(live):
+        if has_failed(scene.lanes, first + e, p, 1):
+            d, c = diagonal(scene, corner + e, 2), diagonal(scene, corner + LANES + e, 2)
+            stored, drilling = element_energy(p, scene.lanes, first + e, d, c)
+            delete(scene, first, stride_of(p), corner, e, 3, stored + drilling)

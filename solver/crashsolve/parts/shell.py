@@ -22,8 +22,16 @@ from crashsolve.deck.card import Card, Law, MaterialName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import dot, sub, vec
-from crashsolve.parts._layers import ALL_ROWS, PLASTIC_ROWS, STRAIN, layers
+from crashsolve.foundation.vec3 import dot, vec
+from crashsolve.parts._failure import (
+    add_losses,
+    delete,
+    diagonal,
+    has_failed,
+    mute_forces,
+    mute_strains,
+)
+from crashsolve.parts._layers import ALL_ROWS, FAILED_ROWS, PLASTIC_ROWS, STRAIN, layers
 from crashsolve.parts._quad import hourglass_stiffness, plane_axes
 from crashsolve.parts._quad_block import (
     DRILL,
@@ -49,7 +57,7 @@ KINDS = {"one_point": "shell", "four_points": "_full", "triangles": "_triangle"}
 # points in the plane of a quadrilateral
 POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 # beside the rows of layers, sums over the points of a plane
-ROWS = ALL_ROWS + 22
+ROWS = ALL_ROWS + 23
 FAMILY = "matsum"
 ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
@@ -132,6 +140,13 @@ PARAMETERS = Record(
     curve=("index", "Y over plastic strain; 0 for none"),
     rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
     rate_q=("1", "q of Cowper and Symonds"),
+    power=("Pa", "B of Johnson and Cook; 0 for none"),
+    exponent=("1", "n of Johnson and Cook"),
+    rate_C=("1", "C of Johnson and Cook; 0 for none"),
+    rate_0=("1/s", "rate above which C counts"),
+    heating=("m^3/J", "temperature, 1 at melting, over plastic work per volume; 0 for none"),
+    softening=("1", "m of Johnson and Cook"),
+    failure=("1", "plastic strain at which a layer fails; 0 for none"),
 )
 HISTORY = Record(damped=("J", "energy lost by drag"))
 OUTPUT = Record(
@@ -141,6 +156,13 @@ OUTPUT = Record(
     drilling=("J", "of spins of the nodes about the normal against the turn of the plane"),
     plastic=("J", "plastic work"),
     drag=("J", "energy lost by drag"),
+    eroded=("J", "elastic energy lost with layers that failed and elements deleted"),
+    eroded_kinetic=(
+        "J",
+        "kinetic energy of elements when deleted; it stays with the nodes",
+    ),
+    eroded_mass=("kg", "of elements deleted; it stays with the nodes"),
+    deleted=("count", "elements deleted"),
 )
 
 # of the elements in pictures: unit and components; resultants along the element's axes
@@ -216,6 +238,8 @@ class Laid:
         _, self.material = scene.law("materials", card.material)
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
+        self.layer_rows += getattr(self.material, "melting_heat", None) is not None
+        self.can_fail = getattr(self.material, "failure_strain", None) is not None
         self.rule = rule(card, scene)
         self.points = POINTS[card.element]
         self.mesh = sorted_mesh(scene.mesh(card), card.element == "triangles")
@@ -315,7 +339,8 @@ class Laid:
 
     def stride_of(self, points: int) -> int:
         """Numbers of a block of elements with so many points in their plane."""
-        return LANES * (LAYERS + points * self.layer_rows * self.card.layers)
+        rows = LAYERS + points * self.layer_rows * self.card.layers
+        return LANES * (rows + FAILED_ROWS * self.can_fail)
 
     @property
     def stride(self) -> int:
@@ -354,7 +379,8 @@ class Laid:
     def fields(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Values of FIELDS from what elements keep (m, rows): means of the points of a plane."""
         count = self.card.layers
-        layers = rows[:, LAYERS:].reshape(len(rows), -1, count, self.layer_rows)
+        end = rows.shape[1] - FAILED_ROWS * self.can_fail
+        layers = rows[:, LAYERS:end].reshape(len(rows), -1, count, self.layer_rows)
         t, shear = rows[:, THICKNESS], rows[:, SHEAR : SHEAR + 2]
         mean = layers.mean(axis=1)
         zeta, weight = self.rule
@@ -448,11 +474,26 @@ def deform(p, clock, h, scene):
         live = min(LANES, p.one_point - done)
         gather(points, corners, corner, work)
         strain(blocks, first, work, h, p)
-        layers(blocks, first, work, h, p, scene.curves)
+        if p.failure > 0.0:
+            mute_strains(blocks, first, work)
+        layers(blocks, first, p.stride, work, h, p, scene.curves)
         push(blocks, first, work, p)
+        if p.failure > 0.0:
+            mute_forces(blocks, first, work)
+            erode(p, scene, first, corner, live)
         scatter(points, corners, corner, live, work)
         note_rate(clock, work, p.first_element + done, live)
         done += LANES
+
+
+@kernel
+def erode(p, scene, first, corner, live):
+    """Delete the elements of a block that have failed. Writes: scene.lanes."""
+    for e in range(live):
+        if has_failed(scene.lanes, first + e, p, 1):
+            d, c = diagonal(scene, corner + e, 2), diagonal(scene, corner + LANES + e, 2)
+            stored, held, drilling = element_energy(p, scene.lanes, first + e, d, c)
+            delete(scene, first, p.stride, corner, e, 4, stored + held + drilling)
 
 
 @kernel
@@ -460,6 +501,7 @@ def energies(p, new, out, scene):
     """Energies of a part but for its elements. Writes: out."""
     out.kinetic = moving(p, scene.points)
     out.strain = out.hourglass = out.drilling = out.plastic = 0.0
+    out.eroded = out.eroded_kinetic = out.eroded_mass = out.deleted = 0.0
     out.drag = new.damped
 
 
@@ -470,12 +512,14 @@ def add_energies(p, out, scene):
         lane = i % LANES
         at = p.first + i // LANES * p.stride + lane
         corner = p.first_corner + 4 * (i - lane) + lane
+        add_losses(p, scene.lanes, at, p.stride, out)
+        if scene.lanes[at + LANES * THICKNESS] == 0.0:
+            continue
         d, e = diagonal(scene, corner, 2), diagonal(scene, corner + LANES, 2)
         stretched, hourglass, drilling = element_energy(p, scene.lanes, at, d, e)
         out.strain += stretched
         out.hourglass += hourglass
         out.drilling += drilling
-        out.plastic += scene.lanes[at + LANES * LOSS]
 
 
 @kernel
@@ -488,13 +532,6 @@ def moving(p, points):
             v, w = vec(b.v), vec(b.w)
             total += 0.5 * dot(v, v) / b.mass_inv + 0.5 * dot(w, w) / b.J_inv
     return total
-
-
-@kernel
-def diagonal(scene, corner, ahead):
-    """From a corner to the one `ahead` of it."""
-    a, b = scene.corners[corner], scene.corners[corner + ahead * LANES]
-    return sub(vec(scene.points[b].r), vec(scene.points[a].r))
 
 
 @kernel

@@ -646,7 +646,7 @@ def _energy_calls(model: Any) -> list[str]:
             *(f"    {_alias(k)}.add_energies(groups.{g.word}_p[i], o, groups)" for k in _kinds(g)),
             f"    ledger[{e.KINETIC}] += o.kinetic",
             f"    ledger[{e.SPRING_STORED}] += o.strain + o.hourglass + o.drilling",
-            f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag",
+            f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag + o.eroded",
         ]
     if model.elements:
         lines += ["points.guard(clock, nodes, groups.points)"]
