@@ -7,13 +7,15 @@ import numpy as np
 from crashsolve.foundation.posture import perpendicular
 from crashsolve.model.model import ContactGroup, Group
 from crashsolve.output import shapes
-from crashsolve.output.blocks import Block, FieldSpec
+from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.system.engine import Engine
 
 VELOCITY = FieldSpec("velocity", "m/s", 3, "node")
 FORCE = FieldSpec("force", "N", 3, "node")
 BODY = FieldSpec("body", "1", 1, "cell")
 TENSION = FieldSpec("tension", "N", 1, "cell")
+# value of GHOST for cells that are not drawn
+DELETED = 32
 # planes are endless: draw them this much larger than the model
 PLANE_SIZE = 2.0
 # contact points drawn per element where pairs come and go; balls in a heap have three each
@@ -87,8 +89,11 @@ class Pictures:
             blocks.append(Block("beams", self._r0[ends], (("line", lines),), (TENSION,)))
         for name, row, module in self._shells:
             specs = tuple(FieldSpec(n, unit, k, "cell") for n, (unit, k) in module.FIELDS.items())
-            mesh = self._laid(name).mesh
-            points, cells = self._points_of(row)["r"].copy(), (("quad", mesh.quads),)
+            laid = self._laid(name)
+            specs += (FieldSpec(GHOST, "1", 1, "cell"),) * laid.can_fail
+            n, points = laid.quad_count, self._points_of(row)["r"].copy()
+            both = (("quad", laid.mesh.quads[:n]), ("triangle", laid.mesh.quads[n:, :3]))
+            cells = tuple(own for own in both if len(own[1]))
             blocks.append(Block(f"part_{name}", points, cells, (VELOCITY, *specs)))
         if self._pairs:
             count = sum(places for _, places in self._pairs)
@@ -123,6 +128,8 @@ class Pictures:
             found = self._laid(name).all_fields(self.engine.state.blocks, row)
             fields[block.name] = {"displacement": points["r"] - block.points}
             fields[block.name] |= {"velocity": points["v"]} | found
+            if self._laid(name).can_fail:
+                fields[block.name][GHOST] = DELETED * (found["thickness"] == 0.0)
         if self._pairs:
             fields["contacts"] = self._contact_fields()
         return fields

@@ -1,5 +1,6 @@
 """A few shell elements whose kernels run as plain Python, moved by hand."""
 
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,6 +12,8 @@ from bench import plain
 from crashsolve.deck.read import read_deck
 from crashsolve.foundation.posture import matrix
 from crashsolve.model.build import build
+from crashsolve.parts._layers import FAILED_ROWS
+from crashsolve.parts._quad_block import LAYERS
 
 STEEL = {"type": "elastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
 # the patch of MacNeal and Harder (1985): five elements of odd shapes on 0.24 by 0.12
@@ -19,6 +22,7 @@ PATCH = (
     + [[0.08, 0.08]],
     [[1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8], [5, 6, 7, 8]],
 )
+KINDS = ("reduced", "fully_integrated", "triangles")
 SQUARE = ([[0, 0], [1, 0], [1, 1], [0, 1]], [[1, 2, 3, 4]])
 ODD = ([[0, 0], [0.9, 0.1], [1.2, 0.8], [-0.2, 1.1]], [[1, 2, 3, 4]])
 
@@ -44,6 +48,8 @@ class Elements:
         model, self.state = build(read_deck(path))
         group = model.element_groups()[0]
         self.module, self.p = group.module, group.parameters.view(np.recarray)[0]
+        used = [name for column, name in self.module.KINDS.items() if self.p[column]]
+        self.kinds = [import_module(f"crashsolve.parts.{name}") for name in used]
         self.new = group.history.view(np.recarray)[1, 0]
         self.out = group.output.view(np.recarray)[0]
         self.clock: Any = self.state.clock.view(np.recarray)[0]
@@ -64,7 +70,8 @@ class Elements:
         self.points.r += h * self.points.v
         self.points.force, self.points.torque = 0.0, 0.0
         self.clock.element_rate = 0.0
-        plain(self.module.deform)(self.p, self.clock, h, self.scene)
+        for kind in self.kinds:
+            plain(kind.deform)(self.p, self.clock, h, self.scene)
         return np.hstack([self.points.force, self.points.torque])
 
     def turn(self, axis: np.ndarray, about: np.ndarray, way: np.ndarray) -> np.ndarray:
@@ -79,6 +86,8 @@ class Elements:
 
     def energies(self) -> Any:
         plain(self.module.energies)(self.p, self.new, self.out, self.scene)
+        for kind in self.kinds:
+            plain(kind.add_energies)(self.p, self.out, self.scene)
         return self.out
 
     def stiffness(self) -> np.ndarray:
@@ -96,6 +105,11 @@ class Elements:
         table = self.state.blocks.reshape(-1, int(self.p.stride) // 16, 16)
         rows = table[:, first : first + count].transpose(0, 2, 1).reshape(-1, count)
         return rows[: int(self.p.element_count)].copy()
+
+    def layers(self, element: int = 0) -> np.ndarray:
+        """Rows of all layers at all points of an element (points times layers, rows)."""
+        count = int(self.p.stride) // 16 - LAYERS - FAILED_ROWS * bool(self.p.failure)
+        return self.rows(LAYERS, count)[element].reshape(-1, int(self.p.layer_rows))
 
 
 def any_turn(seed: int) -> np.ndarray:

@@ -111,11 +111,25 @@ def test_what_meshio_passes_over_is_refused_with_its_line(tmp_path: Path) -> Non
     assert "plate.inp, line 15: *INSTANCE would be passed over; write the mesh flat" in told
 
 
+def test_triangles_of_a_file_come_after_its_quadrilaterals(tmp_path: Path) -> None:
+    first = "*ELEMENT, TYPE=S3, ELSET=CORNER\n3, 1, 2, 5\n4, 1, 5, 4\n"
+    text = INP.replace("*ELEMENT", first + "*ELEMENT", 1).replace("1, 1, 2, 5, 4\n", "")
+    (tmp_path / "plate.inp").write_text(text, "utf-8")
+    part = laid(tmp_path, {"type": "file", "file": "plate.inp", "unit": 0.001})
+    assert part.quad_count == 1
+    np.testing.assert_allclose(part.area, [1e-6, 0.5e-6, 0.5e-6], rtol=1e-12)
+    # a third of each triangle, a quarter of each quadrilateral
+    assert part.mass.sum() == pytest.approx((part.weight).sum(), rel=1e-12)
+    assert part.mass.max() == pytest.approx(part.weight[0] * (0.25 + 1 / 3), rel=1e-12)
+
+
 def test_files_of_other_elements_or_none_are_refused(tmp_path: Path) -> None:
-    text = INP.replace("TYPE=S4", "TYPE=S3").replace("5, 4\n", "5\n").replace("6, 5\n", "6\n")
+    text = (
+        INP.replace("TYPE=S4", "TYPE=T3D2").replace("2, 5, 4\n", "2\n").replace("3, 6, 5\n", "3\n")
+    )
     (tmp_path / "plate.inp").write_text(text, "utf-8")
     told = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
-    assert "2 elements are of type triangle; shells are of type quad" in told
+    assert "2 elements are of type line; shells are of type quad or triangle" in told
     (tmp_path / "plate.inp").write_text(INP, "utf-8")
     told = refusal(tmp_path, {"type": "file", "file": "plate.inp", "elements": "ROOF"})
     assert "no element set 'ROOF' (sets: PLATE)" in told

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shells import ODD, SQUARE, Elements
+from shells import KINDS, ODD, SQUARE, Elements
 
-from crashsolve.parts._layers import BACK, FACTOR, PLASTIC_ROWS, STRAIN
-from crashsolve.parts._quad_block import LAYERS, THICKNESS
+from crashsolve.parts._layers import BACK, FACTOR, STRAIN
+from crashsolve.parts._quad_block import THICKNESS
 
 BASE = {"type": "elastoplastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
 Y, H = 200.0, 2000.0
@@ -19,12 +19,17 @@ MATERIALS = {
     "mixed": BASE | {"yield_stress": Y, "hardening": H, "kinematic": 0.4},
     "rate": BASE | {"yield_stress": Y, "hardening": H, "rate_D": 40.0},
 }
+JC = BASE | {"type": "johnson_cook", "yield_stress": Y, "hardening": H, "exponent": 0.26}
+# a plastic strain of about 10 % goes half the way to melting
+JC |= {"rate": 0.014, "reference_rate": 1e-3, "melting_heat": 6.0, "softening": 1.03}
+MATERIALS["johnson_cook"] = JC
+MATERIALS["failing"] = MATERIALS["isotropic"] | {"failure_strain": 0.01}
 
 
-def layers(shell: Elements) -> np.ndarray:
-    """Rows of all layers (layers, 7) of the first element."""
-    count = int(shell.p.layers)
-    return shell.rows(LAYERS, PLASTIC_ROWS * count)[0].reshape(count, PLASTIC_ROWS)
+def flow_stress(material: dict[str, Any], e: np.ndarray) -> np.ndarray:
+    """Yield stress over plastic strain, without factors of rate and temperature."""
+    share = 1.0 - material.get("kinematic", 0.0)
+    return Y + share * material.get("hardening", 0.0) * e ** material.get("exponent", 1.0)
 
 
 def size(xi: np.ndarray) -> np.ndarray:
@@ -42,31 +47,30 @@ def stretched(strain: Any) -> np.ndarray:
 
 
 @pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", KINDS)
 def test_yielding_layers_meet_the_yield_condition_to_round_off(
-    tmp_path: Path, material: dict[str, Any], seed: int
+    tmp_path: Path, material: dict[str, Any], kind: str
 ) -> None:
-    rng = np.random.default_rng(seed)
-    shell = Elements(tmp_path, ODD, 0.1, material, layers=5)
+    rng = np.random.default_rng(1)
+    shell = Elements(tmp_path, ODD, 0.1, material, layers=5, element=kind)
     yielded = 0
     for _ in range(6):
-        before, motion = layers(shell)[:, STRAIN], 3e-3 * rng.normal(size=(4, 6))
+        before, motion = shell.layers()[:, STRAIN], 3e-3 * rng.normal(size=(4, 6))
         shell.move(motion, h=0.5)
-        rows = layers(shell)
+        rows = shell.layers()
         factor = 1.0
-        if "rate_D" in material:
+        if "rate_D" in material or "exponent" in material:
             # all numbers of the step are known: the factor of each layer is that of its strain
             factor = shell.scene.work.reshape(-1, 16)[FACTOR, 0]
             rows, before = rows[-1:], before[-1:]
         flows = rows[:, STRAIN] > before
-        share = 1.0 - material.get("kinematic", 0.0)
-        limit = factor * (Y + share * material.get("hardening", 0.0) * rows[:, STRAIN])
-        excess = size(rows[:, :3] - rows[:, BACK:]) / limit - 1.0
+        limit = factor * flow_stress(material, rows[:, STRAIN])
+        excess = size(rows[:, :3] - rows[:, BACK : BACK + 3]) / limit - 1.0
         # 1e-14 for the root, as much for the stress that is put together from it
         assert np.abs(excess[flows]).max(initial=0.0) < 2e-14
         assert (excess < 2e-14).all()
         yielded += flows.sum()
-    assert yielded > 3
+    assert yielded > 2
 
 
 @pytest.mark.parametrize("name", ["isotropic", "kinematic", "mixed"])
@@ -78,7 +82,7 @@ def test_pull_and_push_follow_the_law_of_hardening(tmp_path: Path, name: str) ->
     for way in (1, -1):
         for _ in range(10):
             pull(shell, way * 1e-3)
-            stress.append(layers(shell)[0, 0])
+            stress.append(shell.layers()[0, 0])
     e = np.cumsum(np.repeat([1e-3, -1e-3], 10))
     slope = BASE["young"] * H / (BASE["young"] + H)
     top = Y + slope * (e[9] - Y / BASE["young"])
@@ -101,7 +105,7 @@ def pull(shell: Elements, strain: float) -> None:
             square = shell.points.r[:, :2].max(axis=0) - shell.points.r[:, :2].min(axis=0)
             motion = stretched([strain * square[0], other * square[1], 0.0])
             shell.move(motion)
-            ends.append(layers(shell)[0, 1])
+            ends.append(shell.layers()[0, 1])
         if abs(ends[0]) < 1e-9 * Y:
             break
         across -= ends[0] * 1e-9 / (ends[1] - ends[0])
@@ -116,22 +120,25 @@ def test_the_rate_lifts_the_yield_stress_as_cowper_and_symonds_say(tmp_path: Pat
     shell.move(stretched([0.0, 0.0, 10.0]), h=1e-3)
     shell.move(stretched([0.0, 0.0, 10.0]), h=1e-3)
     factor = 1.0 + (10.0 / np.sqrt(3.0) / 40.0) ** 0.2
-    assert size(layers(shell)[:, :3])[0] == pytest.approx(Y * factor, rel=1e-4)
+    assert size(shell.layers()[:, :3])[0] == pytest.approx(Y * factor, rel=1e-4)
 
 
 @pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
-def test_work_is_stored_or_plastic(tmp_path: Path, material: dict[str, Any]) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_work_is_stored_or_plastic(tmp_path: Path, material: dict[str, Any], kind: str) -> None:
     rng = np.random.default_rng(5)
-    shell = Elements(tmp_path, ODD, 0.1, material, layers=4)
+    shell = Elements(tmp_path, ODD, 0.1, material, layers=4, element=kind)
     way, work, last = rng.normal(size=(4, 6)), 0.0, np.zeros((4, 6))
-    for _ in range(100):
-        force = shell.move(3e-5 * way)
-        work -= 0.5 * 3e-5 * (way * (force + last)).sum()
+    for _ in range(50):
+        force = shell.move(6e-5 * way)
+        work -= 0.5 * 6e-5 * (way * (force + last)).sum()
         last = force
     out = shell.energies()
     assert out.plastic > 0.1 * work
     # strains of 3e-3 in a law of rates: a few times that of what is stored
-    assert out.strain + out.hourglass + out.drilling + out.plastic == pytest.approx(work, rel=5e-3)
+    assert out.strain + out.hourglass + out.drilling + out.plastic + out.eroded == pytest.approx(
+        work, rel=5e-3
+    )
 
 
 def test_plastic_stretch_keeps_the_volume(tmp_path: Path) -> None:
@@ -143,3 +150,49 @@ def test_plastic_stretch_keeps_the_volume(tmp_path: Path) -> None:
     area = np.linalg.norm(np.cross(a, b)) + c
     # elastic strains are 5e-6; each of the 50 steps errs by a third of its strain squared, 5e-5
     assert area * shell.rows(THICKNESS, 1)[0, 0] == pytest.approx(0.01, rel=3e-3)
+
+
+def test_johnson_and_cook_follow_their_formula_at_one_rate(tmp_path: Path) -> None:
+    material = JC | {"melting_heat": 600.0, "heat_share": 0.5}
+    shell = Elements(tmp_path, SQUARE, 0.01, material, layers=1)
+    # pure shear: equivalent rate and plastic strain are gamma / sqrt(3)
+    gamma, h, heat = 2e-3, 1e-4, 0.0
+    for _ in range(60):
+        before = shell.layers()[0]
+        shell.move(stretched([0.0, 0.0, gamma / h]), h=h)
+        e = shell.layers()[0, STRAIN]
+        softer = 1.0 - max(heat, 0.0) ** 1.03
+        rate = 1.0 + 0.014 * np.log(gamma / h / np.sqrt(3.0) / 1e-3)
+        flow = (Y + H * e**0.26) * rate * softer
+        # at the end the sides are 0.7 % longer, and 0.014 of that is in the factor of rate
+        assert size(shell.layers()[:, :3])[0] == pytest.approx(flow, rel=2e-4)
+        work = 0.5 * (size(before[None, :3])[0] + flow) * (e - before[STRAIN])
+        heat += 0.5 * work / (8.0 * 600.0)
+    assert e == pytest.approx(60 * gamma / np.sqrt(3.0), rel=0.2)
+    assert heat > 0.005
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_element_that_has_failed_is_gone_and_its_energy_told(tmp_path: Path, kind: str) -> None:
+    shell = Elements(tmp_path, SQUARE, 0.01, MATERIALS["failing"], layers=3, element=kind)
+    work, last = 0.0, np.zeros((4, 6))
+    motion = stretched([3e-4, -1.2e-4, 9e-5])
+    # bent as well: the layers fail one after another
+    motion[:, 4] = 3e-3 * (np.array(SQUARE[0])[:, 0] - 0.5)
+    for step in range(80):
+        force = shell.move(motion)
+        work -= 0.5 * (motion * (force + last)).sum()
+        last = force
+        out = shell.energies()
+        if step == 30:
+            assert out.eroded == 0.0
+    count = int(shell.p.element_count)
+    assert out.deleted == count
+    assert out.eroded_mass == pytest.approx(8.0 * 0.01, rel=1e-12)
+    # the mass stays with the nodes
+    assert (1.0 / shell.points.mass_inv).sum() == pytest.approx(8.0 * 0.01, rel=1e-12)
+    assert np.abs(force).max() == 0.0
+    assert out.strain + out.hourglass + out.drilling == 0.0
+    assert 0.0 < out.eroded < 0.1 * out.plastic
+    # half of the step in which a layer fails: 1.5e-4 of a strain of 1.2e-2
+    assert out.plastic + out.eroded == pytest.approx(work, rel=1.6e-2)

@@ -1,6 +1,6 @@
 """Pressure on a shell, along the normals of its elements as they move.
 
-    f = -p / 4 (x_3 - x_1) x (x_4 - x_2) / 2   on each corner
+    f = -p / 4 (x_3 - x_1) x (x_4 - x_2) / 2   on each of four corners, -p / 3 of three
 
 Positive pressure acts against the normal. Its work is that of the mean force of a step.
 Consequence to test: a flat plate takes p A in all, and a closed body nothing.
@@ -29,19 +29,26 @@ PARAMETERS = Record(
     pressure=("Pa", "p"),
     curve=("index", "factor over time; 0 for none"),
     first_corner=("index", "of the part's corners"),
-    element_count=("count", "elements"),
+    quads=("count", "quadrilaterals"),
+    triangles=("count", "triangles, in the blocks after theirs"),
 )
 HISTORY = Record(pressure=("Pa", "pressure at the last step"))
 OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
 
 
 def build(card: Pressure, scene: Any) -> dict[str, Any]:
-    corner, count = scene.faces(card.part, "part")
+    if scene.can_fail(card.part):
+        message = (
+            f"the elements of '{card.part}' may be deleted (failure_strain): load its nodes instead"
+        )
+        raise scene.fail(message, "part")
+    corner, quads, triangles = scene.faces(card.part, "part")
     return {
         "pressure": card.pressure,
         "curve": scene.curve(card.curve) if card.curve else 0,
         "first_corner": corner,
-        "element_count": count,
+        "quads": quads,
+        "triangles": triangles,
     }
 
 
@@ -60,19 +67,29 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
     """Writes: scene.points, nodes, out."""
+    press(p.first_corner, p.quads, 4, old, out, h, nodes, scene)
+    filled = (p.quads + LANES - 1) // LANES * LANES
+    press(p.first_corner + 4 * filled, p.triangles, 3, old, out, h, nodes, scene)
+
+
+@kernel
+def press(first, count, sides, old, out, h, nodes, scene):
+    """Elements of one number of sides. Writes: scene.points, nodes, out."""
     points, corners = scene.points, scene.corners
-    for i in range(p.element_count):
+    share = -0.5 / sides
+    for i in range(count):
         lane = i % LANES
-        at = p.first_corner + 4 * (i - lane) + lane
+        at = first + 4 * (i - lane) + lane
         a, b = points[corners[at]], points[corners[at + LANES]]
         c, d = points[corners[at + 2 * LANES]], points[corners[at + 3 * LANES]]
         x, y = sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r))
-        f = scale(-0.125 * out.pressure, cross(x, y))
+        f = scale(share * out.pressure, cross(x, y))
         # velocities are those of the step: before it, the diagonals were shorter by them
         x = add_scaled(x, -h, sub(vec(c.v), vec(a.v)))
         y = add_scaled(y, -h, sub(vec(d.v), vec(b.v)))
-        mean = scale(0.5, add_scaled(f, -0.125 * old.pressure, cross(x, y)))
-        for point in (a, b, c, d):
+        mean = scale(0.5, add_scaled(f, share * old.pressure, cross(x, y)))
+        for k in range(sides):
+            point = points[corners[at + k * LANES]]
             apply_to_point(point, nodes[0], f)
             out.loss += h * dot(mean, vec(point.v))
-        put(out.force, add(vec(out.force), scale(4.0, f)))
+        put(out.force, add(vec(out.force), scale(sides, f)))

@@ -29,6 +29,7 @@ class Elastoplastic(elastic.Elastic):
     curve: CurveName | None = word("Y over e, instead of yield_stress", default=None)
     rate_D: float | None = quantity("1/s", "D of Cowper and Symonds", default=None, gt=0)
     rate_q: float = quantity("1", "q of Cowper and Symonds", default=5.0, gt=0)
+    failure_strain: float | None = quantity("1", "e at which a layer fails", default=None, gt=0)
 
     @model_validator(mode="after")
     def _one_hardening(self) -> "Elastoplastic":
@@ -51,4 +52,5 @@ def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:
         "curve": scene.curve(card.curve) if card.curve else 0,
         "rate_D": card.rate_D or 0.0,
         "rate_q": card.rate_q,
+        "failure": card.failure_strain or 0.0,
     }

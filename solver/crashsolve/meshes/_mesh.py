@@ -7,7 +7,10 @@ import numpy as np
 
 @dataclass
 class Mesh:
-    """Points (n, 3) [m], corners of quadrilaterals (m, 4) counter-clockwise seen from outside."""
+    """Points (n, 3) [m], corners of elements (m, 4) counter-clockwise seen from outside.
+
+    A triangle is a quadrilateral that names one of its corners twice.
+    """
 
     points: np.ndarray
     quads: np.ndarray

@@ -22,7 +22,7 @@ LOST |= {".fem": LOST[".bdf"], ".nas": LOST[".bdf"]}
 
 
 class File(Card):
-    """Quadrilaterals of a file; needs the extra [mesh]. Node sets bear the file's names."""
+    """Elements of a file, of four or three nodes; needs the extra [mesh]; node sets are kept."""
 
     file: FileName = word("beside the deck")
     unit: float = quantity("m", "length that the file's unit stands for", default=1.0, gt=0)
@@ -67,7 +67,7 @@ def _refuse_lost(path: Path, scene: Any) -> None:
 
 
 def _quads(found: Any, card: File, scene: Any) -> np.ndarray:
-    """Corners of the elements wanted."""
+    """Corners of the elements wanted; the last corner of a triangle is named twice."""
     if card.elements and card.elements not in found.cell_sets:
         known = ", ".join(sorted(found.cell_sets)) or "none"
         message = f"the file has no element set '{card.elements}' (sets: {known})"
@@ -77,9 +77,12 @@ def _quads(found: Any, card: File, scene: Any) -> np.ndarray:
         cells = np.asarray(block.data)
         if card.elements:
             cells = cells[np.asarray(found.cell_sets[card.elements][k], int)]
-        if len(cells) and block.type != "quad":
-            message = f"{len(cells)} elements are of type {block.type}; shells are of type quad"
+        if len(cells) and block.type not in ("quad", "triangle"):
+            wanted = "shells are of type quad or triangle"
+            message = f"{len(cells)} elements are of type {block.type}; {wanted}"
             raise scene.fail(message, "mesh.file")
+        if block.type == "triangle":
+            cells = cells[:, [0, 1, 2, 2]]
         quads.append(cells if len(cells) else np.zeros((0, 4), int))
     found_quads = np.concatenate(quads) if quads else np.zeros((0, 4), int)
     if not len(found_quads):

@@ -23,7 +23,8 @@ class Listed(Card):
 
     nodes: tuple[Vec3, ...] = quantity("m", "places; numbered from 1")
     quads: tuple[tuple[int, int, int, int], ...] = word(
-        "numbers of four nodes each, counter-clockwise seen from outside", ge=1
+        "four nodes each, counter-clockwise seen from outside; a triangle names its last one twice",
+        ge=1,
     )
     sets: tuple[NodeSet, ...] = word("sets of nodes", default=())
 

@@ -47,7 +47,7 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
             corners.append((laid.corners() + points).ravel())
             riders.append(_riders(laid, scene.part_nodes[name], scene.rides[name], points, scene))
             mass += laid.mass.sum() - laid.mass[riders[-1]["point"] - points].sum()
-            points, first = points + len(laid.mass), first + laid.padded() // LANES * laid.stride
+            points, first = points + len(laid.mass), first + laid.size
             count += len(laid.area)
     if not corners:
         return None
@@ -83,7 +83,7 @@ def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
 def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     """What all elements keep, at the start."""
     parts = _laid(model, deck, scene)
-    sizes = [laid.padded() // LANES * laid.stride for laid in parts]
+    sizes = [laid.size for laid in parts]
     numbers, first = np.zeros(sum(sizes)), 0
     for laid, size in zip(parts, sizes, strict=True):
         laid.write_blocks(numbers[first : first + size])

@@ -236,16 +236,21 @@ class Scene:
         types = list(dict.fromkeys(entry.type for entry in entries))
         return [e.card for e in sorted(entries, key=lambda entry: types.index(entry.type))]
 
-    def faces(self, part: str, field: str) -> tuple[int, int]:
-        """First corner and number of the elements of a part with points."""
+    def faces(self, part: str, field: str) -> tuple[int, int, int]:
+        """First corner of a part with points, its quadrilaterals and its triangles."""
         entry = self.deck.entries["parts"][part]
         corner = 0
         for card in self._with_points():
             laid = self.laid(card)
             if card is entry.card:
-                return corner, len(laid.area)
+                return corner, laid.quad_count, len(laid.area) - laid.quad_count
             corner += laid.corners().size
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
+
+    def can_fail(self, part: str) -> bool:
+        """Whether elements of a part may be deleted."""
+        card = self.deck.entries["parts"][part].card
+        return any(own is card for own in self._with_points()) and self.laid(card).can_fail
 
     def curve(self, name: str) -> int:
         return self.curves[name]

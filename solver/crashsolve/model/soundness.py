@@ -21,7 +21,9 @@ def _lonely(mesh: Any) -> str:
 def _doubled(mesh: Any) -> str:
     """Nodes nearer than a millionth of the shortest side, found in two nets of cells."""
     sides = mesh.points[mesh.quads] - mesh.points[np.roll(mesh.quads, -1, axis=1)]
-    grain = 1e-6 * float(np.linalg.norm(sides, axis=2).min())
+    # a triangle names a corner twice
+    real = mesh.quads != np.roll(mesh.quads, -1, axis=1)
+    grain = 1e-6 * float(np.linalg.norm(sides, axis=2)[real].min())
     if grain == 0.0:
         return ""  # an element with a side of no length is refused by itself
     for shift in (0.0, 0.5):
@@ -39,7 +41,9 @@ def _turned_over(mesh: Any) -> str:
     """Two elements that run along a side in the same direction face opposite ways."""
     ends = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=-1).reshape(-1, 2)
     order = np.lexsort(ends.T)
-    same = np.flatnonzero((ends[order[1:]] == ends[order[:-1]]).all(axis=1))
+    # a triangle has a side of no length
+    real = ends[order[1:], 0] != ends[order[1:], 1]
+    same = np.flatnonzero((ends[order[1:]] == ends[order[:-1]]).all(axis=1) & real)
     if not len(same):
         return ""
     a, b = sorted(int(order[same[0] + k]) // 4 + 1 for k in (0, 1))

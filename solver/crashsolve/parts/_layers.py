@@ -9,13 +9,16 @@ xi = sigma - alpha, the plastic strain is g P xi and
     s1 = (xi_x + xi_y)^2 / 4,   s2 = 3 (xi_x - xi_y)^2 / 4 + 3 xi_xy^2   of the trial stress
     c1 = E / (3 - 3 nu) + 2/3 H_k,   c2 = 2 G + 2/3 H_k
 
-whose root g Newton's method finds from below. Transverse shear stays elastic.
+whose root g Newton's method finds from below. Transverse shear stays elastic. With the power law of
+Johnson and Cook, whose slope is endless at e = 0, Newton's method starts from a g so small that
+neither side of the equation has used up half of what the trial stress is beyond yield. A layer
+whose plastic strain has reached that of failure loses its stress in the next step, for good.
 
 Reference: Simo and Taylor (1986), A return mapping algorithm for plane stress elastoplasticity,
 Int. J. Num. Meth. Eng. 22, 649-670.
 """
 
-from math import sqrt
+from math import log, sqrt
 
 from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.curve import curve_value
@@ -31,19 +34,28 @@ from crashsolve.parts._quad_block import (
     RESULTANT,
     ROWS,
     THICKNESS,
+    three,
 )
 
 # rows of a plastic layer: stress, equivalent plastic strain, alpha
 STRAIN, BACK, PLASTIC_ROWS = 3, 4, 7
+# one more where plastic work heats: the temperature, from 0 at the start to 1 at melting
+HEAT = 7
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
-# rate, what is missing; of all layers, the strain across the thickness and the plastic work
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST = (
-    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11)
+# rate, what is missing; of all layers, the strain across the thickness, the plastic work, the
+# energy of those that fail
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED = (
+    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)
 )
-ALL_ROWS = ROWS + 12
+ALL_ROWS = ROWS + 13
+# rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
+# energy of elements when they were deleted
+FAILED_ROWS = 2
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
+# share of its strength that a molten layer keeps
+MOLTEN = 1e-6
 
 
 @kernel
@@ -54,6 +66,7 @@ def clear_resultants(work):
     for e in range(LANES):
         work[LANES * THIN + e] = 0.0
         work[LANES * LOST + e] = 0.0
+        work[LANES * DROPPED + e] = 0.0
 
 
 @inlined
@@ -97,22 +110,41 @@ def elastic_layer(blocks, at, work, p, zeta, weight):
 
 
 @kernel
-def layers(blocks, first, work, h, p, curves):
+def layers(blocks, first, stride, work, h, p, curves):
     """Stresses of all layers of a block after a step of h, their resultants, the thickness.
 
     Writes: blocks, work.
     """
     clear_resultants(work)
+    through_thickness(blocks, first + LANES * LAYERS, work, h, p, curves)
+    take_up(blocks, first, stride, work, p)
+
+
+@kernel
+def through_thickness(blocks, first, work, h, p, curves):
+    """Stresses of the layers at one point of the plane of every element, added to the resultants.
+
+    Writes: blocks, work.
+    """
     for k in range(p.layers):
-        at = first + LANES * (LAYERS + p.layer_rows * k)
+        at = first + LANES * p.layer_rows * k
         # a step of no length changes nothing, whatever the rate was
         if p.plastic == 0 or h == 0.0:
             elastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
         else:
             plastic_layer(blocks, at, work, h, p, p.zeta[k], p.weight[k], curves)
+
+
+@kernel
+def take_up(blocks, first, stride, work, p):
+    """Plastic work, failure and thickness of the elements after a step. Writes: blocks."""
     if p.plastic == 1:
         for e in range(LANES):
             blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
+    if p.failure > 0.0:
+        for e in range(LANES):
+            at = first + stride - FAILED_ROWS * LANES + e
+            blocks[at] += work[LANES * DROPPED + e]
     if p.thins == 1:
         for e in range(LANES):
             blocks[first + LANES * THICKNESS + e] *= 1.0 + work[LANES * THIN + e]
@@ -121,29 +153,84 @@ def layers(blocks, first, work, h, p, curves):
 @kernel
 def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
     """Stress of a plastic layer after the strains of a step of h. Writes: blocks, work."""
-    if p.rate_D > 0.0:
+    if p.rate_D > 0.0 or p.rate_C > 0.0:
         find_factors(work, h, p, zeta)
+    if p.heating > 0.0:
+        soften(blocks, at, work, p)
     find_trial(blocks, at, work, p, zeta)
-    if p.curve > 0:
+    if p.failure > 0.0:
+        drop_failed(blocks, at, work, p, weight)
+    if p.curve > 0 or p.power > 0.0:
         look_up(blocks, at, work, p, curves)
     if worst_gap(work) > 0.0:
+        if p.power > 0.0:
+            begin(work, p)
         return_to_yield(blocks, at, work, p, curves)
     settle(blocks, at, work, p, zeta, weight)
+    if p.heating > 0.0:
+        heat(blocks, at, work, p)
 
 
 @kernel
 def find_factors(work, h, p, zeta):
-    """Factor of Cowper and Symonds on the yield stress, by the rate of strain. Writes: work."""
+    """Factor of the rate of strain on the yield stress: of Cowper and Symonds, or logarithmic.
+
+    Writes: work.
+    """
     for e in range(LANES):
         x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
         rate = sqrt(4.0 / 3.0 * (x * x + y * y + x * y + 0.25 * xy * xy)) / h
-        work[LANES * FACTOR + e] = 1.0 + (rate / p.rate_D) ** (1.0 / p.rate_q)
+        if p.rate_D > 0.0:
+            factor = 1.0 + (rate / p.rate_D) ** (1.0 / p.rate_q)
+        else:
+            factor = 1.0 + p.rate_C * log(max(rate / p.rate_0, 1.0))
+        work[LANES * FACTOR + e] = factor
+
+
+@kernel
+def soften(blocks, at, work, p):
+    """Factor of temperature on the yield stress, beside that of rate. Writes: work."""
+    has_rate = p.rate_C > 0.0
+    for e in range(LANES):
+        factor = work[LANES * FACTOR + e] if has_rate else 1.0
+        hot = min(blocks[at + HEAT * LANES + e], 1.0) ** p.softening
+        work[LANES * FACTOR + e] = factor * max(1.0 - hot, MOLTEN)
+
+
+@kernel
+def heat(blocks, at, work, p):
+    """Temperature of the layer from the plastic work of the step. Writes: blocks."""
+    for e in range(LANES):
+        blocks[at + HEAT * LANES + e] += p.heating * work[LANES * GAP + e]
+
+
+@kernel
+def drop_failed(blocks, at, work, p, weight):
+    """Stress of layers that have failed, and the energy it had. Writes: blocks, work."""
+    for e in range(LANES):
+        has_failed = blocks[at + STRAIN * LANES + e] >= p.failure
+        x, y, s = three(blocks, at + e)
+        energy = x * x + y * y - 2.0 * p.poisson * x * y + 2.0 * (1.0 + p.poisson) * s * s
+        volume = 0.5 * weight * work[LANES * DEPTH + e] * work[LANES * AREA + e]
+        keep = 0.0 if has_failed else 1.0
+        work[LANES * DROPPED + e] += (1.0 - keep) * volume * energy / (2.0 * p.young)
+        for row in (0, 1, 2, BACK, BACK + 1, BACK + 2):
+            blocks[at + row * LANES + e] *= keep
+        for row in (XI, XI + 1, XI + 2, S1, S2):
+            work[row * LANES + e] *= keep
+        work[LANES * GAP + e] = -1.0 if has_failed else work[LANES * GAP + e]
+
+
+@inlined
+def scaled(p):
+    """Whether there is a factor on the yield stress."""
+    return p.rate_D > 0.0 or p.rate_C > 0.0 or p.heating > 0.0
 
 
 @kernel
 def find_trial(blocks, at, work, p, zeta):
     """Trial stress less alpha, and by how much it is beyond yield. Writes: work."""
-    nu, shear, has_rate = p.poisson, p.shear, p.rate_D > 0.0
+    nu, shear, has_rate = p.poisson, p.shear, scaled(p)
     C, start, slope = p.young / (1.0 - nu * nu), p.yield_stress, p.isotropic
     for e in range(LANES):
         x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
@@ -163,7 +250,7 @@ def find_trial(blocks, at, work, p, zeta):
 
 @kernel
 def look_up(blocks, at, work, p, curves):
-    """Yield stress of a curve at the present plastic strain, and what is beyond it.
+    """Yield stress of a curve or a power at the present plastic strain, and what is beyond it.
 
     Writes: work.
     """
@@ -173,7 +260,12 @@ def look_up(blocks, at, work, p, curves):
         k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
         size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
         strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
-        flow, slope, _ = curve_value(curves, p.curve, strain)
+        if p.power > 0.0:
+            grows = p.power * strain**p.exponent
+            # from below: its slope at no strain has no bound
+            flow, slope = p.yield_stress + grows, p.exponent * grows / max(strain, 1e-300)
+        else:
+            flow, slope, _ = curve_value(curves, p.curve, strain)
         work[LANES * YIELD + e], work[LANES * SLOPE + e] = factor * flow, factor * slope
         work[LANES * GAP + e] = size / (factor * flow) - 1.0
 
@@ -195,11 +287,26 @@ def softening(p):
 
 
 @kernel
+def begin(work, p):
+    """A first g for the power law, below the root. Writes: work."""
+    c1, c2 = softening(p)
+    for e in range(LANES):
+        a, b, factor = work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * FACTOR + e]
+        size = sqrt(a + b) + 1e-300
+        # half of what is beyond yield: the stress falls at most as at first, and the power grows
+        # at most as from no strain
+        half = 0.5 * max(size - size / (1.0 + work[LANES * GAP + e]), 0.0)
+        falls = half * size / (a * c1 + b * c2 + 1e-300)
+        grows = 1.5 / size * (half / (factor * p.power)) ** (1.0 / p.exponent)
+        work[LANES * G + e] = min(falls, grows)
+
+
+@kernel
 def return_to_yield(blocks, at, work, p, curves):
     """Newton's method for g in all lanes; those within yield stay at 0. Writes: work."""
     before = 1e300
     for count in range(PASSES):
-        if p.curve > 0 and count > 0:
+        if (p.curve > 0 or p.power > 0.0) and (count > 0 or p.power > 0.0):
             look_up(blocks, at, work, p, curves)
         correct(blocks, at, work, p)
         worst = worst_gap(work)
@@ -213,7 +320,7 @@ def return_to_yield(blocks, at, work, p, curves):
 def correct(blocks, at, work, p):
     """A step of Newton's method; the gap is that before it, of lanes that yield. Writes: work."""
     c1, c2 = softening(p)
-    start, hardening, has_curve = p.yield_stress, p.isotropic, p.curve > 0
+    start, hardening, has_curve = p.yield_stress, p.isotropic, p.curve > 0 or p.power > 0.0
     for e in range(LANES):
         g, s1, s2 = work[LANES * G + e], work[LANES * S1 + e], work[LANES * S2 + e]
         # both factors by one division
@@ -262,6 +369,8 @@ def settle(blocks, at, work, p, zeta, weight):
         lost = 0.5 * ((old_x + s_x) * p_x + (old_y + s_y) * p_y) + (old_xy + s_xy) * g * xy
         share, z = 0.5 * weight * t, 0.5 * t * zeta
         work[LANES * LOST + e] += share * work[LANES * AREA + e] * lost
+        # the gap is closed; its row is free
+        work[LANES * GAP + e] = lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y

@@ -26,7 +26,9 @@ PLACE, VELOCITY, SPIN = 0, 12, 24
 FORCE, TORQUE = 0, 12
 # strains of the step: of the plane, curvatures, shear; resultants; squared frequency
 MEMBRANE, CURVATURE, RESULTANT, MOMENT, RATE, AREA, DEPTH = 36, 39, 42, 45, 48, 49, 50
-ROWS = 51
+# of the step: what differs from a linear field, of the plane and of the turns; diagonals
+MODES, FLAT = 51, 55
+ROWS = 59
 # stiffness against spins of the nodes about the normal that differ from the turn of the plane, over
 # that against shear of the plane: enough to tie them, too little to set the step
 DRILLING = 0.1
@@ -43,6 +45,15 @@ def gather(points, corners, first, work):
                 work[at + LANES * (PLACE + k)] = b.r[k]
                 work[at + LANES * (VELOCITY + k)] = b.v[k]
                 work[at + LANES * (SPIN + k)] = b.w[k]
+
+
+@kernel
+def note_rate(clock, work, first, live):
+    """Keep the largest squared frequency and whose it is. Writes: clock."""
+    for e in range(live):
+        if work[LANES * RATE + e] > clock.element_rate:
+            clock.element_rate = work[LANES * RATE + e]
+            clock.limit_element = first + e
 
 
 @kernel
@@ -146,6 +157,12 @@ def strain(blocks, first, work, h, p):
         blocks[at + 8 * LANES] += h * DRILLING * G * t * area * drill
         work[LANES * AREA + e] = area
         work[LANES * DEPTH + e] = t
+        at = LANES * MODES + e
+        work[at], work[at + LANES] = h * q_x, h * q_y
+        work[at + 2 * LANES], work[at + 3 * LANES] = h * p_x, h * p_y
+        at = LANES * FLAT + e
+        work[at], work[at + LANES] = flat[0], flat[1]
+        work[at + 2 * LANES], work[at + 3 * LANES] = flat[2], flat[3]
 
 
 @inlined

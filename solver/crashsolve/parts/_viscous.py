@@ -16,11 +16,11 @@ from math import sqrt
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.parts._layers import FAILED_ROWS
 from crashsolve.parts._quad_block import (
     AREA,
     CURVATURE,
     DEPTH,
-    LAYERS,
     MEMBRANE,
     RATE,
     RESULTANT,
@@ -31,15 +31,16 @@ SLOW, TAKEN, HEAVIER, SLOW_ROWS = 0, 6, 7, 8
 
 
 @kernel
-def slow_row(p, first):
-    """Where the rows of damping of a block begin."""
-    return first + LANES * (LAYERS + p.layer_rows * p.layers)
+def slow_row(p, first, stride):
+    """Where the rows of damping of a block of so many numbers begin."""
+    behind = SLOW_ROWS + FAILED_ROWS if p.failure > 0.0 else SLOW_ROWS
+    return first + stride - LANES * behind
 
 
 @kernel
-def damp(blocks, first, work, h, p):
+def damp(blocks, first, stride, work, h, p):
     """Add the resultants of damping to those of the layers. Writes: blocks, work."""
-    at = slow_row(p, first)
+    at = slow_row(p, first, stride)
     # a step of no length has no rates: those of the last step stay
     if h > 0.0:
         for e in range(LANES):
@@ -79,9 +80,9 @@ def resist(blocks, at, work, e, h, p):
 
 
 @kernel
-def allow(blocks, first, work, h, p):
+def allow(blocks, first, stride, work, h, p):
     """Bound of frequency with damping and added mass. Writes: work."""
-    at = slow_row(p, first) + LANES * HEAVIER
+    at = slow_row(p, first, stride) + LANES * HEAVIER
     speed = sqrt(p.young / (p.density * (1.0 - p.poisson * p.poisson)))
     for e in range(LANES):
         omega = sqrt(work[LANES * RATE + e] / blocks[at + e])

@@ -13,6 +13,9 @@ References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonline
 shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 """
 
+from dataclasses import replace
+from importlib import import_module
+from types import SimpleNamespace
 from typing import Any, Literal
 
 import numpy as np
@@ -22,9 +25,17 @@ from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Ve
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import cross, dot, norm, sub, vec
+from crashsolve.foundation.vec3 import dot, vec
 from crashsolve.parts._damping import Damped, coefficients, heavier, report_added
-from crashsolve.parts._layers import ALL_ROWS, PLASTIC_ROWS, STRAIN, layers
+from crashsolve.parts._failure import (
+    add_losses,
+    delete,
+    diagonal,
+    has_failed,
+    mute_forces,
+    mute_strains,
+)
+from crashsolve.parts._layers import ALL_ROWS, FAILED_ROWS, PLASTIC_ROWS, STRAIN, layers
 from crashsolve.parts._quad import hourglass_stiffness, plane_axes, rate_bound
 from crashsolve.parts._quad_block import (
     DRILL,
@@ -33,20 +44,25 @@ from crashsolve.parts._quad_block import (
     LOSS,
     PLANE_Q,
     RADIUS_2,
-    RATE,
     SHAPE,
     SHEAR,
     THICKNESS,
     WEIGHT,
     gather,
+    note_rate,
     push,
     scatter,
     strain,
 )
-from crashsolve.parts._viscous import HEAVIER, SLOW_ROWS, TAKEN, allow, damp, slow_row
+from crashsolve.parts._viscous import HEAVIER, SLOW_ROWS, allow, damp
 
 STEPWISE = True
-ROWS = ALL_ROWS
+# the column that counts elements of a kind, and the file of its kernels
+KINDS = {"one_point": "shell", "four_points": "_full", "triangles": "_triangle"}
+# points in the plane of a quadrilateral
+POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
+# beside the rows of layers, sums over the points of a plane
+ROWS = ALL_ROWS + 23
 FAMILY = "matsum"
 ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
@@ -96,6 +112,10 @@ class Shell(Damped):
 
     mesh: Card = Law("meshes", "places of the nodes, elements, sets of nodes")
     thickness: float = quantity("m", "t", gt=0)
+    element: Literal["reduced", "fully_integrated", "triangles"] = word(
+        "quadrilaterals with one point in their plane, or 2 by 2, or each cut into two triangles",
+        default="reduced",
+    )
     material: MaterialName = word("what it is made of")
     layers: int = word("points through the thickness", default=5, ge=1, le=MOST_LAYERS)
     rule: Literal["gauss", "lobatto"] = word("where they lie; lobatto: at the faces too", "gauss")
@@ -120,6 +140,9 @@ PARAMETERS = Record(
     stride=("count", "numbers of a block"),
     first_corner=("index", "of the part's corners"),
     element_count=("count", "elements"),
+    one_point=("count", "of them, quadrilaterals with one point in their plane"),
+    four_points=("count", "quadrilaterals with 2 by 2 points"),
+    triangles=("count", "triangles, which come after the quadrilaterals"),
     first_element=("index", "number of the part's first element among all"),
     layers=("count", "points through the thickness"),
     zeta=("1", MOST_LAYERS, "places of the layers, -1 to 1"),
@@ -142,6 +165,13 @@ PARAMETERS = Record(
     curve=("index", "Y over plastic strain; 0 for none"),
     rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
     rate_q=("1", "q of Cowper and Symonds"),
+    power=("Pa", "B of Johnson and Cook; 0 for none"),
+    exponent=("1", "n of Johnson and Cook"),
+    rate_C=("1", "C of Johnson and Cook; 0 for none"),
+    rate_0=("1/s", "rate above which C counts"),
+    heating=("m^3/J", "temperature, 1 at melting, over plastic work per volume; 0 for none"),
+    softening=("1", "m of Johnson and Cook"),
+    failure=("1", "plastic strain at which a layer fails; 0 for none"),
 )
 HISTORY = Record(damped=("J", "energy lost by drag"))
 OUTPUT = Record(
@@ -152,6 +182,13 @@ OUTPUT = Record(
     plastic=("J", "plastic work"),
     drag=("J", "energy lost by drag"),
     damping=("J", "energy lost by damping of strains and viscosity"),
+    eroded=("J", "elastic energy lost with layers that failed and elements deleted"),
+    eroded_kinetic=(
+        "J",
+        "kinetic energy of elements when deleted; it stays with the nodes",
+    ),
+    eroded_mass=("kg", "of elements deleted; it stays with the nodes"),
+    deleted=("count", "elements deleted"),
 )
 
 # of the elements in pictures: unit and components; resultants along the element's axes
@@ -161,7 +198,7 @@ FIELDS = {
     "moment": ("N", 3),  # xx, yy, xy
     "shear_force_xz": ("N/m", 1),
     "shear_force_yz": ("N/m", 1),
-    "von_mises": ("Pa", 1),  # largest of the layers
+    "von_mises": ("Pa", 1),  # largest of the layers and points
     "elastic_energy_density": ("J/m^3", 1),
     "plastic_energy_density": ("J/m^3", 1),  # over the volume at the start
     "plastic_strain_top": ("1", 1),  # of the outermost layers and the middle one
@@ -187,6 +224,39 @@ def nearest(places: np.ndarray, card: NamedNode | Trace) -> int:
     return int(np.argmin(np.linalg.norm(places - np.asarray(card.at), axis=1)))
 
 
+def sorted_mesh(mesh: Any, cut: bool) -> Any:
+    """The mesh with its triangles last, a corner named twice at their end; or cut into triangles.
+
+    A quadrilateral is cut along the shorter diagonal.
+    """
+    quads = mesh.quads.copy()
+    for k in range(3):
+        same = quads[:, k] == quads[:, (k + 1) % 4]
+        quads[same] = np.roll(quads[same], 2 - k, axis=1)
+    same = (quads[:, 3] == quads[:, 0]) & (quads[:, 2] != quads[:, 3])
+    quads[same] = np.roll(quads[same], -1, axis=1)
+    whole, thirds = quads[quads[:, 2] != quads[:, 3]], quads[quads[:, 2] == quads[:, 3]]
+    if cut:
+        x = mesh.points[whole]
+        diagonals = np.linalg.norm([x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]], axis=2)
+        turned = np.where((diagonals[1] < diagonals[0])[:, None], np.roll(whole, -1, 1), whole)
+        halves = turned[:, [[0, 1, 2, 2], [0, 2, 3, 3]]].reshape(-1, 4)
+        whole, thirds = whole[:0], np.concatenate([halves, thirds])
+    return replace(mesh, quads=np.concatenate([whole, thirds]))
+
+
+def blocks_of(own: slice) -> int:
+    """Blocks that hold these elements."""
+    return -(-(own.stop - own.start) // LANES)
+
+
+def in_lanes(values: np.ndarray) -> np.ndarray:
+    """(blocks, lanes); the last element stands for those that are missing."""
+    missing = -len(values) % LANES
+    filled = np.append(values, np.repeat(values[-1:], missing, axis=0))
+    return filled.reshape(-1, LANES)
+
+
 class Laid:
     """A shell part in place: its mesh, with the masses of its nodes."""
 
@@ -194,8 +264,12 @@ class Laid:
         _, self.material = scene.law("materials", card.material)
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
+        self.layer_rows += getattr(self.material, "melting_heat", None) is not None
+        self.can_fail = getattr(self.material, "failure_strain", None) is not None
         self.rule = rule(card, scene)
-        self.mesh = scene.mesh(card)
+        self.points = POINTS[card.element]
+        self.mesh = sorted_mesh(scene.mesh(card), card.element == "triangles")
+        self.quad_count = int((self.mesh.quads[:, 2] != self.mesh.quads[:, 3]).sum())
         x = self.mesh.points[self.mesh.quads]
         normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
         self.area = 0.5 * np.linalg.norm(normal, axis=1)
@@ -206,9 +280,11 @@ class Laid:
         corners = self.mesh.quads.ravel()
         self.slows = bool(card.damping or card.viscosity or card.mass_scaling)
         self.heavier = self._heavier(scene)
-        share = self.heavier * self.weight / 4
-        self.mass = np.bincount(corners, np.repeat(share, 4), n)
-        self.J = np.bincount(corners, np.repeat(share * self.radius_2, 4), n)
+        share = np.full(x.shape[:2], 0.25)
+        share[self.quad_count :] = [1 / 3, 1 / 3, 1 / 3, 0]
+        share *= (self.heavier * self.weight)[:, None]
+        self.mass = np.bincount(corners, share.ravel(), n)
+        self.J = np.bincount(corners, (share * self.radius_2[:, None]).ravel(), n)
         self.named = [nearest(self.mesh.points, node) for node in card.nodes]
         self.traced = [nearest(self.mesh.points, node) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
@@ -218,7 +294,10 @@ class Laid:
         """Every corner of an element must turn the same way."""
         for k in range(4):
             here = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
-            bad = np.flatnonzero(~((here * normal).sum(1) > 1e-6 * (normal**2).sum(1)))
+            turns = (here * normal).sum(1) > 1e-6 * (normal**2).sum(1)
+            # the third side of a triangle has no length
+            turns[self.quad_count :] |= k > 1
+            bad = np.flatnonzero(~turns)
             if len(bad):
                 where = ", ".join(f"{value:.4g}" for value in x[bad[0], k])
                 message = (
@@ -231,17 +310,27 @@ class Laid:
         """Factors of the masses of the elements."""
         if self.card.mass_scaling is None:
             return np.ones(len(self.area))
-        E_rho, nu = self.material.young / self.material.density, self.material.poisson
-        # as plain Python: this is no place to compile for
-        bound = getattr(rate_bound, "py_func", rate_bound)
-        rows = zip(self._diagonals(), self.area, self.radius_2, strict=True)
-        squares = [
-            bound((D[0, 0], D[1, 0], D[0, 1], D[1, 1]), area, self.card.thickness, r_2, E_rho, nu)
-            for D, area, r_2 in rows
-        ]
-        factors: np.ndarray = heavier(self.card, np.array(squares), scene)
+        flat = self._diagonals().transpose(0, 2, 1).reshape(-1, 4)
+        squares = np.array([self._square(k, tuple(sides)) for k, sides in enumerate(flat)])
+        factors: np.ndarray = heavier(self.card, squares, scene)
         report_added(self.card, self.weight, factors, scene)
         return factors
+
+    def _square(self, element: int, flat: tuple[float, ...]) -> float:
+        """Bound of the largest squared frequency of an element with these diagonals [1/s^2]."""
+        law, t = self.material, self.card.thickness
+        size = flat, self.area[element], t, self.radius_2[element]
+        # as plain Python: this is no place to compile for
+        if element < self.quad_count:
+            bound = getattr(rate_bound, "py_func", rate_bound)
+            return float(bound(*size, law.young / law.density, law.poisson))
+        # that file builds on this one
+        triangle = import_module("crashsolve.parts._triangle")
+        shear = 0.5 * law.young / (1.0 + law.poisson)
+        metal = SimpleNamespace(
+            young=law.young, poisson=law.poisson, density=law.density, shear=shear
+        )
+        return float(triangle.rate_bound(*size, metal))
 
     def _held(self, scene: Any) -> np.ndarray:
         """Bits of the motions that every node does not make."""
@@ -286,81 +375,101 @@ class Laid:
             table["v"][self.held >> k & 1 == 1, k] = 0.0
             table["w"][self.held >> (3 + k) & 1 == 1, k] = 0.0
 
+    def sections(self) -> list[tuple[slice, int]]:
+        """Elements of a kind, and the points in the plane of each, as blocks hold them."""
+        n, m = self.quad_count, len(self.area)
+        both = [(slice(0, n), self.points), (slice(n, m), 1)]
+        return [(own, points) for own, points in both if own.stop > own.start]
+
     def write_blocks(self, numbers: np.ndarray) -> None:
         """Numbers of the elements, block by block; the last is filled up. Writes: numbers."""
-        table = numbers.reshape(-1, self.stride // LANES, LANES)
-        for row, values in (
-            (THICKNESS, np.full(len(self.area), self.card.thickness)),
-            (RADIUS_2, self.radius_2),
-            (WEIGHT, self.weight),
-            *((SHAPE + k, column) for k, column in enumerate(self._shape().T)),
-        ):
-            table[:, row] = self._in_lanes(values)
-        if self.slows:
-            table[:, HEAVIER - SLOW_ROWS] = self._in_lanes(self.heavier)
+        start = 0
+        values = [np.full(len(self.area), self.card.thickness), *self._shape().T]
+        for own, points in self.sections():
+            size = blocks_of(own) * self.stride_of(points)
+            table = numbers[start : start + size].reshape(blocks_of(own), -1, LANES)
+            for row, column in (
+                (THICKNESS, values[0]),
+                (RADIUS_2, self.radius_2),
+                (WEIGHT, self.weight),
+                *((SHAPE + k, column) for k, column in enumerate(values[1:])),
+            ):
+                table[:, row] = in_lanes(column[own])
+            if self.slows:
+                row = table.shape[1] - FAILED_ROWS * self.can_fail - SLOW_ROWS
+                table[:, row + HEAVIER] = in_lanes(self.heavier[own])
+            start += size
 
     def corners(self) -> np.ndarray:
         """Points of the corners, (blocks, 4, lanes)."""
-        return np.stack([self._in_lanes(column) for column in self.mesh.quads.T], axis=1)
+        quads = [self.mesh.quads[own] for own, _ in self.sections()]
+        return np.concatenate([np.stack([in_lanes(c) for c in q.T], axis=1) for q in quads])
+
+    def stride_of(self, points: int) -> int:
+        """Numbers of a block of elements with so many points in their plane."""
+        rows = LAYERS + points * self.layer_rows * self.card.layers
+        return LANES * (rows + SLOW_ROWS * self.slows + FAILED_ROWS * self.can_fail)
 
     @property
     def stride(self) -> int:
-        """Numbers of a block."""
-        return LANES * (self._layers_end + SLOW_ROWS * self.slows)
+        """Numbers of a block of quadrilaterals."""
+        return self.stride_of(self.points)
 
     @property
-    def _layers_end(self) -> int:
-        """Rows of a block up to its last layer."""
-        return LAYERS + self.layer_rows * self.card.layers
-
-    def padded(self) -> int:
-        """Elements with those that fill the last block."""
-        return -(-len(self.area) // LANES) * LANES
-
-    def _in_lanes(self, values: np.ndarray) -> np.ndarray:
-        """(blocks, lanes); the last element stands for those that are missing."""
-        filled = np.append(values, np.repeat(values[-1:], self.padded() - len(values), axis=0))
-        return filled.reshape(-1, LANES)
-
-    def own_rows(self, blocks: np.ndarray, row: Any) -> np.ndarray:
-        """What the elements keep (m, rows), from what those of all parts keep."""
-        first, stride = int(row["first"]), int(row["stride"])
-        own = blocks[first : first + self.padded() // LANES * stride]
-        return own.reshape(-1, stride // LANES, LANES).transpose(0, 2, 1).reshape(self.padded(), -1)
+    def size(self) -> int:
+        """Numbers of all blocks."""
+        return sum(blocks_of(own) * self.stride_of(points) for own, points in self.sections())
 
     def gauge_values(self, blocks: np.ndarray, row: Any) -> np.ndarray:
         """Values of FIELDS of the gauged elements, side by side."""
-        found = self.fields(self.own_rows(blocks, row)[self.gauged])
+        found = self.values_of(blocks, row, np.array(self.gauged))
         return np.column_stack([found[name] for name in FIELDS])
 
     def all_fields(self, blocks: np.ndarray, row: Any) -> dict[str, np.ndarray]:
         """Values of FIELDS of all elements."""
-        return self.fields(self.own_rows(blocks, row)[: len(self.area)])
+        return self.values_of(blocks, row, np.arange(len(self.area)))
+
+    def values_of(self, blocks: np.ndarray, row: Any, wanted: np.ndarray) -> dict[str, np.ndarray]:
+        """Values of FIELDS of some elements, from what those of all parts keep."""
+        start = int(row["first"])
+        shapes = {name: (len(wanted), n)[: 1 + (n > 1)] for name, (_, n) in FIELDS.items()}
+        found = {name: np.zeros(shape) for name, shape in shapes.items()}
+        for own, points in self.sections():
+            count, stride = blocks_of(own), self.stride_of(points)
+            table = blocks[start : start + count * stride].reshape(count, stride // LANES, LANES)
+            met = (wanted >= own.start) & (wanted < own.stop)
+            place = wanted[met] - own.start
+            for name, values in self.fields(table[place // LANES, :, place % LANES]).items():
+                found[name][met] = values
+            start += count * stride
+        return found
 
     def fields(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Values of FIELDS from what elements keep (m, rows)."""
-        layers = rows[:, LAYERS : self._layers_end].reshape(len(rows), self.card.layers, -1)
-        t, stress = rows[:, THICKNESS], layers[:, :, :3]
+        """Values of FIELDS from what elements keep (m, rows): means of the points of a plane."""
+        count = self.card.layers
+        end = rows.shape[1] - SLOW_ROWS * self.slows - FAILED_ROWS * self.can_fail
+        layers = rows[:, LAYERS:end].reshape(len(rows), -1, count, self.layer_rows)
+        t, shear = rows[:, THICKNESS], rows[:, SHEAR : SHEAR + 2]
+        mean = layers.mean(axis=1)
         zeta, weight = self.rule
         share = 0.5 * t[:, None] * weight
         arm = 0.5 * t[:, None] * zeta
-        x, y, s = np.moveaxis(stress, 2, 0)
-        plastic = layers[:, :, STRAIN] if self.layer_rows > STRAIN else np.zeros(x.shape)
+        x, y, s = np.moveaxis(layers[..., :3], 3, 0)
+        plastic = mean[:, :, STRAIN] if self.layer_rows > STRAIN else np.zeros((len(rows), count))
         E, nu = self.material.young, self.material.poisson
         elastic = (x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s) / (2.0 * E)
-        shear = rows[:, SHEAR : SHEAR + 2]
-        density = 0.5 * elastic @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
+        density = 0.5 * elastic.mean(axis=1) @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
         return {
             "thickness": t,
-            "membrane_force": np.einsum("ek,ekc->ec", share, stress),
-            "moment": np.einsum("ek,ekc->ec", share * arm, stress),
+            "membrane_force": np.einsum("ek,ekc->ec", share, mean[:, :, :3]),
+            "moment": np.einsum("ek,ekc->ec", share * arm, mean[:, :, :3]),
             "shear_force_xz": shear[:, 0] * t,
             "shear_force_yz": shear[:, 1] * t,
-            "von_mises": np.sqrt(x * x + y * y - x * y + 3.0 * s * s).max(axis=1),
+            "von_mises": np.sqrt(x * x + y * y - x * y + 3.0 * s * s).max(axis=(1, 2)),
             "elastic_energy_density": density,
             "plastic_energy_density": rows[:, LOSS] / (rows[:, WEIGHT] / self.material.density),
             "plastic_strain_top": plastic[:, -1],
-            "plastic_strain_mid": plastic[:, (self.card.layers - 1) // 2],
+            "plastic_strain_mid": plastic[:, (count - 1) // 2],
             "plastic_strain_bottom": plastic[:, 0],
         }
 
@@ -409,10 +518,14 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
     zeta, weight = laid.rule
     room = np.zeros(MOST_LAYERS - card.layers)
     law, material_card = scene.law("materials", card.material)
+    count = laid.quad_count
     return {
         "thins": card.thinning,
         "layer_rows": laid.layer_rows,
         "layers": card.layers,
+        "one_point": count if laid.points == 1 else 0,
+        "four_points": count if laid.points == 4 else 0,
+        "triangles": len(laid.area) - count,
         "zeta": np.append(zeta, room),
         "weight": np.append(weight, room),
         "drag": card.drag,
@@ -425,50 +538,68 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
 
 @kernel
 def deform(p, clock, h, scene):
-    """Strains, stresses and forces of all elements of a part after a step of h.
+    """Strains, stresses and forces of the one-point elements of a part after a step of h.
 
     Writes: scene.points, lanes, work, clock.
     """
     points, corners, blocks, work = scene.points, scene.corners, scene.lanes, scene.work
     done = 0
-    while done < p.element_count:
+    while done < p.one_point:
         number = done // LANES
         first, corner = p.first + number * p.stride, p.first_corner + 4 * done
-        live = min(LANES, p.element_count - done)
+        live = min(LANES, p.one_point - done)
         gather(points, corners, corner, work)
         strain(blocks, first, work, h, p)
-        layers(blocks, first, work, h, p, scene.curves)
+        if p.failure > 0.0:
+            mute_strains(blocks, first, work)
+        layers(blocks, first, p.stride, work, h, p, scene.curves)
         if p.slows == 1:
-            damp(blocks, first, work, h, p)
+            damp(blocks, first, p.stride, work, h, p)
         push(blocks, first, work, p)
         if p.slows == 1:
-            allow(blocks, first, work, h, p)
+            allow(blocks, first, p.stride, work, h, p)
+        if p.failure > 0.0:
+            mute_forces(blocks, first, work)
+            erode(p, scene, first, corner, live)
         scatter(points, corners, corner, live, work)
-        for e in range(live):
-            if work[LANES * RATE + e] > clock.element_rate:
-                clock.element_rate = work[LANES * RATE + e]
-                clock.limit_element = p.first_element + done + e
+        note_rate(clock, work, p.first_element + done, live)
         done += LANES
 
 
 @kernel
+def erode(p, scene, first, corner, live):
+    """Delete the elements of a block that have failed. Writes: scene.lanes."""
+    for e in range(live):
+        if has_failed(scene.lanes, first + e, p, 1):
+            d, c = diagonal(scene, corner + e, 2), diagonal(scene, corner + LANES + e, 2)
+            stored, held, drilling = element_energy(p, scene.lanes, first + e, d, c)
+            delete(scene, first, p.stride, corner, e, 4, stored + held + drilling)
+
+
+@kernel
 def energies(p, new, out, scene):
-    """Energies of a part. Writes: out."""
+    """Energies of a part but for its elements. Writes: out."""
     out.kinetic = moving(p, scene.points)
     out.strain = out.hourglass = out.drilling = out.plastic = out.damping = 0.0
-    for i in range(p.element_count):
+    out.eroded = out.eroded_kinetic = out.eroded_mass = out.deleted = 0.0
+    out.drag = new.damped
+
+
+@kernel
+def add_energies(p, out, scene):
+    """Energies of the one-point elements. Writes: out."""
+    for i in range(p.one_point):
         lane = i % LANES
         at = p.first + i // LANES * p.stride + lane
         corner = p.first_corner + 4 * (i - lane) + lane
+        add_losses(p, scene.lanes, at, p.stride, out)
+        if scene.lanes[at + LANES * THICKNESS] == 0.0:
+            continue
         d, e = diagonal(scene, corner, 2), diagonal(scene, corner + LANES, 2)
         stretched, hourglass, drilling = element_energy(p, scene.lanes, at, d, e)
         out.strain += stretched
         out.hourglass += hourglass
         out.drilling += drilling
-        out.plastic += scene.lanes[at + LANES * LOSS]
-        if p.slows == 1:
-            out.damping += scene.lanes[slow_row(p, at) + LANES * TAKEN]
-    out.drag = new.damped
 
 
 @kernel
@@ -484,37 +615,59 @@ def moving(p, points):
 
 
 @kernel
-def diagonal(scene, corner, ahead):
-    """From a corner to the one `ahead` of it."""
-    a, b = scene.corners[corner], scene.corners[corner + ahead * LANES]
-    return sub(vec(scene.points[b].r), vec(scene.points[a].r))
-
-
-@kernel
 def element_energy(p, blocks, at, d, e):
     """Elastic energy of the layers and shear, of the hourglass stresses, of drilling [J]."""
-    t, nu = blocks[at + LANES * THICKNESS], p.poisson
-    volume, total = 0.5 * norm(cross(d, e)) * t, 0.0
-    for k in range(p.layers):
-        row = at + LANES * (LAYERS + p.layer_rows * k)
-        x, y, s = blocks[row], blocks[row + LANES], blocks[row + 2 * LANES]
-        density = x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s
-        total += 0.25 * p.weight[k] * density / p.young
-    x, y = blocks[at + LANES * SHEAR], blocks[at + LANES * (SHEAR + 1)]
-    total += 0.6 * (x * x + y * y) / p.shear
-    shape = at + LANES * SHAPE
-    G = (blocks[shape], blocks[shape + LANES], blocks[shape + 2 * LANES], blocks[shape + 3 * LANES])
-    _, flat, area = plane_axes(d, e, G)
-    k, k_s = hourglass_stiffness(flat, area, p.young, p.shear, nu, t)
-    det, stored = k[0] * k[1] - k[2] * k[2], 0.0
+    t, flat, area = in_plane(blocks, at, d, e)
+    total = layer_energy(p, blocks, at + LANES * LAYERS) + shear_energy(p, blocks, at)
+    k, _ = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
+    det, stored = k[0] * k[1] - k[2] * k[2], twist_energy(p, blocks, at, t, flat, area)
     for pair in range(2):
         q = at + LANES * (PLANE_Q + 2 * pair)
         x, y = blocks[q], blocks[q + LANES]
         share = 1.0 if pair == 0 else 12.0 / (t * t)
         stored += 0.5 * share * (k[1] * x * x + k[0] * y * y - 2.0 * k[2] * x * y) / det
+    return area * t * total, stored, drilling_energy(p, blocks, at, t, area)
+
+
+@kernel
+def in_plane(blocks, at, d, e):
+    """Thickness of an element, its diagonals in its axes, its area."""
+    shape = at + LANES * SHAPE
+    G = (blocks[shape], blocks[shape + LANES], blocks[shape + 2 * LANES], blocks[shape + 3 * LANES])
+    _, flat, area = plane_axes(d, e, G)
+    return blocks[at + LANES * THICKNESS], flat, area
+
+
+@kernel
+def twist_energy(p, blocks, at, t, flat, area):
+    """Energy of the change of transverse shear across the element [J]."""
+    _, k = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
     q = at + LANES * (PLANE_Q + 4)
-    stored += 0.5 * blocks[q] * blocks[q] / k_s[0]
-    stored += 0.5 * blocks[q + LANES] * blocks[q + LANES] / k_s[1]
+    x, y = blocks[q], blocks[q + LANES]
+    return 0.5 * x * x / k[0] + 0.5 * y * y / k[1]
+
+
+@kernel
+def drilling_energy(p, blocks, at, t, area):
+    """Energy of the spins about the normal against the turn of the plane [J]."""
     x = blocks[at + LANES * DRILL]
-    drilling = 0.5 * x * x / (DRILLING * p.shear * t * area)
-    return volume * total, stored, drilling
+    return 0.5 * x * x / (DRILLING * p.shear * t * area)
+
+
+@kernel
+def layer_energy(p, blocks, at):
+    """Elastic energy per volume of the layers at a point of the plane [J/m^3]."""
+    total = 0.0
+    for k in range(p.layers):
+        row = at + LANES * p.layer_rows * k
+        x, y, s = blocks[row], blocks[row + LANES], blocks[row + 2 * LANES]
+        density = x * x + y * y - 2.0 * p.poisson * x * y + 2.0 * (1.0 + p.poisson) * s * s
+        total += 0.25 * p.weight[k] * density / p.young
+    return total
+
+
+@kernel
+def shear_energy(p, blocks, at):
+    """Energy per volume of the transverse shear in the middle [J/m^3]."""
+    x, y = blocks[at + LANES * SHEAR], blocks[at + LANES * (SHEAR + 1)]
+    return 0.6 * (x * x + y * y) / p.shear

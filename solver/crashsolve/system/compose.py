@@ -171,6 +171,7 @@ def _function(name: str, body: list[str]) -> str:
 
 def _imports(model: Any) -> str:
     modules = {(g.module.__name__, g.word) for g in model.groups}
+    modules |= {(k.__name__, _alias(k)) for g in model.element_groups() for k in _kinds(g)}
     for c in model.contact_groups:
         for module in (c.narrow, None if c.captures else c.normal, c.friction):
             if module is not None:
@@ -263,9 +264,16 @@ def _element_calls(model: Any) -> list[str]:
         lines += [
             f"p = groups.{g.word}_p",
             "for i in range(p.shape[0]):",
-            f"    {g.word}.deform(p[i], clock, h, groups)",
+            *(f"    {_alias(kind)}.deform(p[i], clock, h, groups)" for kind in _kinds(g)),
         ]
     return lines
+
+
+def _kinds(group: Any) -> list[Any]:
+    """Files with the kernels of those kinds of elements that a group has."""
+    kinds = group.module.KINDS.items()
+    used = [name for column, name in kinds if group.parameters[column].any()]
+    return [import_module(f"crashsolve.parts.{name}") for name in used]
 
 
 def _closing_calls(model: Any) -> list[str]:
@@ -646,9 +654,10 @@ def _energy_calls(model: Any) -> list[str]:
             f"for i in range(groups.{g.word}_o.shape[0]):",
             f"    o, new = groups.{g.word}_o[i], groups.{g.word}_h[clock.current, i]",
             f"    {g.word}.energies(groups.{g.word}_p[i], new, o, groups)",
+            *(f"    {_alias(k)}.add_energies(groups.{g.word}_p[i], o, groups)" for k in _kinds(g)),
             f"    ledger[{e.KINETIC}] += o.kinetic",
             f"    ledger[{e.SPRING_STORED}] += o.strain + o.hourglass + o.drilling",
-            f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag + o.damping",
+            f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag + o.damping + o.eroded",
             f"    ledger[{e.PART_DAMPING}] += o.drag + o.damping",
         ]
     if model.elements:

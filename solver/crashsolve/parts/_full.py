@@ -1,0 +1,225 @@
+"""Four-node shell with 2 by 2 points in its plane: the strains of bending in the plane at each.
+
+    eps_x = eps_x0 + h_x q_x - nu h_y q_y,   eps_y = eps_y0 + h_y q_y - nu h_x q_x
+    h_x, h_y the slopes of xi eta,   q what motion in the plane has beyond a linear field
+
+and likewise the curvatures, with q of the turns. Shear is that of the middle, so that bending in
+the plane costs none; transverse shear is assumed from the sides, and elastic. In an elastic element
+the sum over the points is, exactly, the stiffness that the element of one point has in its place;
+beyond yield every point has its own stress, and no motion is left to a stiffness of its own.
+Consequence to test: elastic forces are those of the element with one point.
+
+References: Belytschko and Bindeman (1991), Assumed strain stabilization of the 4-node quadrilateral
+with 1-point quadrature for nonlinear problems, Computer Methods in Applied Mechanics and
+Engineering 88, 311-340. Dvorkin and Bathe (1984), A continuum mechanics based four-node shell
+element for general nonlinear analysis, Engineering Computations 1, 77-88.
+"""
+
+from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.point import LANES
+from crashsolve.parts._failure import (
+    add_losses,
+    delete,
+    diagonal,
+    has_failed,
+    mute_forces,
+    mute_strains,
+)
+from crashsolve.parts._layers import (
+    ALL_ROWS,
+    DROPPED,
+    LOST,
+    THIN,
+    clear_resultants,
+    take_up,
+    through_thickness,
+)
+from crashsolve.parts._quad import plane_axes, sides
+from crashsolve.parts._quad_block import (
+    FLAT,
+    LAYERS,
+    MEMBRANE,
+    MODES,
+    PLACE,
+    PLANE_Q,
+    RESULTANT,
+    THICKNESS,
+    diagonals,
+    gather,
+    note_rate,
+    push,
+    scatter,
+    shape,
+    strain,
+)
+from crashsolve.parts._viscous import allow, damp
+from crashsolve.parts.shell import (
+    drilling_energy,
+    in_plane,
+    layer_energy,
+    shear_energy,
+    twist_energy,
+)
+
+# further rows of `work`: strains of the middle; sums over the points of resultants, of resultants
+# less nu times those across times xi and eta, of the change of thickness, of
+# plastic work and of what failed layers lose
+MEAN, SUM, XI_ETA, CHANGES = ALL_ROWS, ALL_ROWS + 6, ALL_ROWS + 12, ALL_ROWS + 20
+PLACE_OF_POINT = 3.0**-0.5
+
+
+@kernel
+def deform(p, clock, h, scene):
+    """Strains, stresses and forces of the elements with 2 by 2 points after a step of h.
+
+    Writes: scene.points, lanes, work, clock.
+    """
+    points, corners, blocks, work = scene.points, scene.corners, scene.lanes, scene.work
+    done = 0
+    while done < p.four_points:
+        first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
+        live = min(LANES, p.four_points - done)
+        gather(points, corners, corner, work)
+        strain(blocks, first, work, h, p)
+        if p.failure > 0.0:
+            mute_strains(blocks, first, work)
+        stress(blocks, first, work, h, p, scene.curves)
+        if p.slows == 1:
+            damp(blocks, first, p.stride, work, h, p)
+        resist(blocks, first, work)
+        push(blocks, first, work, p)
+        if p.slows == 1:
+            allow(blocks, first, p.stride, work, h, p)
+        if p.failure > 0.0:
+            mute_forces(blocks, first, work)
+            erode(p, scene, first, corner, live)
+        scatter(points, corners, corner, live, work)
+        note_rate(clock, work, p.first_element + done, live)
+        done += LANES
+
+
+@kernel
+def stress(blocks, first, work, h, p, curves):
+    """Stresses at all points after a step of h, and the means of their resultants.
+
+    Writes: blocks, work.
+    """
+    for row in range(6 * LANES):
+        work[LANES * MEAN + row] = work[LANES * MEMBRANE + row]
+    for row in range(17 * LANES):
+        work[LANES * SUM + row] = 0.0
+    for point in range(4):
+        xi = PLACE_OF_POINT if point == 1 or point == 2 else -PLACE_OF_POINT
+        eta = PLACE_OF_POINT if point > 1 else -PLACE_OF_POINT
+        strain_at(work, xi, eta, p.poisson)
+        clear_resultants(work)
+        at = first + LANES * (LAYERS + point * p.layers * p.layer_rows)
+        through_thickness(blocks, at, work, h, p, curves)
+        add_point(work, xi, eta, p.poisson)
+    for row in range(6 * LANES):
+        work[LANES * RESULTANT + row] = work[LANES * SUM + row]
+        work[LANES * MEMBRANE + row] = work[LANES * MEAN + row]
+    for e in range(LANES):
+        work[LANES * THIN + e] = work[LANES * CHANGES + e]
+        work[LANES * LOST + e] = work[LANES * (CHANGES + 1) + e]
+        work[LANES * DROPPED + e] = work[LANES * (CHANGES + 2) + e]
+    take_up(blocks, first, p.stride, work, p)
+
+
+@kernel
+def erode(p, scene, first, corner, live):
+    """Delete the elements of a block that have failed. Writes: scene.lanes."""
+    for e in range(live):
+        if has_failed(scene.lanes, first + e, p, 4):
+            d, c = diagonal(scene, corner + e, 2), diagonal(scene, corner + LANES + e, 2)
+            stored, drilling = element_energy(p, scene.lanes, first + e, d, c)
+            delete(scene, first, p.stride, corner, e, 4, stored + drilling)
+
+
+@inlined
+def slopes_at(flat, xi, eta):
+    """Slopes of xi eta times the area, at a point, with the axes xi and eta of the middle."""
+    a_x, a_y, b_x, b_y = sides(flat)
+    return 2.0 * (eta * b_y - xi * a_y), 2.0 * (xi * a_x - eta * b_x)
+
+
+@kernel
+def strain_at(work, xi, eta, nu):
+    """Strains and curvatures of the step at a point. Writes: work."""
+    for e in range(LANES):
+        at = LANES * FLAT + e
+        flat = (work[at], work[at + LANES], work[at + 2 * LANES], work[at + 3 * LANES])
+        h_x, h_y = slopes_at(flat, xi, eta)
+        a_x, a_y, b_x, b_y = sides(flat)
+        over = 1.0 / (a_x * b_y - a_y * b_x)
+        h_x, h_y = over * h_x, over * h_y
+        for pair in range(2):
+            mode, mean = LANES * (MODES + 2 * pair) + e, LANES * (MEAN + 3 * pair) + e
+            x, y = h_x * work[mode], h_y * work[mode + LANES]
+            at = LANES * (MEMBRANE + 3 * pair) + e
+            work[at] = work[mean] + x - nu * y
+            work[at + LANES] = work[mean + LANES] + y - nu * x
+            work[at + 2 * LANES] = work[mean + 2 * LANES]
+
+
+@kernel
+def add_point(work, xi, eta, nu):
+    """A quarter of the sums from what is at a point. Writes: work."""
+    for e in range(LANES):
+        for k in range(6):
+            work[LANES * (SUM + k) + e] += 0.25 * work[LANES * (RESULTANT + k) + e]
+        for pair in range(2):
+            at, to = LANES * (RESULTANT + 3 * pair) + e, LANES * (XI_ETA + 4 * pair) + e
+            x, y = work[at] - nu * work[at + LANES], work[at + LANES] - nu * work[at]
+            work[to] += 0.25 * xi * x
+            work[to + LANES] += 0.25 * eta * x
+            work[to + 2 * LANES] += 0.25 * xi * y
+            work[to + 3 * LANES] += 0.25 * eta * y
+        work[LANES * CHANGES + e] += 0.25 * work[LANES * THIN + e]
+        work[LANES * (CHANGES + 1) + e] += 0.25 * work[LANES * LOST + e]
+        work[LANES * (CHANGES + 2) + e] += 0.25 * work[LANES * DROPPED + e]
+
+
+@kernel
+def resist(blocks, first, work):
+    """What acts on q: the transpose of the strains at the points, in the place after the step.
+
+    Writes: blocks.
+    """
+    for e in range(LANES):
+        x = diagonals(work, PLACE, e)
+        _, flat, _ = plane_axes(x[0], x[1], shape(blocks, first + e))
+        for pair in range(2):
+            at = LANES * (XI_ETA + 4 * pair) + e
+            # slopes are linear in xi and eta
+            q_x, _ = slopes_at(flat, work[at], work[at + LANES])
+            _, q_y = slopes_at(flat, work[at + 2 * LANES], work[at + 3 * LANES])
+            to = first + LANES * (PLANE_Q + 2 * pair) + e
+            blocks[to], blocks[to + LANES] = q_x, q_y
+
+
+@kernel
+def add_energies(p, out, scene):
+    """Energies of the elements with 2 by 2 points. Writes: out."""
+    for i in range(p.four_points):
+        lane = i % LANES
+        at = p.first + i // LANES * p.stride + lane
+        corner = p.first_corner + 4 * (i - lane) + lane
+        add_losses(p, scene.lanes, at, p.stride, out)
+        if scene.lanes[at + LANES * THICKNESS] > 0.0:
+            d, e = diagonal(scene, corner, 2), diagonal(scene, corner + LANES, 2)
+            stored, drilling = element_energy(p, scene.lanes, at, d, e)
+            out.strain += stored
+            out.drilling += drilling
+
+
+@kernel
+def element_energy(p, blocks, at, d, e):
+    """Elastic energy of the layers and of transverse shear, of drilling [J]."""
+    t, flat, area = in_plane(blocks, at, d, e)
+    total = shear_energy(p, blocks, at)
+    for point in range(4):
+        row = at + LANES * (LAYERS + point * p.layers * p.layer_rows)
+        total += 0.25 * layer_energy(p, blocks, row)
+    stored = area * t * total + twist_energy(p, blocks, at, t, flat, area)
+    return stored, drilling_energy(p, blocks, at, t, area)
