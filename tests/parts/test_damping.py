@@ -126,14 +126,18 @@ def test_the_node_that_sets_the_step_is_told_with_its_element(tmp_path: Path) ->
     assert limiter(model, 0) == ""
 
 
+ELEMENTS = pytest.mark.parametrize("element", ["reduced", "fully_integrated", "triangles"])
+
+
 def any_motion(shell: Elements, size: float) -> np.ndarray:
     return size * np.random.default_rng(5).normal(size=(len(shell.points), 6))
 
 
-def test_damping_of_shells_takes_the_work_of_its_forces(tmp_path: Path) -> None:
+@ELEMENTS
+def test_damping_of_shells_takes_the_work_of_its_forces(element: str, tmp_path: Path) -> None:
     words = {"damping": 0.02, "viscosity": {"linear": 0.1, "quadratic": 1.0}}
-    damped = Elements(tmp_path, SQUARE, **words)
-    bare = Elements(tmp_path, SQUARE)
+    damped = Elements(tmp_path, SQUARE, element=element, **words)
+    bare = Elements(tmp_path, SQUARE, element=element)
     work = np.zeros(2)
     for step in range(4):
         way = (-1) ** step * any_motion(damped, 1e-6)
@@ -155,22 +159,27 @@ def test_a_rigid_motion_of_shells_is_not_damped(tmp_path: Path) -> None:
     assert abs(float(shell.energies().damping)) < 1e-20
 
 
-def test_mass_scaling_of_shells_holds_the_bound_of_the_step(tmp_path: Path) -> None:
-    bare, wanted = Elements(tmp_path, SQUARE), 1e-3
+@ELEMENTS
+def test_mass_scaling_of_shells_holds_the_bound_of_the_step(element: str, tmp_path: Path) -> None:
+    bare, wanted = Elements(tmp_path, SQUARE, element=element), 1e-3
     bare.move(np.zeros((4, 6)))
     free = float(bare.clock.element_rate)
     # safety is 0.1: the step is 0.2 over the frequency
     assert 0.2 / np.sqrt(free) < wanted
-    heavy = Elements(tmp_path, SQUARE, mass_scaling={"step": wanted, "most": 9})
+    heavy = Elements(tmp_path, SQUARE, element=element, mass_scaling={"step": wanted, "most": 99})
     heavy.move(np.zeros((4, 6)))
     told = float(heavy.clock.element_rate)
     assert 0.2 / np.sqrt(told) == pytest.approx(wanted, rel=1e-12)
     ratio = bare.points.mass_inv / heavy.points.mass_inv
-    np.testing.assert_allclose(ratio, free / told, rtol=1e-12)
+    # a corner of the worst element alone has its factor
+    assert ratio.max() == pytest.approx(free / told, rel=1e-12)
+    assert ratio.min() > 1.0
 
 
-def test_damping_shortens_the_step_of_shells(tmp_path: Path) -> None:
-    bare, damped = Elements(tmp_path, SQUARE), Elements(tmp_path, SQUARE, damping=0.01)
+@ELEMENTS
+def test_damping_shortens_the_step_of_shells(element: str, tmp_path: Path) -> None:
+    bare = Elements(tmp_path, SQUARE, element=element)
+    damped = Elements(tmp_path, SQUARE, element=element, damping=0.01)
     for shell in (bare, damped):
         shell.move(np.zeros((4, 6)))
     omega, told = (np.sqrt(float(s.clock.element_rate)) for s in (bare, damped))

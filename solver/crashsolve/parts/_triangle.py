@@ -273,7 +273,7 @@ def push(blocks, first, work, p):
         put_corner(work, 0, 3, e, axes, zero)
         put_corner(work, TORQUE, 3, e, axes, zero)
         radius_2 = blocks[first + LANES * RADIUS_2 + e]
-        work[LANES * RATE + e] = rate_bound(flat, area, t, radius_2, p)
+        work[LANES * RATE + e] = rate_bound(flat, area, t, radius_2, p.young / p.density, p.poisson)
 
 
 @inlined
@@ -327,23 +327,22 @@ def shear_trace(flat, area, t, G, k):
     return mean * trace + whirl_stiffness((s1, s2, s3), area, t, G) * whirl
 
 
-@inlined
-def rate_bound(flat, area, t, radius_2, p):
+@kernel
+def rate_bound(flat, area, t, radius_2, E_rho, nu):
     """Bound of the largest squared frequency of the free element [1/s^2].
 
     Row sums of M^-1 K of the plane; of bending against rotary inertia, with the trace for shear.
     """
-    nu = p.poisson
     g1, g2, g3 = gradients(flat, area)
     xx = 3.0 * (g1[0] * g1[0] + g2[0] * g2[0] + g3[0] * g3[0])
     yy = 3.0 * (g1[1] * g1[1] + g2[1] * g2[1] + g3[1] * g3[1])
     xy = 3.0 * abs(g1[0] * g1[1] + g2[0] * g2[1] + g3[0] * g3[1])
     plane = max(xx + nu * yy, yy + nu * xx) + (1.0 + nu) * xy
     plane = max(plane, 0.5 * (1.0 - nu) * (xx + yy + 2.0 * xy))
-    plane *= p.young / (p.density * (1.0 - nu * nu))
+    plane *= E_rho / (1.0 - nu * nu)
     bending = plane * t * t / (12.0 * radius_2)
-    shear = shear_trace(flat, area, t, p.shear, 1.0 / radius_2)
-    return max(plane, bending + 3.0 / (p.density * area) * shear)
+    shear = shear_trace(flat, area, t, 0.5 * E_rho / (1.0 + nu), 1.0 / radius_2)
+    return max(plane, bending + 3.0 / area * shear)
 
 
 @kernel

@@ -15,7 +15,6 @@ shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 
 from dataclasses import replace
 from importlib import import_module
-from types import SimpleNamespace
 from typing import Any, Literal
 
 import numpy as np
@@ -320,17 +319,13 @@ class Laid:
         """Bound of the largest squared frequency of an element with these diagonals [1/s^2]."""
         law, t = self.material, self.card.thickness
         size = flat, self.area[element], t, self.radius_2[element]
-        # as plain Python: this is no place to compile for
         if element < self.quad_count:
+            # as plain Python: this is no place to compile for
             bound = getattr(rate_bound, "py_func", rate_bound)
-            return float(bound(*size, law.young / law.density, law.poisson))
-        # that file builds on this one
-        triangle = import_module("crashsolve.parts._triangle")
-        shear = 0.5 * law.young / (1.0 + law.poisson)
-        metal = SimpleNamespace(
-            young=law.young, poisson=law.poisson, density=law.density, shear=shear
-        )
-        return float(triangle.rate_bound(*size, metal))
+        else:
+            # that file builds on this one
+            bound = import_module("crashsolve.parts._triangle").rate_bound
+        return float(bound(*size, law.young / law.density, law.poisson))
 
     def _held(self, scene: Any) -> np.ndarray:
         """Bits of the motions that every node does not make."""
