@@ -86,6 +86,14 @@ class Hold(Card):
     motions: tuple[Motion, ...] = word("along and about world axes", default=MOTIONS)
 
 
+class Blow(Card):
+    """Impulse along the normals, at the start, on the elements whose middles lie in a box."""
+
+    low: Vec3 = quantity("m", "corner of the box with the least coordinates")
+    high: Vec3 = quantity("m", "corner with the largest")
+    speed: float = quantity("m/s", "impulse over mass; a node has its share of the elements there")
+
+
 class Shell(Card):
     """Thin shell of quadrilaterals."""
 
@@ -106,6 +114,7 @@ class Shell(Card):
     drag: float = quantity("1/s", "alpha, damping force over momentum", default=0.0, ge=0)
     velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+    blows: tuple[Blow, ...] = word("impulses at the start, on regions", default=())
 
     def node_names(self, part: str) -> list[str]:
         """Names of those nodes of a part of this name that are bodies."""
@@ -261,6 +270,7 @@ class Laid:
         self.traced = [nearest(self.mesh.points, node) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
         self.held = self._held(scene)
+        self.blown = self._blown(x, normal, share, scene)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Any) -> None:
         """Every corner of an element must turn the same way."""
@@ -298,7 +308,24 @@ class Laid:
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], of held nodes without what they do not make."""
         way = self.mesh.points - self.mesh.points[0]
-        return np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, way)
+        rigid = np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, way)
+        return rigid + self.blown
+
+    def _blown(
+        self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Any
+    ) -> np.ndarray:
+        """Velocities of the nodes from the momentum of the elements that are hit [m/s]."""
+        blown = np.zeros_like(self.mesh.points)
+        middle = (x * share[:, :, None]).sum(axis=1)
+        way = normal / np.linalg.norm(normal, axis=1)[:, None]
+        for k, blow in enumerate(self.card.blows):
+            hit = ((middle > blow.low) & (middle < blow.high)).all(axis=1)
+            if not hit.any():
+                raise scene.fail("no element has its middle in the box", f"blows.{k}")
+            momentum = (blow.speed * self.weight * hit)[:, None] * way
+            for corner, part in zip(self.mesh.quads.T, share.T, strict=True):
+                np.add.at(blown, corner, part[:, None] * momentum)
+        return blown / self.mass[:, None]
 
     def write_points(self, table: np.ndarray) -> None:
         """Rows of POINT at the start. Writes: table."""
