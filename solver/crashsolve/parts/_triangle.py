@@ -27,7 +27,7 @@ from crashsolve.parts._failure import (
     mute_forces,
     mute_strains,
 )
-from crashsolve.parts._layers import FAILED_ROWS, layers
+from crashsolve.parts._layers import FAILED_ROWS, grow_rate, layers
 from crashsolve.parts._quad import dot3, plane_axes
 from crashsolve.parts._quad_block import (
     AREA,
@@ -102,6 +102,8 @@ def deform(p, clock, h, scene):
             mute_strains(blocks, first, work)
         layers(blocks, first, stride, work, h, p, scene.curves)
         push(blocks, first, work, p)
+        if p.hyper == 1:
+            grow_rate(work)
         if p.failure > 0.0:
             mute_forces(blocks, first, work)
             erode(p, scene, first, at, live)

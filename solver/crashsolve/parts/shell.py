@@ -14,6 +14,7 @@ shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 """
 
 from dataclasses import replace
+from math import exp, expm1, log1p
 from typing import Any, Literal
 
 import numpy as np
@@ -31,7 +32,16 @@ from crashsolve.parts._failure import (
     mute_forces,
     mute_strains,
 )
-from crashsolve.parts._layers import ALL_ROWS, FAILED_ROWS, PLASTIC_ROWS, STRAIN, layers
+from crashsolve.parts._layers import (
+    ACROSS,
+    ALL_ROWS,
+    FAILED_ROWS,
+    HYPER_ROWS,
+    METRIC,
+    PLASTIC_ROWS,
+    STRAIN,
+    layers,
+)
 from crashsolve.parts._quad import hourglass_stiffness, plane_axes
 from crashsolve.parts._quad_block import (
     DRILL,
@@ -155,6 +165,8 @@ PARAMETERS = Record(
     rate_0=("1/s", "rate above which C counts"),
     heating=("m^3/J", "temperature, 1 at melting, over plastic work per volume; 0 for none"),
     softening=("1", "m of Johnson and Cook"),
+    hyper=("flag", "whether the material is neo-Hookean"),
+    volumetric=("Pa", "L of a neo-Hookean material"),
     failure=("1", "plastic strain at which a layer fails; 0 for none"),
 )
 HISTORY = Record(damped=("J", "energy lost by drag"))
@@ -247,6 +259,16 @@ class Laid:
         _, self.material = scene.law("materials", card.material)
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
+        self.is_hyper = hasattr(self.material, "LARGE_STRAIN")
+        if self.is_hyper:
+            self.layer_rows = HYPER_ROWS
+            if not card.thinning:
+                raise scene.fail("a neo-Hookean shell needs true: it gets thinner", "thinning")
+            if card.element != "triangles":
+                message = (
+                    "a neo-Hookean shell needs triangles; quadrilaterals flutter at such stress"
+                )
+                raise scene.fail(message, "element")
         self.layer_rows += getattr(self.material, "melting_heat", None) is not None
         self.can_fail = getattr(self.material, "failure_strain", None) is not None
         self.rule = rule(card, scene)
@@ -414,9 +436,12 @@ class Laid:
         share = 0.5 * t[:, None] * weight
         arm = 0.5 * t[:, None] * zeta
         x, y, s = np.moveaxis(layers[..., :3], 3, 0)
-        plastic = mean[:, :, STRAIN] if self.layer_rows > STRAIN else np.zeros((len(rows), count))
+        has_plastic = self.layer_rows > STRAIN and not self.is_hyper
+        plastic = mean[:, :, STRAIN] if has_plastic else np.zeros((len(rows), count))
         E, nu = self.material.young, self.material.poisson
         elastic = (x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s) / (2.0 * E)
+        if self.is_hyper:
+            elastic = self.material.energy(*np.moveaxis(layers[..., METRIC:], 3, 0))
         density = 0.5 * elastic.mean(axis=1) @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
         return {
             "thickness": t,
@@ -607,10 +632,23 @@ def layer_energy(p, blocks, at):
     total = 0.0
     for k in range(p.layers):
         row = at + LANES * p.layer_rows * k
+        if p.hyper == 1:
+            total += 0.5 * p.weight[k] * hyper_energy(p, blocks, row)
+            continue
         x, y, s = blocks[row], blocks[row + LANES], blocks[row + 2 * LANES]
         density = x * x + y * y - 2.0 * p.poisson * x * y + 2.0 * (1.0 + p.poisson) * s * s
         total += 0.25 * p.weight[k] * density / p.young
     return total
+
+
+@kernel
+def hyper_energy(p, blocks, at):
+    """Energy per volume of a neo-Hookean layer [J/m^3]."""
+    C, across = at + LANES * METRIC, blocks[at + LANES * ACROSS]
+    x, y, s = blocks[C], blocks[C + LANES], blocks[C + 2 * LANES]
+    volume = 0.5 * log1p(x + y + x * y - s * s) + across
+    trace = x + y + expm1(2.0 * across) - 2.0 * volume
+    return exp(-volume) * 0.5 * (p.shear * trace + p.volumetric * volume * volume)
 
 
 @kernel
