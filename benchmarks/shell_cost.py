@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -32,11 +33,14 @@ materials:
   elastic: {{type: elastic, young: 2.1e11, poisson: 0.3, density: 7850}}
   plastic: {{type: elastoplastic, young: 2.1e11, poisson: 0.3, density: 7850, yield_stress: 2.5e8,
     hardening: 1e9}}
+  johnson_cook: {{type: johnson_cook, young: 2.1e11, poisson: 0.3, density: 7850,
+    yield_stress: 2.5e8, hardening: 3e8, exponent: 0.3, rate: 0.02, melting_heat: 7e5}}
 parts:
   plate:
     type: shell
     mesh: {{type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [{n}, {n}]}}
     thickness: {thickness}
+    element: {element}
     material: {material}
     hold: [{{nodes: u0}}, {{nodes: u1}}, {{nodes: v0}}, {{nodes: v1}}]
 loads: {{q: {{type: pressure, part: plate, pressure: {pressure}}}}}
@@ -44,30 +48,35 @@ output: {{history: {{interval: {end}}}}}
 """
 BARE = """
 from crashsolve.foundation.compile import entry
-from crashsolve.parts.shell import deform
+from crashsolve.parts.{kind} import deform
 
 @entry
 def advance(h, flag, scene):
     for _ in range(scene.cycles[0]):
         deform(scene.p[0], scene.clock[0], h, scene)
 """
+# file of the kernels, and elements for each quadrilateral of the mesh
+KINDS = {"reduced": ("shell", 1), "fully_integrated": ("_full", 1), "triangles": ("_triangle", 2)}
+CASES = [(element, material) for element in KINDS for material in ("elastic", "plastic")]
+CASES += [("reduced", "johnson_cook")]
 
 
-def engine(folder: Path, n: int, material: str) -> Engine:
-    """A plate of n by n elements."""
+def engine(folder: Path, n: int, element: str, material: str) -> Engine:
+    """A plate of n by n quadrilaterals, or twice as many triangles."""
     path = folder / f"{material}.yaml"
     values = {"n": n, "material": material, "thickness": 0.1 / n, "pressure": 1e5, "end": 1e-3}
+    values["element"] = element
     path.write_text(DECK.format(**values), "utf-8")
     return Engine(*build(read_deck(path)))
 
 
-def bare(folder: Path, n: int, material: str) -> float:
+def bare(folder: Path, n: int, element: str, material: str) -> float:
     """CPU time of gather, strain, stress, force and scatter per element and cycle [s].
 
     Points have velocities and stay where they are: every layer strains by 1e-4 a cycle, for ever
     the same way, and all of them yield where there is a yield stress.
     """
-    e = engine(folder, n, material)
+    e = engine(folder, n, element, material)
     state, elements, group = e.state, e.model.elements, e.model.element_groups()[0]
     assert elements is not None
     rng = np.random.default_rng(1)
@@ -78,15 +87,16 @@ def bare(folder: Path, n: int, material: str) -> float:
         | {"work": elements.work, "p": group.parameters, "clock": state.clock}
         | {"curves": e.model.curves, "cycles": np.array([cycles])}
     )
-    source = folder / "bare_shells.py"
-    source.write_text(BARE, "utf-8")
+    source = folder / f"bare_{element}.py"
+    kind, pieces = KINDS[element]
+    source.write_text(BARE.format(kind=kind), "utf-8")
     advance = machine_code(source, "advance", tables)
     best = 1e300
     for _ in range(5):
         begun = time.process_time()
         advance(1.0, False, tables)
         best = min(best, time.process_time() - begun)
-    return best / (cycles * n**2)
+    return best / (cycles * pieces * n**2)
 
 
 class Counted(float):
@@ -110,12 +120,12 @@ for _name in ("add", "sub", "mul", "truediv"):
         setattr(Counted, f"__{_side}{_name}__", _counting(f"__{_side}{_name}__"))
 
 
-def flops(folder: Path, material: str) -> float:
+def flops(folder: Path, element: str, material: str) -> float:
     """Operations per element and cycle, counted; square roots are left out."""
     sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
     from bench import plain
 
-    e = engine(folder, 4, material)
+    e = engine(folder, 4, element, material)
     state, elements, group = e.state, e.model.elements, e.model.element_groups()[0]
     assert elements is not None
     state.points["v"] = np.random.default_rng(1).normal(size=(len(state.points), 3)) * 5e-3
@@ -128,13 +138,14 @@ def flops(folder: Path, material: str) -> float:
     )
     Counted.count = 0
     p, clock = group.parameters.view(np.recarray)[0], state.clock.view(np.recarray)[0]
-    plain(group.module.deform)(p, clock, 1.0, scene)
-    return Counted.count / 16
+    kind, pieces = KINDS[element]
+    plain(import_module(f"crashsolve.parts.{kind}").deform)(p, clock, 1.0, scene)
+    return Counted.count / (16 * pieces)
 
 
-def moved(stride: int) -> float:
-    """Bytes that an element and cycle moves through memory, a point to an element."""
-    return 8 * (2 * stride / LANES + 4) + 4 * POINT.dtype.itemsize
+def moved(stride: int, pieces: int) -> float:
+    """Bytes that an element and cycle moves through memory, a point to a quadrilateral."""
+    return 8 * (2 * stride / LANES + 4) + 4 * POINT.dtype.itemsize / pieces
 
 
 def bandwidth() -> float:
@@ -148,11 +159,12 @@ def bandwidth() -> float:
     return 24 * len(a) / best
 
 
-def whole(folder: Path, n: int, material: str) -> tuple[float, float, float]:
+def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, float, float]:
     """CPU time per element and cycle of a run [s], memory per element [bytes], set-up time [s]."""
     path = folder / f"{material}.yaml"
     end = 40 * 0.9 / n / 6000
     values = {"n": n, "material": material, "thickness": 0.1 / n, "pressure": 1e5, "end": end}
+    values["element"] = element
     path.write_text(DECK.format(**values), "utf-8")
     script = (
         "import sys, time\n"
@@ -174,7 +186,8 @@ def whole(folder: Path, n: int, material: str) -> tuple[float, float, float]:
         words = [sys.executable, "-c", script, str(path), str(end)]
         told = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
     cpu, cycles, peak, ready = map(float, told)
-    return cpu / (cycles * n**2), peak / n**2, ready
+    count = KINDS[element][1] * n**2
+    return cpu / (cycles * count), peak / count, ready
 
 
 def main(n: int) -> None:
@@ -183,13 +196,14 @@ def main(n: int) -> None:
     print(f"bandwidth of one core {bandwidth() / 1e9:.1f} GB/s")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for material in ("elastic", "plastic"):
-            e = engine(folder, n, material)
+        for case in CASES:
+            e = engine(folder, n, *case)
             stride = int(e.model.element_groups()[0].parameters["stride"][0])
-            seconds, run = bare(folder, n, material), whole(folder, n, material)
-            bytes_moved, count = moved(stride), flops(folder, material)
+            seconds, run = bare(folder, n, *case), whole(folder, n, *case)
+            bytes_moved, count = moved(stride, KINDS[case[0]][1]), flops(folder, *case)
             print(
-                f"{material:8} bare {1e-6 / seconds:6.2f} M/s {1e9 * seconds:6.1f} ns, "
+                f"{case[0]:16} {case[1]:12} "
+                f"bare {1e-6 / seconds:6.2f} M/s {1e9 * seconds:6.1f} ns, "
                 f"{count:.0f} flops, {bytes_moved:.0f} bytes, {count / seconds / 1e9:.1f} Gflop/s, "
                 f"{bytes_moved / seconds / 1e9:.1f} GB/s; whole run {1e-6 / run[0]:.2f} M/s, "
                 f"{run[1]:.0f} bytes per element all told, set-up {run[2]:.1f} s of CPU"

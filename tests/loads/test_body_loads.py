@@ -32,7 +32,7 @@ def bench(tmp_path: Path) -> Bench:
 
 
 def test_every_load_is_under_this_contract() -> None:
-    # pressure acts on shells alone: tests/parts/test_shell_runs.py
+    # pressure acts on shells alone: test_pressure.py
     words = {words.split(",")[0].split()[1] for words in LOADS.values()}
     assert set(types_in("loads")) == words | {"pressure"}
 

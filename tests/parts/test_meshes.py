@@ -27,6 +27,21 @@ MESHES = {
     ),
     "tube": (TUBE, 4.0, 90),
     "box": ({"type": "box", "size": [1, 2, 3], "elements": [2, 2, 3]}, 22.0, 34),
+    "sphere": (
+        {"type": "sphere", "radius": 1, "elements": 1},
+        # a square has a top, the middles of two edges, and the middle of an eighth
+        8
+        * 1.5
+        * np.linalg.norm(np.cross([3**-0.5 - 1, 3**-0.5, 3**-0.5], [0, -(2**-0.5), 2**-0.5])),
+        26,
+    ),
+    # a Z of three sides
+    "folded": (
+        {"type": "folded", "line": [[0, 0, 0], [1, 0, 0], [1, 2, 0], [2, 2, 0]]}
+        | {"along": [0, 0, 3], "elements": [1, 2, 1, 3]},
+        12.0,
+        20,
+    ),
     "listed": (
         {
             "type": "listed",
@@ -78,13 +93,43 @@ def test_a_mesh_has_the_area_and_the_nodes_of_its_shape(tmp_path: Path, name: st
     assert part.mass.sum() == pytest.approx(0.01 * area, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["cylinder", "tube", "box"])
+@pytest.mark.parametrize("name", ["cylinder", "tube", "box", "sphere"])
 def test_normals_of_a_hollow_mesh_point_outwards(tmp_path: Path, name: str) -> None:
     part = laid(tmp_path, MESHES[name][0])
     x = part.mesh.points[part.mesh.quads]
     middle = part.mesh.points.mean(axis=0)
     normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
     assert ((x.mean(axis=1) - middle) * normal).sum(axis=1).min() > 0.0
+
+
+@pytest.mark.parametrize("half, sides", [("eighth", "xyz"), ("half", "z"), ("whole", "")])
+def test_a_part_of_a_sphere_ends_on_its_planes(tmp_path: Path, half: str, sides: str) -> None:
+    mesh = {"type": "sphere", "radius": 2, "centre": [1, 0, 0], "elements": 4, "part": half}
+    part = laid(tmp_path, mesh)
+    x = part.mesh.points - [1, 0, 0]
+    np.testing.assert_allclose(np.linalg.norm(x, axis=1), 2.0, rtol=1e-12)
+    assert set(part.mesh.sets) == {f"{axis}0" for axis in sides}
+    for axis in sides:
+        own = part.mesh.sets[f"{axis}0"]
+        assert len(own) == (9 if half == "eighth" else 32)
+        assert np.abs(x[own, "xyz".index(axis)]).max() == 0.0
+
+
+def test_a_blow_gives_the_elements_of_a_box_their_momentum(tmp_path: Path) -> None:
+    box = {"low": [0.5, 0, -1], "high": [2, 3, 1], "speed": 3}
+    part = laid(tmp_path, GRID, blows=[box])
+    middle = part.mesh.points[part.mesh.quads].mean(axis=1)
+    hit = (middle[:, 0] > 0.5) & (middle[:, 0] < 2)
+    total = (part.mass[:, None] * part.velocities()).sum(axis=0)
+    np.testing.assert_allclose(total, [0, 0, 3 * part.weight[hit].sum()], atol=1e-15)
+    assert "no element has its middle in the box" in refusal(
+        tmp_path, GRID, blows=[box | {"low": [0.5, 0, 0.5]}]
+    )
+
+
+def test_a_folded_plate_needs_a_number_for_each_piece(tmp_path: Path) -> None:
+    mesh = {"type": "folded", "line": [[0, 0, 0], [1, 0, 0]], "along": [0, 0, 1], "elements": [2]}
+    assert "a line of 2 corners has 1 pieces" in refusal(tmp_path, mesh)
 
 
 def test_a_dent_pushes_two_sides_in_and_two_out(tmp_path: Path) -> None:

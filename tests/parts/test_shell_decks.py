@@ -16,7 +16,7 @@ PARTS = {
     "shell_pinched": ("shell",),
     "shell_twisted": ("in_plane", "out_of_plane"),
     "shell_plate": ("plate",),
-    "shell_panel": ("elastic", "plastic"),
+    "shell_panel": ("elastic", "plastic", "small"),
     "shell_ball": ("plate",),
 }
 LONG = {"shell_pinched", "shell_ball", "shell_panel"}

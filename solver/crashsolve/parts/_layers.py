@@ -18,7 +18,7 @@ Reference: Simo and Taylor (1986), A return mapping algorithm for plane stress e
 Int. J. Num. Meth. Eng. 22, 649-670.
 """
 
-from math import log, sqrt
+from math import exp, expm1, log, log1p, sqrt
 
 from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.curve import curve_value
@@ -31,6 +31,7 @@ from crashsolve.parts._quad_block import (
     LOSS,
     MEMBRANE,
     MOMENT,
+    RATE,
     RESULTANT,
     ROWS,
     THICKNESS,
@@ -43,17 +44,19 @@ STRAIN, BACK, PLASTIC_ROWS = 3, 4, 7
 HEAT = 7
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
 # rate, what is missing; of all layers, the strain across the thickness, the plastic work, the
-# energy of those that fail
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED = (
-    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)
+# energy of those that fail; of large elastic strain, the largest growth of the stiffness
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED, GROWTH = (
+    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13)
 )
-ALL_ROWS = ROWS + 13
+ALL_ROWS = ROWS + 14
 # rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
 # energy of elements when they were deleted
 FAILED_ROWS = 2
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
+# rows of a hyperelastic layer: stress, C - 1 (xx, yy, xy), logarithm of the stretch across
+METRIC, ACROSS, HYPER_ROWS = 3, 6, 7
 # share of its strength that a molten layer keeps
 MOLTEN = 1e-6
 
@@ -110,11 +113,81 @@ def elastic_layer(blocks, at, work, p, zeta, weight):
 
 
 @kernel
+def hyperelastic_layer(blocks, at, work, p, zeta, weight):
+    """Stress of a neo-Hookean layer after the strains d of a step. Writes: blocks, work.
+
+    C grows by U exp(2 d) U, U the root of C; axes turn with the material, so that b is C.
+    """
+    G, L = p.shear, p.volumetric
+    for e in range(LANES):
+        t = work[LANES * DEPTH + e]
+        z, row = 0.5 * t * zeta, at + LANES * METRIC + e
+        C = grown(three(blocks, row), layer_strain(work, e, z))
+        x, y, s = C
+        blocks[row], blocks[row + LANES], blocks[row + 2 * LANES] = x, y, s
+        # ln of the change of area, without cancellation for small strain
+        area = 0.5 * log1p(x + y + x * y - s * s)
+        across = -area * p.poisson / (1.0 - p.poisson)
+        for _ in range(6):
+            gap = G * expm1(2.0 * across) + L * (area + across)
+            across -= gap / (2.0 * G * exp(2.0 * across) + L)
+        thick = expm1(2.0 * across)
+        k = exp(-area - across)
+        s_x, s_y, s_xy = G * k * (x - thick), G * k * (y - thick), G * k * s
+        blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
+        add_resultants(work, e, 0.5 * t * weight, z, (s_x, s_y, s_xy))
+        to = at + LANES * ACROSS + e
+        work[LANES * THIN + e] += 0.5 * weight * (across - blocks[to])
+        blocks[to] = across
+        growth = 0.5 * k * (3.0 + x + y + thick)
+        work[LANES * GROWTH + e] = max(work[LANES * GROWTH + e], growth)
+
+
+@kernel
+def grow_rate(work):
+    """Squared frequency of a stretched hyperelastic element. Writes: work."""
+    for e in range(LANES):
+        work[LANES * RATE + e] *= work[LANES * GROWTH + e]
+
+
+@kernel
+def clear_growth(work):
+    """Writes: work."""
+    for e in range(LANES):
+        work[LANES * GROWTH + e] = 1.0
+
+
+@inlined
+def grown(C, d):
+    """C - 1 after strains d (xx, yy, twice xy)."""
+    x, y, s = C
+    a, b, c = d[0], d[1], 0.5 * d[2]
+    # X = exp(2 d) - 1 to third order
+    X, Y, Z = square_of(a, b, c)
+    xx, yy, xy = 2.0 * (a + X), 2.0 * (b + Y), 2.0 * (c + Z)
+    # root of C: U = (C + det) / sqrt(tr C + 2 det)
+    det = sqrt((1.0 + x) * (1.0 + y) - s * s)
+    k = 1.0 / sqrt(2.0 + x + y + 2.0 * det)
+    u, v, w = k * (1.0 + x + det), k * (1.0 + y + det), k * s
+    # U X U
+    p, q, r, o = u * xx + w * xy, u * xy + w * yy, w * xx + v * xy, w * xy + v * yy
+    return x + p * u + q * w, y + r * w + o * v, s + p * w + q * v
+
+
+@inlined
+def square_of(a, b, c):
+    """Square of a symmetric tensor."""
+    return a * a + c * c, b * b + c * c, c * (a + b)
+
+
+@kernel
 def layers(blocks, first, stride, work, h, p, curves):
     """Stresses of all layers of a block after a step of h, their resultants, the thickness.
 
     Writes: blocks, work.
     """
+    if p.hyper == 1:
+        clear_growth(work)
     clear_resultants(work)
     through_thickness(blocks, first + LANES * LAYERS, work, h, p, curves)
     take_up(blocks, first, stride, work, p)
@@ -129,7 +202,9 @@ def through_thickness(blocks, first, work, h, p, curves):
     for k in range(p.layers):
         at = first + LANES * p.layer_rows * k
         # a step of no length changes nothing, whatever the rate was
-        if p.plastic == 0 or h == 0.0:
+        if p.hyper == 1:
+            hyperelastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
+        elif p.plastic == 0 or h == 0.0:
             elastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
         else:
             plastic_layer(blocks, at, work, h, p, p.zeta[k], p.weight[k], curves)
@@ -137,7 +212,7 @@ def through_thickness(blocks, first, work, h, p, curves):
 
 @kernel
 def take_up(blocks, first, stride, work, p):
-    """Plastic work, failure and thickness of the elements after a step. Writes: blocks."""
+    """Plastic work, failure and thickness of the elements after a step. Writes: blocks, work."""
     if p.plastic == 1:
         for e in range(LANES):
             blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
@@ -145,6 +220,9 @@ def take_up(blocks, first, stride, work, p):
         for e in range(LANES):
             at = first + stride - FAILED_ROWS * LANES + e
             blocks[at] += work[LANES * DROPPED + e]
+    if p.hyper == 1:
+        for e in range(LANES):
+            work[LANES * THIN + e] = expm1(work[LANES * THIN + e])
     if p.thins == 1:
         for e in range(LANES):
             blocks[first + LANES * THICKNESS + e] *= 1.0 + work[LANES * THIN + e]

@@ -27,7 +27,7 @@ from crashsolve.parts._failure import (
     mute_forces,
     mute_strains,
 )
-from crashsolve.parts._layers import FAILED_ROWS, layers
+from crashsolve.parts._layers import FAILED_ROWS, grow_rate, layers
 from crashsolve.parts._quad import dot3, plane_axes
 from crashsolve.parts._quad_block import (
     AREA,
@@ -106,6 +106,8 @@ def deform(p, clock, h, scene):
         if p.slows == 1:
             damp(blocks, first, stride, work, h, p)
         push(blocks, first, work, p)
+        if p.hyper == 1:
+            grow_rate(work)
         if p.slows == 1:
             allow(blocks, first, stride, work, h, p)
         if p.failure > 0.0:

@@ -15,6 +15,7 @@ shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 
 from dataclasses import replace
 from importlib import import_module
+from math import exp, expm1, log1p
 from typing import Any, Literal
 
 import numpy as np
@@ -34,7 +35,16 @@ from crashsolve.parts._failure import (
     mute_forces,
     mute_strains,
 )
-from crashsolve.parts._layers import ALL_ROWS, FAILED_ROWS, PLASTIC_ROWS, STRAIN, layers
+from crashsolve.parts._layers import (
+    ACROSS,
+    ALL_ROWS,
+    FAILED_ROWS,
+    HYPER_ROWS,
+    METRIC,
+    PLASTIC_ROWS,
+    STRAIN,
+    layers,
+)
 from crashsolve.parts._quad import hourglass_stiffness, plane_axes, rate_bound
 from crashsolve.parts._quad_block import (
     DRILL,
@@ -106,6 +116,14 @@ class Weld(Card):
         return self
 
 
+class Blow(Card):
+    """Impulse along the normals, at the start, on the elements whose middles lie in a box."""
+
+    low: Vec3 = quantity("m", "corner of the box with the least coordinates")
+    high: Vec3 = quantity("m", "corner with the largest")
+    speed: float = quantity("m/s", "impulse over mass; a node has its share of the elements there")
+
+
 class Shell(Damped):
     """Thin shell of quadrilaterals."""
 
@@ -126,6 +144,7 @@ class Shell(Damped):
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
     velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+    blows: tuple[Blow, ...] = word("impulses at the start, on regions", default=())
 
     def node_names(self, part: str) -> list[str]:
         """Names of those nodes of a part of this name that are bodies."""
@@ -170,6 +189,8 @@ PARAMETERS = Record(
     rate_0=("1/s", "rate above which C counts"),
     heating=("m^3/J", "temperature, 1 at melting, over plastic work per volume; 0 for none"),
     softening=("1", "m of Johnson and Cook"),
+    hyper=("flag", "whether the material is neo-Hookean"),
+    volumetric=("Pa", "L of a neo-Hookean material"),
     failure=("1", "plastic strain at which a layer fails; 0 for none"),
 )
 HISTORY = Record(damped=("J", "energy lost by drag"))
@@ -263,6 +284,16 @@ class Laid:
         _, self.material = scene.law("materials", card.material)
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
+        self.is_hyper = hasattr(self.material, "LARGE_STRAIN")
+        if self.is_hyper:
+            self.layer_rows = HYPER_ROWS
+            if not card.thinning:
+                raise scene.fail("a neo-Hookean shell needs true: it gets thinner", "thinning")
+            if card.element != "triangles":
+                message = (
+                    "a neo-Hookean shell needs triangles; quadrilaterals flutter at such stress"
+                )
+                raise scene.fail(message, "element")
         self.layer_rows += getattr(self.material, "melting_heat", None) is not None
         self.can_fail = getattr(self.material, "failure_strain", None) is not None
         self.rule = rule(card, scene)
@@ -288,6 +319,7 @@ class Laid:
         self.traced = [nearest(self.mesh.points, node) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
         self.held = self._held(scene)
+        self.blown = self._blown(x, normal, share, scene)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Any) -> None:
         """Every corner of an element must turn the same way."""
@@ -358,7 +390,24 @@ class Laid:
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], of held nodes without what they do not make."""
         way = self.mesh.points - self.mesh.points[0]
-        return np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, way)
+        rigid = np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, way)
+        return rigid + self.blown
+
+    def _blown(
+        self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Any
+    ) -> np.ndarray:
+        """Velocities of the nodes from the momentum of the elements that are hit [m/s]."""
+        blown = np.zeros_like(self.mesh.points)
+        middle = (x * share[:, :, None]).sum(axis=1)
+        way = normal / np.linalg.norm(normal, axis=1)[:, None]
+        for k, blow in enumerate(self.card.blows):
+            hit = ((middle > blow.low) & (middle < blow.high)).all(axis=1)
+            if not hit.any():
+                raise scene.fail("no element has its middle in the box", f"blows.{k}")
+            momentum = (blow.speed * self.weight * hit)[:, None] * way
+            for corner, part in zip(self.mesh.quads.T, share.T, strict=True):
+                np.add.at(blown, corner, part[:, None] * momentum)
+        return blown / self.mass[:, None]
 
     def write_points(self, table: np.ndarray) -> None:
         """Rows of POINT at the start. Writes: table."""
@@ -450,9 +499,12 @@ class Laid:
         share = 0.5 * t[:, None] * weight
         arm = 0.5 * t[:, None] * zeta
         x, y, s = np.moveaxis(layers[..., :3], 3, 0)
-        plastic = mean[:, :, STRAIN] if self.layer_rows > STRAIN else np.zeros((len(rows), count))
+        has_plastic = self.layer_rows > STRAIN and not self.is_hyper
+        plastic = mean[:, :, STRAIN] if has_plastic else np.zeros((len(rows), count))
         E, nu = self.material.young, self.material.poisson
         elastic = (x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s) / (2.0 * E)
+        if self.is_hyper:
+            elastic = self.material.energy(*np.moveaxis(layers[..., METRIC:], 3, 0))
         density = 0.5 * elastic.mean(axis=1) @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
         return {
             "thickness": t,
@@ -655,10 +707,23 @@ def layer_energy(p, blocks, at):
     total = 0.0
     for k in range(p.layers):
         row = at + LANES * p.layer_rows * k
+        if p.hyper == 1:
+            total += 0.5 * p.weight[k] * hyper_energy(p, blocks, row)
+            continue
         x, y, s = blocks[row], blocks[row + LANES], blocks[row + 2 * LANES]
         density = x * x + y * y - 2.0 * p.poisson * x * y + 2.0 * (1.0 + p.poisson) * s * s
         total += 0.25 * p.weight[k] * density / p.young
     return total
+
+
+@kernel
+def hyper_energy(p, blocks, at):
+    """Energy per volume of a neo-Hookean layer [J/m^3]."""
+    C, across = at + LANES * METRIC, blocks[at + LANES * ACROSS]
+    x, y, s = blocks[C], blocks[C + LANES], blocks[C + 2 * LANES]
+    volume = 0.5 * log1p(x + y + x * y - s * s) + across
+    trace = x + y + expm1(2.0 * across) - 2.0 * volume
+    return exp(-volume) * 0.5 * (p.shear * trace + p.volumetric * volume * volume)
 
 
 @kernel
