@@ -25,6 +25,7 @@ from crashsolve.foundation.errors import (
 )
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
+from crashsolve.model.model import Model, State
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
@@ -62,10 +63,19 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     built = cpu_time()
-    engine = Engine(model, state)
+    engine = _engine(deck, model, state)
     spent = {"read": was_read - begun, "build": built - was_read}
     spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
     return Run(deck, engine, folder, spent, wall_begun).execute(restart)
+
+
+def _engine(deck: Deck, model: Model, state: State) -> Engine:
+    """What goes from sample to sample: through time, or from equilibrium to equilibrium."""
+    if deck.control.solution == "transient":
+        return Engine(model, state)
+    from crashsolve.system.equilibrium import StaticEngine
+
+    return StaticEngine(model, state, deck.control.tolerance)
 
 
 class Run:
@@ -186,7 +196,11 @@ class Run:
 
         Raises DeckErrors, SolverError, RunStopped.
         """
-        if self.deck.control.estimate == "off" or not (self.deck.watch or self.deck.expect):
+        control = self.deck.control
+        if control.estimate == "off" or not (self.deck.watch or self.deck.expect):
+            return None
+        if control.solution == "quasi_static":
+            # an equilibrium has no error of steps
             return None
         # a deck that watches nothing does not pay for what this imports
         from crashsolve.estimate.conduct import Estimating

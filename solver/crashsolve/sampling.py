@@ -17,7 +17,8 @@ class Schedule:
     def of(cls, deck: Deck) -> "Schedule":
         """The schedule a deck asks for."""
         start, end = deck.control.start_time, deck.control.end_time
-        return cls(start, end, deck.output.history.interval or (end - start) / 1000 or 1.0)
+        count = deck.control.steps if deck.control.solution == "quasi_static" else 1000
+        return cls(start, end, deck.output.history.interval or (end - start) / count or 1.0)
 
     def time(self, k: int) -> float:
         """Time of sample k."""

@@ -12,6 +12,14 @@ class Control(Card):
 
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
+    solution: Literal["transient", "quasi_static"] = word(
+        "transient: motion; quasi_static: equilibria under the loads of each moment", "transient"
+    )
+    steps: int = word(
+        "of quasi_static, equal load steps, sampled each; output.history.interval goes before",
+        default=10,
+        ge=1,
+    )
     integrator: Literal[
         "rattle",
         "dormand_prince_5",
@@ -73,6 +81,9 @@ class Control(Card):
             raise ValueError(f"step_min: must not exceed step_max, {self.step_max:g} s")
         if self.accuracy:
             self._leaves_the_choice()
+        if self.solution == "quasi_static" and (self.accuracy or self.integrator != "rattle"):
+            what = "accuracy" if self.accuracy else "integrator"
+            raise ValueError(f"{what}: solution quasi_static finds equilibria and needs none")
         return self
 
     def _leaves_the_choice(self) -> None:

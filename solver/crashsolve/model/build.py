@@ -26,6 +26,7 @@ from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import ContactGroup, Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.scene import Scene
+from crashsolve.model.statics import refuse_motion
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
@@ -64,6 +65,7 @@ def build(deck: Deck) -> tuple[Model, State]:
             groups.append(_build_group(keyword, entries, scene))
     contact_groups = build_contacts(deck, scene)
     scene.raise_errors()
+    refuse_motion(deck, groups)
 
     saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
     model = Model(
@@ -212,7 +214,8 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["turn"] = card.safety / 5.0
     c["constraint_tolerance"] = card.constraint_tolerance
     c["onset_tolerance"] = card.onset_tolerance or 0.0
-    c["energy_limit"] = 0.0 if card.energy_limit == "off" else float(card.energy_limit)
+    is_free = card.energy_limit == "off" or card.solution == "quasi_static"
+    c["energy_limit"] = 0.0 if is_free else float(card.energy_limit)
     c["length"] = scene.size
     c["spectral_radius"] = card.spectral_radius
     c["tolerance"] = card.tolerance or card.accuracy or TOLERANCE

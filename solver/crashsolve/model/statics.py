@@ -1,0 +1,38 @@
+"""What a quasi-static solution cannot have yet: laws that remember, and what moves by itself."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from crashsolve.foundation.errors import DeckErrors
+
+# what every law of force keeps of a step
+KEPT = {"dissipated", "power", "unused"}
+
+
+def refuse_motion(deck: Any, groups: list[Any]) -> None:
+    """Raises DeckErrors for the cards whose laws need the course of time."""
+    if deck.control.solution != "quasi_static":
+        return
+    found = [
+        deck.error(entry, None, f"{reason}; say solution: transient")
+        for entry, reason in _misfits(deck, groups)
+    ]
+    if found:
+        raise DeckErrors(found)
+
+
+def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+    for entry in deck.entries["contacts"].values():
+        yield entry, "a quasi-static solution has no contacts yet"
+    for entry in deck.entries["parts"].values():
+        if hasattr(entry.card, "thickness"):
+            yield entry, "a quasi-static solution has no shells yet"
+    for g in groups:
+        if g.keyword == "joints" and "curve" in (g.parameters.dtype.names or ()):
+            for name in g.names:
+                yield deck.entries["joints"][name], "a quasi-static solution has no drivers yet"
+        remembers = set(g.history.dtype.names or ()) - KEPT
+        if hasattr(g.module, "force") and remembers:
+            keyword = deck.entries[g.keyword]
+            for entry in (e for e in keyword.values() if e.type == g.type):
+                yield entry, "a quasi-static solution has no laws that remember yet"
