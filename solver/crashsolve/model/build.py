@@ -23,7 +23,7 @@ from crashsolve.model.elements import (
     tables_of_elements,
 )
 from crashsolve.model.ledger import ENTRIES
-from crashsolve.model.model import ContactGroup, Group, Joint, Model, State
+from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.scene import Scene
 
@@ -62,7 +62,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     for keyword in ("springs", "loads", "sensors"):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
-    contact_groups = build_contacts(deck, scene)
+    contact_groups, nodal_groups = build_contacts(deck, scene)
     scene.raise_errors()
 
     saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
@@ -83,9 +83,10 @@ def build(deck: Deck) -> tuple[Model, State]:
         saddle=saddle,
         control=_control(deck, scene),
         warnings=scene.warnings,
-        citations=citations(_modules(groups, contact_groups)),
+        citations=citations(_modules(groups, [*contact_groups, *nodal_groups])),
         surfaces=scene.surfaces,
         elements=tables_of_elements(groups, deck, scene),
+        nodal_groups=nodal_groups,
     )
     state = _state(model, scene)
     if model.integrator == "auto":
@@ -107,11 +108,11 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     return points
 
 
-def _modules(groups: list[Group], contact_groups: list[ContactGroup]) -> list[Any]:
+def _modules(groups: list[Group], contact_groups: list[Any]) -> list[Any]:
     """Modules of all laws in use, and of the integrator."""
     laws = [g.module for g in groups]
     for c in contact_groups:
-        laws += [c.narrow, c.normal, c.friction]
+        laws += [c.narrow, c.normal, getattr(c, "friction", None)]
     return [*laws, import_module("crashsolve.system.kinetics")]
 
 

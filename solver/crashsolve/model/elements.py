@@ -45,10 +45,8 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
             row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
             row["element_count"] = len(laid.area)
             corners.append((laid.corners() + points).ravel())
-            own = np.zeros(len(laid.named), RIDER.dtype)
-            own["point"], own["node"] = np.add(laid.named, points), scene.part_nodes[name]
-            riders.append(own)
-            mass += laid.mass.sum() - laid.mass[laid.named].sum()
+            riders.append(riders_of(laid, name, points, scene))
+            mass += laid.mass.sum() - laid.mass[laid.riding].sum()
             points, first = points + len(laid.mass), first + laid.padded() // LANES * laid.stride
             count += len(laid.area)
     if not corners:
@@ -56,6 +54,20 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
     rows = max(g.module.ROWS for g in groups if hasattr(g.module, "deform"))
     work = np.zeros(rows * LANES)
     return Elements(np.concatenate(corners), np.concatenate(riders), work, parts, mass)
+
+
+def riders_of(laid: Any, name: str, first: int, scene: Scene) -> np.ndarray:
+    """Riders of a part whose first point is `first`: on bodies of their own, and on rigid ones."""
+    own = np.zeros(len(laid.riding), RIDER.dtype)
+    own["point"] = laid.riding + first
+    at = len(laid.named)
+    own["node"][:at] = scene.part_nodes[name]
+    for body, nodes in laid.welded.items():
+        i, rows = scene.node(body), own[at : at + len(nodes)]
+        rows["node"] = i
+        rows["spot"] = (laid.mesh.points[nodes] - scene.r[i]) @ scene.matrix(i)
+        at += len(nodes)
+    return own
 
 
 def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:

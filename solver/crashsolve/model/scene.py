@@ -70,6 +70,8 @@ class Scene:
                 nodes = import_module(part.module_name).build(part.card, self)
                 for i, node in zip(self.part_nodes[part.name], nodes, strict=True):
                     self._place_body(i, node)
+                if id(part.card) in self._laid:
+                    self._weld_points(self._laid[id(part.card)])
         self.welded: dict[int, int] = {}  # nodes that are part of a rigid body
         for entry in deck.entries["bodies"].values():
             with self.building(entry):
@@ -86,6 +88,19 @@ class Scene:
         self.w[i] = body["angular_velocity"]
         self.r[i] = np.asarray(body["position"]) + arm
         self.v[i] = np.asarray(body["velocity"]) + np.cross(self.w[i], arm)
+
+    def _weld_points(self, laid: Any) -> None:
+        """Nodes of a shell that are part of rigid bodies."""
+        speed = laid.velocities()
+        for body, nodes in laid.welded.items():
+            i, places = self._index[body], laid.mesh.points[nodes]
+            at = self.v[i] + np.cross(self.w[i], places - self.r[i])
+            apart = np.linalg.norm(speed[nodes] - at, axis=1).max()
+            if apart > SAME * (np.linalg.norm(at, axis=1).max() + np.linalg.norm(speed[nodes])):
+                message = f"begins {apart:.3g} m/s faster than its place on '{body}'"
+                raise self.fail(f"{message}; give both the same motion", "welded")
+            own = laid.J[nodes][:, None, None] * np.eye(3)
+            welds.add_masses(i, laid.mass[nodes], places, own, self)
 
     def _weld(self, entry: Entry) -> None:
         """Nodes welded to a body become its slaves."""
@@ -192,16 +207,26 @@ class Scene:
         types = list(dict.fromkeys(entry.type for entry in entries))
         return [e.card for e in sorted(entries, key=lambda entry: types.index(entry.type))]
 
-    def faces(self, part: str, field: str) -> tuple[int, int]:
-        """First corner and number of the elements of a part with points."""
+    def has_points(self, part: str) -> bool:
+        """Whether the nodes of a part are points."""
+        return id(self.deck.entries["parts"][part].card) in self._laid
+
+    def skin(self, part: str, field: str) -> tuple[Any, int, int]:
+        """A part with points in place, its first corner and its first point."""
         entry = self.deck.entries["parts"][part]
-        corner = 0
+        corner = point = 0
         for card in self._with_points():
             laid = self.laid(card)
             if card is entry.card:
-                return corner, len(laid.area)
+                return laid, corner, point
             corner += laid.corners().size
+            point += len(laid.mass)
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
+
+    def faces(self, part: str, field: str) -> tuple[int, int]:
+        """First corner and number of the elements of a part with points."""
+        laid, corner, _ = self.skin(part, field)
+        return corner, len(laid.area)
 
     def curve(self, name: str) -> int:
         return self.curves[name]

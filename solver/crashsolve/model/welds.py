@@ -26,15 +26,26 @@ NOTHING = 1e-300
 
 def lump(body: int, slaves: list[int], scene: Any) -> None:
     """Add mass and inertia of welded nodes to their body. Writes: scene.mass, J, r, v, offset."""
-    some = [body, *slaves]
-    mass = scene.mass[some]
     A = scene.matrix(body)
-    centre = mass @ scene.r[some] / mass.sum()
-    J = np.zeros((3, 3))
-    for i, m in zip(some, mass, strict=True):
-        s, turn = A.T @ (scene.r[i] - centre), A.T @ scene.matrix(i)
-        J += turn @ scene.J[i].reshape(3, 3) @ turn.T
-        J += m * (s @ s * np.eye(3) - np.outer(s, s))
+    turns = [A.T @ scene.matrix(i) for i in slaves]
+    own = [B @ scene.J[i].reshape(3, 3) @ B.T for i, B in zip(slaves, turns, strict=True)]
+    add_masses(body, scene.mass[slaves], scene.r[slaves], np.array(own), scene)
+
+
+def add_masses(
+    body: int, mass: np.ndarray, places: np.ndarray, inertia: np.ndarray, scene: Any
+) -> None:
+    """Add masses (n,) at places (n, 3) with inertia (n, 3, 3), body axes, to a body.
+
+    Writes: scene.mass, J, r, v, offset.
+    """
+    mass = np.append(scene.mass[body], mass)
+    places = np.concatenate([scene.r[body][None], places])
+    A = scene.matrix(body)
+    centre = mass @ places / mass.sum()
+    s = (places - centre) @ A
+    J = scene.J[body].reshape(3, 3) + inertia.sum(axis=0)
+    J = J + (mass * (s * s).sum(axis=1)).sum() * np.eye(3) - np.einsum("n,ni,nj->ij", mass, s, s)
     way = centre - scene.r[body]
     scene.v[body] += np.cross(scene.w[body], way)
     scene.offset[body] += A.T @ way

@@ -17,7 +17,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from crashsolve.deck.card import Card, Law, MaterialName, Vec3, quantity, word
+from crashsolve.deck.card import BodyName, Card, Law, MaterialName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
@@ -72,6 +72,13 @@ class Hold(Card):
     motions: tuple[Motion, ...] = word("along and about world axes", default=MOTIONS)
 
 
+class Weld(Card):
+    """Nodes of a set that are part of a rigid body."""
+
+    nodes: str = word("set of nodes of the mesh")
+    body: BodyName = word("what they are part of; their mass and inertia add to its own")
+
+
 class Shell(Card):
     """Thin shell of quadrilaterals."""
 
@@ -83,6 +90,7 @@ class Shell(Card):
     thinning: bool = word("the thickness follows the strain", default=False)
     nodes: tuple[NamedNode, ...] = word("nodes that are bodies", default=())
     hold: tuple[Hold, ...] = word("supports", default=())
+    welded: tuple[Weld, ...] = word("sets of nodes on rigid bodies", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
     drag: float = quantity("1/s", "alpha, damping force over momentum", default=0.0, ge=0)
@@ -186,6 +194,7 @@ class Laid:
         self.traced = [nearest(self.mesh.points, node) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
         self.held = self._held(scene)
+        self.welded = self._welded(scene)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Any) -> None:
         """Every corner of an element must turn the same way."""
@@ -204,18 +213,40 @@ class Laid:
         """Bits of the motions that every node does not make."""
         held = np.zeros(len(self.mesh.points), np.int64)
         for k, hold in enumerate(self.card.hold):
-            if hold.nodes not in self.mesh.sets:
-                known = ", ".join(sorted(self.mesh.sets)) or "none"
-                message = f"the mesh has no set of nodes '{hold.nodes}' (sets: {known})"
-                raise scene.fail(message, f"hold.{k}.nodes")
+            nodes = self._set(hold.nodes, f"hold.{k}.nodes", scene)
             for motion in hold.motions:
-                held[self.mesh.sets[hold.nodes]] |= 1 << MOTIONS.index(motion)
+                held[nodes] |= 1 << MOTIONS.index(motion)
         for node, index in zip(self.card.nodes, self.named, strict=True):
             if held[index]:
                 message = f"node '{node.name}' is held; say traces if you only want its history"
                 raise scene.fail(message, "nodes")
         held[self.named] = RIDES
         return held
+
+    def _set(self, name: str, field: str, scene: Any) -> np.ndarray:
+        """Nodes of a set of the mesh."""
+        if name not in self.mesh.sets:
+            known = ", ".join(sorted(self.mesh.sets)) or "none"
+            raise scene.fail(f"the mesh has no set of nodes '{name}' (sets: {known})", field)
+        return self.mesh.sets[name]
+
+    def _welded(self, scene: Any) -> dict[str, np.ndarray]:
+        """Nodes on each rigid body. Writes: held."""
+        found: dict[str, list[int]] = {}
+        for k, weld in enumerate(self.card.welded):
+            nodes = self._set(weld.nodes, f"welded.{k}.nodes", scene)
+            taken = self.held[nodes] != 0
+            if taken.any():
+                message = f"node {nodes[taken][0] + 1} of it is held, named or welded already"
+                raise scene.fail(message, f"welded.{k}.nodes")
+            self.held[nodes] = RIDES
+            found.setdefault(weld.body, []).extend(nodes.tolist())
+        return {body: np.array(nodes) for body, nodes in found.items()}
+
+    @property
+    def riding(self) -> np.ndarray:
+        """Nodes whose mass is that of a body."""
+        return np.concatenate([np.array(self.named, int), *self.welded.values()])
 
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], of held nodes without what they do not make."""
