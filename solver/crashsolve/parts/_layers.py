@@ -18,7 +18,7 @@ Int. J. Num. Meth. Eng. 22, 649-670.
 from math import sqrt
 
 from crashsolve.foundation.compile import inlined, kernel
-from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.curve import curve_near
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._quad_block import (
     AREA,
@@ -30,17 +30,20 @@ from crashsolve.parts._quad_block import (
     MOMENT,
     RESULTANT,
     ROWS,
+    SOFT_PLANE,
     THICKNESS,
 )
 
-# rows of a plastic layer: stress, equivalent plastic strain, alpha
+# rows of a plastic layer: stress, equivalent plastic strain, alpha; one more with a curve: the
+# segment in which the strain lies
 STRAIN, BACK, PLASTIC_ROWS = 3, 4, 7
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
-# rate, what is missing; of all layers, the strain across the thickness and the plastic work
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST = (
-    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11)
+# rate, what is missing; of all layers, the strain across the thickness, the plastic work, and the
+# share of the elastic stiffness in the plane and in bending
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, STIFF = (
+    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)
 )
-ALL_ROWS = ROWS + 12
+ALL_ROWS = ROWS + 16
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
@@ -54,6 +57,8 @@ def clear_resultants(work):
     for e in range(LANES):
         work[LANES * THIN + e] = 0.0
         work[LANES * LOST + e] = 0.0
+        for k in range(4):
+            work[LANES * (STIFF + k) + e] = 0.0
 
 
 @inlined
@@ -110,9 +115,11 @@ def layers(blocks, first, work, h, p, curves):
             elastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
         else:
             plastic_layer(blocks, at, work, h, p, p.zeta[k], p.weight[k], curves)
-    if p.plastic == 1:
+    if p.plastic == 1 and h > 0.0:
         for e in range(LANES):
             blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
+            for k in range(4):
+                blocks[first + LANES * (SOFT_PLANE + k) + e] = work[LANES * (STIFF + k) + e]
     if p.thins == 1:
         for e in range(LANES):
             blocks[first + LANES * THICKNESS + e] *= 1.0 + work[LANES * THIN + e]
@@ -125,7 +132,7 @@ def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
         find_factors(work, h, p, zeta)
     find_trial(blocks, at, work, p, zeta)
     if p.curve > 0:
-        look_up(blocks, at, work, p, curves)
+        look_up(blocks, at, work, p, curves, False)
     if worst_gap(work) > 0.0:
         return_to_yield(blocks, at, work, p, curves)
     settle(blocks, at, work, p, zeta, weight)
@@ -162,18 +169,23 @@ def find_trial(blocks, at, work, p, zeta):
 
 
 @kernel
-def look_up(blocks, at, work, p, curves):
+def look_up(blocks, at, work, p, curves, is_later):
     """Yield stress of a curve at the present plastic strain, and what is beyond it.
 
-    Writes: work.
+    Writes: work, blocks.
     """
     c1, c2 = softening(p)
     for e in range(LANES):
+        # what is within yield stays there
+        if is_later and work[LANES * G + e] == 0.0:
+            continue
         g, factor = work[LANES * G + e], work[LANES * FACTOR + e]
         k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
         size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
         strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
-        flow, slope, _ = curve_value(curves, p.curve, strain)
+        segment = at + PLASTIC_ROWS * LANES + e
+        flow, slope, found = curve_near(curves, p.curve, int(blocks[segment]), strain)
+        blocks[segment] = float(found)
         work[LANES * YIELD + e], work[LANES * SLOPE + e] = factor * flow, factor * slope
         work[LANES * GAP + e] = size / (factor * flow) - 1.0
 
@@ -200,7 +212,7 @@ def return_to_yield(blocks, at, work, p, curves):
     before = 1e300
     for count in range(PASSES):
         if p.curve > 0 and count > 0:
-            look_up(blocks, at, work, p, curves)
+            look_up(blocks, at, work, p, curves, True)
         correct(blocks, at, work, p)
         worst = worst_gap(work)
         # as good as round-off lets it be
@@ -264,5 +276,15 @@ def settle(blocks, at, work, p, zeta, weight):
         work[LANES * LOST + e] += share * work[LANES * AREA + e] * lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
+        # of a layer that yields, the tangent of a bar over its elastic modulus
+        tangent = work[LANES * SLOPE + e] + p.kinematic
+        flows = p.young / (size * size + 1e-300) if g > 0.0 else 0.0
+        m_x, m_y = x - 0.5 * y, y - 0.5 * x
+        left_x = tangent / (tangent + flows * m_x * m_x)
+        left_y = tangent / (tangent + flows * m_y * m_y)
+        work[LANES * STIFF + e] += 0.5 * weight * left_x
+        work[LANES * (STIFF + 1) + e] += 0.5 * weight * left_y
+        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta * left_x
+        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta * left_y
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y
         work[LANES * THIN + e] += 0.5 * weight * thinner

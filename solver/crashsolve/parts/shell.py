@@ -23,17 +23,17 @@ from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, norm, sub, vec
 from crashsolve.parts._layers import ALL_ROWS, PLASTIC_ROWS, STRAIN, layers
-from crashsolve.parts._quad import hourglass_stiffness, plane_axes
 from crashsolve.parts._quad_block import (
     DRILL,
     DRILLING,
+    HOURGLASS,
     LAYERS,
     LOSS,
-    PLANE_Q,
     RADIUS_2,
     RATE,
     SHAPE,
     SHEAR,
+    SOFT_PLANE,
     THICKNESS,
     WEIGHT,
     gather,
@@ -177,7 +177,9 @@ class Laid:
     def __init__(self, card: Shell, scene: Any) -> None:
         _, self.material = scene.law("materials", card.material)
         self.card = card
-        self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
+        self.layer_rows = 3
+        if hasattr(self.material, "yield_stress"):
+            self.layer_rows = PLASTIC_ROWS + (self.material.curve is not None)
         self.rule = rule(card, scene)
         self.mesh = scene.mesh(card)
         x = self.mesh.points[self.mesh.quads]
@@ -270,6 +272,7 @@ class Laid:
             (THICKNESS, np.full(len(self.area), self.card.thickness)),
             (RADIUS_2, self.radius_2),
             (WEIGHT, self.weight),
+            *((SOFT_PLANE + k, np.ones(len(self.area))) for k in range(4)),
             *((SHAPE + k, column) for k, column in enumerate(self._shape().T)),
         ):
             table[:, row] = self._in_lanes(values)
@@ -458,19 +461,6 @@ def element_energy(p, blocks, at, d, e):
         total += 0.25 * p.weight[k] * density / p.young
     x, y = blocks[at + LANES * SHEAR], blocks[at + LANES * (SHEAR + 1)]
     total += 0.6 * (x * x + y * y) / p.shear
-    shape = at + LANES * SHAPE
-    G = (blocks[shape], blocks[shape + LANES], blocks[shape + 2 * LANES], blocks[shape + 3 * LANES])
-    _, flat, area = plane_axes(d, e, G)
-    k, k_s = hourglass_stiffness(flat, area, p.young, p.shear, nu, t)
-    det, stored = k[0] * k[1] - k[2] * k[2], 0.0
-    for pair in range(2):
-        q = at + LANES * (PLANE_Q + 2 * pair)
-        x, y = blocks[q], blocks[q + LANES]
-        share = 1.0 if pair == 0 else 12.0 / (t * t)
-        stored += 0.5 * share * (k[1] * x * x + k[0] * y * y - 2.0 * k[2] * x * y) / det
-    q = at + LANES * (PLANE_Q + 4)
-    stored += 0.5 * blocks[q] * blocks[q] / k_s[0]
-    stored += 0.5 * blocks[q + LANES] * blocks[q + LANES] / k_s[1]
     x = blocks[at + LANES * DRILL]
-    drilling = 0.5 * x * x / (DRILLING * p.shear * t * area)
-    return volume * total, stored, drilling
+    drilling = 0.5 * x * x / (DRILLING * p.shear * volume)
+    return volume * total, blocks[at + LANES * HOURGLASS], drilling
