@@ -66,17 +66,20 @@ def look(i, x, p, tally, slots, turns, mesh, lists, found):
     """
     first, near, wait, due = lists
     soonest = 1e300
+    is_deep = False
     for s in range(2):
-        found[s].distance, found[s].face, found[s].depth = p.gap, -1, 0.0
-        settle(turns, 2 * i + s)
+        found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
+        old = slots[settle(turns, 2 * i + s), 2 * i + s]
+        is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
     for k in range(first[i], first[i + 1]):
-        if wait[k] <= tally.way:
+        if wait[k] <= tally.way or is_deep:
             f = near[k]
             a, b, c, d = seen_from(x, p, f, mesh)
             N, square, spot = nearest_on_face(a, b, c, d)
             distance = sqrt(square)
             wait[k] = tally.way + max(distance - p.gap, 0.0)
-            if distance < p.gap:
+            # what has been driven through is not let go behind
+            if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
                 take(i, p, f, N, spot, distance, to, slots, turns, mesh, found)
         soonest = min(soonest, wait[k])
@@ -103,7 +106,7 @@ def take(i, p, f, N, spot, distance, to, slots, turns, mesh, found):
     """Keep a face that is the nearest on its side so far; `to` leads to it. Writes: found."""
     s, crossed = side(i, p, f, spot, to, slots, turns, mesh)
     hit = found[s]
-    if distance >= hit.distance:
+    if distance >= hit.distance or (distance >= p.gap and crossed == 0):
         return
     hit.distance, hit.face, hit.crossed = distance, f, crossed
     for k in range(4):
