@@ -66,6 +66,7 @@ SLOT = Record(
     depth=("m", "penetration"),
     impact_speed=("m/s", "closing speed at the onset, not below the floor"),
     power=("W", "dissipated"),
+    force=("N", "on the probe"),
     face=("index", "that is touched"),
     normal=("1", 3, "towards the probe"),
 )
@@ -286,7 +287,10 @@ def faces_beside(quads: np.ndarray) -> np.ndarray:
     low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort((high, low))
     beside = np.full(len(ends), -1, np.int64)
-    same = np.flatnonzero((low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]]))
+    # the side of no length of a triangle has nothing across it
+    has_length = (low < high)[order[1:]]
+    alike = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
+    same = np.flatnonzero(alike & has_length)
     one, other = order[same], order[same + 1]
     beside[one], beside[other] = other // 4, one // 4
     return beside

@@ -34,9 +34,9 @@ from crashsolve.parts._quad_block import (
     THICKNESS,
 )
 
-# rows of a plastic layer: stress, equivalent plastic strain, alpha; one more with a curve: the
-# segment in which the strain lies
-STRAIN, BACK, PLASTIC_ROWS = 3, 4, 7
+# rows of a plastic layer: stress, equivalent plastic strain, alpha; two more with a curve: its value
+# at the strain, and the segment in which that lies
+STRAIN, BACK, PLASTIC_ROWS, FLOW, SEGMENT, CURVE_ROWS = 3, 4, 7, 7, 8, 9
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
 # rate, what is missing; of all layers, the strain across the thickness, the plastic work, and the
 # share of the elastic stiffness in the plane and in bending
@@ -131,8 +131,6 @@ def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
     if p.rate_D > 0.0:
         find_factors(work, h, p, zeta)
     find_trial(blocks, at, work, p, zeta)
-    if p.curve > 0:
-        look_up(blocks, at, work, p, curves, False)
     if worst_gap(work) > 0.0:
         return_to_yield(blocks, at, work, p, curves)
     settle(blocks, at, work, p, zeta, weight)
@@ -150,7 +148,7 @@ def find_factors(work, h, p, zeta):
 @kernel
 def find_trial(blocks, at, work, p, zeta):
     """Trial stress less alpha, and by how much it is beyond yield. Writes: work."""
-    nu, shear, has_rate = p.poisson, p.shear, p.rate_D > 0.0
+    nu, shear, has_rate, has_curve = p.poisson, p.shear, p.rate_D > 0.0, p.curve > 0
     C, start, slope = p.young / (1.0 - nu * nu), p.yield_stress, p.isotropic
     for e in range(LANES):
         x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
@@ -158,36 +156,36 @@ def find_trial(blocks, at, work, p, zeta):
         s_y = blocks[at + LANES + e] + C * (y + nu * x) - blocks[at + (BACK + 1) * LANES + e]
         s_xy = blocks[at + 2 * LANES + e] + shear * xy - blocks[at + (BACK + 2) * LANES + e]
         factor = work[LANES * FACTOR + e] if has_rate else 1.0
-        flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
+        flow = start + slope * blocks[at + STRAIN * LANES + e]
+        flow = factor * (blocks[at + FLOW * LANES + e] if has_curve else flow)
         s1 = 0.25 * (s_x + s_y) * (s_x + s_y)
         s2 = 0.75 * (s_x - s_y) * (s_x - s_y) + 3.0 * s_xy * s_xy
         put = LANES * XI + e
         work[put], work[put + LANES], work[put + 2 * LANES] = s_x, s_y, s_xy
         work[LANES * FACTOR + e], work[LANES * SLOPE + e] = factor, factor * slope
+        work[LANES * YIELD + e] = flow
         work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
         work[LANES * GAP + e] = sqrt(s1 + s2) / flow - 1.0
 
 
 @kernel
-def look_up(blocks, at, work, p, curves, is_later):
-    """Yield stress of a curve at the present plastic strain, and what is beyond it.
+def look_up(blocks, at, work, p, curves):
+    """Yield stress of a curve and its slope, at the present plastic strain of what yields.
 
     Writes: work, blocks.
     """
     c1, c2 = softening(p)
     for e in range(LANES):
-        # what is within yield stays there
-        if is_later and work[LANES * G + e] == 0.0:
+        if work[LANES * G + e] == 0.0 and work[LANES * GAP + e] <= 0.0:
             continue
         g, factor = work[LANES * G + e], work[LANES * FACTOR + e]
         k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
         size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
         strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
-        segment = at + PLASTIC_ROWS * LANES + e
-        flow, slope, found = curve_near(curves, p.curve, int(blocks[segment]), strain)
-        blocks[segment] = float(found)
+        place = at + SEGMENT * LANES + e
+        flow, slope, found = curve_near(curves, p.curve, int(blocks[place]), strain)
+        blocks[at + FLOW * LANES + e], blocks[place] = flow, float(found)
         work[LANES * YIELD + e], work[LANES * SLOPE + e] = factor * flow, factor * slope
-        work[LANES * GAP + e] = size / (factor * flow) - 1.0
 
 
 @kernel
@@ -210,9 +208,9 @@ def softening(p):
 def return_to_yield(blocks, at, work, p, curves):
     """Newton's method for g in all lanes; those within yield stay at 0. Writes: work."""
     before = 1e300
-    for count in range(PASSES):
-        if p.curve > 0 and count > 0:
-            look_up(blocks, at, work, p, curves, True)
+    for _ in range(PASSES):
+        if p.curve > 0:
+            look_up(blocks, at, work, p, curves)
         correct(blocks, at, work, p)
         worst = worst_gap(work)
         # as good as round-off lets it be
@@ -276,8 +274,8 @@ def settle(blocks, at, work, p, zeta, weight):
         work[LANES * LOST + e] += share * work[LANES * AREA + e] * lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
-        # of a layer that yields, the tangent of a bar over its elastic modulus
-        tangent = work[LANES * SLOPE + e] + p.kinematic
+        # tangent over elastic modulus of stress along x alone, and along y
+        tangent = work[LANES * SLOPE + e] + p.kinematic if g > 0.0 else 1.0
         flows = p.young / (size * size + 1e-300) if g > 0.0 else 0.0
         m_x, m_y = x - 0.5 * y, y - 0.5 * x
         left_x = tangent / (tangent + flows * m_x * m_x)

@@ -19,10 +19,18 @@ import numpy as np
 
 from crashsolve.deck.card import BodyName, Card, Law, MaterialName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, norm, sub, vec
-from crashsolve.parts._layers import ALL_ROWS, PLASTIC_ROWS, STRAIN, layers
+from crashsolve.parts._layers import (
+    ALL_ROWS,
+    CURVE_ROWS,
+    FLOW,
+    PLASTIC_ROWS,
+    STRAIN,
+    layers,
+)
 from crashsolve.parts._quad_block import (
     DRILL,
     DRILLING,
@@ -179,7 +187,7 @@ class Laid:
         self.card = card
         self.layer_rows = 3
         if hasattr(self.material, "yield_stress"):
-            self.layer_rows = PLASTIC_ROWS + (self.material.curve is not None)
+            self.layer_rows = PLASTIC_ROWS if self.material.curve is None else CURVE_ROWS
         self.rule = rule(card, scene)
         self.mesh = scene.mesh(card)
         x = self.mesh.points[self.mesh.quads]
@@ -245,6 +253,12 @@ class Laid:
             found.setdefault(weld.body, []).extend(nodes.tolist())
         return {body: np.array(nodes) for body, nodes in found.items()}
 
+    def _first_flow(self, scene: Any) -> float:
+        """Yield stress of a curve at no plastic strain [Pa]."""
+        start = scene.curve(self.material.curve)
+        flow, _, _ = curve_value(scene.curve_points.view(np.recarray), start, 0.0)
+        return float(flow)
+
     @property
     def riding(self) -> np.ndarray:
         """Nodes whose mass is that of a body."""
@@ -265,7 +279,7 @@ class Laid:
             table["v"][self.held >> k & 1 == 1, k] = 0.0
             table["w"][self.held >> (3 + k) & 1 == 1, k] = 0.0
 
-    def write_blocks(self, numbers: np.ndarray) -> None:
+    def write_blocks(self, numbers: np.ndarray, scene: Any) -> None:
         """Numbers of the elements, block by block; the last is filled up. Writes: numbers."""
         table = numbers.reshape(-1, self.stride // LANES, LANES)
         for row, values in (
@@ -276,6 +290,8 @@ class Laid:
             *((SHAPE + k, column) for k, column in enumerate(self._shape().T)),
         ):
             table[:, row] = self._in_lanes(values)
+        if self.layer_rows == CURVE_ROWS:
+            table[:, LAYERS + FLOW :: CURVE_ROWS] = self._first_flow(scene)
 
     def corners(self) -> np.ndarray:
         """Points of the corners, (blocks, 4, lanes)."""

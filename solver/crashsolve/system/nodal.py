@@ -139,14 +139,20 @@ def leave(clock, h, tally, turns, j, old, new):
     """A slot is free again. Writes: tally, turns, new."""
     tally.dissipated += clock.lead * old.power
     new.active = 0
-    new.power = new.depth = new.impact_speed = 0.0
+    new.power = new.depth = new.impact_speed = new.force = 0.0
     take_turn(h, turns, j)
 
 
 @kernel
-def closing(v, v_other, hit):
-    """Closing speed."""
-    return dot(sub(v_other, v), vec(hit.normal))
+def closing(v, v_other, hit, h, old, w):
+    """Closing speed; the force of the last step stands for that which points do not know yet."""
+    return dot(sub(v_other, v), vec(hit.normal)) - 0.5 * h * w * old.force
+
+
+@kernel
+def of_point(probe, mob):
+    """The mobility of a probe if it is a point, whose velocity is foretold without the contact."""
+    return mob if probe.point >= 0 else 0.0
 
 
 @kernel
@@ -165,6 +171,7 @@ def note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit):
     if h > 0.0:
         tally.dissipated += clock.lead * old.power + clock.share * power + loss
     new.power = power
+    new.force = f
     new.face = hit.face
     put(new.normal, vec(hit.normal))
     tally.depth = max(tally.depth, hit.depth)

@@ -28,9 +28,11 @@ def {word}(clock, h, nodes, curves, groups):
                     nodal.leave(clock, h, tally, turns, j, old, new)
                     {law}.release(p, old, new)
                 continue
-            rate = nodal.closing(v, faces.face_velocity(p, hit, h, points, corners), hit)
             mob = nodal.mobility_of(probes[i], hit, nodes, points)
-            mass = 1.0 / (mob + faces.face_mobility(p, hit, points, corners))
+            mob_face = faces.face_mobility(p, hit, points, corners)
+            mass = 1.0 / (mob + mob_face)
+            u = faces.face_velocity(p, hit, h, points, corners)
+            rate = nodal.closing(v, u, hit, h, old, nodal.of_point(probes[i], mob) + mob_face)
             contacts.latch(p, old, new, hit.depth, rate, counts)
             f, stored, power, loss, k, c = {law}.normal_force(
                 p, old, new, h, hit.depth, rate, mass, curves
@@ -67,9 +69,9 @@ def {word}(clock, h, nodes, curves, groups):
                 {law}.release(p, old, new)
             continue
         body = nodes[home[shapes[hit.face].node]]
-        rate = nodal.closing(v, nodal.body_velocity(body, x), hit)
-        mob = nodal.body_mobility(body, x, hit)
-        mass = 1.0 / (mob + nodal.mobility_of(probes[i], hit, nodes, points))
+        mob, own = nodal.body_mobility(body, x, hit), points[probes[i].point].mass_inv
+        mass = 1.0 / (mob + own)
+        rate = nodal.closing(v, nodal.body_velocity(body, x), hit, h, old, own)
         contacts.latch(p, old, new, hit.depth, rate, counts)
         f, stored, power, loss, k, c = {law}.normal_force(
             p, old, new, h, hit.depth, rate, mass, curves
