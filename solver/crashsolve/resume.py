@@ -14,7 +14,9 @@ def changing(engine: Engine) -> dict[str, np.ndarray]:
     lists = [
         {f"pairs/{g.word}": g.parameters, f"history/{g.word}": g.history} for g in _lists(engine)
     ]
-    nodal = {f"{name}/{n.word}": _plain(a) for n in _nodal(engine) for name, a in n.changing().items()}
+    nodal = {
+        f"{name}/{n.word}": _plain(a) for n in _nodal(engine) for name, a in n.changing().items()
+    }
     return fixed | nodal | {name: _plain(array) for pair in lists for name, array in pair.items()}
 
 

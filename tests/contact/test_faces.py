@@ -11,7 +11,6 @@ from bench import plain
 from command import crashsolve
 
 from crashpost.result import Result
-from crashsolve.contact import cells
 from crashsolve.contact.narrow import _face
 from crashsolve.deck.read import read_deck
 from crashsolve.foundation.errors import DeckErrors
@@ -165,7 +164,10 @@ class Bench:
         return hits
 
 
-STRIP = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]], [[1, 2, 3, 4], [2, 5, 6, 3]])
+STRIP = (
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]],
+    [[1, 2, 3, 4], [2, 5, 6, 3]],
+)
 # two faces that meet at 20 degrees along x = 1, folded over
 HAIRPIN = (
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.06, 0, 0.342], [0.06, 1, 0.342]],
@@ -285,9 +287,7 @@ STICK = {
         ({"control": {"integrator": "radau_iia_5"}}, "whole steps"),
     ],
 )
-def test_what_cannot_be_is_refused(
-    change: dict[str, Any], message: str, tmp_path: Path
-) -> None:
+def test_what_cannot_be_is_refused(change: dict[str, Any], message: str, tmp_path: Path) -> None:
     Bench(tmp_path, *STRIP)
     deck = yaml.safe_load((tmp_path / "bench.yaml").read_text("utf-8"))
     deck["sections"] = {"bar": {"type": "circle", "radius": 0.1}}

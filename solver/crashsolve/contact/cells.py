@@ -117,7 +117,7 @@ def list_near(i, x, p, way, reach, width, grid, lists, spared, total):
 def is_spared(i, f, spared):
     """Whether a probe never meets a face: near it in the mesh."""
     first, faces = spared
-    for k in range(first[i], first[i + 1]):
-        if faces[k] == f:
-            return True
-    return False
+    at = first[i]
+    while at < first[i + 1] and faces[at] != f:
+        at += 1
+    return at < first[i + 1]

@@ -38,8 +38,8 @@ from crashsolve.parts._quad_block import (
 # at the strain, and the segment in which that lies
 STRAIN, BACK, PLASTIC_ROWS, FLOW, SEGMENT, CURVE_ROWS = 3, 4, 7, 7, 8, 9
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
-# rate, what is missing; of all layers, the strain across the thickness, the plastic work, and the
-# share of the elastic stiffness in the plane and in bending
+# rate, what is missing; of all layers, the strain across the thickness, the plastic work, and what
+# yielding leaves of the stiffness in the plane along x and y, and in bending
 XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, STIFF = (
     ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)
 )

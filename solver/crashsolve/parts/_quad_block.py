@@ -152,9 +152,15 @@ def strain(blocks, first, work, h, p):
         k_b = h * t * t / 12.0
         at = first + LANES * PLANE_Q + e
         work_on = grow(blocks, at, blocks[soft], h * (k[0] * q_x + k[2] * q_y), q_x)
-        work_on += grow(blocks, at + LANES, blocks[soft + LANES], h * (k[1] * q_y + k[2] * q_x), q_y)
-        work_on += grow(blocks, at + 2 * LANES, blocks[soft + 2 * LANES], k_b * (k[0] * p_x + k[2] * p_y), p_x)
-        work_on += grow(blocks, at + 3 * LANES, blocks[soft + 3 * LANES], k_b * (k[1] * p_y + k[2] * p_x), p_y)
+        work_on += grow(
+            blocks, at + LANES, blocks[soft + LANES], h * (k[1] * q_y + k[2] * q_x), q_y
+        )
+        work_on += grow(
+            blocks, at + 2 * LANES, blocks[soft + 2 * LANES], k_b * (k[0] * p_x + k[2] * p_y), p_x
+        )
+        work_on += grow(
+            blocks, at + 3 * LANES, blocks[soft + 3 * LANES], k_b * (k[1] * p_y + k[2] * p_x), p_y
+        )
         work_on += grow(blocks, at + 4 * LANES, 1.0, h * k_s[0] * change[0], change[0])
         work_on += grow(blocks, at + 5 * LANES, 1.0, h * k_s[1] * change[1], change[1])
         blocks[first + LANES * HOURGLASS + e] += h * work_on

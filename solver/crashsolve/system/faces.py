@@ -173,7 +173,9 @@ def on_border(p, f, spot, mesh):
 def face_normal(p, f, mesh):
     """Unit normal of a face."""
     points, at = mesh[0], corner_points(p.first_corner, f, mesh[1])
-    n = across(vec(points[at[0]].r), vec(points[at[1]].r), vec(points[at[2]].r), vec(points[at[3]].r))
+    n = across(
+        vec(points[at[0]].r), vec(points[at[1]].r), vec(points[at[2]].r), vec(points[at[3]].r)
+    )
     return scale(1.0 / norm(n), n)
 
 

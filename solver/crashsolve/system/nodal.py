@@ -214,7 +214,7 @@ def count(i, share, k, c, scene):
     total.damping = max(total.damping, scene.stiffened[2 * i + 1])
 
 
-# --- rigid shapes: the gap routines of all shapes, with the probe as a body among copies -----------
+# --- rigid shapes: their own gap routines, with the probe as a body among copies of bodies -------
 
 
 @kernel
