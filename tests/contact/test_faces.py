@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from bench import plain
-from command import crashsolve
+from command import crashsolve, gone_on
 
 from crashpost.result import Result
 from crashsolve.contact.narrow import _face
@@ -327,13 +327,23 @@ def test_a_bounce_is_of_second_order_in_the_step(tmp_path: Path) -> None:
 
 @runs
 def test_nothing_is_shot_through_a_face_with_a_long_step(tmp_path: Path) -> None:
-    speed, step = 900.0, 1e-5
-    # in one such step the ball would pass from clear of the plate to clear of it: 9 mm, and
-    # together they are 10 mm thick on either side
-    result = run(
-        tmp_path,
-        **{"control.step": step, "ball_speed": speed, "control.energy_limit": "off"},
-        **{"control.end_time": 2e-4},
-    )
-    cycles = result.series("glstat.model.cycle").values
-    assert cycles[-1] > 2 * 2e-4 / step
+    speed, step, t, end = 130.0, 8e-6, 5e-4, 4e-4
+    # a step would bring the dart from clear of one side of the plate to clear of the other
+    assert speed * step > 2.0 * t
+    changes = {"control.step": step, "control.end_time": end, "control.energy_limit": "off"}
+    result = run(tmp_path, dart_speed=speed, ball_speed=0.0, t=t, **changes)
+    assert result.series("glstat.model.cycle").values[-1] > 1.05 * end / step
+    # stopped and sent back: more than the momentum it came with
+    momentum = 1200.0 * t * 0.03 * 0.03 * speed
+    assert result.series("rcforc.dart.impulse.z").values[-1] > 1.2 * momentum
+
+
+@runs
+def test_a_run_goes_on_from_its_dump_to_the_same_bits(tmp_path: Path) -> None:
+    deck = tmp_path / "faces.yaml"
+    text = DECK.read_text("utf-8").partition("expect:")[0]
+    text = text.replace("2e-5}}", "2e-5}, restart: {every: 5e-4}}").replace("6e-3", "3e-3")
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "whole")
+    assert done.returncode == 0, done.stdout + done.stderr
+    gone_on(deck, tmp_path / "whole", tmp_path / "again")

@@ -34,11 +34,11 @@ from crashsolve.parts._quad_block import (
     THICKNESS,
 )
 
-# rows of a plastic layer: stress, equivalent plastic strain, alpha; two more with a curve: its value
-# at the strain, and the segment in which that lies
+# rows of a plastic layer: stress, equivalent plastic strain, alpha; two more with a curve: its
+# value at the strain, and the segment in which that lies
 STRAIN, BACK, PLASTIC_ROWS, FLOW, SEGMENT, CURVE_ROWS = 3, 4, 7, 7, 8, 9
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
-# rate, what is missing; of all layers, the strain across the thickness, the plastic work, and what
+# rate, what is missing; of all layers, strain across the thickness, plastic work, and what
 # yielding leaves of the stiffness in the plane along x and y, and in bending
 XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, STIFF = (
     ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)
