@@ -26,6 +26,7 @@ MESHES = {"5 mm": {}, "3 mm": {"across": 20, "along": 120}}
 FRAMES = (0, 2, 4, 8, 12, 20)  # ms
 WINDOW = 1e-4  # of the mean force [s]
 SAMPLE, LENGTH, KINETIC = 2e-5, 360.0, 3050.9  # s, mm, J
+SHOWN = 160.0  # height of the pictures [mm]
 # OpenRadioss bd4557b: peak [kN], shortening [mm], mean, mean over 20-80 mm [kN], final length [mm],
 # rebound [m/s], hourglass [%]
 PUBLISHED = {
@@ -148,7 +149,7 @@ def draw_film(result: Result, plt: Any) -> None:
     """The tube at FRAMES, coloured by plastic strain in its middle surface."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    figure = plt.figure(figsize=(2.2 * len(FRAMES), 6.0))
+    figure = plt.figure(figsize=(2.6 * len(FRAMES), 5.0))
     with h5py.File(result.folder / "mesh.h5") as file:
         points, quads = file["part_tube/points"][:], file["part_tube/cells"][:]
     states = sorted((result.folder / "states").glob("*.h5"))
@@ -157,11 +158,12 @@ def draw_film(result: Result, plt: Any) -> None:
             x = 1e3 * (points + file["part_tube/displacement"][:])
             strain = file["part_tube/plastic_strain_mid"][:].ravel()
         ax = figure.add_subplot(1, len(FRAMES), k + 1, projection="3d")
-        faces = Poly3DCollection(x[quads], edgecolor="k", lw=0.1)
-        faces.set_facecolor(plt.cm.viridis(np.clip(strain / 0.6, 0.0, 1.0)))
+        shown = x[quads].mean(axis=1)[:, 2] < SHOWN
+        faces = Poly3DCollection(x[quads[shown]], edgecolor="k", lw=0.15)
+        faces.set_facecolor(plt.cm.viridis(np.clip(strain[shown] / 0.6, 0.0, 1.0)))
         ax.add_collection3d(faces)
-        ax.set(xlim=(-45, 45), ylim=(-45, 45), zlim=(0, LENGTH), title=f"{moment} ms")
-        ax.set_box_aspect((90, 90, LENGTH), zoom=1.45)
+        ax.set(xlim=(-45, 45), ylim=(-45, 45), zlim=(0, SHOWN), title=f"{moment} ms")
+        ax.set_box_aspect((90, 90, SHOWN))
         ax.view_init(18, -50)
         ax.set_axis_off()
     save(figure, "film")

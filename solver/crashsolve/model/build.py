@@ -24,6 +24,7 @@ from crashsolve.model.elements import (
 )
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import Group, Joint, Model, State
+from crashsolve.model.nodal import loads_of_points
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.scene import Scene
 
@@ -89,6 +90,8 @@ def build(deck: Deck) -> tuple[Model, State]:
         nodal_groups=nodal_groups,
     )
     state = _state(model, scene)
+    if nodal_groups:
+        model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator == "auto":
         tolerance = float(model.control[0]["tolerance"])
         model.integrator, model.choice = choose(model, state, scene.stepwise, tolerance)

@@ -126,6 +126,7 @@ class Model:
     surfaces: dict[str, Any]
     elements: Elements | None = None
     nodal_groups: list[NodalGroup] = field(default_factory=list)
+    nodal_loads: dict[str, np.ndarray] = field(default_factory=dict)  # of all these groups
 
     def joint_groups(self) -> list[Group]:
         return [g for g in self.groups if g.keyword == "joints"]

@@ -20,7 +20,6 @@ from crashsolve.model.nodes import NODE
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Entry
-    from crashsolve.model.model import Model, State
     from crashsolve.model.scene import Scene
 
 # lists of near faces: their margin over the mean radius of a face, and the faces of a probe that
@@ -317,9 +316,9 @@ def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.zeros(count + 1, np.int64), np.zeros(1, np.int64)
 
 
-def whole_scene(model: Model, state: State) -> dict[str, np.ndarray]:
-    """Arrays that all groups share."""
-    return {"touched": np.zeros(1, TOUCHED.dtype), "stiffened": np.zeros(2 * len(state.points))}
+def loads_of_points(count: int) -> dict[str, np.ndarray]:
+    """What all groups together add to the stiffness of points."""
+    return {"touched": np.zeros(1, TOUCHED.dtype), "stiffened": np.zeros(2 * count)}
 
 
 def give_room(groups: list[NodalGroup]) -> None:

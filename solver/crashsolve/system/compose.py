@@ -17,7 +17,6 @@ from crashsolve.foundation.compile import PACKAGE, cache_folder
 from crashsolve.foundation.machine import Function, machine_code
 from crashsolve.foundation.table import Tables
 from crashsolve.model.compliance import contact_rows, tangent_contacts, tangent_groups
-from crashsolve.model.nodal import whole_scene
 from crashsolve.system.nodal_text import nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
@@ -123,8 +122,7 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
             arrays |= {f"{c.word}_{name}": array for name, array in c.search.arrays().items()}
     for n in model.nodal_groups:
         arrays |= {f"{n.word}_{name}": array for name, array in n.arrays.items()}
-    if model.nodal_groups:
-        arrays |= whole_scene(model, state)
+    arrays |= model.nodal_loads
     if len(model.slaves):
         arrays |= {"slaves": model.slaves}
     if touches(model):

@@ -196,6 +196,10 @@ class Engine:
                 left = self.state.card_history["left_warnings"][current] >> bit & 1
                 listed = group.search.cards() if group.search else []
                 found |= {(card, text) for card in listed if left[card]}
+        for nodal in self.model.nodal_groups:
+            slots, card = nodal.arrays["slots"], int(nodal.arrays["p"]["card"][0])
+            for name, text in getattr(nodal.normal, "WARNINGS", {}).items():
+                found |= {(card, text)} if slots[name].any() else set()
         return [f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)]
 
     def step_warnings(self) -> list[str]:
