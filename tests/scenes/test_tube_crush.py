@@ -1,4 +1,4 @@
-"""Claims of the crushed tube: it meets its expectations, and no node comes near a wall but its own."""
+"""Claims of the crushed tube: it meets its expectations, and no node comes near another wall."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ def test_every_node_keeps_its_distance_from_walls_not_its_own(folded: Path) -> N
     with h5py.File(folded / "mesh.h5") as file:
         start, quads = file["part_tube/points"][:], file["part_tube/cells"][:]
     least = []
-    for path in sorted((folded / "states").glob("*.h5")):
+    for path in sorted((folded / "states").glob("*.h5"))[::4]:
         with h5py.File(path) as file:
             least.append(nearest(start + file["part_tube/displacement"][:], quads))
     # walls have met, and pressed by at most a twentieth of their thickness
