@@ -9,7 +9,7 @@ BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long bench stability beam docs clean
+.PHONY: demo test long bench stability beam crush docs clean
 
 demo: $(VENV)/plot.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -31,6 +31,9 @@ stability: $(VENV)/test.installed
 
 beam: $(VENV)/plot.installed
 	$(BIN)/python decks/scenes/beam_impact.py
+
+crush: $(VENV)/plot.installed
+	$(BIN)/python decks/benchmark/tube_crush.py
 
 docs: $(VENV)/plot.installed
 	$(BIN)/crashsolve keywords > solver/KEYWORDS.md

@@ -26,6 +26,9 @@ def explain(deck: Deck, model: Model) -> str:
             lines.append(f"  {keyword}: {', '.join(sorted(used[keyword]))}")
     for group in model.contact_groups:
         lines.append(f"  contact loop: {group.word}, {len(group.parameters)} pairs")
+    for nodal in model.nodal_groups:
+        kind = "a shape" if nodal.narrow is not None else "faces"
+        lines.append(f"  contact loop: {nodal.word}, {len(nodal.arrays['probes'])} on {kind}")
     lines += ["", "left out of this scene's compiled step"]
     for keyword, section in SECTIONS.items():
         left = sorted(set(types_in(section.folder)) - used.get(keyword, set()))

@@ -14,7 +14,10 @@ def changing(engine: Engine) -> dict[str, np.ndarray]:
     lists = [
         {f"pairs/{g.word}": g.parameters, f"history/{g.word}": g.history} for g in _lists(engine)
     ]
-    return fixed | {name: _plain(array) for pair in lists for name, array in pair.items()}
+    nodal = {
+        f"{name}/{n.word}": _plain(a) for n in _nodal(engine) for name, a in n.changing().items()
+    }
+    return fixed | nodal | {name: _plain(array) for pair in lists for name, array in pair.items()}
 
 
 def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
@@ -25,6 +28,9 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
         group.parameters = _columns(arrays[f"pairs/{group.word}"], group.parameters.dtype)
         group.history = _columns(arrays[f"history/{group.word}"], group.history.dtype)
         group.output = np.zeros(len(group.parameters), group.output.dtype)
+    for nodal in _nodal(engine):
+        for name, array in nodal.changing().items():
+            nodal.arrays[name] = _columns(arrays[f"{name}/{nodal.word}"], array.dtype)
     engine.bind()
 
 
@@ -47,6 +53,11 @@ def _kept_in_place(engine: Engine) -> dict[str, np.ndarray]:
 def _lists(engine: Engine) -> list[ContactGroup]:
     """Contact groups whose pairs come and go."""
     return [c for c in engine.model.contact_groups if c.search is not None]
+
+
+def _nodal(engine: Engine) -> list[Any]:
+    """Groups of nodal contact."""
+    return engine.model.nodal_groups
 
 
 def _plain(array: np.ndarray) -> np.ndarray:

@@ -17,11 +17,15 @@ def write_totals(account: Account) -> None:
 
 def _steps(engine: Engine) -> dict[str, str]:
     clock = engine.clock
-    return {
+    told = {
         "steps accepted, rejected": f"{int(clock['cycle'])}, {int(clock['rejected'])}",
         "onsets located": f"{int(clock['located'])}",
         "energy balance": f"{balance(engine):.3g} %",
     }
+    if engine.model.nodal_groups:
+        most = float(engine.model.nodal_loads["touched"]["shortened"][0])
+        told["stable step of elements over that with contact"] = f"{most:.3g} at most"
+    return told
 
 
 def _constraints(engine: Engine) -> dict[str, str]:

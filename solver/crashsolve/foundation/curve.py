@@ -77,6 +77,30 @@ def curve_value(curves, k, x):
 
 
 @kernel
+def curve_near(curves, k, guess, x):
+    """Value and slope at x of the curve whose first point is k, and the segment in which x lies.
+
+    The search begins at the segment `guess`: quick for what changes little. Writes: curves[0] as
+    `curve_value` does.
+    """
+    i, last = max(guess, k), curves[k].last
+    while i < last - 1 and x >= curves[i + 1].x:
+        i += 1
+    while i > k and x < curves[i].x:
+        i -= 1
+    s = x - curves[i].x
+    if s < 0.0 or x > curves[last].x:
+        y, slope, _ = curve_value(curves, k, x)
+        return y, slope, i
+    c = curves[i].c
+    return (
+        c[0] + s * (c[1] + s * (c[2] + s * c[3])),
+        c[1] + s * (2.0 * c[2] + 3.0 * s * c[3]),
+        i,
+    )
+
+
+@kernel
 def curve_area(curves, k, x):
     """Integral of y from the first point of the curve to x, which may lie outside its range."""
     first, last = curves[k].x, curves[curves[k].last].x

@@ -23,7 +23,8 @@ from crashsolve.model.elements import (
     tables_of_elements,
 )
 from crashsolve.model.ledger import ENTRIES
-from crashsolve.model.model import ContactGroup, Group, Joint, Model, State
+from crashsolve.model.model import Group, Joint, Model, State
+from crashsolve.model.nodal import loads_of_points
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.scene import Scene
 from crashsolve.model.statics import refuse_motion
@@ -63,7 +64,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     for keyword in ("springs", "loads", "sensors"):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
-    contact_groups = build_contacts(deck, scene)
+    contact_groups, nodal_groups = build_contacts(deck, scene)
     scene.raise_errors()
     refuse_motion(deck, groups)
 
@@ -85,11 +86,14 @@ def build(deck: Deck) -> tuple[Model, State]:
         saddle=saddle,
         control=_control(deck, scene),
         warnings=scene.warnings,
-        citations=citations(_modules(groups, contact_groups)),
+        citations=citations(_modules(groups, [*contact_groups, *nodal_groups])),
         surfaces=scene.surfaces,
         elements=tables_of_elements(groups, deck, scene),
+        nodal_groups=nodal_groups,
     )
     state = _state(model, scene)
+    if nodal_groups:
+        model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator == "auto":
         tolerance = float(model.control[0]["tolerance"])
         model.integrator, model.choice = choose(model, state, scene.stepwise, tolerance)
@@ -109,11 +113,11 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     return points
 
 
-def _modules(groups: list[Group], contact_groups: list[ContactGroup]) -> list[Any]:
+def _modules(groups: list[Group], contact_groups: list[Any]) -> list[Any]:
     """Modules of all laws in use, and of the integrator."""
     laws = [g.module for g in groups]
     for c in contact_groups:
-        laws += [c.narrow, c.normal, c.friction]
+        laws += [c.narrow, c.normal, getattr(c, "friction", None)]
     return [*laws, import_module("crashsolve.system.kinetics")]
 
 

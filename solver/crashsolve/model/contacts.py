@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import defaultdict
 from importlib import import_module
 from importlib.util import find_spec
+from itertools import product
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,8 @@ import numpy as np
 
 from crashsolve.foundation.record import Record
 from crashsolve.model import touch
-from crashsolve.model.model import ContactGroup
+from crashsolve.model.model import ContactGroup, NodalGroup
+from crashsolve.model.nodal import NodalBuilder
 from crashsolve.model.pairs import Block, Elements, Pairing, Search, resting
 from crashsolve.model.scene import Scene
 
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
 
 NARROW = "crashsolve.contact.narrow"
 SHAPE = "crashsolve.contact.shape"
+# shapes of surfaces that are no elements on bodies
+LEAN = {"points", "faces"}
 
 
 class Surface:
@@ -38,6 +42,8 @@ class Surface:
         self.module = import_module(entry.module_name)
         self.elements: list[dict[str, Any]] = self.module.build(entry.card, scene)
         self.shape = getattr(self.module, "GAP_AS", entry.type)
+        if hasattr(self.module, "gap_as"):
+            self.shape = self.module.gap_as(entry.card, scene)
         self.radius = self.module.curvature_radius(entry.card)
 
 
@@ -48,21 +54,22 @@ class Pair:
         self.contact, self.radius_a, self.radius_b = contact, radius_a, radius_b
 
 
-def build_contacts(deck: Deck, scene: Scene) -> list[ContactGroup]:
-    """Contact groups of all contact cards."""
+def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[NodalGroup]]:
+    """Contact groups of all contact cards: of pairs, and of shell nodes and faces."""
     surfaces: dict[str, Surface] = {}
     for rank, (name, entry) in enumerate(deck.entries["surfaces"].items()):
         with scene.building(entry):
             surfaces[name] = Surface(entry, rank, scene)
     scene.surfaces = surfaces
     builders: dict[str, GroupBuilder] = {}
+    nodal = NodalBuilder(scene)
     for index, entry in enumerate(deck.entries["contacts"].values()):
         with scene.building(entry):
-            _add_card(index, entry, surfaces, builders, scene)
+            _add_card(index, entry, surfaces, builders, nodal, scene)
     if scene.errors:
-        return []
+        return [], []
     nodes = scene.placed_nodes()
-    return [builder.finish(nodes) for builder in builders.values()]
+    return [builder.finish(nodes) for builder in builders.values()], nodal.groups
 
 
 def _add_card(
@@ -70,6 +77,7 @@ def _add_card(
     entry: Entry,
     surfaces: dict[str, Surface],
     builders: dict[str, GroupBuilder],
+    nodal: NodalBuilder,
     scene: Scene,
 ) -> None:
     card, laws = entry.card, _laws(entry.card)
@@ -78,14 +86,19 @@ def _add_card(
     bodies = [
         {e["node"] for group in side.values() for s in group for e in s.elements} for side in sides
     ]
+    is_lean = any(LEAN & set(side) for side in sides)
     is_whole = all(name in surfaces for name in (*card.a, *card.b))
-    if is_whole and len(bodies[0] | bodies[1]) == 1:
+    if is_whole and not is_lean and len(bodies[0] | bodies[1]) == 1:
         raise scene.fail("all its surfaces are on one body; a body cannot touch itself", "b")
     law = import_module(type(laws[0]).__module__)
     if hasattr(law, "check"):
         law.check(laws[0], scene, *bodies)
     for some_a in sides[0].values():
         for some_b in sides[1].values():
+            if {some_a[0].shape, some_b[0].shape} & LEAN:
+                for a, b in product(some_a, some_b):
+                    nodal.add(index, entry, a, b, gap_routine)
+                continue
             narrow, swapped = gap_routine(some_a[0], some_b[0], scene)
             home = _home_of_gap(narrow)
             key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])

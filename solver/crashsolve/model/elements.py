@@ -86,7 +86,7 @@ def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     sizes = [laid.size for laid in parts]
     numbers, first = np.zeros(sum(sizes)), 0
     for laid, size in zip(parts, sizes, strict=True):
-        laid.write_blocks(numbers[first : first + size])
+        laid.write_blocks(numbers[first : first + size], scene)
         first += size
     return numbers
 

@@ -1,7 +1,7 @@
 """Model: what never changes during a run. State: all that changes. Both are arrays with meaning."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -46,6 +46,24 @@ class ContactGroup:
     def captures(self) -> bool:
         """Whether its law is a constraint instead of a force."""
         return not hasattr(self.normal, "normal_force")
+
+
+@dataclass
+class NodalGroup:
+    """Nodes of shells on a shape, or nodes and balls on the faces of a shell, under one card."""
+
+    word: str
+    card: str
+    narrow: Any | None  # gap routine of a shape; None for faces
+    normal: Any
+    arrays: dict[str, np.ndarray]  # see model/nodal.py
+
+    # what a run writes, and what grows with it
+    CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait")
+
+    def changing(self) -> dict[str, np.ndarray]:
+        """Arrays that a restart must bring back."""
+        return {name: self.arrays[name] for name in self.CHANGING if name in self.arrays}
 
 
 @dataclass
@@ -107,6 +125,8 @@ class Model:
     citations: list[str]
     surfaces: dict[str, Any]
     elements: Elements | None = None
+    nodal_groups: list[NodalGroup] = field(default_factory=list)
+    nodal_loads: dict[str, np.ndarray] = field(default_factory=dict)  # of all these groups
 
     def joint_groups(self) -> list[Group]:
         return [g for g in self.groups if g.keyword == "joints"]

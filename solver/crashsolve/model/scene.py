@@ -236,21 +236,31 @@ class Scene:
         types = list(dict.fromkeys(entry.type for entry in entries))
         return [e.card for e in sorted(entries, key=lambda entry: types.index(entry.type))]
 
-    def faces(self, part: str, field: str) -> tuple[int, int, int]:
-        """First corner of a part with points, its quadrilaterals and its triangles."""
+    def has_points(self, part: str) -> bool:
+        """Whether the nodes of a part are points."""
+        return id(self.deck.entries["parts"][part].card) in self._laid
+
+    def skin(self, part: str, field: str) -> tuple[Any, int, int]:
+        """A part with points in place, its first corner and its first point."""
         entry = self.deck.entries["parts"][part]
-        corner = 0
+        corner = point = 0
         for card in self._with_points():
             laid = self.laid(card)
             if card is entry.card:
-                return corner, laid.quad_count, len(laid.area) - laid.quad_count
+                return laid, corner, point
             corner += laid.corners().size
+            point += len(laid.mass)
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
 
     def can_fail(self, part: str) -> bool:
         """Whether elements of a part may be deleted."""
         card = self.deck.entries["parts"][part].card
         return any(own is card for own in self._with_points()) and self.laid(card).can_fail
+
+    def faces(self, part: str, field: str) -> tuple[int, int, int]:
+        """First corner of a part with points, its quadrilaterals and its triangles."""
+        laid, corner, _ = self.skin(part, field)
+        return corner, laid.quad_count, len(laid.area) - laid.quad_count
 
     def curve(self, name: str) -> int:
         return self.curves[name]

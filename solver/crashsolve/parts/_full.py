@@ -123,7 +123,7 @@ def stress(blocks, first, work, h, p, curves):
         work[LANES * THIN + e] = work[LANES * CHANGES + e]
         work[LANES * LOST + e] = work[LANES * (CHANGES + 1) + e]
         work[LANES * DROPPED + e] = work[LANES * (CHANGES + 2) + e]
-    take_up(blocks, first, p.stride, work, p)
+    take_up(blocks, first, p.stride, work, h, p)
 
 
 @kernel

@@ -21,7 +21,7 @@ Int. J. Num. Meth. Eng. 22, 649-670.
 from math import exp, expm1, log, log1p, sqrt
 
 from crashsolve.foundation.compile import inlined, kernel
-from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.curve import curve_near
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._quad_block import (
     AREA,
@@ -34,6 +34,7 @@ from crashsolve.parts._quad_block import (
     RATE,
     RESULTANT,
     ROWS,
+    SOFT_PLANE,
     THICKNESS,
     three,
 )
@@ -42,13 +43,16 @@ from crashsolve.parts._quad_block import (
 STRAIN, BACK, PLASTIC_ROWS = 3, 4, 7
 # one more where plastic work heats: the temperature, from 0 at the start to 1 at melting
 HEAT = 7
+# or two with a curve: its value at the strain, and the segment in which that lies
+FLOW, SEGMENT, CURVE_ROWS = 7, 8, 9
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
 # rate, what is missing; of all layers, the strain across the thickness, the plastic work, the
-# energy of those that fail; of large elastic strain, the largest growth of the stiffness
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED, GROWTH = (
-    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13)
+# energy of those that fail; of large elastic strain, the largest growth of the stiffness; what
+# yielding leaves of the stiffness in the plane along x and y, and in bending
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED, GROWTH, STIFF = (
+    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14)
 )
-ALL_ROWS = ROWS + 14
+ALL_ROWS = ROWS + 18
 # rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
 # energy of elements when they were deleted
 FAILED_ROWS = 2
@@ -70,6 +74,8 @@ def clear_resultants(work):
         work[LANES * THIN + e] = 0.0
         work[LANES * LOST + e] = 0.0
         work[LANES * DROPPED + e] = 0.0
+        for k in range(4):
+            work[LANES * (STIFF + k) + e] = 0.0
 
 
 @inlined
@@ -190,7 +196,7 @@ def layers(blocks, first, stride, work, h, p, curves):
         clear_growth(work)
     clear_resultants(work)
     through_thickness(blocks, first + LANES * LAYERS, work, h, p, curves)
-    take_up(blocks, first, stride, work, p)
+    take_up(blocks, first, stride, work, h, p)
 
 
 @kernel
@@ -211,11 +217,17 @@ def through_thickness(blocks, first, work, h, p, curves):
 
 
 @kernel
-def take_up(blocks, first, stride, work, p):
-    """Plastic work, failure and thickness of the elements after a step. Writes: blocks, work."""
+def take_up(blocks, first, stride, work, h, p):
+    """Plastic work, softening, failure and thickness of the elements after a step of h.
+
+    Writes: blocks, work.
+    """
     if p.plastic == 1:
         for e in range(LANES):
             blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
+    if p.plastic == 1 and h > 0.0:
+        for row in range(4 * LANES):
+            blocks[first + LANES * SOFT_PLANE + row] = work[LANES * STIFF + row]
     if p.failure > 0.0:
         for e in range(LANES):
             at = first + stride - FAILED_ROWS * LANES + e
@@ -238,8 +250,8 @@ def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
     find_trial(blocks, at, work, p, zeta)
     if p.failure > 0.0:
         drop_failed(blocks, at, work, p, weight)
-    if p.curve > 0 or p.power > 0.0:
-        look_up(blocks, at, work, p, curves)
+    if p.power > 0.0:
+        follow_power(blocks, at, work, p)
     if worst_gap(work) > 0.0:
         if p.power > 0.0:
             begin(work, p)
@@ -308,7 +320,7 @@ def scaled(p):
 @kernel
 def find_trial(blocks, at, work, p, zeta):
     """Trial stress less alpha, and by how much it is beyond yield. Writes: work."""
-    nu, shear, has_rate = p.poisson, p.shear, scaled(p)
+    nu, shear, has_rate, has_curve = p.poisson, p.shear, scaled(p), p.curve > 0
     C, start, slope = p.young / (1.0 - nu * nu), p.yield_stress, p.isotropic
     for e in range(LANES):
         x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
@@ -316,34 +328,50 @@ def find_trial(blocks, at, work, p, zeta):
         s_y = blocks[at + LANES + e] + C * (y + nu * x) - blocks[at + (BACK + 1) * LANES + e]
         s_xy = blocks[at + 2 * LANES + e] + shear * xy - blocks[at + (BACK + 2) * LANES + e]
         factor = work[LANES * FACTOR + e] if has_rate else 1.0
-        flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
+        flow = start + slope * blocks[at + STRAIN * LANES + e]
+        flow = factor * (blocks[at + FLOW * LANES + e] if has_curve else flow)
         s1 = 0.25 * (s_x + s_y) * (s_x + s_y)
         s2 = 0.75 * (s_x - s_y) * (s_x - s_y) + 3.0 * s_xy * s_xy
         put = LANES * XI + e
         work[put], work[put + LANES], work[put + 2 * LANES] = s_x, s_y, s_xy
         work[LANES * FACTOR + e], work[LANES * SLOPE + e] = factor, factor * slope
+        work[LANES * YIELD + e] = flow
         work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
         work[LANES * GAP + e] = sqrt(s1 + s2) / flow - 1.0
 
 
 @kernel
 def look_up(blocks, at, work, p, curves):
-    """Yield stress of a curve or a power at the present plastic strain, and what is beyond it.
+    """Yield stress of a curve and its slope, at the present plastic strain of what yields.
 
-    Writes: work.
+    Writes: work, blocks.
     """
+    c1, c2 = softening(p)
+    for e in range(LANES):
+        if work[LANES * G + e] == 0.0 and work[LANES * GAP + e] <= 0.0:
+            continue
+        g, factor = work[LANES * G + e], work[LANES * FACTOR + e]
+        k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
+        size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
+        strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
+        place = at + SEGMENT * LANES + e
+        flow, slope, found = curve_near(curves, p.curve, int(blocks[place]), strain)
+        blocks[at + FLOW * LANES + e], blocks[place] = flow, float(found)
+        work[LANES * YIELD + e], work[LANES * SLOPE + e] = factor * flow, factor * slope
+
+
+@kernel
+def follow_power(blocks, at, work, p):
+    """Yield stress of a power at the present strain, and what is beyond it. Writes: work."""
     c1, c2 = softening(p)
     for e in range(LANES):
         g, factor = work[LANES * G + e], work[LANES * FACTOR + e]
         k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
         size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
         strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
-        if p.power > 0.0:
-            grows = p.power * strain**p.exponent
-            # from below: its slope at no strain has no bound
-            flow, slope = p.yield_stress + grows, p.exponent * grows / max(strain, 1e-300)
-        else:
-            flow, slope, _ = curve_value(curves, p.curve, strain)
+        grows = p.power * strain**p.exponent
+        # from below: its slope at no strain has no bound
+        flow, slope = p.yield_stress + grows, p.exponent * grows / max(strain, 1e-300)
         work[LANES * YIELD + e], work[LANES * SLOPE + e] = factor * flow, factor * slope
         work[LANES * GAP + e] = size / (factor * flow) - 1.0
 
@@ -383,8 +411,10 @@ def begin(work, p):
 def return_to_yield(blocks, at, work, p, curves):
     """Newton's method for g in all lanes; those within yield stay at 0. Writes: work."""
     before = 1e300
-    for count in range(PASSES):
-        if (p.curve > 0 or p.power > 0.0) and (count > 0 or p.power > 0.0):
+    for _ in range(PASSES):
+        if p.power > 0.0:
+            follow_power(blocks, at, work, p)
+        elif p.curve > 0:
             look_up(blocks, at, work, p, curves)
         correct(blocks, at, work, p)
         worst = worst_gap(work)
@@ -451,5 +481,15 @@ def settle(blocks, at, work, p, zeta, weight):
         work[LANES * GAP + e] = lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
+        # tangent over elastic modulus of stress along x alone, and along y
+        tangent = work[LANES * SLOPE + e] + p.kinematic if g > 0.0 else 1.0
+        flows = p.young / (size * size + 1e-300) if g > 0.0 else 0.0
+        m_x, m_y = x - 0.5 * y, y - 0.5 * x
+        left_x = tangent / (tangent + flows * m_x * m_x)
+        left_y = tangent / (tangent + flows * m_y * m_y)
+        work[LANES * STIFF + e] += 0.5 * weight * left_x
+        work[LANES * (STIFF + 1) + e] += 0.5 * weight * left_y
+        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta * left_x
+        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta * left_y
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y
         work[LANES * THIN + e] += 0.5 * weight * thinner

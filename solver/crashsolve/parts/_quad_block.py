@@ -18,9 +18,11 @@ from crashsolve.parts._quad import (
 )
 
 # rows of a block: of every element, then of its layers
-THICKNESS, SHAPE, RADIUS_2, WEIGHT, LOSS, PLANE_Q, BEND_Q, SHEAR_Q, SHEAR, DRILL, LAYERS = (
-    *(0, 1, 5, 6, 7, 8, 10, 12, 14, 16, 17),
+THICKNESS, SHAPE, RADIUS_2, WEIGHT, LOSS, PLANE_Q, BEND_Q, SHEAR_Q, SHEAR, DRILL = (
+    *(0, 1, 5, 6, 7, 8, 10, 12, 14, 16),
 )
+# work on the hourglass; how much of its stiffness yielding leaves, in the plane and in bending
+HOURGLASS, SOFT_PLANE, SOFT_BEND, LAYERS = 17, 18, 20, 22
 # rows of `work`: places, velocities and spins of the corners; afterwards their forces and torques
 PLACE, VELOCITY, SPIN = 0, 12, 24
 FORCE, TORQUE = 0, 12
@@ -109,6 +111,19 @@ def shape(blocks, at):
     return blocks[at], blocks[at + LANES], blocks[at + 2 * LANES], blocks[at + 3 * LANES]
 
 
+@inlined
+def grow(blocks, at, soft, more, rate):
+    """Let a stress grow, softer where it yields; its mean over the step times what it works on.
+
+    Writes: blocks.
+    """
+    old = blocks[at]
+    # what was taken up softly is given back elastically: nothing is gained in a cycle
+    more = soft * more if old * rate > 0.0 else more
+    blocks[at] = old + more
+    return (old + 0.5 * more) * rate
+
+
 @kernel
 def strain(blocks, first, work, h, p):
     """Strains of a step of h, and the hourglass stresses after it, with the geometry of its middle.
@@ -144,14 +159,22 @@ def strain(blocks, first, work, h, p):
         )
         t = blocks[first + LANES * THICKNESS + e]
         k, k_s = hourglass_stiffness(flat, area, E, G, nu, t)
-        bend = t * t / 12.0
+        soft = first + LANES * SOFT_PLANE + e
+        k_b = h * t * t / 12.0
         at = first + LANES * PLANE_Q + e
-        blocks[at] += h * (k[0] * q_x + k[2] * q_y)
-        blocks[at + LANES] += h * (k[1] * q_y + k[2] * q_x)
-        blocks[at + 2 * LANES] += h * bend * (k[0] * p_x + k[2] * p_y)
-        blocks[at + 3 * LANES] += h * bend * (k[1] * p_y + k[2] * p_x)
-        blocks[at + 4 * LANES] += h * k_s[0] * change[0]
-        blocks[at + 5 * LANES] += h * k_s[1] * change[1]
+        work_on = grow(blocks, at, blocks[soft], h * (k[0] * q_x + k[2] * q_y), q_x)
+        work_on += grow(
+            blocks, at + LANES, blocks[soft + LANES], h * (k[1] * q_y + k[2] * q_x), q_y
+        )
+        work_on += grow(
+            blocks, at + 2 * LANES, blocks[soft + 2 * LANES], k_b * (k[0] * p_x + k[2] * p_y), p_x
+        )
+        work_on += grow(
+            blocks, at + 3 * LANES, blocks[soft + 3 * LANES], k_b * (k[1] * p_y + k[2] * p_x), p_y
+        )
+        work_on += grow(blocks, at + 4 * LANES, 1.0, h * k_s[0] * change[0], change[0])
+        work_on += grow(blocks, at + 5 * LANES, 1.0, h * k_s[1] * change[1], change[1])
+        blocks[first + LANES * HOURGLASS + e] += h * work_on
         blocks[at + 6 * LANES] += h * 5.0 / 6.0 * G * gamma[0]
         blocks[at + 7 * LANES] += h * 5.0 / 6.0 * G * gamma[1]
         blocks[at + 8 * LANES] += h * DRILLING * G * t * area * drill

@@ -23,6 +23,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, vec
@@ -38,7 +39,9 @@ from crashsolve.parts._failure import (
 from crashsolve.parts._layers import (
     ACROSS,
     ALL_ROWS,
+    CURVE_ROWS,
     FAILED_ROWS,
+    FLOW,
     HYPER_ROWS,
     METRIC,
     PLASTIC_ROWS,
@@ -49,12 +52,14 @@ from crashsolve.parts._quad import hourglass_stiffness, plane_axes, rate_bound
 from crashsolve.parts._quad_block import (
     DRILL,
     DRILLING,
+    HOURGLASS,
     LAYERS,
     LOSS,
     PLANE_Q,
     RADIUS_2,
     SHAPE,
     SHEAR,
+    SOFT_PLANE,
     THICKNESS,
     WEIGHT,
     gather,
@@ -284,6 +289,9 @@ class Laid:
         _, self.material = scene.law("materials", card.material)
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
+        self.follows_curve = getattr(self.material, "curve", None) is not None
+        if self.follows_curve:
+            self.layer_rows = CURVE_ROWS
         self.is_hyper = hasattr(self.material, "LARGE_STRAIN")
         if self.is_hyper:
             self.layer_rows = HYPER_ROWS
@@ -387,6 +395,12 @@ class Laid:
         own: np.ndarray = self.mesh.sets[name]
         return own
 
+    def _first_flow(self, scene: Any) -> float:
+        """Yield stress of a curve at no plastic strain [Pa]."""
+        start = scene.curve(self.material.curve)
+        flow, _, _ = curve_value(scene.curve_points.view(np.recarray), start, 0.0)
+        return float(flow)
+
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], of held nodes without what they do not make."""
         way = self.mesh.points - self.mesh.points[0]
@@ -425,7 +439,7 @@ class Laid:
         both = [(slice(0, n), self.points), (slice(n, m), 1)]
         return [(own, points) for own, points in both if own.stop > own.start]
 
-    def write_blocks(self, numbers: np.ndarray) -> None:
+    def write_blocks(self, numbers: np.ndarray, scene: Any) -> None:
         """Numbers of the elements, block by block; the last is filled up. Writes: numbers."""
         start = 0
         values = [np.full(len(self.area), self.card.thickness), *self._shape().T]
@@ -439,6 +453,11 @@ class Laid:
                 *((SHAPE + k, column) for k, column in enumerate(values[1:])),
             ):
                 table[:, row] = in_lanes(column[own])
+            # nothing has yielded
+            table[:, SOFT_PLANE : SOFT_PLANE + 4] = 1.0
+            if self.follows_curve:
+                end = LAYERS + points * self.card.layers * CURVE_ROWS
+                table[:, LAYERS + FLOW : end : CURVE_ROWS] = self._first_flow(scene)
             if self.slows:
                 row = table.shape[1] - FAILED_ROWS * self.can_fail - SLOW_ROWS
                 table[:, row + HEAVIER] = in_lanes(self.heavier[own])
@@ -664,16 +683,11 @@ def moving(p, points):
 @kernel
 def element_energy(p, blocks, at, d, e):
     """Elastic energy of the layers and shear, of the hourglass stresses, of drilling [J]."""
-    t, flat, area = in_plane(blocks, at, d, e)
+    t, _, area = in_plane(blocks, at, d, e)
     total = layer_energy(p, blocks, at + LANES * LAYERS) + shear_energy(p, blocks, at)
-    k, _ = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
-    det, stored = k[0] * k[1] - k[2] * k[2], twist_energy(p, blocks, at, t, flat, area)
-    for pair in range(2):
-        q = at + LANES * (PLANE_Q + 2 * pair)
-        x, y = blocks[q], blocks[q + LANES]
-        share = 1.0 if pair == 0 else 12.0 / (t * t)
-        stored += 0.5 * share * (k[1] * x * x + k[0] * y * y - 2.0 * k[2] * x * y) / det
-    return area * t * total, stored, drilling_energy(p, blocks, at, t, area)
+    # what yields gives its work back in part only: that done on the hourglass is told
+    held = blocks[at + LANES * HOURGLASS]
+    return area * t * total, held, drilling_energy(p, blocks, at, t, area)
 
 
 @kernel

@@ -17,6 +17,7 @@ from crashsolve.foundation.compile import PACKAGE, cache_folder
 from crashsolve.foundation.machine import Function, machine_code
 from crashsolve.foundation.table import Tables
 from crashsolve.model.compliance import contact_rows, tangent_contacts, tangent_groups
+from crashsolve.system.nodal_text import nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
 TABLEAUX = ("dormand_prince_5", "radau_iia_5")  # those that recitals name as examples
@@ -119,9 +120,12 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
         }
         if c.search is not None:
             arrays |= {f"{c.word}_{name}": array for name, array in c.search.arrays().items()}
+    for n in model.nodal_groups:
+        arrays |= {f"{n.word}_{name}": array for name, array in n.arrays.items()}
+    arrays |= model.nodal_loads
     if len(model.slaves):
         arrays |= {"slaves": model.slaves}
-    if model.contact_groups:
+    if touches(model):
         arrays |= {"cards": state.cards, "card_history": state.card_history}
     if model.elements:
         e = model.elements
@@ -139,11 +143,12 @@ def scene_text(model: Any) -> str:
         f"DENSE = {samples_within_steps(model)}\n"
         f"ONSETS = {bool(model.contact_groups or model.piecewise_groups())}\n"
         f"PIECES = {bool(model.piecewise_groups() or model.rubbing_groups())}\n"
-        f"REBUILDS = {any(_looks_ahead(c) for c in model.contact_groups)}\n"
+        f"REBUILDS = {looks_ahead(model)}\n"
     )
     if captures(model):
         parts.append("CAPTURES = True\n")
     parts += [_capture(c) if c.captures else _contact(model, c) for c in model.contact_groups]
+    parts += [nodal_function(group) for group in model.nodal_groups]
     parts += [
         _function("residual", _joint_calls(model, "residual")),
         _function("jacobian", _joint_calls(model, "jacobian")),
@@ -176,7 +181,11 @@ def _imports(model: Any) -> str:
         for module in (c.narrow, None if c.captures else c.normal, c.friction):
             if module is not None:
                 modules.add((module.__name__, _alias(module)))
+    for n in model.nodal_groups:
+        modules |= {(m.__name__, _alias(m)) for m in (n.narrow, n.normal) if m is not None}
     lines = ["from crashsolve.system import contacts" + ", points" * bool(model.elements)]
+    if model.nodal_groups:
+        lines.append("from crashsolve.system import faces, nodal")
     if has_slaves(model):
         lines.append("from crashsolve.system import slaves")
     if captures(model):
@@ -238,10 +247,14 @@ def _force_calls(model: Any) -> list[str]:
             "    old, new = history[clock.current, i], history[1 - clock.current, i]",
             f"    {g.word}.follow(p[i], old, new, out[i], nodes)",
         ]
-    if model.contact_groups:
+    if touches(model):
         lines += ["contacts.open_cards(groups.cards)"]
         lines += ["contacts.carry_onsets(clock.current, groups.card_history)"]
         lines += [f"{c.word}(clock, h, nodes, curves, groups)" for c in model.contact_groups]
+        if model.nodal_groups:
+            lines += ["nodal.open_loads(groups)"]
+            lines += [f"{n.word}(clock, h, nodes, curves, groups)" for n in model.nodal_groups]
+            lines += ["nodal.close_loads(clock, groups)"]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
     lines += _closing_calls(model)
     return lines + ["slaves.collect(groups.slaves, nodes)"] * has_slaves(model)
@@ -347,6 +360,11 @@ def _share_felt(model: Any) -> str:
     """How much of the force of a contact counts in the step in which it begins."""
     whole = model.integrator == "rattle"
     return "share_felt(old, depth, rate, h)" if whole else "begun_before(clock, old, h)"
+
+
+def touches(model: Any) -> bool:
+    """Whether there is contact of any kind."""
+    return bool(model.contact_groups or model.nodal_groups)
 
 
 def has_slaves(model: Any) -> bool:
@@ -598,8 +616,18 @@ def _looks_ahead(c: Any) -> bool:
     return c.search is not None or bool(np.isfinite(c.parameters["thick"]).any())
 
 
+def looks_ahead(model: Any) -> bool:
+    """Whether the step must be asked about before it is taken."""
+    return bool(model.nodal_groups or any(_looks_ahead(c) for c in model.contact_groups))
+
+
 def _rebuild_calls(model: Any) -> list[str]:
     lines = ["stale = False"]
+    for n in model.nodal_groups:
+        p, tally = f"groups.{n.word}_p[0]", f"groups.{n.word}_tally[0]"
+        lines.append(f"nodal.hold_back(clock, {p}, {tally})")
+        if n.narrow is None:
+            lines.append(f"stale |= faces.is_crowded({p}, {tally})")
     for c in model.contact_groups:
         if c.search is not None:
             g = f"groups.{c.word}"
@@ -670,6 +698,11 @@ def _energy_calls(model: Any) -> list[str]:
             f"    ledger[{e.FRICTION_STORED}] += o.friction_stored",
             f"    ledger[{e.CONTACT_DISSIPATED}] += old.dissipated",
             f"    ledger[{e.FRICTION_DISSIPATED}] += old.friction_dissipated",
+        ]
+    for n in model.nodal_groups:
+        lines += [
+            f"ledger[{e.CONTACT_STORED}] += groups.{n.word}_tally[0].stored",
+            f"ledger[{e.CONTACT_DISSIPATED}] += groups.{n.word}_tally[0].dissipated",
         ]
     if any(c.search is not None for c in model.contact_groups):
         lines += [

@@ -19,6 +19,7 @@ from crashsolve.model.clock import (
 )
 from crashsolve.model.compliance import compliance
 from crashsolve.model.model import Model, State
+from crashsolve.model.nodal import give_room
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.model.pairs import renew
 from crashsolve.system.compose import compose, group_arrays, load, samples_within_steps
@@ -144,6 +145,7 @@ class Engine:
                 self.on_pause()
             elif status == REBUILD:
                 renew(self.model.contact_groups, s)
+                give_room(self.model.nodal_groups)
                 self.bind()
             else:
                 raise diagnose(self.model, s, self.clock, s.ledger)
@@ -194,6 +196,10 @@ class Engine:
                 left = self.state.card_history["left_warnings"][current] >> bit & 1
                 listed = group.search.cards() if group.search else []
                 found |= {(card, text) for card in listed if left[card]}
+        for nodal in self.model.nodal_groups:
+            slots, card = nodal.arrays["slots"], int(nodal.arrays["p"]["card"][0])
+            for name, text in getattr(nodal.normal, "WARNINGS", {}).items():
+                found |= {(card, text)} if slots[name].any() else set()
         return [f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)]
 
     def step_warnings(self) -> list[str]:
@@ -251,4 +257,11 @@ class Engine:
                 )
                 card = self.model.contacts[group.parameters["card"][i]]
                 found[card] = f"begins {depth[i]:.3g} m deep, {why}"
+        for nodal in self.model.nodal_groups:
+            depth = nodal.arrays["tally"]["depth"][0]
+            if nodal.narrow is None and depth > ONTO * self.model.size:
+                found[nodal.card] = (
+                    f"begins {depth:.3g} m deep: nodes are nearer to faces than both are thick; "
+                    "move them apart, or say `ring` if they are neighbours in the mesh"
+                )
         return list(found.items())

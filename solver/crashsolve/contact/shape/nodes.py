@@ -1,11 +1,13 @@
-"""Nodes of a flexible part as points or as spheres: all but those welded to rigid bodies."""
+"""Nodes of a flexible part as points or as spheres: all but those welded to rigid bodies.
+
+Those of a shell are points of their own (`foundation/point.py`), met by `system/nodal.py`.
+"""
 
 from typing import Any
 
 from crashsolve.contact.shape import sphere
 from crashsolve.deck.card import Card, PartName, quantity, word
 
-GAP_AS = "sphere"
 PARAMETERS, bounding = sphere.PARAMETERS, sphere.bounding
 half_thickness = sphere.half_thickness
 
@@ -17,7 +19,14 @@ class Nodes(Card):
     radius: float = quantity("m", "distance of its surface from the nodes", default=0.0, ge=0)
 
 
+def gap_as(card: Nodes, scene: Any) -> str:
+    """Whose gap routines serve them."""
+    return "points" if scene.has_points(card.part) else "sphere"
+
+
 def build(card: Nodes, scene: Any) -> list[dict[str, Any]]:
+    if scene.has_points(card.part):
+        return []
     nodes = [node for node in scene.part_nodes[card.part] if node not in scene.welded]
     if not nodes:
         raise scene.fail(

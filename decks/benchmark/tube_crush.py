@@ -1,0 +1,197 @@
+"""The page tube_crush.md with its pictures: the crushed tube, run anew on both meshes.
+
+make crush       (or: python decks/benchmark/tube_crush.py, in an environment with matplotlib)
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+sys.path[:0] = [str(ROOT / "postproc")]
+
+from crashpost.result import Result  # noqa: E402
+
+DECK = HERE / "tube_crush.yaml"
+PICTURES = HERE / "tube_crush"
+MEASURED = ROOT.parent / "shared" / "data" / "tube_crush"
+MESHES = {"5 mm": {}, "3 mm": {"across": 20, "along": 120}}
+FRAMES = (0, 2, 4, 8, 12, 20)  # ms
+WINDOW = 1e-4  # of the mean force [s]
+SAMPLE, LENGTH, KINETIC = 2e-5, 360.0, 3050.9  # s, mm, J
+SHOWN = 160.0  # height of the pictures [mm]
+# OpenRadioss bd4557b: peak [kN], shortening [mm], mean, mean over 20-80 mm [kN], final length [mm],
+# rebound [m/s], hourglass [%]
+PUBLISHED = {
+    "OpenRadioss, Belytschko-Tsay, 5 mm": ("89.7", "92.2", "33.2", "32.2", "270.3", "0.68", "7.1"),
+    "OpenRadioss, QEPH, 5 mm": ("89.8", "88.7", "34.5", "33.6", "273.9", "0.63", "0"),
+    "OpenRadioss, fully integrated, 5 mm": ("89.6", "92.5", "33.1", "32.5", "269.0", "0.56", "0"),
+    "OpenRadioss, QEPH, 4 mm": ("88.7", "97.2", "31.5", "", "", "", "0"),
+    "OpenRadioss, QEPH, 3 mm": ("87.9", "99.9", "30.6", "", "", "", "0"),
+}
+
+
+def run(folder: Path, mesh: str) -> Result:
+    """Result of the deck on a mesh, taken from `folder` if it is there."""
+    out = folder / mesh.replace(" ", "_")
+    if not (out / "status.json").exists():
+        words = [w for name, n in MESHES[mesh].items() for w in ("--set", f"{name}={n}")]
+        command = [sys.executable, "-m", "crashsolve", str(DECK), "-o", str(out), *words]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"{mesh}: {done.stdout[-500:]}{done.stderr}")
+    return Result(out)
+
+
+def values(result: Result, channel: str) -> np.ndarray:
+    return np.asarray(result.series(channel).values)
+
+
+def force(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Shortening [mm] and mean force [kN] over WINDOW about each sample."""
+    t, J = result.time, values(result, "rcforc.wall.impulse.z")
+    z = values(result, "rbdout.ring.position.z")
+    ahead, behind = (np.interp(t + s * WINDOW / 2, t, J) for s in (1, -1))
+    return 1e3 * (z[0] - z), 1e-3 * np.abs(ahead - behind) / WINDOW
+
+
+def peak(result: Result) -> float:
+    """Largest mean of five samples 0.02 ms apart, the first at the start [kN]."""
+    t, J = result.time, np.abs(values(result, "rcforc.wall.impulse.z"))
+    at = np.arange(0.0, 1e-3, SAMPLE)
+    low, high = np.maximum(at - SAMPLE / 2, 0.0), at + SAMPLE / 2
+    samples = (np.interp(high, t, J) - np.interp(low, t, J)) / (high - low)
+    return float(1e-3 * max(samples[k : k + 5].mean() for k in range(len(at) - 4)))
+
+
+def figures(result: Result) -> tuple[str, ...]:
+    """What PUBLISHED tells, of a run."""
+    way, mean = force(result)
+    stop = int(way.argmax())
+    kinetic = values(result, "glstat.model.energy.kinetic")
+    between = (way[:stop] > 20.0) & (way[:stop] < 80.0)
+    part = np.trapezoid(mean[:stop][between], way[:stop][between]) / np.ptp(way[:stop][between])
+    hourglass = 100.0 * values(result, "matsum.tube.hourglass").max() / KINETIC
+    return (
+        f"{peak(result):.1f}",
+        f"{way[stop]:.1f}",
+        f"{(kinetic[0] - kinetic[stop]) / way[stop]:.1f}",
+        f"{part:.1f}",
+        f"{LENGTH - way[-1]:.1f}",
+        f"{values(result, 'rbdout.ring.velocity.z')[-1]:.2f}",
+        f"{hourglass:.1f}",
+    )
+
+
+def table(head: str, lines: list[list[str]]) -> str:
+    titles = head.split("|")
+    rule = "|".join("---" for _ in titles)
+    return "\n".join([f"|{head}|", f"|{rule}|", *(f"| {' | '.join(line)} |" for line in lines)])
+
+
+def compared(runs: dict[str, Result]) -> str:
+    """Our figures beside those of OpenRadioss."""
+    lines = [[name, *told] for name, told in PUBLISHED.items()]
+    lines += [[f"crashsolve, {mesh}", *figures(result)] for mesh, result in runs.items()]
+    head = "code, element, mesh|peak [kN]|shortening [mm]|mean force [kN]|mean over 20-80 mm [kN]"
+    return table(f"{head}|final length [mm]|rebound [m/s]|hourglass [%]", lines)
+
+
+def checked(runs: dict[str, Result]) -> str:
+    """Energies, depth of touches, and cost of our runs."""
+    lines = []
+    for mesh, result in runs.items():
+        status = json.loads((result.folder / "status.json").read_text("utf-8"))
+        cpu = sum(status["cpu_stages"][stage] for stage in ("steps", "output"))
+        cycles = values(result, "glstat.model.cycle")[-1]
+        with h5py.File(result.folder / "mesh.h5") as file:
+            count = len(file["part_tube/cells"])
+        told = [f"{np.abs(values(result, 'glstat.model.balance')).max():.3f}"]
+        for channel in ("strain", "hourglass", "drilling", "plastic"):
+            told.append(f"{100 * values(result, f'matsum.tube.{channel}').max() / KINETIC:.1f}")
+        told.append(f"{1e6 * values(result, 'rcforc.folds.peak_depth').max():.0f}")
+        told += [f"{cycles:.0f}", f"{cpu:.0f}", f"{1e-6 * cycles * count / cpu:.2f}"]
+        lines.append([mesh, *told])
+    head = "mesh|balance [%]|elastic|hourglass|drilling|plastic [%]|deepest touch [um]|cycles"
+    return table(f"{head}|CPU [s]|million element-cycles/s", lines)
+
+
+# --- pictures -----------------------------------------------------------------------------------
+
+
+def draw_curves(runs: dict[str, Result], plt: Any) -> None:
+    """Force over shortening, beside what has been measured where it is at hand."""
+    figure, ax = plt.subplots(figsize=(9.0, 4.5))
+    for name, style in (("belytschko_tsay", "0.5"), ("qeph", "0.75")):
+        path = MEASURED / f"{name}_5mm.csv"
+        if path.exists():
+            found = np.loadtxt(path, delimiter=",", skiprows=1)
+            label = f"OpenRadioss, {name.replace('_', ' ')}, 5 mm"
+            ax.plot(found[:, 2], found[:, 1], color=style, lw=1.6, label=label)
+    for mesh, result in runs.items():
+        ax.plot(*force(result), lw=1.0, label=f"crashsolve, {mesh}")
+    ax.set_xlabel("shortening [mm]")
+    ax.set_ylabel("force of the wall, mean over 0.1 ms [kN]")
+    ax.set_xlim(0.0, 105.0)
+    ax.set_ylim(0.0, 100.0)
+    ax.legend(fontsize=8)
+    save(figure, "force")
+
+
+def draw_film(result: Result, plt: Any) -> None:
+    """The tube at FRAMES, coloured by plastic strain in its middle surface."""
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    figure = plt.figure(figsize=(2.6 * len(FRAMES), 5.0))
+    with h5py.File(result.folder / "mesh.h5") as file:
+        points, quads = file["part_tube/points"][:], file["part_tube/cells"][:]
+    states = sorted((result.folder / "states").glob("*.h5"))
+    for k, moment in enumerate(FRAMES):
+        with h5py.File(states[moment]) as file:
+            x = 1e3 * (points + file["part_tube/displacement"][:])
+            strain = file["part_tube/plastic_strain_mid"][:].ravel()
+        ax = figure.add_subplot(1, len(FRAMES), k + 1, projection="3d")
+        shown = x[quads].mean(axis=1)[:, 2] < SHOWN
+        faces = Poly3DCollection(x[quads[shown]], edgecolor="k", lw=0.15)
+        faces.set_facecolor(plt.cm.viridis(np.clip(strain[shown] / 0.6, 0.0, 1.0)))
+        ax.add_collection3d(faces)
+        ax.set(xlim=(-45, 45), ylim=(-45, 45), zlim=(0, SHOWN), title=f"{moment} ms")
+        ax.set_box_aspect((90, 90, SHOWN))
+        ax.view_init(18, -50)
+        ax.set_axis_off()
+    save(figure, "film")
+
+
+def save(figure: Any, name: str) -> None:
+    PICTURES.mkdir(exist_ok=True)
+    figure.tight_layout()
+    figure.savefig(PICTURES / f"{name}.png", dpi=90)
+
+
+def main() -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(temporary)
+        runs = {mesh: run(folder, mesh) for mesh in MESHES}
+        draw_curves(runs, plt)
+        draw_film(runs["5 mm"], plt)
+        parts = {"COMPARED": compared(runs), "CHECKED": checked(runs)}
+    text = (PICTURES / "page.txt").read_text("utf-8")
+    for name, part in parts.items():
+        text = text.replace(f"@{name}@", part)
+    (HERE / "tube_crush.md").write_text(text, "utf-8")
+
+
+if __name__ == "__main__":
+    main()

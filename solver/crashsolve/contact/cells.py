@@ -1,0 +1,123 @@
+"""Faces near points, found by sorting the faces into cubes; all within the compiled step.
+
+A face lies in the cube of its middle. Cubes are as wide as the largest distance at which a middle
+counts as near, so partners lie in 27 cubes; cubes share buckets, whose faces are counted and
+sorted: the cost is that of the points and faces, n. Consequence to test: the same pairs as
+comparing all with all.
+"""
+
+from math import floor, sqrt
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.point import LANES
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec
+
+CELL = Record(
+    middle=("m", 3, "mean of the face's corners"),
+    radius=("m", "its farthest corner from there"),
+    cube=("count", 3, "cube in which the middle lies"),
+    bucket=("index", "of that cube"),
+)
+
+
+@kernel
+def corner_points(first_corner, f, corners):
+    """Points of the four corners of a face."""
+    at = first_corner + 4 * (f - f % LANES) + f % LANES
+    return corners[at], corners[at + LANES], corners[at + 2 * LANES], corners[at + 3 * LANES]
+
+
+@kernel
+def cube_of(x, width):
+    """Cube in which a place lies."""
+    return int(floor(x[0] / width)), int(floor(x[1] / width)), int(floor(x[2] / width))
+
+
+@kernel
+def bucket_of(i, j, k, count):
+    """Bucket of a cube; `count` is a power of two."""
+    return (i * 73856093 ^ j * 19349663 ^ k * 83492791) & (count - 1)
+
+
+@kernel
+def measure(p, points, corners, cells):
+    """Middle and radius of every face; returns the largest radius. Writes: cells."""
+    largest = 0.0
+    for f in range(p.face_count):
+        at, square = corner_points(p.first_corner, f, corners), 0.0
+        middle = (0.0, 0.0, 0.0)
+        for k in range(4):
+            middle = add(middle, vec(points[at[k]].r))
+        middle = scale(0.25, middle)
+        for k in range(4):
+            way = sub(vec(points[at[k]].r), middle)
+            square = max(square, dot(way, way))
+        put(cells[f].middle, middle)
+        cells[f].radius = sqrt(square)
+        largest = max(largest, cells[f].radius)
+    return largest
+
+
+@kernel
+def sort(p, width, cells, starts, sorted_faces):
+    """Faces by bucket; those of bucket b lie from starts[b] on. Writes: cells, starts, sorted."""
+    count = p.bucket_count
+    for b in range(count + 1):
+        starts[b] = 0
+    for f in range(p.face_count):
+        cell = cells[f]
+        cube = cube_of(vec(cell.middle), width)
+        put(cell.cube, cube)
+        cell.bucket = bucket_of(cube[0], cube[1], cube[2], count)
+        starts[cell.bucket + 1] += 1
+    for b in range(count):
+        starts[b + 1] += starts[b]
+    # backwards, which leaves the faces of a bucket in ascending order, and starts where they begin
+    for back in range(p.face_count):
+        f = p.face_count - 1 - back
+        b = cells[f].bucket + 1
+        starts[b] -= 1
+        sorted_faces[starts[b]] = f
+    for b in range(count):
+        starts[b] = starts[b + 1]
+    starts[count] = p.face_count
+
+
+@kernel
+def list_near(i, x, p, way, reach, width, grid, lists, spared, total):
+    """List the faces whose bounding sphere comes within `reach` of x, those spared left out.
+
+    Returns the length of all lists, which may be more than there is room for. Writes: lists.
+    """
+    cells, starts, sorted_faces = grid
+    near, wait = lists[1], lists[2]
+    centre = cube_of(x, width)
+    for n in range(27):
+        a, b, c = centre[0] + n // 9 - 1, centre[1] + n // 3 % 3 - 1, centre[2] + n % 3 - 1
+        bucket = bucket_of(a, b, c, p.bucket_count)
+        for k in range(starts[bucket], starts[bucket + 1]):
+            f = sorted_faces[k]
+            cell = cells[f]
+            if cell.cube[0] != a or cell.cube[1] != b or cell.cube[2] != c:
+                continue
+            between = sub(x, vec(cell.middle))
+            far, square = reach + cell.radius, dot(between, between)
+            if square >= far * far or is_spared(i, f, spared):
+                continue
+            if total < p.room:
+                near[total] = f
+                # not touched before both have gone what is between their bounds and the gap
+                wait[total] = way + max(sqrt(square) - cell.radius - p.gap, 0.0)
+            total += 1
+    return total
+
+
+@kernel
+def is_spared(i, f, spared):
+    """Whether a probe never meets a face: near it in the mesh."""
+    first, faces = spared
+    at = first[i]
+    while at < first[i + 1] and faces[at] != f:
+        at += 1
+    return at < first[i + 1]

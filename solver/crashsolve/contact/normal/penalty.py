@@ -1,0 +1,63 @@
+"""Linear spring as stiff as the shells that touch, without damping.
+
+    f = k delta,   k = s E t
+
+t and E are thickness and modulus of the softer shell of both sides. With the mass rho t A / 4 of a
+node beside four elements of area A it adds 2 s E / (rho A) to the squared frequency of the mesh,
+whose own is 4 E / (rho A) and more: whatever the mesh, a touch shortens the step by little.
+Consequence to test: a ball on a rigid wall bounces back after pi sqrt(m / k) with all its energy.
+"""
+
+from typing import Any
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, quantity
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+
+SHARE = 0.5
+
+
+class Penalty(Card):
+    """Linear spring as stiff as the shells that touch."""
+
+    stiffness: float | None = quantity("N/m", "k; from the shells when absent", None, gt=0)
+    share: float | None = quantity("1", "s, k over E t of the shells; 0.5 if absent", None, gt=0)
+
+    @model_validator(mode="after")
+    def _one_stiffness(self) -> "Penalty":
+        if self.stiffness is not None and self.share is not None:
+            raise ValueError("share: stiffness is given already; leave one of them out")
+        return self
+
+
+PARAMETERS = Record(stiffness=("N/m", "k"))
+HISTORY = Record()
+
+
+def build(card: Penalty, scene: Any, pair: Any) -> dict[str, Any]:
+    if card.stiffness is not None:
+        return {"stiffness": card.stiffness}
+    shell = getattr(pair, "membrane", None)
+    if shell is None:
+        raise scene.fail("no shell touches here from which to take it; give stiffness", "normal")
+    return {"stiffness": (SHARE if card.share is None else card.share) * shell}
+
+
+@kernel
+def normal_force(p, old, new, h, depth, rate, mass, curves):
+    """Returns force, stored energy, dissipated power, loss, stiffness, damping."""
+    f = p.stiffness * depth
+    return f, 0.5 * f * depth, 0.0, 0.0, p.stiffness, 0.0
+
+
+@kernel
+def release(p, old, new):
+    """Nothing is remembered after separation."""
+
+
+@kernel
+def normal_tangent(p, state, depth, rate, mass, curves):
+    """Rise of the force over the depth and over its rate."""
+    return p.stiffness, 0.0

@@ -1,0 +1,35 @@
+"""Faces of a shell as they move and deform: its mid-surface, solid on either side by half of t.
+
+Nodes and balls press on the nearest face, from whichever side they came.
+"""
+
+from typing import Any
+
+from crashsolve.deck.card import Card, PartName, quantity, word
+
+GAP_AS = "faces"
+
+
+class Faces(Card):
+    """All faces of a shell part, met from both sides."""
+
+    part: PartName = word("shell part whose faces they are")
+    thickness: float | None = quantity("m", "t; that of the part if absent", None, gt=0)
+    ring: int = word(
+        "0: its nodes do not meet the faces they belong to; 1: nor those that touch these; 2: nor "
+        "the next",
+        default=0,
+        ge=0,
+        le=20,
+    )
+
+
+def build(card: Faces, scene: Any) -> list[dict[str, Any]]:
+    """No elements of its own: those of the part."""
+    scene.skin(card.part, "part")
+    return []
+
+
+def curvature_radius(card: Faces) -> float | None:
+    """Flat, as far as Hertz's stiffness goes."""
+    return None

@@ -1,0 +1,339 @@
+"""Build of contact of shell nodes with shapes, and of nodes and balls with the faces of shells.
+
+One group for each pair of surfaces of a card. Its arrays go to the compiled step under the group's
+word; see system/nodal.py and system/faces.py for what happens to them there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.contact.cells import CELL
+from crashsolve.foundation.record import Record
+from crashsolve.model.model import NodalGroup
+from crashsolve.model.nodes import NODE
+
+if TYPE_CHECKING:
+    from crashsolve.deck.read import Entry
+    from crashsolve.model.scene import Scene
+
+# lists of near faces: their margin over the mean radius of a face, and the faces of a probe that
+# there is room for at first
+MARGIN, ROOM = 1.0, 24
+# share of the gap by which a step may bring two sides nearer
+REACH = 0.5
+
+PROBE = Record(
+    point=("index", "point of a shell; -1 for one on a body"),
+    node=("index", "the body, if it is on one"),
+    at=("m", 3, "from the mass centre, body axes"),
+)
+PARAMETERS = Record(
+    card=("index", "contact card"),
+    order=("count", "+1 when probes are on side a of the card, -1 when on side b"),
+    speed_floor=("m/s", "closing speed below which a touch counts as resting"),
+    gap=("m", "of probe and mid-surface, below which they touch"),
+    reach=("m", "by which a step may bring both nearer"),
+    margin=("m", "beyond the gap, of the lists of near faces"),
+    extent=("m", "the model's size, for the speed of shapes that turn"),
+    first_point=("index", "of the part whose speed counts"),
+    point_count=("count", "its points"),
+    own=("flag", "whether the probes are among them"),
+    first_corner=("index", "of the faces"),
+    face_count=("count", "faces"),
+    first_own=("index", "first point of the part with the faces"),
+    bucket_count=("count", "buckets of cubes, a power of two"),
+    room=("count", "of the lists of near faces"),
+)
+TALLY = Record(
+    fastest=("m/s", "largest closing speed that there can be"),
+    way=("m", "sum of that over the steps"),
+    listed=("m", "the same when lists were made"),
+    pairs=("count", "in the lists"),
+    searches=("count", "lists made"),
+    stored=("J", "recoverable energy"),
+    dissipated=("J", "lost by the normal force"),
+    depth=("m", "deepest touch"),
+)
+SLOT = Record(
+    active=("flag", "touching"),
+    depth=("m", "penetration"),
+    impact_speed=("m/s", "closing speed at the onset, not below the floor"),
+    power=("W", "dissipated"),
+    force=("N", "on the probe"),
+    face=("index", "that is touched"),
+    normal=("1", 3, "towards the probe"),
+)
+HIT = Record(
+    depth=("m", "penetration; 0: no touch"),
+    distance=("m", "to the face"),
+    face=("index", "the nearest"),
+    crossed=("flag", "whether it has been passed"),
+    normal=("1", 3, "towards the side where the probe belongs"),
+    N=("1", 4, "weights of the corners"),
+)
+TOUCHED = Record(
+    stiffness=("1/s^2", "largest sum of k N / m of a point"),
+    damping=("1/s", "largest sum of c N / m"),
+    shortened=("1", "largest factor by which contact has shortened the stable step"),
+)
+
+
+@dataclass
+class Probes:
+    """The side that presses: rows of PROBE, their radius, their part if they are shell points."""
+
+    rows: np.ndarray
+    radius: float
+    part: str | None
+    laid: Any
+    first_point: int
+
+
+class NodalBuilder:
+    """The groups of all cards."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.groups: list[NodalGroup] = []
+
+    def add(self, index: int, entry: Entry, a: Any, b: Any, routine: Any) -> None:
+        """A group for two surfaces of a card. `routine(a, b, scene)` finds a gap routine."""
+        law = self._law(entry)
+        order = 1
+        if a.shape == "faces" or (a.shape != "points" and b.shape == "points"):
+            a, b, order = b, a, -1
+        if a.shape not in ("points", "sphere"):
+            message = f"'{a.entry.name}' cannot press on '{b.entry.name}': only nodes and balls can"
+            raise self.scene.fail(f"{message}; name a surface of type nodes", "b")
+        probes = self._probes(a)
+        values = {"card": index, "order": order, "speed_floor": entry.card.speed_floor}
+        values["extent"] = self.scene.size
+        pair = Touching(entry.name, a, b, self.scene)
+        values |= law.build(entry.card.normal, self.scene, pair)
+        make = self._on_faces if b.shape == "faces" else self._on_shape
+        record = PARAMETERS + law.PARAMETERS
+        narrow, own, slots = make(probes, a, b, routine)
+        arrays = self._common(probes, record, values | own.pop("values"), slots, law) | own
+        word = f"nodal_{len(self.groups)}"
+        self.groups.append(NodalGroup(word, entry.name, narrow, law, arrays))
+
+    def _law(self, entry: Entry) -> Any:
+        """Module of the normal law; what nodal contact lacks is refused."""
+        if not hasattr(entry.card, "normal"):
+            message = "holds nodes that are bodies; shell nodes and faces need a law of force"
+            raise self.scene.fail(f"{message}: type: force, normal: {{type: penalty}}")
+        if entry.card.friction is not None:
+            message = "nodes and faces of shells touch without friction; leave it out"
+            raise self.scene.fail(message, "friction")
+        return import_module(type(entry.card.normal).__module__)
+
+    def _probes(self, surface: Any) -> Probes:
+        card = surface.entry.card
+        if surface.shape == "points":
+            laid, _, first = self.scene.skin(card.part, "part")
+            rows = np.zeros(len(laid.mass), PROBE.dtype)
+            rows["point"] = first + np.arange(len(rows))
+            return Probes(rows, card.radius, card.part, laid, first)
+        rows = np.zeros(len(surface.elements), PROBE.dtype)
+        rows["point"] = -1
+        for row, element in zip(rows, surface.elements, strict=True):
+            row["node"], row["at"] = element["node"], element["point"]
+        return Probes(rows, float(surface.elements[0]["radius"]), None, None, 0)
+
+    def _common(
+        self, probes: Probes, record: Record, values: dict[str, Any], slots: int, law: Any
+    ) -> dict[str, np.ndarray]:
+        """Arrays of every group."""
+        p, n = np.zeros(1, record.dtype), len(probes.rows)
+        for name, value in values.items():
+            p[name] = value
+        tally = np.zeros(1, TALLY.dtype)
+        tally["listed"] = -inf
+        return {
+            "p": p,
+            "tally": tally,
+            "probes": probes.rows,
+            "slots": np.zeros((2, slots * n), (SLOT + law.HISTORY).dtype),
+            "turns": np.zeros(slots * n, np.int64),
+            "due": np.zeros(n),
+            "found": np.zeros(2, HIT.dtype),
+        }
+
+    def _on_shape(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
+        """Points against a rigid shape: its own gap routine, with copies of its bodies."""
+        seen = Seen("sphere", a.entry)
+        narrow, swapped = routine(seen, b, self.scene)
+        if swapped or hasattr(narrow, "expand_a"):
+            message = f"nodes of shells cannot press on a {b.entry.type}; give it another shape"
+            raise self.scene.fail(message, "b")
+        bodies = sorted({int(element["node"]) for element in b.elements})
+        frames = np.zeros(1 + len(bodies), NODE.dtype)
+        frames["A"][:] = np.eye(3).ravel()
+        home = np.array([0, *bodies])
+        expand = getattr(narrow, "expand_b", lambda elements: elements)
+        elements = [part for e in b.elements for part in expand([e])]
+        pen = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
+        data = getattr(narrow, "data", lambda *_: ())([pen], elements)
+        shape = import_module(f"crashsolve.contact.shape.{b.shape}")
+        record = getattr(narrow, "PARAMETERS_B", shape.PARAMETERS)
+        own = {
+            "a": table_of([pen], import_module("crashsolve.contact.shape.sphere").PARAMETERS),
+            "b": table_of(elements, record),
+            "frames": frames,
+            "home": home,
+            **{f"data_{k}": array for k, array in enumerate(data)},
+        }
+        own["b"]["node"] = [1 + bodies.index(int(e["node"])) for e in elements]
+        thick = min(
+            (b.module.half_thickness(e) for e in b.elements if hasattr(b.module, "half_thickness")),
+            default=inf,
+        )
+        values = {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
+        values |= {"point_count": len(probes.rows), "extent": self.scene.size}
+        return narrow, own | {"values": values}, 1
+
+    def _on_faces(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
+        """Probes against the faces of a shell."""
+        card = b.entry.card
+        laid, corner, first = self.scene.skin(card.part, "part")
+        if laid.quad_count < len(laid.area) or laid.can_fail:
+            what = "elements that fail" if laid.can_fail else "triangles"
+            message = f"part '{card.part}' has {what}, and only faces of quadrilaterals that stay"
+            raise self.scene.fail(f"{message} can be met", "b")
+        is_own = probes.part == card.part
+        if is_own and probes.radius == 0.0:
+            t = card.thickness or laid.card.thickness
+            message = f"the nodes of '{card.part}' have no thickness of their own, and its walls "
+            message += "would meet half a thickness deep"
+            raise self.scene.fail(f"{message}; say radius: {0.5 * t:g} in '{a.entry.name}'", "a")
+        quads, count = laid.mesh.quads, len(laid.area)
+        radius = np.linalg.norm(
+            laid.mesh.points[quads] - laid.mesh.points[quads].mean(axis=1)[:, None], axis=2
+        ).max(axis=1)
+        gap = probes.radius + 0.5 * (card.thickness or laid.card.thickness)
+        around = faces_around(quads, len(laid.mass))
+        spared = spare(quads, around, card.ring) if is_own else nothing(len(probes.rows))
+        room = ROOM * len(probes.rows)
+        buckets = 1 << int(2 * count - 1).bit_length()
+        values = {
+            **{"gap": gap, "reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
+            **{"first_point": first, "point_count": len(laid.mass), "own": is_own},
+            **{"first_corner": corner, "face_count": count, "first_own": first},
+            **{"bucket_count": buckets, "room": room},
+        }
+        own = {
+            "first": np.zeros(len(probes.rows) + 1, np.int64),
+            "near": np.zeros(room, np.int64),
+            "wait": np.zeros(room),
+            "cells": np.zeros(count, CELL.dtype),
+            "starts": np.zeros(buckets + 1, np.int64),
+            "sorted": np.zeros(count, np.int64),
+            "beside": faces_beside(quads),
+            "around_first": around[0],
+            "around": around[1],
+            "spared_first": spared[0],
+            "spared": spared[1],
+        }
+        return None, own | {"values": values}, 2
+
+
+class Touching:
+    """What a normal law may ask about the contact and the two surfaces it acts between."""
+
+    def __init__(self, contact: str, a: Any, b: Any, scene: Scene) -> None:
+        self.contact, self.radius_a, self.radius_b = contact, a.radius, b.radius
+        stiff = []
+        for surface in (a, b):
+            if surface.shape in ("points", "faces"):
+                laid, _, _ = scene.skin(surface.entry.card.part, "part")
+                stiff.append(laid.material.young * laid.card.thickness)
+        self.membrane = min(stiff)
+
+
+@dataclass
+class Seen:
+    """A surface as gap routines see it."""
+
+    shape: str
+    entry: Any
+
+
+def table_of(rows: list[dict[str, Any]], record: Record) -> np.ndarray:
+    table = np.zeros(len(rows), record.dtype)
+    for row, values in zip(table, rows, strict=True):
+        for column in record.columns:
+            row[column.name] = values[column.name]
+    return table
+
+
+def grouped(keys: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Values by key, each once and ascending: where those of a key begin, and all of them."""
+    pairs = np.unique(np.column_stack([keys, values]), axis=0)
+    first = np.searchsorted(pairs[:, 0], np.arange(count + 1))
+    return first.astype(np.int64), np.ascontiguousarray(pairs[:, 1])
+
+
+def faces_around(quads: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Faces that each of `count` points belongs to."""
+    return grouped(quads.ravel(), np.repeat(np.arange(len(quads)), 4), count)
+
+
+def faces_beside(quads: np.ndarray) -> np.ndarray:
+    """The face across each side of each face (4 m,), -1 at a free border."""
+    ends = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    order = np.lexsort((high, low))
+    beside = np.full(len(ends), -1, np.int64)
+    # the side of no length of a triangle has nothing across it
+    has_length = (low < high)[order[1:]]
+    alike = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
+    same = np.flatnonzero(alike & has_length)
+    one, other = order[same], order[same + 1]
+    beside[one], beside[other] = other // 4, one // 4
+    return beside
+
+
+def spare(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarray, np.ndarray]:
+    """Faces that each point never meets: its own, and those within `ring` of them."""
+    first, faces = around
+    count = len(first) - 1
+    for _ in range(ring):
+        owners = np.repeat(np.arange(count), np.diff(first))
+        corners = quads[faces].ravel()
+        begin, own = faces_around(quads, count)
+        # from the faces of a point to their corners, and on to the faces of these
+        sizes = np.diff(begin)[corners]
+        at = np.repeat(begin[corners] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
+        reached = own[at + np.arange(sizes.sum())]
+        first, faces = grouped(np.repeat(np.repeat(owners, 4), sizes), reached, count)
+    return first, faces
+
+
+def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """No face is spared."""
+    return np.zeros(count + 1, np.int64), np.zeros(1, np.int64)
+
+
+def loads_of_points(count: int) -> dict[str, np.ndarray]:
+    """What all groups together add to the stiffness of points."""
+    return {"touched": np.zeros(1, TOUCHED.dtype), "stiffened": np.zeros(2 * count)}
+
+
+def give_room(groups: list[NodalGroup]) -> None:
+    """Lists that fill more than half of their room get twice what they need. Writes: groups."""
+    for group in groups:
+        if group.narrow is not None:
+            continue
+        p, tally = group.arrays["p"], group.arrays["tally"]
+        if 2 * tally["pairs"][0] > p["room"][0]:
+            p["room"] = room = 4 * int(tally["pairs"][0])
+            group.arrays |= {"near": np.zeros(room, np.int64), "wait": np.zeros(room)}
+            tally["listed"] = -inf
+            group.arrays["due"][:] = 0.0
+            group.arrays["first"][:] = 0

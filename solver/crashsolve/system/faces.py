@@ -1,0 +1,238 @@
+"""Faces of shells as targets of probes: nearest point, side, force spread by its weights.
+
+    d = |x - c|,   n = (x - c) / d,   depth = gap - d,   f n on the probe, -f N_k n on the corners
+
+c is the nearest point of the mid-surface on either side of which the probe may be, and on either
+side it meets one face: the nearest. Which side a probe is on is seen when it comes nearer than the
+gap, by the normal there (of both faces at a common side, of all at a common corner, weighted by
+angle), and remembered: should it be driven through the mid-surface, x - c turns over from one step
+to the next, and depth = gap + d pushes it back. No step brings two sides nearer by more than a
+quarter of the gap, so none is passed unseen. Consequence to test: momentum and angular momentum are
+kept to round-off, since f acts along the line through x and c.
+
+References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and Computer Graphics
+11, 243-253.
+"""
+
+from math import acos, sqrt
+
+from crashsolve.contact.cells import corner_points, list_near, measure, sort
+from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.vec3 import add, add_scaled, add_to, dot, norm, put, scale, sub, vec
+from crashsolve.system.nodal import count, fastest, foretold, open_pass, settle, where
+
+# a distance of this share of the gap has no direction
+NO_WAY = 1e-9
+
+
+@kernel
+def open_faces(h, p, tally, probes, nodes, points, corners, grid, lists, spared):
+    """How far all have gone; the lists anew where that is more than their margin.
+
+    Writes: tally, grid, lists.
+    """
+    open_pass(tally)
+    tally.fastest = 2.0 * fastest(h, p, probes, nodes, points)
+    tally.way += h * tally.fastest
+    if tally.way <= tally.listed + p.margin:
+        return
+    first, due = lists[0], lists[3]
+    cells, starts, sorted_faces = grid
+    reach = p.gap + p.margin
+    width = measure(p, points, corners, cells) + reach
+    sort(p, width, cells, starts, sorted_faces)
+    total = 0
+    for i in range(probes.shape[0]):
+        x, _ = where(probes[i], 0.0, nodes, points)
+        first[i], due[i] = min(total, p.room), tally.way
+        total = list_near(i, x, p, tally.way, reach, width, grid, lists, spared, total)
+    first[probes.shape[0]] = min(total, p.room)
+    tally.listed, tally.pairs = tally.way, total
+    tally.searches += 1
+
+
+@kernel
+def is_crowded(p, tally):
+    """Whether the lists fill more than half of their room: time for more."""
+    return 2 * tally.pairs > p.room
+
+
+@kernel
+def look(i, x, p, tally, slots, turns, mesh, lists, found):
+    """The nearest face on either side of a probe at x, nearer than the gap. Writes: found, lists.
+
+    A face that is farther waits until all can have gone so far.
+    """
+    first, near, wait, due = lists
+    soonest = 1e300
+    is_deep = False
+    for s in range(2):
+        found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
+        old = slots[settle(turns, 2 * i + s), 2 * i + s]
+        is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
+    for k in range(first[i], first[i + 1]):
+        if wait[k] <= tally.way or is_deep:
+            f = near[k]
+            a, b, c, d = seen_from(x, p, f, mesh)
+            N, square, spot = nearest_on_face(a, b, c, d)
+            distance = sqrt(square)
+            wait[k] = tally.way + max(distance - p.gap, 0.0)
+            # what has been driven through is not let go behind
+            if distance < p.gap or is_deep:
+                to = point_of(N, a, b, c, d)
+                take(i, p, f, N, spot, distance, to, slots, turns, mesh, found)
+        soonest = min(soonest, wait[k])
+    due[i] = soonest
+    for s in range(2):
+        if found[s].face >= 0:
+            found[s].depth = p.gap - (-1.0 if found[s].crossed == 1 else 1.0) * found[s].distance
+
+
+@kernel
+def seen_from(x, p, f, mesh):
+    """Corners of a face from a place."""
+    points, at = mesh[0], corner_points(p.first_corner, f, mesh[1])
+    return (
+        sub(vec(points[at[0]].r), x),
+        sub(vec(points[at[1]].r), x),
+        sub(vec(points[at[2]].r), x),
+        sub(vec(points[at[3]].r), x),
+    )
+
+
+@kernel
+def take(i, p, f, N, spot, distance, to, slots, turns, mesh, found):
+    """Keep a face that is the nearest on its side so far; `to` leads to it. Writes: found."""
+    s, crossed = side(i, p, f, spot, to, slots, turns, mesh)
+    hit = found[s]
+    if distance >= hit.distance or (distance >= p.gap and crossed == 0):
+        return
+    hit.distance, hit.face, hit.crossed = distance, f, crossed
+    for k in range(4):
+        hit.N[k] = N[k]
+    old = slots[turns[2 * i + s], 2 * i + s]
+    if distance > NO_WAY * p.gap:
+        put(hit.normal, scale((1.0 if crossed == 1 else -1.0) / distance, to))
+    elif old.active == 1:
+        put(hit.normal, vec(old.normal))
+    else:
+        n = face_normal(p, f, mesh)
+        put(hit.normal, scale(1.0 if s == 0 else -1.0, n))
+
+
+@kernel
+def side(i, p, f, spot, to, slots, turns, mesh):
+    """Side of a face on which a probe is, 0 that of the normal; 1 if it has crossed from there."""
+    up, down = slots[turns[2 * i], 2 * i], slots[turns[2 * i + 1], 2 * i + 1]
+    is_up = up.active == 1 and are_kin(p, f, up.face, mesh)
+    is_down = down.active == 1 and are_kin(p, f, down.face, mesh)
+    if is_up != is_down:
+        s = 0 if is_up else 1
+        before = vec(up.normal) if is_up else vec(down.normal)
+        if dot(to, before) <= 0.0:
+            return s, 0
+        # round a free border it is no crossing
+        if not on_border(p, f, spot, mesh):
+            return s, 1
+    return 0 if dot(to, outward(p, f, spot, mesh)) <= 0.0 else 1, 0
+
+
+@kernel
+def are_kin(p, f, g, mesh):
+    """Whether two faces have a corner in common."""
+    a, b = corner_points(p.first_corner, f, mesh[1]), corner_points(p.first_corner, g, mesh[1])
+    for m in range(4):
+        for n in range(4):
+            if a[m] == b[n]:
+                return True
+    return False
+
+
+@kernel
+def on_border(p, f, spot, mesh):
+    """Whether a place of a face lies on a free border."""
+    beside = mesh[2]
+    if spot == INSIDE:
+        return False
+    if spot < CORNER:
+        return beside[4 * f + spot - EDGE] < 0
+    first, faces = mesh[3], mesh[4]
+    point = corner_points(p.first_corner, f, mesh[1])[spot - CORNER]
+    own = point - p.first_own
+    for k in range(first[own], first[own + 1]):
+        g = faces[k]
+        at = corner_points(p.first_corner, g, mesh[1])
+        for c in range(4):
+            if at[c] == point and (beside[4 * g + c] < 0 or beside[4 * g + (c + 3) % 4] < 0):
+                return True
+    return False
+
+
+@kernel
+def face_normal(p, f, mesh):
+    """Unit normal of a face."""
+    points, at = mesh[0], corner_points(p.first_corner, f, mesh[1])
+    n = across(
+        vec(points[at[0]].r), vec(points[at[1]].r), vec(points[at[2]].r), vec(points[at[3]].r)
+    )
+    return scale(1.0 / norm(n), n)
+
+
+@kernel
+def outward(p, f, spot, mesh):
+    """Normal of the surface at a place of a face."""
+    n = face_normal(p, f, mesh)
+    if spot == INSIDE:
+        return n
+    if spot < CORNER:
+        g = mesh[2][4 * f + spot - EDGE]
+        return n if g < 0 else add(n, face_normal(p, g, mesh))
+    first, faces = mesh[3], mesh[4]
+    point = corner_points(p.first_corner, f, mesh[1])[spot - CORNER]
+    own, total = point - p.first_own, (0.0, 0.0, 0.0)
+    for k in range(first[own], first[own + 1]):
+        g = faces[k]
+        total = add_scaled(total, angle_at(p, g, point, mesh), face_normal(p, g, mesh))
+    return total
+
+
+@kernel
+def angle_at(p, f, point, mesh):
+    """Angle of a face at one of its corners [rad]."""
+    points, at = mesh[0], corner_points(p.first_corner, f, mesh[1])
+    for k in range(4):
+        if at[k] == point:
+            x = vec(points[point].r)
+            u = sub(vec(points[at[(k + 1) % 4]].r), x)
+            v = sub(vec(points[at[(k + 3) % 4]].r), x)
+            cosine = dot(u, v) / sqrt(dot(u, u) * dot(v, v))
+            return acos(min(max(cosine, -1.0), 1.0))
+    return 0.0
+
+
+@kernel
+def face_velocity(p, hit, h, points, corners):
+    """Velocity of the place of a face that is touched."""
+    at, v = corner_points(p.first_corner, hit.face, corners), (0.0, 0.0, 0.0)
+    for k in range(4):
+        v = add_scaled(v, hit.N[k], foretold(points[at[k]], h))
+    return v
+
+
+@kernel
+def face_mobility(p, hit, points, corners):
+    """Acceleration of that place over a force on it [1/kg]."""
+    at, w = corner_points(p.first_corner, hit.face, corners), 0.0
+    for k in range(4):
+        w += hit.N[k] * hit.N[k] * points[at[k]].mass_inv
+    return w
+
+
+@kernel
+def push_face(p, hit, f, k, c, scene):
+    """Minus a force f along the normal, on the corners. Writes: scene.points, stiffened."""
+    at = corner_points(p.first_corner, hit.face, scene.corners)
+    for j in range(4):
+        add_to(scene.points[at[j]].force, scale(-f * hit.N[j], vec(hit.normal)))
+        count(at[j], hit.N[j], k, c, scene)

@@ -1,0 +1,273 @@
+"""Contact of many small probes, nodes and balls, each with the nearest it can meet on either side.
+
+    due:  a probe d apart from touching is looked at again when sum 2 |v|_max h has grown by d
+
+Most probes are far from anything in most steps; what a step costs is the looking at those that are
+not. A probe has a slot for each side of a surface, with two records that take turns: what is
+accepted, and what the present force pass finds. Consequence to test: the same forces as looking at
+all probes in all steps.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import (
+    apply_force,
+    arm,
+    mobility,
+    place,
+    point_at,
+    point_velocity,
+    stiffen,
+)
+from crashsolve.foundation.point import RIDES
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    dot,
+    matvec,
+    norm,
+    put,
+    scale,
+    sub,
+    vec,
+)
+
+
+@kernel
+def open_loads(scene):
+    """Nothing touches yet. Writes: scene.touched, stiffened."""
+    total = scene.touched[0]
+    total.stiffness = total.damping = 0.0
+    for i in range(2 * scene.points.shape[0]):
+        scene.stiffened[i] = 0.0
+
+
+@kernel
+def close_loads(clock, scene):
+    """Contact makes the mesh stiffer: bound of its highest frequency. Writes: clock, touched.
+
+    omega^2 <= omega_e^2 + 2 max_i sum k N_i / m_i, as (x - sum N_i x_i)^2 <= 2 x^2 + 2 sum N_i
+    x_i^2; dampers as in timestep.py.
+    """
+    total, alone = scene.touched[0], sqrt(clock.element_rate)
+    half = total.damping
+    speed = sqrt(clock.element_rate + 2.0 * total.stiffness + half * half) + half
+    clock.element_rate = speed * speed
+    total.shortened = max(total.shortened, speed / alone)
+
+
+@kernel
+def where(probe, h, nodes, points):
+    """Place and velocity of a probe; of a point, that at the end of the step as foretold."""
+    if probe.point >= 0:
+        b = points[probe.point]
+        return vec(b.r), foretold(b, h)
+    body = nodes[probe.node]
+    d = arm(body, vec(probe.at))
+    return point_at(body, d), point_velocity(body, d)
+
+
+@kernel
+def foretold(b, h):
+    """Velocity of a point at the end of the step, by the forces so far."""
+    if b.held >= RIDES:
+        return vec(b.v)
+    return add_scaled(vec(b.v), 0.5 * h * b.mass_inv, vec(b.force))
+
+
+@kernel
+def fastest(h, p, probes, nodes, points):
+    """Largest speed in this step of the probes, and of the points of the faces."""
+    most = 0.0
+    for i in range(p.first_point, p.first_point + p.point_count):
+        v = vec(points[i].v)
+        most = max(most, dot(v, v))
+    if p.own == 0:
+        for i in range(probes.shape[0]):
+            v = speed_of(probes[i], h, nodes, points)
+            most = max(most, dot(v, v))
+    return sqrt(most)
+
+
+@kernel
+def speed_of(probe, h, nodes, points):
+    """Mean velocity of a probe over the step."""
+    if probe.point >= 0:
+        return vec(points[probe.point].v)
+    body = nodes[probe.node]
+    if h == 0.0:
+        return point_velocity(body, arm(body, vec(probe.at)))
+    before = add(vec(body.start_r), matvec(body.start_A, vec(probe.at)))
+    return scale(1.0 / h, sub(place(body, vec(probe.at)), before))
+
+
+@kernel
+def hold_back(clock, p, tally):
+    """Cut the next step so that no two sides come nearer by more than `reach`.
+
+    Writes: clock.next_step.
+    """
+    if tally.fastest * clock.next_step > p.reach:
+        clock.next_step = p.reach / tally.fastest
+
+
+@kernel
+def open_pass(tally):
+    """Nothing is stored. Writes: tally."""
+    tally.stored = tally.depth = 0.0
+
+
+@kernel
+def settle(turns, j):
+    """What was found in the last step is accepted; returns which record that is. Writes: turns."""
+    if turns[j] > 1:
+        turns[j] = 3 - turns[j]
+    return turns[j]
+
+
+@kernel
+def take_turn(h, turns, j):
+    """What this step has found will be accepted, a sample never. Writes: turns."""
+    if h > 0.0:
+        turns[j] += 2
+
+
+@kernel
+def leave(clock, h, tally, turns, j, old, new):
+    """A slot is free again. Writes: tally, turns, new."""
+    tally.dissipated += clock.lead * old.power
+    new.active = 0
+    new.power = new.depth = new.impact_speed = new.force = 0.0
+    take_turn(h, turns, j)
+
+
+@kernel
+def closing(v, v_other, hit, h, old, w):
+    """Closing speed; the force of the last step stands for that which points do not know yet."""
+    return dot(sub(v_other, v), vec(hit.normal)) - 0.5 * h * w * old.force
+
+
+@kernel
+def of_point(probe, mob):
+    """The mobility of a probe if it is a point, whose velocity is foretold without the contact."""
+    return mob if probe.point >= 0 else 0.0
+
+
+@kernel
+def mobility_of(probe, hit, nodes, points):
+    """Acceleration of a probe over a force along the normal [1/kg]."""
+    if probe.point >= 0:
+        return points[probe.point].mass_inv
+    body = nodes[probe.node]
+    return mobility(body, arm(body, vec(probe.at)), vec(hit.normal))
+
+
+@kernel
+def note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit):
+    """Add a touching slot to what its card and the ledger tell. Writes: tally, card, new."""
+    tally.stored += stored
+    if h > 0.0:
+        tally.dissipated += clock.lead * old.power + clock.share * power + loss
+    new.power = power
+    new.force = f
+    new.face = hit.face
+    put(new.normal, vec(hit.normal))
+    tally.depth = max(tally.depth, hit.depth)
+    add_to(card.force, scale(p.order * f, vec(hit.normal)))
+    card.normal += f
+    card.touching += 1.0
+    card.depth = max(card.depth, hit.depth)
+    card.impact_speed = max(card.impact_speed, new.impact_speed)
+
+
+@kernel
+def close_pass(tally, card):
+    """Energies of the group to its card. Writes: card."""
+    card.depth = max(card.depth, 0.0)
+    card.stored += tally.stored
+    card.dissipated += tally.dissipated
+
+
+@kernel
+def push_probe(probe, f, k, c, hit, nodes, scene):
+    """Force f along the normal on a probe. Writes: nodes, scene.points, stiffened, touched."""
+    n = vec(hit.normal)
+    if probe.point >= 0:
+        add_to(scene.points[probe.point].force, scale(f, n))
+        count(probe.point, 1.0, k, c, scene)
+        return
+    body = nodes[probe.node]
+    d = arm(body, vec(probe.at))
+    apply_force(body, scale(f, n), d)
+    stiffen(body, mobility(body, d, n), k, c)
+
+
+@kernel
+def count(i, share, k, c, scene):
+    """Tell the step control of a contact on a point. Writes: scene.stiffened, touched."""
+    w, total = share * scene.points[i].mass_inv, scene.touched[0]
+    scene.stiffened[2 * i] += k * w
+    scene.stiffened[2 * i + 1] += c * w
+    total.stiffness = max(total.stiffness, scene.stiffened[2 * i])
+    total.damping = max(total.damping, scene.stiffened[2 * i + 1])
+
+
+# --- rigid shapes: their own gap routines, with the probe as a body among copies of bodies -------
+
+
+@kernel
+def open_shapes(h, p, tally, probes, nodes, points, frames, home):
+    """Copies of the bodies with the shapes; how far probes have gone. Writes: tally, frames."""
+    open_pass(tally)
+    speed = 0.0
+    for k in range(1, frames.shape[0]):
+        frame, body = frames[k], nodes[home[k]]
+        put(frame.r, vec(body.r))
+        for j in range(9):
+            frame.A[j] = body.A[j]
+        speed = max(speed, norm(vec(body.v)) + norm(vec(body.w)) * p.extent)
+    tally.fastest = fastest(h, p, probes, nodes, points) + speed
+    # how far a shape moves is known too late: shapes that do are looked at in every step
+    tally.way = tally.way + h * tally.fastest if speed == 0.0 else 1e300
+
+
+@kernel
+def pose(frames, x, hit):
+    """The probe as a body, and nothing found yet. Writes: frames, hit."""
+    put(frames[0].r, x)
+    hit.depth = -1e300
+
+
+@kernel
+def deeper(hit, e, depth, n):
+    """Keep the deepest of the shapes. Writes: hit."""
+    if depth > hit.depth:
+        hit.depth, hit.face = depth, e
+        put(hit.normal, n)
+
+
+@kernel
+def wait_for(i, hit, tally, due):
+    """A probe that is apart waits until it can have gone so far. Writes: due."""
+    due[i] = tally.way + max(-hit.depth, 0.0)
+
+
+@kernel
+def body_velocity(body, x):
+    """Velocity of a body at a place."""
+    return point_velocity(body, sub(x, vec(body.r)))
+
+
+@kernel
+def body_mobility(body, x, hit):
+    """Acceleration of a body at a place over a force along the normal [1/kg]."""
+    return mobility(body, sub(x, vec(body.r)), vec(hit.normal))
+
+
+@kernel
+def push_body(body, x, f, k, c, hit, mob):
+    """Minus a force f along the normal at x. Writes: body."""
+    apply_force(body, scale(-f, vec(hit.normal)), sub(x, vec(body.r)))
+    stiffen(body, mob, k, c)

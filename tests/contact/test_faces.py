@@ -1,0 +1,349 @@
+"""Claims of contact with the faces of shells: nearest points, near faces, sides, bounces."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from bench import plain
+from command import crashsolve, gone_on
+
+from crashpost.result import Result
+from crashsolve.contact.narrow import _face
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+from crashsolve.model.nodal import faces_beside, spare
+from crashsolve.system import faces, nodal
+
+DECK = Path(__file__).resolve().parents[2] / "decks/verification/contact/faces.yaml"
+# a worker compiles the scene once
+runs = pytest.mark.xdist_group("faces")
+
+
+# --- the nearest point ---------------------------------------------------------------------------
+
+
+def random_face(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """A warped face of odd shape, and a place near it."""
+    rng = np.random.default_rng(seed)
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    return square + 0.35 * rng.uniform(-1, 1, (4, 3)), rng.uniform(-0.7, 1.7, 3)
+
+
+def nearest(corners: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, float, int]:
+    seen = [tuple(map(float, corner - x)) for corner in corners]
+    N, square, place = plain(_face.nearest_on_face)(*seen)
+    return np.array(N), float(np.sqrt(square)), place
+
+
+def searched(corners: np.ndarray, x: np.ndarray, grid: int = 60) -> float:
+    """Least distance over a fine net of places on the four triangles, by numpy alone."""
+    u, v = np.meshgrid(np.linspace(0, 1, grid + 1), np.linspace(0, 1, grid + 1))
+    u, v = u[u + v <= 1 + 1e-12], v[u + v <= 1 + 1e-12]
+    middle, least = corners.mean(axis=0), np.inf
+    for k in range(4):
+        a, b = corners[k], corners[(k + 1) % 4]
+        places = np.outer(1 - u - v, middle) + np.outer(u, a) + np.outer(v, b)
+        least = min(least, np.linalg.norm(places - x, axis=1).min())
+    return float(least)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_place_of_a_face_is_nearer(seed: int) -> None:
+    corners, x = random_face(seed)
+    N, distance, _ = nearest(corners, x)
+    assert (N >= 0.0).all() and N.sum() == pytest.approx(1.0, abs=1e-14)
+    # the weights lead to the place whose distance is told, and it lies on a triangle
+    assert np.linalg.norm(N @ corners - x) == pytest.approx(distance, abs=1e-13)
+    found = searched(corners, x)
+    # a net of this fineness has a node within two hundredths of any place; the distance is of
+    # second order in that unless the place is near
+    assert distance <= found + 1e-13
+    assert found <= np.hypot(distance, 0.04)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_nearest_place_does_not_depend_on_the_first_corner(seed: int) -> None:
+    corners, x = random_face(seed)
+    N, distance, _ = nearest(corners, x)
+    for turn in range(1, 4):
+        M, other, _ = nearest(np.roll(corners, -turn, axis=0), x)
+        assert other == pytest.approx(distance, abs=1e-14)
+        np.testing.assert_allclose(M @ np.roll(corners, -turn, axis=0), N @ corners, atol=1e-13)
+
+
+def test_sides_and_corners_are_told() -> None:
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    assert nearest(square, np.array([0.4, 0.6, 0.2]))[2] == _face.INSIDE
+    for k, x in enumerate(([0.5, -1, 0], [2, 0.5, 0], [0.5, 2, 0], [-1, 0.5, 0])):
+        assert nearest(square, np.array(x, float))[2] == _face.EDGE + k
+    for k, x in enumerate(([-1, -1, 0], [2, -1, 0], [2, 2, 0], [-1, 2, 0])):
+        assert nearest(square, np.array(x, float))[2] == _face.CORNER + k
+
+
+def test_a_triangle_written_as_a_face_is_one() -> None:
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 0]], float)
+    for x, distance in (([0.2, 0.2, 0.3], 0.3), ([-1, 0.5, 0], 1.0), ([0, 2, 0], 1.0)):
+        assert nearest(corners, np.array(x, float))[1] == pytest.approx(distance, abs=1e-15)
+
+
+# --- who is near, and on which side --------------------------------------------------------------
+
+
+class Bench:
+    """A part `folded` and a ball, its contact run as plain Python and moved by hand."""
+
+    def __init__(
+        self, folder: Path, nodes: Any, quads: Any, gap: float = 0.1, **words: Any
+    ) -> None:
+        deck = {
+            "control": {"end_time": 1},
+            "materials": {"m": {"type": "elastic", "young": 1e6, "poisson": 0.3, "density": 1e3}},
+            "bodies": {"ball": {"mass": 1, "inertia": [1, 1, 1], "position": [0, 0, 9]}},
+            "parts": {
+                "folded": {
+                    **{"type": "shell", "thickness": gap, "material": "m"},
+                    "mesh": {"type": "listed", "nodes": nodes, "quads": quads},
+                }
+            },
+            "surfaces": {
+                "ball": {"type": "sphere", "body": "ball", "radius": 0.5 * gap},
+                "own": {"type": "nodes", "part": "folded", "radius": 0.5 * gap},
+                "faces": {"type": "faces", "part": "folded", **words},
+            },
+            "contacts": {
+                "hit": {"a": ["ball"], "b": ["faces"], "normal": {"type": "penalty"}},
+                "self": {"a": ["own"], "b": ["faces"], "normal": {"type": "penalty"}},
+            },
+        }
+        path = folder / "bench.yaml"
+        path.write_text(yaml.safe_dump(deck), "utf-8")
+        model, self.state = build(read_deck(path))
+        self.elements = model.elements
+        self.groups = [self._group(group) for group in model.nodal_groups]
+
+    def _group(self, group: Any) -> Any:
+        tables = {
+            name: array.view(np.recarray) if array.dtype.names else array
+            for name, array in group.arrays.items()
+        }
+        g = SimpleNamespace(**tables)
+        g.points, g.corners = self.state.points.view(np.recarray), self.elements.corners
+        g.nodes = self.state.nodes.view(np.recarray)
+        g.lists = (g.first, g.near, g.wait, g.due)
+        g.grid = (g.cells, g.starts, g.sorted)
+        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around)
+        return g
+
+    def search(self, g: Any) -> None:
+        plain(faces.open_faces)(
+            *(0.0, g.p[0], g.tally[0], g.probes, g.nodes, g.points, g.corners, g.grid, g.lists),
+            (g.spared_first, g.spared),
+        )
+
+    def look(self, x: Any, h: float = 1.0) -> Any:
+        """What the ball finds at x, each time a step later; None for nothing."""
+        g = self.groups[0]
+        g.nodes[1].r, g.tally[0].listed = x, -1.0
+        g.due[:] = 0.0
+        self.search(g)
+        place = tuple(map(float, x))
+        plain(faces.look)(0, place, g.p[0], g.tally[0], g.slots, g.turns, g.mesh, g.lists, g.found)
+        hits = []
+        for s in range(2):
+            old, new = g.slots[g.turns[s], s], g.slots[1 - g.turns[s], s]
+            new.depth, new.active = g.found[s].depth, int(g.found[s].depth > 0.0)
+            new.face, new.normal = g.found[s].face, g.found[s].normal
+            if new.active or old.active:
+                plain(nodal.take_turn)(h, g.turns, s)
+            if new.active:
+                hits.append((s, float(g.found[s].depth), np.array(g.found[s].normal)))
+        return hits
+
+
+STRIP = (
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]],
+    [[1, 2, 3, 4], [2, 5, 6, 3]],
+)
+# two faces that meet at 20 degrees along x = 1, folded over
+HAIRPIN = (
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.06, 0, 0.342], [0.06, 1, 0.342]],
+    [[1, 2, 3, 4], [2, 5, 6, 3]],
+)
+
+
+def test_lists_hold_the_same_faces_as_comparing_all_with_all(tmp_path: Path) -> None:
+    n = 9
+    xy = [[i / 4, j / 4, 0.3 * np.sin(2 * i)] for j in range(n) for i in range(n)]
+    quads = [
+        [n * j + i + 1, n * j + i + 2, n * j + n + i + 2, n * j + n + i + 1]
+        for j in range(n - 1)
+        for i in range(n - 1)
+    ]
+    bench = Bench(tmp_path, [[float(c) for c in x] for x in xy], quads, gap=0.02)
+    g = bench.groups[1]
+    bench.search(g)
+    reach = g.p[0].gap + g.p[0].margin
+    corners = np.array(xy)[np.array(quads) - 1]
+    middle = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    for i, x in enumerate(np.array(xy)):
+        near = np.linalg.norm(middle - x, axis=1) < reach + radius
+        own = (np.array(quads) - 1 == i).any(axis=1)
+        found = sorted(g.near[g.first[i] : g.first[i + 1]])
+        assert found == list(np.flatnonzero(near & ~own))
+    assert g.tally[0].pairs == g.first[-1] > 0
+
+
+def test_a_ball_is_pushed_back_to_the_side_it_came_from(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, *STRIP)
+    assert bench.look([0.4, 0.5, 0.2]) == []
+    # past the mid-surface, and over the side between the faces while behind it
+    for x, z in ((0.4, 0.05), (0.4, 0.02), (0.4, -0.03), (0.9, -0.07), (1.2, -0.12), (1.3, 0.01)):
+        ((s, depth, normal),) = bench.look([x, 0.5, z])
+        assert s == 0
+        assert depth == pytest.approx(0.1 - z, abs=1e-14)
+        np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-12)
+    assert bench.look([0.4, 0.5, 0.11]) == []
+    # from the other side it is the same the other way up
+    for z in (-0.06, 0.02):
+        ((s, depth, normal),) = bench.look([0.4, 0.5, z])
+        assert s == 1
+        assert depth == pytest.approx(0.1 + z, abs=1e-14)
+        np.testing.assert_allclose(normal, [0, 0, -1], atol=1e-12)
+
+
+def test_round_a_free_border_there_is_no_crossing(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, *STRIP)
+    for angle in np.radians(np.arange(80, -81, -10)):
+        x = np.array([0.0, 0.5, 0.0]) + 0.07 * np.array([-np.cos(angle), 0.0, np.sin(angle)])
+        ((_, depth, normal),) = bench.look(x)
+        assert depth == pytest.approx(0.03, abs=1e-14)
+        np.testing.assert_allclose(normal, [-np.cos(angle), 0.0, np.sin(angle)], atol=1e-12)
+
+
+def test_a_sharp_fold_is_met_once(tmp_path: Path) -> None:
+    # outside it, by whichever of the two faces the normal is told
+    for angle in np.radians(np.arange(-60, 61, 20)):
+        bench = Bench(tmp_path, *HAIRPIN)
+        way = np.array([np.cos(angle - 0.17), 0.0, np.sin(angle - 0.17)])
+        hits = bench.look(np.array([1.0, 0.5, 0.0]) + 0.05 * way)
+        assert len(hits) == 1
+        np.testing.assert_allclose(hits[0][2], way, atol=1e-12)
+
+
+def test_between_two_walls_both_are_met(tmp_path: Path) -> None:
+    # a channel open on one side, twice as wide as thick: 0.1 from wall to wall and to its floor
+    nodes = [[0, 0, 0], [0, 1, 0], [0.4, 1, 0], [0.4, 0, 0], [0.4, 1, 0.15], [0.4, 0, 0.15]]
+    nodes += [[0, 1, 0.15], [0, 0, 0.15]]
+    quads = [[1, 2, 3, 4], [4, 3, 5, 6], [6, 5, 7, 8]]
+    bench = Bench(tmp_path, nodes, quads)
+    # inside, both walls are on one side of the surface: the nearest is met
+    ((_, depth, normal),) = bench.look([0.1, 0.5, 0.06])
+    assert depth == pytest.approx(0.04, abs=1e-14)
+    np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-12)
+
+
+def test_faces_across_sides_and_rings_about_nodes() -> None:
+    n = 6
+    at = np.arange(n * n).reshape(n, n)
+    quads = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 4)
+    beside = faces_beside(quads).reshape(-1, 4)
+    assert list(beside[6]) == [1, 7, 11, 5] and list(beside[0]) == [-1, 1, 5, -1]
+    from crashsolve.model.nodal import faces_around
+
+    around = faces_around(quads, n * n)
+    for ring in range(3):
+        first, spared = spare(quads, around, ring)
+        i, j = 3, 2
+        found = spared[first[n * i + j] : first[n * i + j + 1]]
+        rows, columns = np.divmod(found, n - 1)
+        assert set(rows) == set(range(max(i - 1 - ring, 0), min(i + ring, n - 2) + 1))
+        assert set(columns) == set(range(max(j - 1 - ring, 0), min(j + ring, n - 2) + 1))
+        assert len(found) == len(set(rows)) * len(set(columns))
+
+
+RUB = {"type": "coulomb", "coefficient": 0.3, "none_below": 0.01, "full_above": 0.1}
+STICK = {
+    **{"type": "beam", "section": "bar", "material": "m"},
+    "mesh": {"shape": "line", "from": [0, 0, 5], "to": [1, 0, 5], "elements": 2},
+}
+
+
+# --- what is refused -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"surfaces": {"faces": {"part": "stick"}}}, "'stick' has no surface; name a shell"),
+        ({"surfaces": {"own": {"radius": 0.0}}}, "no thickness of their own"),
+        ({"contacts": {"hit": {"a": ["faces"]}}}, "only nodes and balls can"),
+        ({"contacts": {"hit": {"friction": RUB}}}, "without friction"),
+        ({"control": {"integrator": "dormand_prince_5"}}, "whole steps"),
+        ({"control": {"integrator": "radau_iia_5"}}, "whole steps"),
+    ],
+)
+def test_what_cannot_be_is_refused(change: dict[str, Any], message: str, tmp_path: Path) -> None:
+    Bench(tmp_path, *STRIP)
+    deck = yaml.safe_load((tmp_path / "bench.yaml").read_text("utf-8"))
+    deck["sections"] = {"bar": {"type": "circle", "radius": 0.1}}
+    deck["parts"]["stick"] = STICK
+    for keyword, entries in change.items():
+        for name, words in entries.items():
+            if isinstance(words, dict):
+                deck[keyword][name].update(words)
+            else:
+                deck[keyword][name] = words
+    path = tmp_path / "wrong.yaml"
+    path.write_text(yaml.safe_dump(deck), "utf-8")
+    with pytest.raises(DeckErrors, match=message):
+        build(read_deck(path))
+
+
+# --- whole runs ----------------------------------------------------------------------------------
+
+
+def run(folder: Path, **changes: object) -> Result:
+    words = [w for name, value in changes.items() for w in ("--set", f"{name}={value}")]
+    done = crashsolve(DECK, "-o", folder, "--set", "control.estimate=off", *words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return Result(folder)
+
+
+@runs
+def test_a_bounce_is_of_second_order_in_the_step(tmp_path: Path) -> None:
+    lost = []
+    for step in (8e-6, 4e-6, 2e-6):
+        folder = tmp_path / f"{step}"
+        result = run(folder, **{"control.step": step})
+        lost.append(np.abs(result.series("glstat.model.balance").values).max())
+    # onsets fall anywhere within a step: the ratio of 4 is not met to the digit
+    assert lost[0] / lost[2] > 8.0
+
+
+@runs
+def test_nothing_is_shot_through_a_face_with_a_long_step(tmp_path: Path) -> None:
+    speed, step, t, end = 130.0, 8e-6, 5e-4, 4e-4
+    # a step would bring the dart from clear of one side of the plate to clear of the other
+    assert speed * step > 2.0 * t
+    changes = {"control.step": step, "control.end_time": end, "control.energy_limit": "off"}
+    result = run(tmp_path, dart_speed=speed, ball_speed=0.0, t=t, **changes)
+    assert result.series("glstat.model.cycle").values[-1] > 1.05 * end / step
+    # stopped and sent back: more than the momentum it came with
+    momentum = 1200.0 * t * 0.03 * 0.03 * speed
+    assert result.series("rcforc.dart.impulse.z").values[-1] > 1.2 * momentum
+
+
+@runs
+def test_a_run_goes_on_from_its_dump_to_the_same_bits(tmp_path: Path) -> None:
+    deck = tmp_path / "faces.yaml"
+    text = DECK.read_text("utf-8").partition("expect:")[0]
+    text = text.replace("2e-5}}", "2e-5}, restart: {every: 5e-4}}").replace("6e-3", "3e-3")
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "whole")
+    assert done.returncode == 0, done.stdout + done.stderr
+    gone_on(deck, tmp_path / "whole", tmp_path / "again")
