@@ -12,14 +12,6 @@ class Control(Card):
 
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
-    solution: Literal["transient", "quasi_static"] = word(
-        "transient: motion; quasi_static: equilibria under the loads of each moment", "transient"
-    )
-    steps: int = word(
-        "of quasi_static, equal load steps, sampled each; output.history.interval goes before",
-        default=10,
-        ge=1,
-    )
     integrator: Literal[
         "rattle",
         "dormand_prince_5",
@@ -72,6 +64,14 @@ class Control(Card):
         "1", "error of the constraints over the size of the model", 1e-10, gt=0
     )
     check_every: int = word("steps between two looks at energy and constraints", 100, ge=1)
+    solution: Literal["transient", "quasi_static"] = word(
+        "transient: motion; quasi_static: equilibria under the loads of each moment", "transient"
+    )
+    steps: int = word(
+        "of quasi_static, equal load steps, sampled each; output.history.interval goes before",
+        default=10,
+        ge=1,
+    )
 
     @model_validator(mode="after")
     def _in_order(self) -> "Control":
