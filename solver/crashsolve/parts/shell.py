@@ -320,9 +320,9 @@ class Laid:
         self.heavier = self._heavier(scene)
         share = np.full(x.shape[:2], 0.25)
         share[self.quad_count :] = [1 / 3, 1 / 3, 1 / 3, 0]
-        share *= (self.heavier * self.weight)[:, None]
-        self.mass = np.bincount(corners, share.ravel(), n)
-        self.J = np.bincount(corners, (share * self.radius_2[:, None]).ravel(), n)
+        mass = share * (self.heavier * self.weight)[:, None]
+        self.mass = np.bincount(corners, mass.ravel(), n)
+        self.J = np.bincount(corners, (mass * self.radius_2[:, None]).ravel(), n)
         self.named = [nearest(self.mesh.points, node) for node in card.nodes]
         self.traced = [nearest(self.mesh.points, node) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
