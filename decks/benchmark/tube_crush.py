@@ -22,7 +22,12 @@ from crashpost.result import Result  # noqa: E402
 DECK = HERE / "tube_crush.yaml"
 PICTURES = HERE / "tube_crush"
 MEASURED = ROOT.parent / "shared" / "data" / "tube_crush"
-MESHES = {"5 mm": {}, "3 mm": {"across": 20, "along": 120}}
+COARSE = {"across": 12, "along": 72}
+MESHES: dict[str, dict[str, int | str]] = {
+    "5 mm": COARSE,
+    "5 mm, fully integrated": COARSE | {"parts.tube.element": "fully_integrated"},
+    "3 mm": {},
+}
 FRAMES = (0, 2, 4, 8, 12, 20)  # ms
 WINDOW = 1e-4  # of the mean force [s]
 SAMPLE, LENGTH, KINETIC = 2e-5, 360.0, 3050.9  # s, mm, J
@@ -149,7 +154,7 @@ def draw_film(result: Result, plt: Any) -> None:
     """The tube at FRAMES, coloured by plastic strain in its middle surface."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    figure = plt.figure(figsize=(2.6 * len(FRAMES), 5.0))
+    figure = plt.figure(figsize=(2.0 * len(FRAMES), 3.4))
     with h5py.File(result.folder / "mesh.h5") as file:
         points, quads = file["part_tube/points"][:], file["part_tube/cells"][:]
     states = sorted((result.folder / "states").glob("*.h5"))
@@ -163,7 +168,7 @@ def draw_film(result: Result, plt: Any) -> None:
         faces.set_facecolor(plt.cm.viridis(np.clip(strain[shown] / 0.6, 0.0, 1.0)))
         ax.add_collection3d(faces)
         ax.set(xlim=(-45, 45), ylim=(-45, 45), zlim=(0, SHOWN), title=f"{moment} ms")
-        ax.set_box_aspect((90, 90, SHOWN))
+        ax.set_box_aspect((90, 90, SHOWN), zoom=1.45)
         ax.view_init(18, -50)
         ax.set_axis_off()
     save(figure, "film")

@@ -124,6 +124,37 @@ def grow(blocks, at, soft, more, rate):
     return (old + 0.5 * more) * rate
 
 
+@inlined
+def grow_modes(blocks, at, h, t, k, k_s, q, change):
+    """Hourglass stresses after a step, by the rates of what one point does not see.
+
+    Writes: blocks.
+    """
+    soft, row = at + LANES * SOFT_PLANE, at + LANES * PLANE_Q
+    q_x, q_y, p_x, p_y = q
+    k_b = h * t * t / 12.0
+    more = (
+        h * (k[0] * q_x + k[2] * q_y),
+        h * (k[1] * q_y + k[2] * q_x),
+        k_b * (k[0] * p_x + k[2] * p_y),
+        k_b * (k[1] * p_y + k[2] * p_x),
+    )
+    work_on = grow(blocks, row, blocks[soft], more[0], q_x)
+    work_on += grow(blocks, row + LANES, blocks[soft + LANES], more[1], q_y)
+    work_on += grow(blocks, row + 2 * LANES, blocks[soft + 2 * LANES], more[2], p_x)
+    work_on += grow(blocks, row + 3 * LANES, blocks[soft + 3 * LANES], more[3], p_y)
+    work_on += grow(blocks, row + 4 * LANES, 1.0, h * k_s[0] * change[0], change[0])
+    work_on += grow(blocks, row + 5 * LANES, 1.0, h * k_s[1] * change[1], change[1])
+    blocks[at + LANES * HOURGLASS] += h * work_on
+
+
+@inlined
+def put_four(work, row, e, u):
+    """Four numbers in rows one after the other. Writes: work."""
+    at = LANES * row + e
+    work[at], work[at + LANES], work[at + 2 * LANES], work[at + 3 * LANES] = u
+
+
 @kernel
 def strain(blocks, first, work, h, p):
     """Strains of a step of h, and the hourglass stresses after it, with the geometry of its middle.
@@ -159,33 +190,15 @@ def strain(blocks, first, work, h, p):
         )
         t = blocks[first + LANES * THICKNESS + e]
         k, k_s = hourglass_stiffness(flat, area, E, G, nu, t)
-        soft = first + LANES * SOFT_PLANE + e
-        k_b = h * t * t / 12.0
+        grow_modes(blocks, first + e, h, t, k, k_s, (q_x, q_y, p_x, p_y), change)
         at = first + LANES * PLANE_Q + e
-        work_on = grow(blocks, at, blocks[soft], h * (k[0] * q_x + k[2] * q_y), q_x)
-        work_on += grow(
-            blocks, at + LANES, blocks[soft + LANES], h * (k[1] * q_y + k[2] * q_x), q_y
-        )
-        work_on += grow(
-            blocks, at + 2 * LANES, blocks[soft + 2 * LANES], k_b * (k[0] * p_x + k[2] * p_y), p_x
-        )
-        work_on += grow(
-            blocks, at + 3 * LANES, blocks[soft + 3 * LANES], k_b * (k[1] * p_y + k[2] * p_x), p_y
-        )
-        work_on += grow(blocks, at + 4 * LANES, 1.0, h * k_s[0] * change[0], change[0])
-        work_on += grow(blocks, at + 5 * LANES, 1.0, h * k_s[1] * change[1], change[1])
-        blocks[first + LANES * HOURGLASS + e] += h * work_on
         blocks[at + 6 * LANES] += h * 5.0 / 6.0 * G * gamma[0]
         blocks[at + 7 * LANES] += h * 5.0 / 6.0 * G * gamma[1]
         blocks[at + 8 * LANES] += h * DRILLING * G * t * area * drill
         work[LANES * AREA + e] = area
         work[LANES * DEPTH + e] = t
-        at = LANES * MODES + e
-        work[at], work[at + LANES] = h * q_x, h * q_y
-        work[at + 2 * LANES], work[at + 3 * LANES] = h * p_x, h * p_y
-        at = LANES * FLAT + e
-        work[at], work[at + LANES] = flat[0], flat[1]
-        work[at + 2 * LANES], work[at + 3 * LANES] = flat[2], flat[3]
+        put_four(work, MODES, e, (h * q_x, h * q_y, h * p_x, h * p_y))
+        put_four(work, FLAT, e, flat)
 
 
 @inlined
