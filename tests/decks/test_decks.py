@@ -1,7 +1,7 @@
 """Claim: every deck runs to its normal end and meets its own expectations.
 
 The scenes have tests of their own, in tests/scenes. A deck whose first line is `# long` takes
-minutes and runs with `make long`.
+long to run or to compile, and is run by `make long`.
 """
 
 from pathlib import Path
@@ -16,7 +16,7 @@ FOLDERS = ("tutorial", "verification", "benchmark")
 
 
 def _decks() -> list[object]:
-    """Decks to run, those that take minutes marked as long."""
+    """Decks to run, those that take long marked so."""
     found: list[object] = []
     for folder in FOLDERS:
         for path in sorted((DECKS / folder).rglob("*.yaml")):
