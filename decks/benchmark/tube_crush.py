@@ -22,12 +22,7 @@ from crashpost.result import Result  # noqa: E402
 DECK = HERE / "tube_crush.yaml"
 PICTURES = HERE / "tube_crush"
 MEASURED = ROOT.parent / "shared" / "data" / "tube_crush"
-COARSE = {"across": 12, "along": 72}
-MESHES: dict[str, dict[str, int | str]] = {
-    "5 mm": COARSE,
-    "5 mm, fully integrated": COARSE | {"parts.tube.element": "fully_integrated"},
-    "3 mm": {},
-}
+MESHES = {"5 mm": {"across": 12, "along": 72}, "3 mm": {}}
 FRAMES = (0, 2, 4, 8, 12, 20)  # ms
 WINDOW = 1e-4  # of the mean force [s]
 SAMPLE, LENGTH, KINETIC = 2e-5, 360.0, 3050.9  # s, mm, J
