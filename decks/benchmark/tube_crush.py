@@ -149,7 +149,7 @@ def draw_film(result: Result, plt: Any) -> None:
     """The tube at FRAMES, coloured by plastic strain in its middle surface."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    figure = plt.figure(figsize=(2.0 * len(FRAMES), 3.4))
+    figure = plt.figure(figsize=(1.8 * len(FRAMES), 3.6))
     with h5py.File(result.folder / "mesh.h5") as file:
         points, quads = file["part_tube/points"][:], file["part_tube/cells"][:]
     states = sorted((result.folder / "states").glob("*.h5"))
@@ -163,7 +163,7 @@ def draw_film(result: Result, plt: Any) -> None:
         faces.set_facecolor(plt.cm.viridis(np.clip(strain[shown] / 0.6, 0.0, 1.0)))
         ax.add_collection3d(faces)
         ax.set(xlim=(-45, 45), ylim=(-45, 45), zlim=(0, SHOWN), title=f"{moment} ms")
-        ax.set_box_aspect((90, 90, SHOWN), zoom=1.45)
+        ax.set_box_aspect((90, 90, SHOWN), zoom=1.12)
         ax.view_init(18, -50)
         ax.set_axis_off()
     save(figure, "film")
@@ -172,7 +172,7 @@ def draw_film(result: Result, plt: Any) -> None:
 def save(figure: Any, name: str) -> None:
     PICTURES.mkdir(exist_ok=True)
     figure.tight_layout()
-    figure.savefig(PICTURES / f"{name}.png", dpi=90)
+    figure.savefig(PICTURES / f"{name}.png", dpi=110, bbox_inches="tight")
 
 
 def main() -> None:
