@@ -56,6 +56,7 @@ class NodalGroup:
     card: str
     narrow: Any | None  # gap routine of a shape; None for faces
     normal: Any
+    friction: Any | None
     arrays: dict[str, np.ndarray]  # see model/nodal.py
 
     # what a run writes, and what grows with it

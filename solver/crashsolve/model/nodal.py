@@ -38,6 +38,7 @@ PARAMETERS = Record(
     order=("count", "+1 when probes are on side a of the card, -1 when on side b"),
     speed_floor=("m/s", "closing speed below which a touch counts as resting"),
     gap=("m", "of probe and mid-surface, below which they touch"),
+    share=("1", "of what is left of the gap between both, on the side of the probe"),
     reach=("m", "by which a step may bring both nearer"),
     margin=("m", "beyond the gap, of the lists of near faces"),
     extent=("m", "the model's size, for the speed of shapes that turn"),
@@ -58,6 +59,8 @@ TALLY = Record(
     searches=("count", "lists made"),
     stored=("J", "recoverable energy"),
     dissipated=("J", "lost by the normal force"),
+    bristled=("J", "recoverable energy of friction"),
+    rubbed=("J", "lost by friction"),
     depth=("m", "deepest touch"),
 )
 SLOT = Record(
@@ -68,6 +71,10 @@ SLOT = Record(
     force=("N", "on the probe"),
     face=("index", "that is touched"),
     normal=("1", 3, "towards the probe"),
+)
+RUB = Record(
+    rub=("N", 3, "friction on the probe"),
+    rub_power=("W", "dissipated by it"),
 )
 HIT = Record(
     depth=("m", "penetration; 0: no touch"),
@@ -116,22 +123,26 @@ class NodalBuilder:
         values["extent"] = self.scene.size
         pair = Touching(entry.name, a, b, self.scene)
         values |= law.build(entry.card.normal, self.scene, pair)
+        friction = self._friction(entry)
+        if friction is not None:
+            values |= friction.build(entry.card.friction, self.scene)
         make = self._on_faces if b.shape == "faces" else self._on_shape
-        record = PARAMETERS + law.PARAMETERS
         narrow, own, slots = make(probes, a, b, routine)
-        arrays = self._common(probes, record, values | own.pop("values"), slots, law) | own
+        arrays = self._common(probes, values | own.pop("values"), slots, law, friction) | own
         word = f"nodal_{len(self.groups)}"
-        self.groups.append(NodalGroup(word, entry.name, narrow, law, arrays))
+        self.groups.append(NodalGroup(word, entry.name, narrow, law, friction, arrays))
 
     def _law(self, entry: Entry) -> Any:
         """Module of the normal law; what nodal contact lacks is refused."""
         if not hasattr(entry.card, "normal"):
             message = "holds nodes that are bodies; shell nodes and faces need a law of force"
             raise self.scene.fail(f"{message}: type: force, normal: {{type: penalty}}")
-        if entry.card.friction is not None:
-            message = "nodes and faces of shells touch without friction; leave it out"
-            raise self.scene.fail(message, "friction")
         return import_module(type(entry.card.normal).__module__)
+
+    def _friction(self, entry: Entry) -> Any | None:
+        """Module of the friction law, if there is one."""
+        card = entry.card.friction
+        return None if card is None else import_module(type(card).__module__)
 
     def _probes(self, surface: Any) -> Probes:
         card = surface.entry.card
@@ -147,9 +158,12 @@ class NodalBuilder:
         return Probes(rows, float(surface.elements[0]["radius"]), None, None, 0)
 
     def _common(
-        self, probes: Probes, record: Record, values: dict[str, Any], slots: int, law: Any
+        self, probes: Probes, values: dict[str, Any], slots: int, law: Any, friction: Any
     ) -> dict[str, np.ndarray]:
         """Arrays of every group."""
+        record, slot = PARAMETERS + law.PARAMETERS, SLOT + law.HISTORY
+        if friction is not None:
+            record, slot = record + friction.PARAMETERS, slot + RUB + friction.HISTORY
         p, n = np.zeros(1, record.dtype), len(probes.rows)
         for name, value in values.items():
             p[name] = value
@@ -159,7 +173,7 @@ class NodalBuilder:
             "p": p,
             "tally": tally,
             "probes": probes.rows,
-            "slots": np.zeros((2, slots * n), (SLOT + law.HISTORY).dtype),
+            "slots": np.zeros((2, slots * n), slot.dtype),
             "turns": np.zeros(slots * n, np.int64),
             "due": np.zeros(n),
             "found": np.zeros(2, HIT.dtype),
@@ -194,7 +208,8 @@ class NodalBuilder:
             (b.module.half_thickness(e) for e in b.elements if hasattr(b.module, "half_thickness")),
             default=inf,
         )
-        values = {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
+        values = {"gap": probes.radius, "share": 1.0}
+        values |= {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
         values |= {"point_count": len(probes.rows), "extent": self.scene.size}
         return narrow, own | {"values": values}, 1
 
@@ -222,7 +237,8 @@ class NodalBuilder:
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
         values = {
-            **{"gap": gap, "reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
+            **{"gap": gap, "share": probes.radius / gap},
+            **{"reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
             **{"first_point": first, "point_count": len(laid.mass), "own": is_own},
             **{"first_corner": corner, "face_count": count, "first_own": first},
             **{"bucket_count": buckets, "room": room},
