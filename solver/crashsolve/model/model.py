@@ -57,6 +57,7 @@ class NodalGroup:
     narrow: Any | None  # gap routine of a shape; None for faces
     normal: Any
     arrays: dict[str, np.ndarray]  # see model/nodal.py
+    is_smooth: bool = False  # normals of faces from a continuous field
 
     # what a run writes, and what grows with it
     CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait")

@@ -186,6 +186,8 @@ def _imports(model: Any) -> str:
     lines = ["from crashsolve.system import contacts" + ", points" * bool(model.elements)]
     if model.nodal_groups:
         lines.append("from crashsolve.system import faces, nodal")
+    if any(n.is_smooth for n in model.nodal_groups):
+        lines.append("from crashsolve.system import normals")
     if has_slaves(model):
         lines.append("from crashsolve.system import slaves")
     if captures(model):
