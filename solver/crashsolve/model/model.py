@@ -58,6 +58,7 @@ class NodalGroup:
     normal: Any
     friction: Any | None
     arrays: dict[str, np.ndarray]  # see model/nodal.py
+    is_smooth: bool = False  # normals of faces from a continuous field
 
     # what a run writes, and what grows with it
     CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait")

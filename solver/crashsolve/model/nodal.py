@@ -130,7 +130,9 @@ class NodalBuilder:
         narrow, own, slots = make(probes, a, b, routine)
         arrays = self._common(probes, values | own.pop("values"), slots, law, friction) | own
         word = f"nodal_{len(self.groups)}"
-        self.groups.append(NodalGroup(word, entry.name, narrow, law, friction, arrays))
+        is_smooth = getattr(b.entry.card, "normals", None) == "continuous"
+        group = NodalGroup(word, entry.name, narrow, law, friction, arrays, is_smooth)
+        self.groups.append(group)
 
     def _law(self, entry: Entry) -> Any:
         """Module of the normal law; what nodal contact lacks is refused."""

@@ -188,6 +188,8 @@ def _imports(model: Any) -> str:
     if model.nodal_groups:
         rubs = any(n.friction for n in model.nodal_groups)
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
+    if any(n.is_smooth for n in model.nodal_groups):
+        lines.append("from crashsolve.system import normals")
     if has_slaves(model):
         lines.append("from crashsolve.system import slaves")
     if captures(model):

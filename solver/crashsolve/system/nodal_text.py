@@ -20,7 +20,7 @@ def {word}(clock, h, nodes, curves, groups):
             continue
         x, v = nodal.where(probes[i], h, nodes, points)
         faces.look(i, x, p, tally, slots, turns, mesh, lists, found)
-        for s in range(2):
+{field}        for s in range(2):
             j = 2 * i + s
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
             if hit.depth <= 0.0:
@@ -44,6 +44,7 @@ def {word}(clock, h, nodes, curves, groups):
             nodal.take_turn(h, turns, j)
     nodal.close_pass(tally, card)
 """
+FIELD = "        normals.smoothen(i, x, p, mesh, spared, found)\n"
 SHAPE = """\
 @kernel
 def {word}(clock, h, nodes, curves, groups):
@@ -131,7 +132,7 @@ def nodal_function(group: Any) -> str:
         end = END.format(friction=friction)
         words |= {"rub": _outdented(rub, deep), "end": _outdented(end, deep)}
     if not is_shape:
-        return FACES.format(**words)
+        return FACES.format(**words, field=FIELD if group.is_smooth else "")
     names = [f"groups.{group.word}_{name}" for name in group.arrays if name.startswith("data_")]
     data = "(" + "".join(f"{name}, " for name in names).rstrip(" ") + ")"
     return SHAPE.format(**words, narrow=f"narrow_{_leaf(group.narrow)}", data=data)
