@@ -309,7 +309,6 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
         assert len(found) == len(set(rows)) * len(set(columns))
 
 
-RUB = {"type": "coulomb", "coefficient": 0.3, "none_below": 0.01, "full_above": 0.1}
 STICK = {
     **{"type": "beam", "section": "bar", "material": "m"},
     "mesh": {"shape": "line", "from": [0, 0, 5], "to": [1, 0, 5], "elements": 2},
@@ -325,7 +324,6 @@ STICK = {
         ({"surfaces": {"faces": {"part": "stick"}}}, "'stick' has no surface; name a shell"),
         ({"surfaces": {"own": {"radius": 0.0}}}, "no thickness of their own"),
         ({"contacts": {"hit": {"a": ["faces"]}}}, "only nodes and balls can"),
-        ({"contacts": {"hit": {"friction": RUB}}}, "without friction"),
         ({"control": {"integrator": "dormand_prince_5"}}, "whole steps"),
         ({"control": {"integrator": "radau_iia_5"}}, "whole steps"),
     ],

@@ -20,7 +20,16 @@ from crashsolve.contact.cells import corner_points, list_near, measure, sort
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.vec3 import add, add_scaled, add_to, dot, norm, put, scale, sub, vec
-from crashsolve.system.nodal import count, fastest, foretells, foretold, give, open_pass, settle, where
+from crashsolve.system.nodal import (
+    count,
+    fastest,
+    foretells,
+    foretold,
+    give,
+    open_pass,
+    settle,
+    where,
+)
 
 # a distance of this share of the gap has no direction
 NO_WAY = 1e-9
@@ -223,7 +232,12 @@ def face_velocity(p, hit, h, points, corners):
 @kernel
 def face_mobility(p, hit, points, corners):
     """Acceleration of that place over a force on it [1/kg], and what points foretell of it."""
-    at, n, w, foretold_w = corner_points(p.first_corner, hit.face, corners), vec(hit.normal), 0.0, 0.0
+    at, n, w, foretold_w = (
+        corner_points(p.first_corner, hit.face, corners),
+        vec(hit.normal),
+        0.0,
+        0.0,
+    )
     for k in range(4):
         b, square = points[at[k]], hit.N[k] * hit.N[k]
         w += square * give(b, n)

@@ -169,7 +169,7 @@ def closing(v, v_other, hit, h, old, w):
 
 @kernel
 def give(b, n):
-    """Acceleration of a point along n over a force there [1/kg]; motions that are held give none."""
+    """Acceleration of a point along n over a force there [1/kg]; what is held gives none."""
     return b.mass_inv * dot(free_part(b.held, n), n)
 
 
