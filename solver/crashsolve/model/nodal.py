@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.contact.cells import CELL
+from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.model import NodalGroup
 from crashsolve.model.nodes import NODE
@@ -47,6 +48,12 @@ PARAMETERS = Record(
     own=("flag", "whether the probes are among them"),
     first_corner=("index", "of the faces"),
     face_count=("count", "faces"),
+    quads=("count", "of them, quadrilaterals; triangles come after them"),
+    empty=("count", "lanes that the last block of quadrilaterals leaves empty"),
+    first_number=("index", "in blocks, of quadrilaterals"),
+    stride=("count", "numbers of a block of them"),
+    first_third=("index", "in blocks, of triangles"),
+    stride_third=("count", "numbers of a block of triangles"),
     first_own=("index", "first point of the part with the faces"),
     bucket_count=("count", "buckets of cubes, a power of two"),
     room=("count", "of the lists of near faces"),
@@ -69,6 +76,7 @@ SLOT = Record(
     impact_speed=("m/s", "closing speed at the onset, not below the floor"),
     power=("W", "dissipated"),
     force=("N", "on the probe"),
+    stored=("J", "recoverable energy"),
     face=("index", "that is touched"),
     normal=("1", 3, "towards the probe"),
 )
@@ -131,7 +139,8 @@ class NodalBuilder:
         arrays = self._common(probes, values | own.pop("values"), slots, law, friction) | own
         word = f"nodal_{len(self.groups)}"
         is_smooth = getattr(b.entry.card, "normals", None) == "continuous"
-        group = NodalGroup(word, entry.name, narrow, law, friction, arrays, is_smooth)
+        can_fail = b.shape == "faces" and self.scene.can_fail(b.entry.card.part)
+        group = NodalGroup(word, entry.name, narrow, law, friction, arrays, is_smooth, can_fail)
         self.groups.append(group)
 
     def _law(self, entry: Entry) -> Any:
@@ -219,10 +228,9 @@ class NodalBuilder:
         """Probes against the faces of a shell."""
         card = b.entry.card
         laid, corner, first = self.scene.skin(card.part, "part")
-        if laid.quad_count < len(laid.area) or laid.can_fail:
-            what = "elements that fail" if laid.can_fail else "triangles"
-            message = f"part '{card.part}' has {what}, and only faces of quadrilaterals that stay"
-            raise self.scene.fail(f"{message} can be met", "b")
+        if laid.quad_count < len(laid.area) and card.normals == "continuous":
+            message = f"part '{card.part}' has triangles, and only quadrilaterals have a field of"
+            raise self.scene.fail(f"{message} normals; leave `normals: continuous` out", "b")
         is_own = probes.part == card.part
         if is_own and probes.radius == 0.0:
             t = card.thickness or laid.card.thickness
@@ -243,6 +251,7 @@ class NodalBuilder:
             **{"reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
             **{"first_point": first, "point_count": len(laid.mass), "own": is_own},
             **{"first_corner": corner, "face_count": count, "first_own": first},
+            **self._places(card.part, laid),
             **{"bucket_count": buckets, "room": room},
         }
         own = {
@@ -253,12 +262,23 @@ class NodalBuilder:
             "starts": np.zeros(buckets + 1, np.int64),
             "sorted": np.zeros(count, np.int64),
             "beside": faces_beside(quads),
+            "gone": np.zeros(count, np.int64),
             "around_first": around[0],
             "around": around[1],
             "spared_first": spared[0],
             "spared": spared[1],
         }
         return None, own | {"values": values}, 2
+
+    def _places(self, part: str, laid: Any) -> dict[str, int]:
+        """Where the tables hold quadrilaterals and triangles."""
+        filled, first = -(-laid.quad_count // LANES), self.scene.first_number(part)
+        stride = laid.stride_of(laid.points)
+        return {
+            **{"quads": laid.quad_count, "empty": filled * LANES - laid.quad_count},
+            **{"first_number": first, "stride": stride},
+            **{"first_third": first + filled * stride, "stride_third": laid.stride_of(1)},
+        }
 
 
 class Touching:
@@ -308,7 +328,9 @@ def faces_beside(quads: np.ndarray) -> np.ndarray:
     low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort((high, low))
     beside = np.full(len(ends), -1, np.int64)
-    # the side of no length of a triangle has nothing across it
+    # over the side of no length of a triangle lies the triangle itself
+    none = np.flatnonzero(low == high)
+    beside[none] = none // 4
     has_length = (low < high)[order[1:]]
     alike = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
     same = np.flatnonzero(alike & has_length)

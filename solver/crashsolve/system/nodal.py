@@ -154,7 +154,7 @@ def leave(clock, h, tally, turns, j, old, new):
     """A slot is free again. Writes: tally, turns, new."""
     tally.dissipated += clock.lead * old.power
     new.active = 0
-    new.power = new.depth = new.impact_speed = new.force = 0.0
+    new.power = new.depth = new.impact_speed = new.force = new.stored = 0.0
     take_turn(h, turns, j)
 
 
@@ -201,7 +201,7 @@ def note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit):
     if h > 0.0:
         tally.dissipated += clock.lead * old.power + clock.share * power + loss
     new.power = power
-    new.force = f
+    new.force, new.stored = f, stored
     new.face = hit.face
     put(new.normal, vec(hit.normal))
     tally.depth = max(tally.depth, hit.depth)

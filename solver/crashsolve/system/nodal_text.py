@@ -12,10 +12,11 @@ def {word}(clock, h, nodes, curves, groups):
     lists = (groups.{word}_first, groups.{word}_near, groups.{word}_wait, due)
     grid = (groups.{word}_cells, groups.{word}_starts, groups.{word}_sorted)
     around = (groups.{word}_around_first, groups.{word}_around)
-    mesh = (points, corners, groups.{word}_beside, around[0], around[1])
+    gone = groups.{word}_gone
+    mesh = (points, corners, groups.{word}_beside, around[0], around[1], gone)
     spared = (groups.{word}_spared_first, groups.{word}_spared)
     faces.open_faces(h, p, tally, probes, nodes, points, corners, grid, lists, spared)
-    for i in range(probes.shape[0]):
+{bury}    for i in range(probes.shape[0]):
         if due[i] > tally.way:
             continue
         x, v = nodal.where(probes[i], h, nodes, points)
@@ -25,7 +26,7 @@ def {word}(clock, h, nodes, curves, groups):
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
             if hit.depth <= 0.0:
                 if old.active == 1:
-                    nodal.leave(clock, h, tally, turns, j, old, new)
+{lose}                    nodal.leave(clock, h, tally, turns, j, old, new)
                     {law}.release(p, old, new)
 {end}                continue
             mob = nodal.mobility_of(probes[i], hit, nodes, points)
@@ -45,6 +46,9 @@ def {word}(clock, h, nodes, curves, groups):
     nodal.close_pass(tally, card)
 """
 FIELD = "        normals.smoothen(i, x, p, mesh, spared, found)\n"
+# of parts that may fail
+BURY = "    faces.bury(p, groups.lanes, gone)\n"
+LOSE = "                    faces.let_go(tally, old, gone)\n"
 SHAPE = """\
 @kernel
 def {word}(clock, h, nodes, curves, groups):
@@ -132,7 +136,9 @@ def nodal_function(group: Any) -> str:
         end = END.format(friction=friction)
         words |= {"rub": _outdented(rub, deep), "end": _outdented(end, deep)}
     if not is_shape:
-        return FACES.format(**words, field=FIELD if group.is_smooth else "")
+        words |= {"field": FIELD if group.is_smooth else ""}
+        words |= {"bury": BURY, "lose": LOSE} if group.can_fail else {"bury": "", "lose": ""}
+        return FACES.format(**words)
     names = [f"groups.{group.word}_{name}" for name in group.arrays if name.startswith("data_")]
     data = "(" + "".join(f"{name}, " for name in names).rstrip(" ") + ")"
     return SHAPE.format(**words, narrow=f"narrow_{_leaf(group.narrow)}", data=data)

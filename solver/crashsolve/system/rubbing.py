@@ -86,7 +86,7 @@ def probe_foretells(probe, d, old, points):
 @kernel
 def face_velocity(p, hit, d, h, points, corners):
     """Velocity of the place d from that of a face that is touched."""
-    at, v, w = corner_points(p.first_corner, hit.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    at, v, w = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(4):
         v = add_scaled(v, hit.N[k], foretold(points[at[k]], h))
         w = add_scaled(w, hit.N[k], turning(points[at[k]], h))
@@ -96,7 +96,7 @@ def face_velocity(p, hit, d, h, points, corners):
 @kernel
 def face_foretells(p, hit, d, old, a, points, corners):
     """a, and how the place d from that of a face moves away from under the same friction."""
-    at = corner_points(p.first_corner, hit.face, corners)
+    at = corner_points(p, hit.face, corners)
     for k in range(4):
         b = points[at[k]]
         a = add_scaled(a, hit.N[k] * hit.N[k], moves(b, d, vec(old.rub)))
@@ -129,7 +129,7 @@ def rub_probe(probe, t, u, d, k, c, nodes, scene):
 @kernel
 def rub_face(p, hit, t, d, k, c, scene):
     """Minus the friction t in the place d from a face. Writes: scene.points, stiffened."""
-    at = corner_points(p.first_corner, hit.face, scene.corners)
+    at = corner_points(p, hit.face, scene.corners)
     for j in range(4):
         b, share = scene.points[at[j]], scale(-hit.N[j], t)
         add_to(b.force, share)
