@@ -103,6 +103,8 @@ class Elements:
     work: np.ndarray
     parts: dict[str, Any]  # in place, by name
     point_mass: float  # of the points that ride on no body
+    taps: np.ndarray  # elements of sections, block by block, see parts/_cut.py
+    cuts: np.ndarray
 
 
 @dataclass
