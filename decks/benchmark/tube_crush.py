@@ -125,7 +125,9 @@ def checked(runs: dict[str, Result]) -> str:
         told.append(f"{1e6 * values(result, 'rcforc.folds.peak_depth').max():.0f}")
         told += [f"{cycles:.0f}", f"{cpu:.0f}", f"{1e-6 * cycles * count / cpu:.2f}"]
         lines.append([mesh, *told])
-    head = "element, mesh|balance [%]|elastic|hourglass|drilling|plastic [%]|deepest touch [um]|cycles"
+    head = (
+        "element, mesh|balance [%]|elastic|hourglass|drilling|plastic [%]|deepest touch [um]|cycles"
+    )
     return table(f"{head}|CPU [s]|million element-cycles/s", lines)
 
 

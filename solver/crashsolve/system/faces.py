@@ -75,10 +75,10 @@ def bury(p, blocks, gone):
 
 
 @kernel
-def let_go(tally, old, gone):
-    """What a touch had stored is lost with the element. Writes: tally."""
-    if gone[old.face] == 1:
-        tally.dissipated += old.stored
+def let_go(h, tally, old, stored, gone):
+    """What a touch has stored less than before is lost with the element. Writes: tally."""
+    if h > 0.0 and old.active == 1 and gone[old.face] == 1:
+        tally.dissipated += old.stored - stored
 
 
 @kernel

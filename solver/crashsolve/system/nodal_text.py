@@ -39,7 +39,7 @@ def {word}(clock, h, nodes, curves, groups):
             f, stored, power, loss, k, c = {law}.normal_force(
                 p, old, new, h, hit.depth, rate, mass, curves
             )
-{rub}            nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
+{jump}{rub}            nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
             faces.push_face(p, hit, f, k, c, groups)
             nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)
             nodal.take_turn(h, turns, j)
@@ -48,7 +48,9 @@ def {word}(clock, h, nodes, curves, groups):
 FIELD = "        normals.smoothen(i, x, p, mesh, spared, found)\n"
 # of parts that may fail
 BURY = "    faces.bury(p, groups.lanes, gone)\n"
-LOSE = "                    faces.let_go(tally, old, gone)\n"
+LOSE = "                    faces.let_go(h, tally, old, 0.0, gone)\n"
+JUMP = "            faces.let_go(h, tally, old, stored, gone)\n"
+FAILING = (("", "", ""), (BURY, LOSE, JUMP))
 SHAPE = """\
 @kernel
 def {word}(clock, h, nodes, curves, groups):
@@ -137,7 +139,7 @@ def nodal_function(group: Any) -> str:
         words |= {"rub": _outdented(rub, deep), "end": _outdented(end, deep)}
     if not is_shape:
         words |= {"field": FIELD if group.is_smooth else ""}
-        words |= {"bury": BURY, "lose": LOSE} if group.can_fail else {"bury": "", "lose": ""}
+        words |= dict(zip(("bury", "lose", "jump"), FAILING[group.can_fail], strict=True))
         return FACES.format(**words)
     names = [f"groups.{group.word}_{name}" for name in group.arrays if name.startswith("data_")]
     data = "(" + "".join(f"{name}, " for name in names).rstrip(" ") + ")"
