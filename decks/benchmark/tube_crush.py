@@ -134,23 +134,23 @@ def checked(runs: dict[str, Result]) -> str:
 # --- pictures -----------------------------------------------------------------------------------
 
 
-def draw_curves(runs: dict[str, Result], plt: Any) -> None:
-    """Force over shortening, beside what has been measured where it is at hand."""
+def draw_curves(runs: dict[str, Result], plt: Any, name: str, until: float) -> None:
+    """Force over shortening [mm], beside what has been measured where it is at hand."""
     figure, ax = plt.subplots(figsize=(9.0, 4.5))
-    for name, style in (("belytschko_tsay", "0.5"), ("qeph", "0.75")):
-        path = MEASURED / f"{name}_5mm.csv"
+    for element, style in (("belytschko_tsay", "0.5"), ("qeph", "0.75")):
+        path = MEASURED / f"{element}_5mm.csv"
         if path.exists():
             found = np.loadtxt(path, delimiter=",", skiprows=1)
-            label = f"OpenRadioss, {name.replace('_', ' ')}, 5 mm"
+            label = f"OpenRadioss, {element.replace('_', ' ')}, 5 mm"
             ax.plot(found[:, 2], found[:, 1], color=style, lw=1.6, label=label)
     for mesh, result in runs.items():
         ax.plot(*force(result), lw=1.0, label=f"crashsolve, {mesh}")
     ax.set_xlabel("shortening [mm]")
     ax.set_ylabel("force of the wall, mean over 0.1 ms [kN]")
-    ax.set_xlim(0.0, 105.0)
+    ax.set_xlim(0.0, until)
     ax.set_ylim(0.0, 100.0)
     ax.legend(fontsize=8)
-    save(figure, "force")
+    save(figure, name)
 
 
 def draw_film(result: Result, plt: Any) -> None:
@@ -192,7 +192,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(temporary)
         runs = {mesh: run(folder, mesh) for mesh in MESHES}
-        draw_curves(runs, plt)
+        draw_curves(runs, plt, "force", 105.0)
+        coarse = {mesh: result for mesh, result in runs.items() if MESHES[mesh]}
+        draw_curves(coarse, plt, "first_fold", 25.0)
         draw_film(runs["reduced, 5 mm"], plt)
         parts = {"COMPARED": compared(runs), "CHECKED": checked(runs)}
     text = (PICTURES / "page.txt").read_text("utf-8")
