@@ -29,7 +29,16 @@ from crashsolve.system.collocation import correction_size, keep_spin_rates, solv
 from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, velocity_residual
 from crashsolve.system.kinetics import clear_forces, take_late
-from crashsolve.system.scene import CONTACTS, JOINTS, force_pass, jacobian, residual, tangents
+from crashsolve.system.scene import (
+    ASSEMBLED,
+    CONTACTS,
+    JOINTS,
+    force_pass,
+    jacobian,
+    keep_elements,
+    residual,
+    tangents,
+)
 from crashsolve.system.stages import keep_outside, keep_rates
 
 PASSES = 20
@@ -47,6 +56,8 @@ def open_step(clock, nodes, rows, scene):
     keep_rates(nodes, rows, scene.stages, 0)
     keep_spin_rates(nodes, scene.stages, 0)
     open_accelerations(scene.stages, is_smooth(clock))
+    if ASSEMBLED:
+        keep_elements(scene)
 
 
 @kernel

@@ -187,7 +187,7 @@ class Scene:
             return
         law = module.__name__.rpartition(".")[2]
         self.stepwise.append(law)
-        if method not in ("rattle", "auto"):
+        if method not in ("rattle", "auto", *getattr(module, "IMPLICIT", ())):
             message = f"'{law}' counts in whole steps, integrator {method} needs rates at any time"
             raise self.fail(f"{message}; say integrator: rattle", field)
 
