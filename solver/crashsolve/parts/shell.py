@@ -306,6 +306,7 @@ class Laid:
                 raise scene.fail(message, "element")
         self.layer_rows += getattr(self.material, "melting_heat", None) is not None
         self.can_fail = getattr(self.material, "failure_strain", None) is not None
+        self._refuse_explicit(scene)
         self.rule = rule(card, scene)
         self.points = POINTS[card.element]
         self.mesh = sorted_mesh(scene.mesh(card), card.element == "triangles")
@@ -330,6 +331,22 @@ class Laid:
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
         self.held = self._held(scene)
         self.blown = self._blown(x, normal, share, scene)
+
+    def _refuse_explicit(self, scene: Any) -> None:
+        """What only explicit steps can do yet."""
+        method = scene.deck.control.integrator
+        if method not in IMPLICIT:
+            return
+        given = {
+            "drag": (self.card.drag > 0.0, "drag on shells"),
+            "welded": (bool(self.card.welded), "a welded set of nodes"),
+            "mass_scaling": (self.card.mass_scaling is not None, "added mass"),
+            "material": (self.can_fail, "a material with a failure_strain"),
+        }
+        for field, (is_given, words) in given.items():
+            if is_given:
+                message = f"{words} is for explicit steps, and integrator {method} takes none"
+                raise scene.fail(f"{message}; say integrator: rattle", field)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Any) -> None:
         """Every corner of an element must turn the same way."""

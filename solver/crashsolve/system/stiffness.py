@@ -107,7 +107,7 @@ def keep(scene):
 
 @kernel
 def begin_again(h, clock, scene):
-    """Elements as they were at the start of a step of h; a sample leaves them. Writes: scene.lanes."""
+    """Elements as before a step of h; a sample leaves them. Writes: scene.lanes, clock."""
     clock.element_rate = 0.0
     if h > 0.0:
         for i in range(scene.counts[0].numbers):
