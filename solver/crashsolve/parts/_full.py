@@ -74,28 +74,35 @@ def deform(p, clock, h, scene):
 
     Writes: scene.points, lanes, work, clock.
     """
-    points, corners, blocks, work = scene.points, scene.corners, scene.lanes, scene.work
     done = 0
     while done < p.four_points:
         first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
         live = min(LANES, p.four_points - done)
-        gather(points, corners, corner, work)
-        strain(blocks, first, work, h, p)
+        respond(p, h, first, corner, scene)
         if p.failure > 0.0:
-            mute_strains(blocks, first, work)
-        stress(blocks, first, work, h, p, scene.curves)
-        if p.slows == 1:
-            damp(blocks, first, p.stride, work, h, p)
-        resist(blocks, first, work)
-        push(blocks, first, work, p)
-        if p.slows == 1:
-            allow(blocks, first, p.stride, work, h, p)
-        if p.failure > 0.0:
-            mute_forces(blocks, first, work)
             erode(p, scene, first, corner, live)
-        scatter(points, corners, corner, live, work)
-        note_rate(clock, work, p.first_element + done, live)
+        scatter(scene.points, scene.corners, corner, live, scene.work)
+        note_rate(clock, scene.work, p.first_element + done, live)
         done += LANES
+
+
+@kernel
+def respond(p, h, first, corner, scene):
+    """Forces and torques of a block on its corners after a step of h. Writes: scene.lanes, work."""
+    blocks, work = scene.lanes, scene.work
+    gather(scene.points, scene.corners, corner, work)
+    strain(blocks, first, work, h, p)
+    if p.failure > 0.0:
+        mute_strains(blocks, first, work)
+    stress(blocks, first, work, h, p, scene.curves)
+    if p.slows == 1:
+        damp(blocks, first, p.stride, work, h, p)
+    resist(blocks, first, work)
+    push(blocks, first, work, p)
+    if p.slows == 1:
+        allow(blocks, first, p.stride, work, h, p)
+    if p.failure > 0.0:
+        mute_forces(blocks, first, work)
 
 
 @kernel

@@ -92,30 +92,37 @@ def deform(p, clock, h, scene):
 
     Writes: scene.points, lanes, work, clock.
     """
-    points, corners, blocks, work = scene.points, scene.corners, scene.lanes, scene.work
     start, start_corner, quads = start_of(p)
     stride, done = stride_of(p), 0
     while done < p.triangles:
-        first, at = start + done // LANES * stride, start_corner + 4 * done
+        first, corner = start + done // LANES * stride, start_corner + 4 * done
         live = min(LANES, p.triangles - done)
-        gather(points, corners, at, work)
-        strain(blocks, first, work, h, p)
+        respond(p, h, first, corner, scene)
         if p.failure > 0.0:
-            mute_strains(blocks, first, work)
-        layers(blocks, first, stride, work, h, p, scene.curves)
-        if p.slows == 1:
-            damp(blocks, first, stride, work, h, p)
-        push(blocks, first, work, p)
-        if p.hyper == 1:
-            grow_rate(work)
-        if p.slows == 1:
-            allow(blocks, first, stride, work, h, p)
-        if p.failure > 0.0:
-            mute_forces(blocks, first, work)
-            erode(p, scene, first, at, live)
-        scatter(points, corners, at, live, work)
-        note_rate(clock, work, p.first_element + quads + done, live)
+            erode(p, scene, first, corner, live)
+        scatter(scene.points, scene.corners, corner, live, scene.work)
+        note_rate(clock, scene.work, p.first_element + quads + done, live)
         done += LANES
+
+
+@kernel
+def respond(p, h, first, corner, scene):
+    """Forces and torques of a block on its corners after a step of h. Writes: scene.lanes, work."""
+    blocks, work, stride = scene.lanes, scene.work, stride_of(p)
+    gather(scene.points, scene.corners, corner, work)
+    strain(blocks, first, work, h, p)
+    if p.failure > 0.0:
+        mute_strains(blocks, first, work)
+    layers(blocks, first, stride, work, h, p, scene.curves)
+    if p.slows == 1:
+        damp(blocks, first, stride, work, h, p)
+    push(blocks, first, work, p)
+    if p.hyper == 1:
+        grow_rate(work)
+    if p.slows == 1:
+        allow(blocks, first, stride, work, h, p)
+    if p.failure > 0.0:
+        mute_forces(blocks, first, work)
 
 
 @inlined
