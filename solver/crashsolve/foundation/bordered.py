@@ -1,33 +1,36 @@
-"""Sparse symmetric matrix of the nodes of a mesh, bordered by the rows of joints: L S L^T.
+"""Sparse matrix of the nodes of a mesh, bordered by the rows of joints: L U in 6 by 6 blocks.
 
     | A  D^T |  | x  |   | f |
-    | D   0  |  | -y | = | r |      A of the nodes, 6 by 6 blocks; S is diagonal, of signs
+    | D   0  |  | -y | = | r |      A of the nodes, not symmetric in its numbers
 
 A node is one block of six, a joint one of up to six rows. Nodes are eliminated first, in an order
 of minimum degree, joints after them: then no pivot vanishes but that of a redundant row, whose
-multiplier is set to zero (see saddle.py). A need not be positive definite. Consequence to test: the
-solution is that of the dense matrix.
+multiplier is set to zero (see saddle.py). A block of two nodes stands there twice, as it is below
+the diagonal and transposed as it is above. A need not be symmetric or definite. Consequence to
+test: the solution is that of the dense matrix.
 
 Reference: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems.
 """
 
 from heapq import heapify, heappop, heappush
-from math import sqrt
 
 import numpy as np
 
 from crashsolve.foundation import saddle
 from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.saddle import REDUNDANT, Saddle, solve_down, solve_up
+from crashsolve.foundation.saddle import REDUNDANT, Saddle
 
 COLUMN = saddle.COLUMN + Record(
-    sign=("1", 6, "signs of the pivots"),
     node=("index", "the node; 0 for a joint"),
     mass=("kg", "of the node"),
     J=("kg m^2", 9, "its inertia, world axes"),
 )
-BLOCK = saddle.BLOCK + Record(stiff=("N/m", 36, "stiffness of the elements, by rows of 6"))
+BLOCK = saddle.BLOCK + Record(
+    above=("1", 36, "transpose of the block on the other side of the diagonal, then that of U"),
+    stiff=("N/m", 36, "stiffness of the elements, by rows of 6"),
+    stiff_above=("N/m", 36, "transpose of that of the other side"),
+)
 # of every compliant row; below 0 for what does not move
 PLACE = Record(
     a=("index", "block of node a, of a joint that of its rows and this node"),
@@ -126,9 +129,9 @@ def assemble(matrix, rows, joint_rows, position, velocity):
     """
     columns, blocks, places = matrix.columns, matrix.blocks, matrix.pairs
     for e in range(blocks.shape[0]):
-        x, stiff = blocks[e].x, blocks[e].stiff
+        b = blocks[e]
         for k in range(36):
-            x[k] = position * stiff[k]
+            b.x[k], b.above[k] = position * b.stiff[k], position * b.stiff_above[k]
     for p in range(columns.shape[0]):
         c = columns[p]
         if c.node > 0:
@@ -174,21 +177,24 @@ def put_row(blocks, block, D, half, line):
     if block >= 0:
         for j in range(6):
             blocks[block].x[6 * line + j] += D[half + j]
+            blocks[block].above[6 * line + j] += D[half + j]
 
 
 @inlined
 def add_product(blocks, block, row, a, b):
     """sigma B^T B of two halves of a row. Writes: blocks."""
     if block >= 0:
-        x = blocks[block].x
+        x, above = blocks[block].x, blocks[block].above
         for i in range(6):
             for j in range(6):
-                x[6 * i + j] += row.X[a + i] * row.D[b + j]
+                more = row.X[a + i] * row.D[b + j]
+                x[6 * i + j] += more
+                above[6 * i + j] += more
 
 
 @kernel
 def factorise(matrix):
-    """L S L^T in place, dropping redundant rows. Writes: matrix."""
+    """L U in place, dropping redundant rows. Writes: matrix."""
     columns, blocks, updates = matrix.columns, matrix.blocks, matrix.updates
     is_inner = True
     for p in range(columns.shape[0]):
@@ -217,60 +223,72 @@ def factor_column(c, columns, blocks, updates, m):
     """Eliminate one block of m rows. Writes: c, blocks."""
     factor_diagonal(blocks[c.block].x, c, m)
     for e in range(c.block + 1, c.block_end):
-        solve_below(blocks[e].x, columns[blocks[e].column].rows, blocks[c.block].x, c, m)
+        height = columns[blocks[e].column].rows
+        solve_below(blocks[e].x, height, blocks[c.block].x, c, m)
+        solve_beside(blocks[e].above, height, blocks[c.block].x, m)
     for e in range(c.update, c.update_end):
         u = updates[e]
         a, b = blocks[u.a], blocks[u.b]
         height, width = columns[a.column].rows, columns[b.column].rows
         if height == 6 and width == 6:
-            subtract(blocks[u.target].x, a.x, b.x, c.sign, 6, 6, m)
+            subtract(blocks[u.target].x, a.x, b.above, 6, 6, m)
+            if u.a != u.b:
+                subtract(blocks[u.target].above, a.above, b.x, 6, 6, m)
         else:
-            subtract(blocks[u.target].x, a.x, b.x, c.sign, height, width, m)
+            subtract(blocks[u.target].x, a.x, b.above, height, width, m)
+            if u.a != u.b:
+                subtract(blocks[u.target].above, a.above, b.x, height, width, m)
 
 
 @inlined
 def factor_diagonal(x, c, m):
-    """Dense factor of a diagonal block. Writes: x, c."""
+    """Dense factors of a diagonal block. Writes: x, c."""
     dropped = 0
-    for i in range(m):
-        pivot = x[7 * i]
-        for j in range(i):
-            y = x[6 * i + j]
-            for k in range(j):
-                y -= x[6 * i + k] * c.sign[k] * x[6 * j + k]
-            y *= c.sign[j] * c.inverse[j]
-            x[6 * i + j] = y
-            pivot -= y * c.sign[j] * y
-        size = abs(pivot)
-        c.sign[i] = 1.0 if pivot > 0.0 else -1.0
-        if size <= REDUNDANT * c.pivot[i]:
-            c.inverse[i] = 0.0
+    for k in range(m):
+        pivot = x[7 * k]
+        if abs(pivot) <= REDUNDANT * c.pivot[k]:
+            c.inverse[k] = 0.0
             dropped += 1
         else:
-            c.inverse[i] = 1.0 / sqrt(size)
-            x[7 * i] = size * c.inverse[i]
+            c.inverse[k] = 1.0 / pivot
+        for i in range(k + 1, m):
+            y = x[6 * i + k] * c.inverse[k]
+            x[6 * i + k] = y
+            for j in range(k + 1, m):
+                x[6 * i + j] -= y * x[6 * k + j]
     c.dropped = dropped
 
 
 @inlined
 def solve_below(x, height, diagonal, c, m):
-    """Rows of a block below. Writes: x."""
+    """Rows of L in a block below. Writes: x."""
     for i in range(height):
         for j in range(m):
             y = x[6 * i + j]
             for k in range(j):
-                y -= x[6 * i + k] * c.sign[k] * diagonal[6 * j + k]
-            x[6 * i + j] = y * c.sign[j] * c.inverse[j]
+                y -= x[6 * i + k] * diagonal[6 * k + j]
+            x[6 * i + j] = y * c.inverse[j]
 
 
 @inlined
-def subtract(x, a, b, sign, height, width, m):
-    """x -= a S b^T. Writes: x."""
+def solve_beside(x, height, diagonal, m):
+    """Columns of U in a block beside, transposed. Writes: x."""
+    for i in range(height):
+        for j in range(m):
+            y = x[6 * i + j]
+            for k in range(j):
+                y -= x[6 * i + k] * diagonal[6 * j + k]
+            x[6 * i + j] = y
+
+
+@inlined
+def subtract(x, a, b, height, width, m):
+    """x -= a b^T. Writes: x."""
     for i in range(height):
         for j in range(width):
             y = 0.0
             for k in range(m):
-                y += a[6 * i + k] * sign[k] * b[6 * j + k]
+                y += a[6 * i + k] * b[6 * j + k]
             x[6 * i + j] -= y
 
 
@@ -285,13 +303,42 @@ def solve(matrix):
             solve_down(c, columns, blocks, 6)
         else:
             solve_down(c, columns, blocks, c.rows)
-    for p in range(n):
-        c = columns[p]
-        for i in range(c.rows):
-            c.work[i] *= c.sign[i]
     for p in range(n - 1, -1, -1):
         c = columns[p]
         if c.node > 0:
             solve_up(c, columns, blocks, 6)
         else:
             solve_up(c, columns, blocks, c.rows)
+
+
+@inlined
+def solve_down(c, columns, blocks, m):
+    """Forward substitution of one block of m rows. Writes: columns.work."""
+    x, w = blocks[c.block].x, c.work
+    for i in range(m):
+        for k in range(i):
+            w[i] -= x[6 * i + k] * w[k]
+    for e in range(c.block + 1, c.block_end):
+        b, below = blocks[e].x, columns[blocks[e].column]
+        for i in range(below.rows):
+            y = 0.0
+            for k in range(m):
+                y += b[6 * i + k] * w[k]
+            below.work[i] -= y
+
+
+@inlined
+def solve_up(c, columns, blocks, m):
+    """Backward substitution of one block of m rows. Writes: c.work."""
+    x, w = blocks[c.block].x, c.work
+    for e in range(c.block + 1, c.block_end):
+        b, below = blocks[e].above, columns[blocks[e].column]
+        for i in range(below.rows):
+            y = below.work[i]
+            for k in range(m):
+                w[k] -= b[6 * i + k] * y
+    for i in range(m - 1, -1, -1):
+        y = w[i]
+        for j in range(i + 1, m):
+            y -= x[6 * i + j] * w[j]
+        w[i] = y * c.inverse[i]

@@ -92,6 +92,9 @@ def build(deck: Deck) -> tuple[Model, State]:
         elements=tables_of_elements(groups, deck, scene),
         nodal_groups=nodal_groups,
     )
+    if model.elements and deck.control.solution == "quasi_static":
+        # by steps from rest (system/rest.py)
+        model.integrator, model.control[0]["spectral_radius"] = "generalized_alpha", 0.0
     state = _state(model, scene)
     if nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))

@@ -357,8 +357,11 @@ class Laid:
 
     def _refuse_explicit(self, scene: Any) -> None:
         """What only explicit steps can do yet."""
-        method = scene.deck.control.integrator
-        if method not in IMPLICIT:
+        control = scene.deck.control
+        method = f"integrator {control.integrator}"
+        if control.solution == "quasi_static":
+            method = "solution quasi_static"
+        elif control.integrator not in IMPLICIT:
             return
         given = {
             "drag": (self.card.drag > 0.0, "drag on shells"),
@@ -368,7 +371,7 @@ class Laid:
         }
         for field, (is_given, words) in given.items():
             if is_given:
-                message = f"{words} is for explicit steps, and integrator {method} takes none"
+                message = f"{words} is for explicit steps, and {method} takes none"
                 raise scene.fail(f"{message}; say integrator: rattle", field)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Any) -> None:

@@ -205,7 +205,7 @@ def resist_elements(nodes, stages, i, matrix, t):
                 for k in range(6):
                     total = 0.0
                     for j in range(6):
-                        total += stiff[6 * j + k] * y[j]
+                        total += blocks[e].stiff_above[6 * j + k] * y[j]
                     c.work[k] -= t * total
 
 

@@ -1,12 +1,14 @@
 """Stiffness of the elements of shells, by differences of their own forces, node by node.
 
-    K_ab = -(f_a(x_b + delta) - f_a) / delta,   symmetric part,   at the end of the step as iterated
+    K_ab = -(f_a(x_b + delta) - f_a) / delta,   at the end of the step as iterated
 
 Nodes without a common neighbour are displaced together, so that six times some ten passes over the
 elements tell all of K: nine colours for quadrilaterals in rows and columns. It is the whole tangent
 of the step, with the return of what yields, the stress that stiffens, the turn of the axes and the
 middle of the step in which strains are measured, whatever the element; its error is that of one
-difference, 1e-6. Velocities of points are those of the step and follow their places, so that
+difference, 1e-6. It is not symmetric: strains are those of the middle of the step, forces those of
+its end, and the symmetric part alone has -E A theta^2 / 16 against a step that turns by theta, more
+than bending resists. Velocities of points are those of the step and follow their places, so that
 nothing is lost by subtraction.
 
 Reference: Curtis, Powell and Reid (1974), On the estimation of sparse Jacobian matrices, IMA
@@ -25,7 +27,7 @@ def clear(scene):
     """Writes: scene.blocks_0."""
     for e in range(scene.blocks_0.shape[0]):
         for k in range(36):
-            scene.blocks_0[e].stiff[k] = 0.0
+            scene.blocks_0[e].stiff[k] = scene.blocks_0[e].stiff_above[k] = 0.0
 
 
 @kernel
@@ -76,26 +78,23 @@ def displace(h, colour, k, scene):
 
 @kernel
 def note(colour, k, scene):
-    """Columns of K from the forces with the points of a colour displaced. Writes: scene.blocks_0.
-
-    Every block off the diagonal is the mean of itself and its mirror image.
-    """
-    points, base, share = scene.points, scene.base, 0.5 / size_of(k, scene)
+    """Columns of K from forces with the points of a colour displaced. Writes: scene.blocks_0."""
+    points, base, share = scene.points, scene.base, 1.0 / size_of(k, scene)
     for e in range(scene.links.shape[0]):
         link = scene.links[e]
-        a, b, stiff = link.point_a, link.point_b, scene.blocks_0[link.block].stiff
+        a, b, block = link.point_a, link.point_b, scene.blocks_0[link.block]
         if scene.colours[b] == colour and points[b].held >> k & 1 == 0:
             f = points[a]
             for i in range(6):
                 more = share * (base[6 * a + i] - (f.force[i] if i < 3 else f.torque[i - 3]))
                 if f.held >> i & 1 == 0:
-                    stiff[6 * i + k] += more
-        if scene.colours[a] == colour and points[a].held >> k & 1 == 0:
+                    block.stiff[6 * i + k] = more
+        if a != b and scene.colours[a] == colour and points[a].held >> k & 1 == 0:
             f = points[b]
             for i in range(6):
                 more = share * (base[6 * b + i] - (f.force[i] if i < 3 else f.torque[i - 3]))
                 if f.held >> i & 1 == 0:
-                    stiff[6 * k + i] += more
+                    block.stiff_above[6 * k + i] = more
 
 
 @kernel
