@@ -1,4 +1,4 @@
-"""What a shell costs: bare force and update per element and cycle, a whole run, and its memory.
+"""What a shell costs: bare force and update, a whole run, its memory; and an implicit step.
 
     python benchmarks/shell_cost.py [elements along a side, a multiple of 4]
 
@@ -190,6 +190,28 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
     return cpu / (cycles * count), peak / count, ready
 
 
+def implicit(folder: Path, n: int) -> tuple[float, float, int]:
+    """CPU of an implicit step with new factors, and with those at hand; passes of the latter."""
+    path = folder / "implicit.yaml"
+    words = {"thickness": 0.01, "element": "reduced", "material": "elastic", "pressure": 1e4}
+    text = DECK.format(n=n, end=1.0, **words)
+    step = 1e-4
+    method = f"integrator: generalized_alpha, step: {step}, tolerance: 1e-6"
+    path.write_text(text.replace("safety: 0.9", method), "utf-8")
+    e = Engine(*build(read_deck(path)))
+    e.start()
+    spent = {True: 0.0, False: 0.0}
+    for cycle in range(40):
+        is_anew = cycle % 2 == 0
+        if is_anew:
+            e.state.clock["factored"] = 0.0
+        begun = time.process_time()
+        e.advance((cycle + 1) * step)
+        # the first steps learn how many a call may take
+        spent[is_anew] += (time.process_time() - begun) if cycle >= 20 else 0.0
+    return spent[True] / 10, spent[False] / 10, int(e.clock["passes"])
+
+
 def main(n: int) -> None:
     """Print the table."""
     print(f"{n * n} elements, 5 layers; {os.uname().machine}, one core")
@@ -207,6 +229,12 @@ def main(n: int) -> None:
                 f"{count:.0f} flops, {bytes_moved:.0f} bytes, {count / seconds / 1e9:.1f} Gflop/s, "
                 f"{bytes_moved / seconds / 1e9:.1f} GB/s; whole run {1e-6 / run[0]:.2f} M/s, "
                 f"{run[1]:.0f} bytes per element all told, set-up {run[2]:.1f} s of CPU"
+            )
+        for side in (10, 20, 40):
+            anew, kept, passes = implicit(folder, side)
+            print(
+                f"generalized_alpha, {side * side} elements: {1e3 * anew:.2f} ms a step with new "
+                f"factors, {1e3 * kept:.2f} ms with those at hand, {passes} passes"
             )
 
 

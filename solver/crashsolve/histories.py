@@ -111,7 +111,8 @@ class Histories:
         columns += [Column("quaternion", c, "1", "body to world") for c in ("w", *AXES)]
         family = Family("rbdout", tuple(self.engine.model.bodies[1:]), tuple(columns))
         names = [name for _, name, _, _ in BODY] + ["q"]
-        return family, lambda: np.hstack([self.engine.nodes[name][1:] for name in names])
+        count = len(self.engine.model.bodies)
+        return family, lambda: np.hstack([self.engine.nodes[name][1:count] for name in names])
 
     def _joints(self) -> Part:
         columns = [Column("force", a, "N", "of the joint on body b, world axes") for a in AXES]

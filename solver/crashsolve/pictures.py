@@ -31,7 +31,7 @@ class Pictures:
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
         # points are drawn where they were at the start, and carry their displacement
-        self._r0 = engine.state.nodes["r"].copy()
+        self._r0 = engine.state.nodes["r"][: len(engine.model.bodies)].copy()
         self._A0 = engine.state.nodes["A"].copy()
         self._skin = self._surfaces()
         self._lines = self._springs()
@@ -105,7 +105,7 @@ class Pictures:
 
     def fields(self) -> dict[str, dict[str, np.ndarray]]:
         """Displacements and fields of all blocks at the present sample."""
-        nodes = self.engine.nodes
+        nodes = self.engine.nodes[: len(self._r0)]
         fields: dict[str, dict[str, np.ndarray]] = {}
         if len(self._r0) > 1:
             moved = nodes["r"][1:] - self._r0[1:]

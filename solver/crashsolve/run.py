@@ -75,6 +75,10 @@ def _engine(deck: Deck, model: Model, state: State) -> Engine:
         return Engine(model, state)
     from crashsolve.system.equilibrium import StaticEngine
 
+    if model.elements:
+        from crashsolve.system.rest import RestEngine
+
+        return RestEngine(model, state, deck.control.tolerance)
     return StaticEngine(model, state, deck.control.tolerance)
 
 

@@ -85,7 +85,12 @@ SHELL = """  q:
 """
 REFUSED = {
     "integrator": ("solution:", "integrator: radau_iia_5, solution:", "integrator: solution quasi"),
-    "shell": ("joints:", f"{SHELL}joints:", "a quasi-static solution has no shells yet"),
+    "drag": ("joints:", f"{SHELL}    drag: 2\njoints:", "and solution quasi_static takes none"),
+    "welded": (
+        "parts:",
+        f"bodies: {{hub: {{mass: 1, inertia: [1, 1, 1], welded: [p_2]}}}}\nparts:\n{SHELL}",
+        "a quasi-static solution with shells has no welded nodes",
+    ),
     "driver": (
         "joints: {",
         "joints: {pull: {type: point_driver, body: p_end, axis: [0, 1, 0], curve: rise}, ",

@@ -91,7 +91,7 @@ def plan(rows: list[int], nodes: list[tuple[int, ...]]) -> Saddle:
         for q in [p, *sorted(position[b] for b in below[joint])]:
             address[q, p] = len(address)
         column["block_end"] = len(address)
-    updates = _updates(columns, order, position, below, address)
+    updates = updates_of(columns, order, position, below, address)
     blocks = np.zeros(len(address), BLOCK.dtype)
     blocks["column"] = [q for q, _ in address]
     pairs = _pairs(entries, rows, nodes, position, address)
@@ -124,7 +124,7 @@ def _eliminate(
     return order, below
 
 
-def _updates(
+def updates_of(
     columns: np.ndarray,
     order: list[int],
     position: dict[int, int],

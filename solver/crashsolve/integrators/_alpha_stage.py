@@ -29,7 +29,16 @@ from crashsolve.system.collocation import correction_size, keep_spin_rates, solv
 from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, velocity_residual
 from crashsolve.system.kinetics import clear_forces, take_late
-from crashsolve.system.scene import CONTACTS, JOINTS, force_pass, jacobian, residual, tangents
+from crashsolve.system.scene import (
+    ASSEMBLED,
+    CONTACTS,
+    JOINTS,
+    force_pass,
+    jacobian,
+    keep_elements,
+    residual,
+    tangents,
+)
 from crashsolve.system.stages import keep_outside, keep_rates
 
 PASSES = 20
@@ -47,6 +56,8 @@ def open_step(clock, nodes, rows, scene):
     keep_rates(nodes, rows, scene.stages, 0)
     keep_spin_rates(nodes, scene.stages, 0)
     open_accelerations(scene.stages, is_smooth(clock))
+    if ASSEMBLED:
+        keep_elements(scene)
 
 
 @kernel
@@ -74,6 +85,8 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
     compliant, factor = scene.compliant_0, end_factor(scene)
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     previous, converged = 1e300, False
+    if ASSEMBLED:
+        share = 0.0
     for count in range(PASSES):
         stand_at_end(nodes, scene.stages, weights, h, ratio)
         visit_end(h, clock, nodes, rows, curves, scene)
@@ -82,6 +95,12 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
             clock.factored = h
             linearise(rows, compliant, nodes, t, tt)
             factor_compliant(factor, compliant, rows.shape[0], tt, t)
+        if ASSEMBLED:  # noqa: SIM102
+            # shells bend far within a step: tangents of its start do not serve
+            if count > 0 and (share > 3.0 * SHARE or previous > 0.01):
+                tangents(clock, nodes, curves, compliant, scene)
+                linearise(rows, compliant, nodes, t, tt)
+                factor_compliant(factor, compliant, rows.shape[0], tt, t)
         missing_accelerations(nodes, scene.stages)
         velocity_residual(rows, nodes)
         ask_rates(rows, compliant, scene.stages, t)

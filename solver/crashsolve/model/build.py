@@ -12,6 +12,7 @@ from crashsolve.foundation.curve import pack
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
 from crashsolve.model import touch, welds
+from crashsolve.model.assembly import embody
 from crashsolve.model.choice import choose
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
@@ -91,13 +92,18 @@ def build(deck: Deck) -> tuple[Model, State]:
         elements=tables_of_elements(groups, deck, scene),
         nodal_groups=nodal_groups,
     )
+    if model.elements and deck.control.solution == "quasi_static":
+        # by steps from rest (system/rest.py)
+        model.integrator, model.control[0]["spectral_radius"] = "generalized_alpha", 0.0
     state = _state(model, scene)
     if nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator == "auto":
         tolerance = float(model.control[0]["tolerance"])
         model.integrator, model.choice = choose(model, state, scene.stepwise, tolerance)
-    state.stages = initial_stages(model)
+    if model.elements and hasattr(_method(model), "T"):
+        embody(model, state)
+    state.stages = initial_stages(model, len(state.nodes))
     return model, state
 
 
@@ -244,15 +250,19 @@ def _state(model: Model, scene: Scene) -> State:
     )
 
 
-def initial_stages(model: Model) -> np.ndarray:
+def _method(model: Model) -> Any:
+    return import_module(f"crashsolve.integrators.{model.integrator}")
+
+
+def initial_stages(model: Model, nodes: int) -> np.ndarray:
     """Room for the stages of a Runge-Kutta method; none for others."""
-    method = import_module(f"crashsolve.integrators.{model.integrator}")
+    method = _method(model)
     rows = getattr(method, "STAGES", 0)
     if hasattr(method, "EXTRA"):
         # those of the dense output, and the sample itself
         rows += method.EXTRA + 1
     kind = IMPLICIT_STAGE if hasattr(method, "T") else STAGE
-    return np.zeros((rows, len(model.bodies)), kind.dtype)
+    return np.zeros((rows, nodes), kind.dtype)
 
 
 def initial_nodes(scene: Scene) -> np.ndarray:

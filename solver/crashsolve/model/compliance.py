@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.saddle import plan
+from crashsolve.model.assembly import assembled
 from crashsolve.model.nodes import COMPLIANT, TANGENTS
 
 CONTACT_ROWS = 3  # normal, along the slip, across it
@@ -30,15 +31,20 @@ def contact_rows(group: Any) -> int:
     return CONTACT_ROWS if group.friction else 1
 
 
-def compliance(model: Any, factors: int) -> dict[str, np.ndarray]:
+def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:
     """Tables of the compliant rows, and room for as many factors of their matrix."""
     joints = [(joint.rows, joint.nodes) for joint in model.joints]
-    laws, first = [], []
+    laws, groups, first = [], [], []
     row = sum(rows * len(nodes) // 2 for rows, nodes in joints)
     for rows, ends in [*map(_spring_ends, tangent_groups(model)), *_contacts(model)]:
         first.append(row)
+        groups.append((rows, ends))
         laws += [(rows, nodes) for nodes in ends]
         row += rows * len(ends)
+    tangents = np.zeros(len(first), TANGENTS.dtype)
+    tangents["first"] = first
+    if model.elements:
+        return {"tangents": tangents} | assembled(model, state, groups)
     both = joints + laws
     saddle = plan([rows for rows, _ in both], [nodes for _, nodes in both])
     table = np.zeros(row, COMPLIANT.dtype)
@@ -49,8 +55,6 @@ def compliance(model: Any, factors: int) -> dict[str, np.ndarray]:
         for _ in range(rows)
     ]
     table["node_a"], table["node_b"] = np.array(ends, int).reshape(-1, 2).T
-    tangents = np.zeros(len(first), TANGENTS.dtype)
-    tangents["first"] = first
     tables = {"tangents": tangents}
     tables |= {"compliant_updates": saddle.updates, "compliant_pairs": saddle.pairs}
     for k in range(factors):

@@ -102,9 +102,11 @@ class Elements:
     riders: np.ndarray
     work: np.ndarray
     parts: dict[str, Any]  # in place, by name
-    point_mass: float  # of the points that ride on no body
+    point_mass: float  # of the points that ride on no body of the deck
     taps: np.ndarray  # elements of sections, block by block, see parts/_cut.py
     cuts: np.ndarray
+    # points with bodies behind those that have names, for implicit integrators
+    embodied: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
 
 @dataclass
@@ -185,6 +187,8 @@ class Model:
     def part_at(self, place: int) -> str:
         """The part whose point a place behind those of the bodies is."""
         point = place - len(self.bodies)
+        if self.elements and len(self.elements.embodied):
+            point = int(self.elements.embodied[point])
         name, row = self._last_part("first_point", point)
         return f"part '{name}', node {point - row['first_point'] + 1}"
 

@@ -18,6 +18,7 @@ from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.model import NodalGroup
 from crashsolve.model.nodes import NODE
+from crashsolve.model.scene import IMPLICIT
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Entry
@@ -119,6 +120,7 @@ class NodalBuilder:
 
     def add(self, index: int, entry: Entry, a: Any, b: Any, routine: Any) -> None:
         """A group for two surfaces of a card. `routine(a, b, scene)` finds a gap routine."""
+        self._refuse_implicit()
         law = self._law(entry)
         order = 1
         if a.shape == "faces" or (a.shape != "points" and b.shape == "points"):
@@ -142,6 +144,13 @@ class NodalBuilder:
         can_fail = b.shape == "faces" and self.scene.can_fail(b.entry.card.part)
         group = NodalGroup(word, entry.name, narrow, law, friction, arrays, is_smooth, can_fail)
         self.groups.append(group)
+
+    def _refuse_implicit(self) -> None:
+        method = self.scene.deck.control.integrator
+        if method in IMPLICIT:
+            message = f"nodes and faces of shells touch in explicit steps, {method} takes none"
+            advice = "name the node that is hit, and say point_set; or integrator: rattle"
+            raise self.scene.fail(f"{message}; {advice}", "a")
 
     def _law(self, entry: Entry) -> Any:
         """Module of the normal law; what nodal contact lacks is refused."""

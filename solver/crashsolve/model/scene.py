@@ -186,11 +186,12 @@ class Scene:
         method = self.deck.control.integrator
         if not getattr(module, "STEPWISE", False):
             return
-        law = module.__name__.rpartition(".")[2]
+        law, others = module.__name__.rpartition(".")[2], getattr(module, "IMPLICIT", ())
         self.stepwise.append(law)
-        if method not in ("rattle", "auto"):
+        if method not in ("rattle", "auto", *others):
             message = f"'{law}' counts in whole steps, integrator {method} needs rates at any time"
-            raise self.fail(f"{message}; say integrator: rattle", field)
+            known = " or ".join(["rattle", *others])
+            raise self.fail(f"{message}; say integrator: {known}", field)
 
     def warn(self, message: str) -> None:
         if message not in self.warnings:

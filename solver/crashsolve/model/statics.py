@@ -24,9 +24,10 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
 def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
-    for entry in deck.entries["parts"].values():
-        if hasattr(entry.card, "thickness"):
-            yield entry, "a quasi-static solution has no shells yet"
+    has_shells = any(hasattr(e.card, "thickness") for e in deck.entries["parts"].values())
+    for entry in deck.entries["bodies"].values():
+        if has_shells and entry.card.welded:
+            yield entry, "a quasi-static solution with shells has no welded nodes, but joints"
     for g in groups:
         if g.keyword == "joints" and "curve" in (g.parameters.dtype.names or ()):
             for name in g.names:

@@ -71,6 +71,8 @@ from crashsolve.parts._quad_block import (
 from crashsolve.parts._viscous import HEAVIER, SLOW_ROWS, allow, damp
 
 STEPWISE = True
+# but for these, which take the forces of elements at the end of a step
+IMPLICIT = ("generalized_alpha",)
 # the column that counts elements of a kind, and the file of its kernels
 KINDS = {"one_point": "shell", "four_points": "_full", "triangles": "_triangle"}
 # points in the plane of a quadrilateral
@@ -326,6 +328,7 @@ class Laid:
                 raise scene.fail(message, "element")
         self.layer_rows += getattr(self.material, "melting_heat", None) is not None
         self.can_fail = getattr(self.material, "failure_strain", None) is not None
+        self._refuse_explicit(scene)
         self.rule = rule(card, scene)
         self.points = POINTS[card.element]
         self.mesh = sorted_mesh(scene.mesh(card), card.element == "triangles")
@@ -351,6 +354,25 @@ class Laid:
         self.cuts = [sides(x, cut, scene) for cut in card.cuts]
         self.held = self._held(scene)
         self.blown = self._blown(x, normal, share, scene)
+
+    def _refuse_explicit(self, scene: Any) -> None:
+        """What only explicit steps can do yet."""
+        control = scene.deck.control
+        method = f"integrator {control.integrator}"
+        if control.solution == "quasi_static":
+            method = "solution quasi_static"
+        elif control.integrator not in IMPLICIT:
+            return
+        given = {
+            "drag": (self.card.drag > 0.0, "drag on shells"),
+            "welded": (bool(self.card.welded), "a welded set of nodes"),
+            "mass_scaling": (self.card.mass_scaling is not None, "added mass"),
+            "material": (self.can_fail, "a material with a failure_strain"),
+        }
+        for field, (is_given, words) in given.items():
+            if is_given:
+                message = f"{words} is for explicit steps, and {method} takes none"
+                raise scene.fail(f"{message}; say integrator: rattle", field)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Any) -> None:
         """Every corner of an element must turn the same way."""

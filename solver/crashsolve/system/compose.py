@@ -20,12 +20,15 @@ from crashsolve.model.compliance import contact_rows, tangent_contacts, tangent_
 from crashsolve.system.nodal_text import nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
+CARRY = "points.carry(h, nodes, groups.points, groups.riders)"
 TABLEAUX = ("dormand_prince_5", "radau_iia_5")  # those that recitals name as examples
 SIGNATURES = {
     "residual": "current, time, nodes, rows, curves, groups",
     "jacobian": "current, time, nodes, rows, curves, groups",
     "convective": "current, time, nodes, rows, curves, groups",
     "tangents": "clock, nodes, curves, compliant, groups",
+    "elements": "clock, h, groups",
+    "keep_elements": "groups",
     "force_pass": "clock, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
     "approach_before": "current, groups",
@@ -54,8 +57,12 @@ def compose(model: Any) -> str:
     }
     if model.elements:
         given |= {"crashsolve.system.timestep": "crashsolve.system.element_step"}
+    if is_assembled(model):
+        solvers = ("alpha", "collocation", "compliance")
+        given |= {f"crashsolve.system.{name}": "crashsolve.system.assembled" for name in solvers}
     text = _insert(recital, given, {"crashsolve.system.scene": scene_text(model)})
-    return text if captures(model) else _without(text, "CAPTURES")
+    text = text if captures(model) else _without(text, "CAPTURES")
+    return text if is_assembled(model) else _without(text, "ASSEMBLED")
 
 
 def _without(text: str, feature: str) -> str:
@@ -149,6 +156,10 @@ def scene_text(model: Any) -> str:
     )
     if captures(model):
         parts.append("CAPTURES = True\n")
+    if is_assembled(model):
+        parts.append("ASSEMBLED = True\n")
+        parts.append(_function("elements", _strain_calls(model)))
+        parts.append(_function("keep_elements", ["stiffness.keep(groups)"]))
     parts += [_capture(c) if c.captures else _contact(model, c) for c in model.contact_groups]
     parts += [nodal_function(group) for group in model.nodal_groups]
     parts += [
@@ -196,6 +207,8 @@ def _imports(model: Any) -> str:
         lines.append("from crashsolve.parts import _cut")
     if has_slaves(model):
         lines.append("from crashsolve.system import slaves")
+    if is_assembled(model):
+        lines.append("from crashsolve.system import assembled, stiffness")
     if captures(model):
         lines.append("from crashsolve.system import captures")
         lines.append("from crashsolve.model.clock import UNHELD")
@@ -270,6 +283,8 @@ def _force_calls(model: Any) -> list[str]:
 
 def _element_calls(model: Any) -> list[str]:
     """Motion of the points, and forces of the elements between them."""
+    if is_assembled(model):
+        return [CARRY, "elements(clock, h, groups)"]
     lines = []
     for g in model.element_groups():
         lines += [
@@ -279,8 +294,13 @@ def _element_calls(model: Any) -> list[str]:
             "    points.open_points(clock, h, p[i], old, new, groups.points)",
         ]
     if model.elements:
-        lines += ["points.carry(h, nodes, groups.points, groups.riders)"]
+        lines += [CARRY]
         lines += ["clock.element_rate = 0.0"]
+    return lines + _deform_calls(model)
+
+
+def _deform_calls(model: Any) -> list[str]:
+    lines = []
     for g in model.element_groups():
         lines += [
             f"p = groups.{g.word}_p",
@@ -288,6 +308,33 @@ def _element_calls(model: Any) -> list[str]:
             *(f"    {_alias(kind)}.deform(p[i], clock, h, groups)" for kind in _kinds(g)),
         ]
     return lines
+
+
+def _strain_calls(model: Any) -> list[str]:
+    """Forces of the elements from what they kept at the start of the step."""
+    return ["stiffness.begin_again(h, clock, groups)", *_deform_calls(model)]
+
+
+def _stiffness_calls(model: Any) -> list[str]:
+    """Stiffness of the elements and masses of all bodies, in the blocks of the matrix."""
+    if not is_assembled(model):
+        return []
+    return [
+        "h = 2.0 * clock.lead",
+        "assembled.weigh(nodes, groups.columns_0)",
+        "stiffness.clear(groups)",
+        "elements(clock, h, groups)",
+        "stiffness.keep_forces(groups)",
+        "for colour in range(groups.counts[0].colours):",
+        "    for k in range(6):",
+        "        stiffness.displace(h, colour, k, groups)",
+        "        elements(clock, h, groups)",
+        "        stiffness.note(colour, k, groups)",
+        "        stiffness.clear_points(groups)",
+        f"        {CARRY}",
+        "elements(clock, h, groups)",
+        "stiffness.clear_points(groups)",
+    ]
 
 
 def _kinds(group: Any) -> list[Any]:
@@ -299,6 +346,11 @@ def _kinds(group: Any) -> list[Any]:
 
 def _closing_calls(model: Any) -> list[str]:
     """What the points end a force pass with."""
+    if is_assembled(model):
+        return [
+            "points.hold_riders(nodes, groups.points)",
+            "points.unload(nodes, groups.points, groups.riders)",
+        ]
     lines = ["points.unload(nodes, groups.points, groups.riders)"] if model.elements else []
     for g in model.element_groups():
         lines += [
@@ -471,8 +523,13 @@ def is_implicit(model: Any) -> bool:
     return hasattr(import_module(f"crashsolve.integrators.{model.integrator}"), "T")
 
 
+def is_assembled(model: Any) -> bool:
+    """Whether implicit equations are those of all nodes at once, for the elements of shells."""
+    return bool(model.elements) and is_implicit(model)
+
+
 def _tangent_calls(model: Any) -> list[str]:
-    lines, k = [], 0
+    lines, k = _stiffness_calls(model), 0
     for g in tangent_groups(model):
         lines += [
             f"p, history = groups.{g.word}_p, groups.{g.word}_h",
@@ -696,6 +753,8 @@ def _energy_calls(model: Any) -> list[str]:
             f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag + o.damping + o.eroded",
             f"    ledger[{e.PART_DAMPING}] += o.drag + o.damping",
         ]
+    if is_assembled(model):
+        lines = [line for line in lines if not line.endswith("+= o.kinetic")]
     if model.elements:
         lines += ["points.guard(clock, nodes, groups.points)"]
     for c in model.contact_groups:

@@ -85,7 +85,7 @@ class Engine:
         if not hasattr(method, "EXTRA"):
             names = [name for name in ("A", "C", "T", "E") if hasattr(method, name)]
             return {name: getattr(method, name).ravel() for name in names} | compliance(
-                self.model, method.STAGES - 1
+                self.model, self.state, method.STAGES - 1
             )
         rows = method.STAGES + method.EXTRA + 1
         A = np.zeros((rows, rows))

@@ -117,6 +117,14 @@ def hold(b, ground):
 
 
 @kernel
+def hold_riders(nodes, points):
+    """What holds points that ride on bodies of their own. Writes: points, nodes."""
+    for i in range(points.shape[0]):
+        if points[i].held > RIDES:
+            hold(points[i], nodes[0])
+
+
+@kernel
 def unload(nodes, points, riders):
     """Forces on riders go to their bodies. Writes: nodes, points."""
     for i in range(riders.shape[0]):

@@ -6,6 +6,7 @@ and to the checks; none of it is ever called.
 
 JOINTS = True  # has constraint rows
 CAPTURES = True  # has unilateral constraints; without, what asks for it is not in the step at all
+ASSEMBLED = True  # has shells; without, what keeps their elements is not in an implicit step
 CONTACTS = True  # has contact pairs
 DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
@@ -27,6 +28,14 @@ def convective(current, time, nodes, rows, curves, groups):
 
 def tangents(clock, nodes, curves, compliant, groups):
     """Tangents of all springs and contacts, for implicit integrators. Writes: compliant."""
+
+
+def elements(clock, h, groups):
+    """Forces of elements after a step of h from what they kept before it. Writes: points, lanes."""
+
+
+def keep_elements(groups):
+    """What elements keep at the start of a step. Writes: lanes_before."""
 
 
 def force_pass(clock, time, h, nodes, rows, curves, groups):

@@ -1,0 +1,344 @@
+"""Sparse matrix of the nodes of a mesh, bordered by the rows of joints: L U in 6 by 6 blocks.
+
+    | A  D^T |  | x  |   | f |
+    | D   0  |  | -y | = | r |      A of the nodes, not symmetric in its numbers
+
+A node is one block of six, a joint one of up to six rows. Nodes are eliminated first, in an order
+of minimum degree, joints after them: then no pivot vanishes but that of a redundant row, whose
+multiplier is set to zero (see saddle.py). A block of two nodes stands there twice, as it is below
+the diagonal and transposed as it is above. A need not be symmetric or definite. Consequence to
+test: the solution is that of the dense matrix.
+
+Reference: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems.
+"""
+
+from heapq import heapify, heappop, heappush
+
+import numpy as np
+
+from crashsolve.foundation import saddle
+from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.saddle import REDUNDANT, Saddle
+
+COLUMN = saddle.COLUMN + Record(
+    node=("index", "the node; 0 for a joint"),
+    mass=("kg", "of the node"),
+    J=("kg m^2", 9, "its inertia, world axes"),
+)
+BLOCK = saddle.BLOCK + Record(
+    above=("1", 36, "transpose of the block on the other side of the diagonal, then that of U"),
+    stiff=("N/m", 36, "stiffness of the elements, by rows of 6"),
+    stiff_above=("N/m", 36, "transpose of that of the other side"),
+)
+# of every compliant row; below 0 for what does not move
+PLACE = Record(
+    a=("index", "block of node a, of a joint that of its rows and this node"),
+    b=("index", "the same of node b"),
+    across=("index", "block of both nodes"),
+    flips=("flag", "whether that has the rows of node b"),
+)
+
+
+def plan(
+    nodes: list[int],
+    pairs: set[tuple[int, int]],
+    joints: list[tuple[int, tuple[int, ...]]],
+    ends: list[tuple[int, int]],
+) -> tuple[Saddle, dict[tuple[int, int], int]]:
+    """Addresses for these nodes, pairs of which share stiffness, joints (rows, nodes), and rows.
+
+    `ends` are the nodes of all rows, those of the joints first. Returns the matrix, and the block
+    of two nodes.
+    """
+    moving = {node: k for k, node in enumerate(nodes)}
+    graph: list[set[int]] = [set() for _ in range(len(nodes) + len(joints))]
+    edges = [(moving[a], moving[b]) for a, b in pairs if a in moving and b in moving]
+    for k, (_, own) in enumerate(joints, start=len(nodes)):
+        edges += [(k, moving[node]) for node in own if node in moving]
+    for a, b in edges:
+        if a != b:
+            graph[a].add(b)
+            graph[b].add(a)
+    order, below = _eliminate(graph, len(nodes))
+    position = {key: p for p, key in enumerate(order)}
+    entries = np.cumsum([0, *(rows * len(own) // 2 for rows, own in joints)])
+    columns = np.zeros(len(order), COLUMN.dtype)
+    address: dict[tuple[int, int], int] = {}
+    for p, key in enumerate(order):
+        column, joint = columns[p], key - len(nodes)
+        column["rows"] = 6 if joint < 0 else joints[joint][0]
+        column["node"] = nodes[key] if joint < 0 else 0
+        column["entry"], column["end"] = entries[joint : joint + 2] if joint >= 0 else (0, 0)
+        column["block"] = len(address)
+        for q in [p, *sorted(position[b] for b in below[key])]:
+            address[q, p] = len(address)
+        column["block_end"] = len(address)
+    updates = saddle.updates_of(columns, order, position, below, address)
+    blocks = np.zeros(len(address), BLOCK.dtype)
+    blocks["column"] = [q for q, _ in address]
+    names = [nodes[key] if key < len(nodes) else len(nodes) - 1 - key for key in order]
+    found = {(names[q], names[p]): block for (q, p), block in address.items()}
+    places = np.array(_places(ends, joints, found), PLACE.dtype)
+    return Saddle(columns, blocks, np.array(updates, saddle.UPDATE.dtype), places), found
+
+
+def _eliminate(graph: list[set[int]], count: int) -> tuple[list[int], dict[int, set[int]]]:
+    """Minimum-degree order, the first `count` before the others; what is later in each column."""
+    order: list[int] = []
+    below: dict[int, set[int]] = {}
+    for members in (range(count), range(count, len(graph))):
+        heap = [(len(graph[k]), k) for k in members]
+        heapify(heap)
+        while heap:
+            degree, key = heappop(heap)
+            # what has changed since then stands further down as well
+            if key in below or degree != len(graph[key]):
+                continue
+            order.append(key)
+            below[key] = graph[key]
+            for other in graph[key]:
+                graph[other] = (graph[other] | graph[key]) - {key, other}
+                if other in members:
+                    heappush(heap, (len(graph[other]), other))
+    return order, below
+
+
+def _places(
+    ends: list[tuple[int, int]],
+    joints: list[tuple[int, tuple[int, ...]]],
+    found: dict[tuple[int, int], int],
+) -> list[tuple[int, int, int, bool]]:
+    """Blocks of every row: of joints, of which number k is called -1 - k, and of what gives way."""
+    places = []
+    for k, (rows, own) in enumerate(joints):
+        for part in range(0, len(own), 2):
+            a, b = (found.get((-1 - k, node), -1) for node in own[part : part + 2])
+            places += [(a, b, -1, False)] * rows
+    for a, b in ends[len(places) :]:
+        across = found.get((a, b), found.get((b, a), -1)) if a != b else -1
+        places.append((found.get((a, a), -1), found.get((b, b), -1), across, (b, a) in found))
+    return places
+
+
+@kernel
+def assemble(matrix, rows, joint_rows, position, velocity):
+    """A = M + position K, with what gives way, and D. Writes: matrix.blocks, rows.X.
+
+    X becomes sigma B (see compliance.py).
+    """
+    columns, blocks, places = matrix.columns, matrix.blocks, matrix.pairs
+    for e in range(blocks.shape[0]):
+        b = blocks[e]
+        for k in range(36):
+            b.x[k], b.above[k] = position * b.stiff[k], position * b.stiff_above[k]
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        if c.node > 0:
+            add_mass(c, blocks[c.block].x)
+    for k in range(joint_rows):
+        row, place, line = rows[k], places[k], line_of(matrix, places[k], k)
+        put_row(blocks, place.a, row.D, 0, line)
+        put_row(blocks, place.b, row.D, 6, line)
+    for k in range(joint_rows, rows.shape[0]):
+        row, place = rows[k], places[k]
+        sigma = position * row.stiffness + velocity * row.damping
+        for j in range(12):
+            row.X[j] = max(sigma, 0.0) * row.D[j]
+        if sigma > 0.0:
+            add_product(blocks, place.a, row, 0, 0)
+            add_product(blocks, place.b, row, 6, 6)
+            first = 6 if place.flips else 0
+            add_product(blocks, place.across, row, first, 6 - first)
+
+
+@inlined
+def add_mass(c, x):
+    """Writes: x."""
+    for k in range(3):
+        x[7 * k] += c.mass
+        for j in range(3):
+            x[21 + 6 * k + j] += c.J[3 * k + j]
+
+
+@inlined
+def line_of(matrix, place, k):
+    """Which row of its joint row k is."""
+    block = place.a if place.a >= 0 else place.b
+    if block < 0:
+        return 0
+    c = matrix.columns[matrix.blocks[block].column]
+    return (k - c.entry) % c.rows
+
+
+@inlined
+def put_row(blocks, block, D, half, line):
+    """Writes: blocks."""
+    if block >= 0:
+        for j in range(6):
+            blocks[block].x[6 * line + j] += D[half + j]
+            blocks[block].above[6 * line + j] += D[half + j]
+
+
+@inlined
+def add_product(blocks, block, row, a, b):
+    """sigma B^T B of two halves of a row. Writes: blocks."""
+    if block >= 0:
+        x, above = blocks[block].x, blocks[block].above
+        for i in range(6):
+            for j in range(6):
+                more = row.X[a + i] * row.D[b + j]
+                x[6 * i + j] += more
+                above[6 * i + j] += more
+
+
+@kernel
+def factorise(matrix):
+    """L U in place, dropping redundant rows. Writes: matrix."""
+    columns, blocks, updates = matrix.columns, matrix.blocks, matrix.updates
+    is_inner = True
+    for p in range(columns.shape[0]):
+        c = columns[p]
+        if c.node > 0:
+            keep_diagonal(c, blocks[c.block].x)
+            factor_column(c, columns, blocks, updates, 6)
+            continue
+        if is_inner:
+            # of the joints before any of them has been eliminated
+            for q in range(p, columns.shape[0]):
+                keep_diagonal(columns[q], blocks[columns[q].block].x)
+            is_inner = False
+        factor_column(c, columns, blocks, updates, c.rows)
+
+
+@inlined
+def keep_diagonal(c, x):
+    """Writes: c.pivot."""
+    for i in range(c.rows):
+        c.pivot[i] = abs(x[7 * i])
+
+
+@inlined
+def factor_column(c, columns, blocks, updates, m):
+    """Eliminate one block of m rows. Writes: c, blocks."""
+    factor_diagonal(blocks[c.block].x, c, m)
+    for e in range(c.block + 1, c.block_end):
+        height = columns[blocks[e].column].rows
+        solve_below(blocks[e].x, height, blocks[c.block].x, c, m)
+        solve_beside(blocks[e].above, height, blocks[c.block].x, m)
+    for e in range(c.update, c.update_end):
+        u = updates[e]
+        a, b = blocks[u.a], blocks[u.b]
+        height, width = columns[a.column].rows, columns[b.column].rows
+        if height == 6 and width == 6:
+            subtract(blocks[u.target].x, a.x, b.above, 6, 6, m)
+            if u.a != u.b:
+                subtract(blocks[u.target].above, a.above, b.x, 6, 6, m)
+        else:
+            subtract(blocks[u.target].x, a.x, b.above, height, width, m)
+            if u.a != u.b:
+                subtract(blocks[u.target].above, a.above, b.x, height, width, m)
+
+
+@inlined
+def factor_diagonal(x, c, m):
+    """Dense factors of a diagonal block. Writes: x, c."""
+    dropped = 0
+    for k in range(m):
+        pivot = x[7 * k]
+        if abs(pivot) <= REDUNDANT * c.pivot[k]:
+            c.inverse[k] = 0.0
+            dropped += 1
+        else:
+            c.inverse[k] = 1.0 / pivot
+        for i in range(k + 1, m):
+            y = x[6 * i + k] * c.inverse[k]
+            x[6 * i + k] = y
+            for j in range(k + 1, m):
+                x[6 * i + j] -= y * x[6 * k + j]
+    c.dropped = dropped
+
+
+@inlined
+def solve_below(x, height, diagonal, c, m):
+    """Rows of L in a block below. Writes: x."""
+    for i in range(height):
+        for j in range(m):
+            y = x[6 * i + j]
+            for k in range(j):
+                y -= x[6 * i + k] * diagonal[6 * k + j]
+            x[6 * i + j] = y * c.inverse[j]
+
+
+@inlined
+def solve_beside(x, height, diagonal, m):
+    """Columns of U in a block beside, transposed. Writes: x."""
+    for i in range(height):
+        for j in range(m):
+            y = x[6 * i + j]
+            for k in range(j):
+                y -= x[6 * i + k] * diagonal[6 * j + k]
+            x[6 * i + j] = y
+
+
+@inlined
+def subtract(x, a, b, height, width, m):
+    """x -= a b^T. Writes: x."""
+    for i in range(height):
+        for j in range(width):
+            y = 0.0
+            for k in range(m):
+                y += a[6 * i + k] * b[6 * j + k]
+            x[6 * i + j] -= y
+
+
+@kernel
+def solve(matrix):
+    """Solution of the bordered system, -y for joints, in place. Writes: matrix.columns.work."""
+    columns, blocks = matrix.columns, matrix.blocks
+    n = columns.shape[0]
+    for p in range(n):
+        c = columns[p]
+        if c.node > 0:
+            solve_down(c, columns, blocks, 6)
+        else:
+            solve_down(c, columns, blocks, c.rows)
+    for p in range(n - 1, -1, -1):
+        c = columns[p]
+        if c.node > 0:
+            solve_up(c, columns, blocks, 6)
+        else:
+            solve_up(c, columns, blocks, c.rows)
+
+
+@inlined
+def solve_down(c, columns, blocks, m):
+    """Forward substitution of one block of m rows. Writes: columns.work."""
+    x, w = blocks[c.block].x, c.work
+    for i in range(m):
+        for k in range(i):
+            w[i] -= x[6 * i + k] * w[k]
+    for e in range(c.block + 1, c.block_end):
+        b, below = blocks[e].x, columns[blocks[e].column]
+        for i in range(below.rows):
+            y = 0.0
+            for k in range(m):
+                y += b[6 * i + k] * w[k]
+            below.work[i] -= y
+
+
+@inlined
+def solve_up(c, columns, blocks, m):
+    """Backward substitution of one block of m rows. Writes: c.work."""
+    x, w = blocks[c.block].x, c.work
+    for e in range(c.block + 1, c.block_end):
+        b, below = blocks[e].above, columns[blocks[e].column]
+        for i in range(below.rows):
+            y = below.work[i]
+            for k in range(m):
+                w[k] -= b[6 * i + k] * y
+    for i in range(m - 1, -1, -1):
+        y = w[i]
+        for j in range(i + 1, m):
+            y -= x[6 * i + j] * w[j]
+        w[i] = y * c.inverse[i]
