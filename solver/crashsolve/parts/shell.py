@@ -23,7 +23,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.curve import curve_line
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, vec
@@ -39,10 +39,10 @@ from crashsolve.parts._failure import (
 from crashsolve.parts._layers import (
     ACROSS,
     ALL_ROWS,
-    CURVE_ROWS,
+    BACK_ROWS,
     FAILED_ROWS,
-    FLOW,
     HYPER_ROWS,
+    LINE_ROWS,
     METRIC,
     PLASTIC_ROWS,
     STRAIN,
@@ -290,8 +290,9 @@ class Laid:
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
         self.follows_curve = getattr(self.material, "curve", None) is not None
-        if self.follows_curve:
-            self.layer_rows = CURVE_ROWS
+        if getattr(self.material, "kinematic", 0.0) * getattr(self.material, "hardening", 0.0):
+            self.layer_rows += BACK_ROWS
+        self.layer_rows += LINE_ROWS * self.follows_curve
         self.is_hyper = hasattr(self.material, "LARGE_STRAIN")
         if self.is_hyper:
             self.layer_rows = HYPER_ROWS
@@ -395,11 +396,10 @@ class Laid:
         own: np.ndarray = self.mesh.sets[name]
         return own
 
-    def _first_flow(self, scene: Any) -> float:
-        """Yield stress of a curve at no plastic strain [Pa]."""
+    def _first_line(self, scene: Any) -> tuple[float, float, float]:
+        """Yield stress of a curve at no plastic strain [Pa], its slope [Pa], and to what strain."""
         start = scene.curve(self.material.curve)
-        flow, _, _ = curve_value(scene.curve_points.view(np.recarray), start, 0.0)
-        return float(flow)
+        return curve_line(scene.curve_points.view(np.recarray), start, 0.0)
 
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], of held nodes without what they do not make."""
@@ -456,8 +456,10 @@ class Laid:
             # nothing has yielded
             table[:, SOFT_PLANE : SOFT_PLANE + 4] = 1.0
             if self.follows_curve:
-                end = LAYERS + points * self.card.layers * CURVE_ROWS
-                table[:, LAYERS + FLOW : end : CURVE_ROWS] = self._first_flow(scene)
+                end = LAYERS + points * self.card.layers * self.layer_rows
+                for k, value in enumerate(self._first_line(scene)):
+                    row = LAYERS + self.layer_rows - LINE_ROWS + k
+                    table[:, row : end : self.layer_rows] = value
             if self.slows:
                 row = table.shape[1] - FAILED_ROWS * self.can_fail - SLOW_ROWS
                 table[:, row + HEAVIER] = in_lanes(self.heavier[own])
