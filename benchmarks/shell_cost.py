@@ -169,9 +169,11 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
     script = (
         "import sys, time\n"
         "from pathlib import Path\n"
+        "from crashsolve.cli import give_back_memory\n"
         "from crashsolve.deck.read import read_deck\n"
         "from crashsolve.model.build import build\n"
         "from crashsolve.system.engine import Engine\n"
+        "give_back_memory()\n"
         "begun = time.process_time()\n"
         "e = Engine(*build(read_deck(Path(sys.argv[1]))))\n"
         "e.start()\n"

@@ -82,6 +82,8 @@ ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 Motion = Literal["x", "y", "z", "turn_x", "turn_y", "turn_z"]
 MOST_LAYERS = 10
+# elements worked on at a time where memory counts
+PIECE = 4096
 
 
 class NamedNode(Card):
@@ -350,7 +352,7 @@ class Laid:
         """Factors of the masses of the elements."""
         if self.card.mass_scaling is None:
             return np.ones(len(self.area))
-        flat = self._diagonals().transpose(0, 2, 1).reshape(-1, 4)
+        flat = diagonals(self.mesh.points[self.mesh.quads]).transpose(0, 2, 1).reshape(-1, 4)
         squares = np.array([self._square(k, tuple(sides)) for k, sides in enumerate(flat)])
         factors: np.ndarray = heavier(self.card, squares, scene)
         report_added(self.card, self.weight, factors, scene)
@@ -411,6 +413,8 @@ class Laid:
         self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Any
     ) -> np.ndarray:
         """Velocities of the nodes from the momentum of the elements that are hit [m/s]."""
+        if not self.card.blows:
+            return np.zeros(3)
         blown = np.zeros_like(self.mesh.points)
         middle = (x * share[:, :, None]).sum(axis=1)
         way = normal / np.linalg.norm(normal, axis=1)[:, None]
@@ -543,18 +547,24 @@ class Laid:
 
     def _shape(self) -> np.ndarray:
         """Inverse of the diagonals in axes between them, by rows (m, 4)."""
-        return np.linalg.inv(self._diagonals()).reshape(-1, 4)
+        found = np.empty((len(self.area), 4))
+        # blocks are there already: what is needed besides is what memory peaks at
+        for start in range(0, len(found), PIECE):
+            x = self.mesh.points[self.mesh.quads[start : start + PIECE]]
+            found[start : start + PIECE] = np.linalg.inv(diagonals(x)).reshape(-1, 4)
+        return found
 
-    def _diagonals(self) -> np.ndarray:
-        """Diagonals in axes between them, as columns (m, 2, 2)."""
-        x = self.mesh.points[self.mesh.quads]
-        d, e = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
-        d_length, e_length = np.linalg.norm(d, axis=1), np.linalg.norm(e, axis=1)
-        # both axes are as far from one diagonal as from the other
-        half = 0.5 * np.arccos(np.clip((d * e).sum(1) / (d_length * e_length), -1.0, 1.0))
-        x, y = np.sin(half), np.cos(half)
-        diagonals = np.array([[d_length * x, -e_length * x], [d_length * y, e_length * y]])
-        return diagonals.transpose(2, 0, 1)
+
+def diagonals(x: np.ndarray) -> np.ndarray:
+    """Diagonals of quadrilaterals (m, 4, 3) in axes between them, as columns (m, 2, 2)."""
+    d, e = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
+    d_length, e_length = np.linalg.norm(d, axis=1), np.linalg.norm(e, axis=1)
+    # both axes are as far from one diagonal as from the other
+    half = 0.5 * np.arccos(np.clip((d * e).sum(1) / (d_length * e_length), -1.0, 1.0))
+    s, c = np.sin(half), np.cos(half)
+    return np.array([[d_length * s, -e_length * s], [d_length * c, e_length * c]]).transpose(
+        2, 0, 1
+    )
 
 
 def lay(card: Shell, scene: Any) -> Laid:
