@@ -45,7 +45,7 @@ class Histories:
         self._largest = np.zeros(2)
         self._margin = self._margins()
         self._parts = [self._model(), self._bodies(), self._joints(), self._contacts()]
-        self._parts += self._traces() + self._gauges()
+        self._parts += self._traces() + self._gauges() + self._cuts()
         self._parts += [self._group(g) for g in engine.model.groups if g.keyword in FAMILY]
 
     @property
@@ -192,6 +192,18 @@ class Histories:
             return np.concatenate([laid.gauge_values(blocks, row) for _, laid, row in gauged])
 
         return [(Family("elout-shell", tuple(names), tuple(columns)), values)]
+
+    def _cuts(self) -> list[Part]:
+        """Sections of shells."""
+        names = [f"{part}_{cut.name}" for part, laid, _ in self._laid() for cut in laid.card.cuts]
+        elements = self.engine.model.elements
+        if not names or elements is None:
+            return []
+        from crashsolve.parts._cut import CUT, OUTPUT
+
+        columns = [column for c in CUT.columns if c.name in OUTPUT for column in _spread(c)]
+        family, cuts = Family("secforc-shell", tuple(names), tuple(columns)), elements.cuts
+        return [(family, lambda: _flat(cuts, OUTPUT))]
 
     def _laid(self) -> list[tuple[str, Any, Any]]:
         """Name, part in place and row of every part with points."""

@@ -11,12 +11,13 @@ from bench import plain
 from command import crashsolve, gone_on
 
 from crashpost.result import Result
+from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow import _face
 from crashsolve.deck.read import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.model.nodal import faces_beside, spare
-from crashsolve.system import faces, nodal
+from crashsolve.system import faces, nodal, normals
 
 DECK = Path(__file__).resolve().parents[2] / "decks/verification/contact/faces.yaml"
 # a worker compiles the scene once
@@ -144,7 +145,7 @@ class Bench:
             (g.spared_first, g.spared),
         )
 
-    def look(self, x: Any, h: float = 1.0) -> Any:
+    def look(self, x: Any, h: float = 1.0, is_smooth: bool = False) -> Any:
         """What the ball finds at x, each time a step later; None for nothing."""
         g = self.groups[0]
         g.nodes[1].r, g.tally[0].listed = x, -1.0
@@ -152,6 +153,9 @@ class Bench:
         self.search(g)
         place = tuple(map(float, x))
         plain(faces.look)(0, place, g.p[0], g.tally[0], g.slots, g.turns, g.mesh, g.lists, g.found)
+        if is_smooth:
+            spared = (g.spared_first, g.spared)
+            plain(normals.smoothen)(0, place, g.p[0], g.mesh, spared, g.found)
         hits = []
         for s in range(2):
             old, new = g.slots[g.turns[s], s], g.slots[1 - g.turns[s], s]
@@ -245,6 +249,45 @@ def test_between_two_walls_both_are_met(tmp_path: Path) -> None:
     ((_, depth, normal),) = bench.look([0.1, 0.5, 0.06])
     assert depth == pytest.approx(0.04, abs=1e-14)
     np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-12)
+
+
+def drum(count: int) -> tuple[list[list[float]], list[list[int]]]:
+    """A cylinder of radius 1 in so many faces, its axis along z."""
+    phi = 2.0 * np.pi * np.arange(count) / count
+    ring = np.column_stack([np.cos(phi), np.sin(phi)])
+    nodes = [[float(x), float(y), z] for z in (0.0, 1.0) for x, y in ring]
+    quads = [[i + 1, (i + 1) % count + 1, (i + 1) % count + count + 1, i + count + 1]
+             for i in range(count)]  # fmt: skip
+    return nodes, quads
+
+
+@pytest.mark.parametrize("r", [0.93, 1.06])
+def test_a_continuous_field_points_to_the_axis_of_a_drum(r: float, tmp_path: Path) -> None:
+    count = 24
+    bench = Bench(tmp_path, *drum(count))
+    for phi in np.linspace(0.01, 0.01 + 4.0 * np.pi / count, 23):
+        x = np.array([r * np.cos(phi), r * np.sin(phi), 0.4])
+        ((_, depth, normal),) = bench.look(x, is_smooth=True)
+        way = np.array([np.cos(phi), np.sin(phi), 0.0]) * np.sign(r - 1.0)
+        np.testing.assert_allclose(normal, way, atol=1e-12)
+        # the force acts along the line through the ball and the place on the face
+        hit = bench.groups[0].found[0 if r > 1.0 else 1]
+        g = bench.groups[0]
+        at = plain(corner_points)(g.p[0].first_corner, hit.face, g.corners)
+        place = np.array(hit.N) @ np.array(g.points.r)[list(at)]
+        np.testing.assert_allclose(place + (0.1 - depth) * normal, x, atol=1e-12)
+        half = np.pi / count
+        chord = np.cos(half) / np.cos(phi % (2.0 * half) - half)
+        assert depth == pytest.approx(0.1 - abs(r - chord), abs=1e-12)
+
+
+def test_beyond_a_free_border_the_nearest_place_stays(tmp_path: Path) -> None:
+    smooth, nearest_place = Bench(tmp_path, *STRIP), Bench(tmp_path, *STRIP)
+    for x in ([-0.05, 0.5, 0.03], [0.4, 0.5, 0.06], [1.0, 0.2, 0.05]):
+        ((_, depth, normal),) = smooth.look(x, is_smooth=True)
+        ((_, wanted, way),) = nearest_place.look(x)
+        assert depth == pytest.approx(wanted, abs=1e-14)
+        np.testing.assert_allclose(normal, way, atol=1e-13)
 
 
 def test_faces_across_sides_and_rings_about_nodes() -> None:

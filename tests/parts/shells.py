@@ -59,6 +59,7 @@ class Elements:
         self.points: Any = self.state.points.view(np.recarray)
         e = model.elements
         assert e is not None
+        self.taps, self.cuts = e.taps, e.cuts
         self.scene = SimpleNamespace(
             points=self.points,
             corners=e.corners,

@@ -310,16 +310,7 @@ MATRIX = (
         "",
         "bodies",
         (10, 100, 1000),
-        integrators=("rattle", "dormand_prince_5"),
-        make=chain,
-    ),
-    # a thousand take minutes
-    Sweep(
-        "chain of bodies by an implicit method",
-        "",
-        "bodies",
-        (10, 100),
-        integrators=STIFF,
+        integrators=ALL,
         make=chain,
     ),
     Sweep(

@@ -34,11 +34,16 @@ def hand_on_bitcode() -> None:
     before it becomes part of another, an eighth.
     """
     os.environ["NUMBA_OPT"] = "0"
+    from numba.core import types
     from numba.core.codegen import AOTCodeLibrary, JITCPUCodegen
     from numba.core.cpu import CPUContext
 
     class Bitcode(AOTCodeLibrary):  # type: ignore[misc]
         serialize_using_object_code = AOTCodeLibrary.serialize_using_bitcode
+
+    def no_address(context: Any, *_: Any, info: str) -> Any:
+        # that of the Python object of a called kernel is unused, and would keep it out of the cache
+        return context.get_constant_null(types.voidptr)
 
     def get_executable(_: Any, library: Any, *__: Any) -> Any:
         library._ensure_finalized()
@@ -47,6 +52,10 @@ def hand_on_bitcode() -> None:
 
     JITCPUCodegen._library_class = Bitcode  # type: ignore[assignment]
     CPUContext.get_executable = get_executable  # type: ignore[method-assign]
+    CPUContext.add_dynamic_addr = no_address  # type: ignore[assignment, method-assign]
+    # nor has a kernel a Python environment, or a place in this process
+    JITCPUCodegen.set_env = lambda *_: None  # type: ignore[method-assign]
+    JITCPUCodegen._add_module = lambda *_: None  # type: ignore[method-assign]
 
 
 def optimise(module: Any, machine: Any, vectors: bool) -> None:

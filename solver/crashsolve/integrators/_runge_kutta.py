@@ -29,7 +29,6 @@ from crashsolve.integrators.dormand_prince_5 import ESTIMATES, EXTRA, ORDER, STA
 from crashsolve.model.clock import (
     CURVE_END,
     PAUSED,
-    POSITION,
     REACHED,
     REBUILD,
     RUNNING,
@@ -163,7 +162,7 @@ def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
         refresh(nodes)
         factor_constraints(rows, saddle, nodes)
         if not project(time, clock, control, nodes, rows, saddle, curves, scene):
-            clock.status = POSITION
+            clock.status = clock.fault
         add_kick(clock, 1.0)
     return time - begun
 

@@ -51,11 +51,9 @@ CLOCK = Record(
     rate_residual=("1/s", "largest velocity residual over model size so far"),
     limit_node=("index", "node that sets the step; below 0: an element"),
     driver_work=("J", "work of prescribed motions"),
-    driver_power=("W", "its present rate"),
     impulse=("N s", 3, "impulse from outside"),
     angular_impulse=("N m s", 3, "angular impulse from outside about the world origin"),
     kick=("N s", 6, "impulse and its moment that closed the joints at the end of the last step"),
-    external_before=("N", 6, "force and torque from outside at the step's start"),
     element_rate=("1/s^2", "largest squared frequency of an element"),
     limit_element=("index", "the element that has it"),
 )

@@ -9,6 +9,7 @@ import numpy as np
 
 from crashsolve.foundation.point import LANES, POINT, RIDER
 from crashsolve.model.model import Elements, Group, Model
+from crashsolve.parts._cut import CUT, TAP
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
@@ -56,7 +57,24 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
         return None
     rows = max(g.module.ROWS for g in groups if hasattr(g.module, "deform"))
     work = line_up(rows * LANES)
-    return Elements(np.concatenate(corners), np.concatenate(riders), work, parts, mass)
+    taps, cuts = _cuts(groups, parts)
+    return Elements(np.concatenate(corners), np.concatenate(riders), work, parts, mass, taps, cuts)
+
+
+def _cuts(groups: list[Group], parts: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Elements of all sections, those of a block together, and the sections."""
+    found: list[tuple[Any, ...]] = []
+    count = 0
+    for group in (g for g in groups if hasattr(g.module, "deform")):
+        for i, (name, row) in enumerate(zip(group.names, group.parameters, strict=True)):
+            for front in parts[name].cuts:
+                for e in np.flatnonzero(front.any(axis=1)):
+                    kind, block, corner, lane = parts[name].seat(int(e))
+                    at = (int(row["first"]) + block, int(row["first_corner"]) + corner)
+                    found.append((i, kind, *at, lane, count, front[e]))
+                count += 1
+    found.sort(key=lambda tap: (tap[2], tap[4]))
+    return np.array(found, TAP.dtype), np.zeros(count, CUT.dtype)
 
 
 def line_up(count: int) -> np.ndarray:

@@ -57,6 +57,7 @@ class NodalGroup:
     narrow: Any | None  # gap routine of a shape; None for faces
     normal: Any
     arrays: dict[str, np.ndarray]  # see model/nodal.py
+    is_smooth: bool = False  # normals of faces from a continuous field
 
     # what a run writes, and what grows with it
     CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait")
@@ -100,6 +101,8 @@ class Elements:
     work: np.ndarray
     parts: dict[str, Any]  # in place, by name
     point_mass: float  # of the points that ride on no body
+    taps: np.ndarray  # elements of sections, block by block, see parts/_cut.py
+    cuts: np.ndarray
 
 
 @dataclass

@@ -121,7 +121,8 @@ class NodalBuilder:
         narrow, own, slots = make(probes, a, b, routine)
         arrays = self._common(probes, record, values | own.pop("values"), slots, law) | own
         word = f"nodal_{len(self.groups)}"
-        self.groups.append(NodalGroup(word, entry.name, narrow, law, arrays))
+        is_smooth = getattr(b.entry.card, "normals", None) == "continuous"
+        self.groups.append(NodalGroup(word, entry.name, narrow, law, arrays, is_smooth))
 
     def _law(self, entry: Entry) -> Any:
         """Module of the normal law; what nodal contact lacks is refused."""

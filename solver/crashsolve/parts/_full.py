@@ -15,7 +15,7 @@ Engineering 88, 311-340. Dvorkin and Bathe (1984), A continuum mechanics based f
 element for general nonlinear analysis, Engineering Computations 1, 77-88.
 """
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._failure import (
     add_losses,
@@ -74,31 +74,38 @@ def deform(p, clock, h, scene):
 
     Writes: scene.points, lanes, work, clock.
     """
-    points, corners, blocks, work = scene.points, scene.corners, scene.lanes, scene.work
     done = 0
     while done < p.four_points:
         first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
         live = min(LANES, p.four_points - done)
-        gather(points, corners, corner, work)
-        strain(blocks, first, work, h, p)
+        respond(p, h, first, corner, scene)
         if p.failure > 0.0:
-            mute_strains(blocks, first, work)
-        stress(blocks, first, work, h, p, scene.curves)
-        if p.slows == 1:
-            damp(blocks, first, p.stride, work, h, p)
-        resist(blocks, first, work)
-        push(blocks, first, work, p)
-        if p.slows == 1:
-            allow(blocks, first, p.stride, work, h, p)
-        if p.failure > 0.0:
-            mute_forces(blocks, first, work)
             erode(p, scene, first, corner, live)
-        scatter(points, corners, corner, live, work)
-        note_rate(clock, work, p.first_element + done, live)
+        scatter(scene.points, scene.corners, corner, live, scene.work)
+        note_rate(clock, scene.work, p.first_element + done, live)
         done += LANES
 
 
 @kernel
+def respond(p, h, first, corner, scene):
+    """Forces and torques of a block on its corners after a step of h. Writes: scene.lanes, work."""
+    blocks, work = scene.lanes, scene.work
+    gather(scene.points, scene.corners, corner, work)
+    strain(blocks, first, work, h, p)
+    if p.failure > 0.0:
+        mute_strains(blocks, first, work)
+    stress(blocks, first, work, h, p, scene.curves)
+    if p.slows == 1:
+        damp(blocks, first, p.stride, work, h, p)
+    resist(blocks, first, work)
+    push(blocks, first, work, p)
+    if p.slows == 1:
+        allow(blocks, first, p.stride, work, h, p)
+    if p.failure > 0.0:
+        mute_forces(blocks, first, work)
+
+
+@blockwise
 def stress(blocks, first, work, h, p, curves):
     """Stresses at all points after a step of h, and the means of their resultants.
 
@@ -143,7 +150,7 @@ def slopes_at(flat, xi, eta):
     return 2.0 * (eta * b_y - xi * a_y), 2.0 * (xi * a_x - eta * b_x)
 
 
-@kernel
+@blockwise
 def strain_at(work, xi, eta, nu):
     """Strains and curvatures of the step at a point. Writes: work."""
     for e in range(LANES):
@@ -162,7 +169,7 @@ def strain_at(work, xi, eta, nu):
             work[at + 2 * LANES] = work[mean + 2 * LANES]
 
 
-@kernel
+@blockwise
 def add_point(work, xi, eta, nu):
     """A quarter of the sums from what is at a point. Writes: work."""
     for e in range(LANES):
@@ -180,7 +187,7 @@ def add_point(work, xi, eta, nu):
         work[LANES * (CHANGES + 2) + e] += 0.25 * work[LANES * DROPPED + e]
 
 
-@kernel
+@blockwise
 def resist(blocks, first, work):
     """What acts on q: the transpose of the strains at the points, in the place after the step.
 

@@ -17,7 +17,7 @@ for the Reissner-Mindlin plate model, Computer Methods in Applied Mechanics and 
 theory and assumed shear strain fields, part I, Int. J. Num. Meth. Eng. 36, 1859-1883.
 """
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._failure import (
     add_losses,
@@ -92,30 +92,37 @@ def deform(p, clock, h, scene):
 
     Writes: scene.points, lanes, work, clock.
     """
-    points, corners, blocks, work = scene.points, scene.corners, scene.lanes, scene.work
     start, start_corner, quads = start_of(p)
     stride, done = stride_of(p), 0
     while done < p.triangles:
-        first, at = start + done // LANES * stride, start_corner + 4 * done
+        first, corner = start + done // LANES * stride, start_corner + 4 * done
         live = min(LANES, p.triangles - done)
-        gather(points, corners, at, work)
-        strain(blocks, first, work, h, p)
+        respond(p, h, first, corner, scene)
         if p.failure > 0.0:
-            mute_strains(blocks, first, work)
-        layers(blocks, first, stride, work, h, p, scene.curves)
-        if p.slows == 1:
-            damp(blocks, first, stride, work, h, p)
-        push(blocks, first, work, p)
-        if p.hyper == 1:
-            grow_rate(work)
-        if p.slows == 1:
-            allow(blocks, first, stride, work, h, p)
-        if p.failure > 0.0:
-            mute_forces(blocks, first, work)
-            erode(p, scene, first, at, live)
-        scatter(points, corners, at, live, work)
-        note_rate(clock, work, p.first_element + quads + done, live)
+            erode(p, scene, first, corner, live)
+        scatter(scene.points, scene.corners, corner, live, scene.work)
+        note_rate(clock, scene.work, p.first_element + quads + done, live)
         done += LANES
+
+
+@kernel
+def respond(p, h, first, corner, scene):
+    """Forces and torques of a block on its corners after a step of h. Writes: scene.lanes, work."""
+    blocks, work, stride = scene.lanes, scene.work, stride_of(p)
+    gather(scene.points, scene.corners, corner, work)
+    strain(blocks, first, work, h, p)
+    if p.failure > 0.0:
+        mute_strains(blocks, first, work)
+    layers(blocks, first, stride, work, h, p, scene.curves)
+    if p.slows == 1:
+        damp(blocks, first, stride, work, h, p)
+    push(blocks, first, work, p)
+    if p.hyper == 1:
+        grow_rate(work)
+    if p.slows == 1:
+        allow(blocks, first, stride, work, h, p)
+    if p.failure > 0.0:
+        mute_forces(blocks, first, work)
 
 
 @inlined
@@ -193,7 +200,7 @@ def triangle_diagonals(x):
     return (c[0] - a[0], c[1] - a[1], c[2] - a[2]), (c[0] - b[0], c[1] - b[1], c[2] - b[2])
 
 
-@kernel
+@blockwise
 def strain(blocks, first, work, h, p):
     """Strains of a step of h, and the elastic stresses after it, with the geometry of its middle.
 
@@ -248,7 +255,7 @@ def sides_of(s, v, turn, axes):
     )
 
 
-@kernel
+@blockwise
 def push(blocks, first, work, p):
     """Forces and torques on the corners from the stresses, and the bound of frequency.
 

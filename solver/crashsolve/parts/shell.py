@@ -100,6 +100,14 @@ class Trace(Card):
     at: Vec3 = quantity("m", "place; the nearest node or element is meant")
 
 
+class Cut(Card):
+    """Section whose force and moment are written: the elements that a plane cuts at the start."""
+
+    name: str = word("in channels P_name, for part P")
+    at: Vec3 = quantity("m", "point of the plane")
+    normal: Vec3 = word("of the plane, towards the side on which the force acts")
+
+
 class Hold(Card):
     """Motions that the nodes of a set do not make."""
 
@@ -149,6 +157,7 @@ class Shell(Damped):
     welded: tuple[Weld, ...] = word("nodes without a motion of their own", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
+    cuts: tuple[Cut, ...] = word("sections with a history: secforc.P_name", default=())
     velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
     blows: tuple[Blow, ...] = word("impulses at the start, on regions", default=())
@@ -251,6 +260,19 @@ def nearest(places: np.ndarray, card: NamedNode | Trace) -> int:
     return int(np.argmin(np.linalg.norm(places - np.asarray(card.at), axis=1)))
 
 
+def sides(x: np.ndarray, card: Cut, scene: Any) -> np.ndarray:
+    """Which corners (n, 4) of which elements, at x (n, 4, 3), a cut has on its front side.
+
+    Rows of elements that are not cut are empty.
+    """
+    normal = scene.unit(card.normal, "cuts")
+    is_front = (x - np.asarray(card.at)) @ normal > 0.0
+    is_front &= ~is_front.all(axis=1, keepdims=True)
+    if not is_front.any():
+        raise scene.fail(f"the plane of '{card.name}' cuts no element", "cuts")
+    return is_front
+
+
 def sorted_mesh(mesh: Any, cut: bool) -> Any:
     """The mesh with its triangles last, a corner named twice at their end; or cut into triangles.
 
@@ -329,6 +351,7 @@ class Laid:
         self.named = [nearest(self.mesh.points, node) for node in card.nodes]
         self.traced = [nearest(self.mesh.points, node) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
+        self.cuts = [sides(x, cut, scene) for cut in card.cuts]
         self.held = self._held(scene)
         self.blown = self._blown(x, normal, share, scene)
 
@@ -473,6 +496,18 @@ class Laid:
         """Points of the corners, (blocks, 4, lanes)."""
         quads = [self.mesh.quads[own] for own, _ in self.sections()]
         return np.concatenate([np.stack([in_lanes(c) for c in q.T], axis=1) for q in quads])
+
+    def seat(self, element: int) -> tuple[int, int, int, int]:
+        """Kind of an element in KINDS, where the numbers and corners of its block begin, lane."""
+        numbers = corners = 0
+        for own, points in self.sections():
+            if element < own.stop:
+                break
+            numbers += blocks_of(own) * self.stride_of(points)
+            corners += blocks_of(own) * 4 * LANES
+        block, lane = divmod(element - own.start, LANES)
+        kind = 2 if own.start >= self.quad_count else list(POINTS.values()).index(points)
+        return kind, numbers + block * self.stride_of(points), corners + block * 4 * LANES, lane
 
     def stride_of(self, points: int) -> int:
         """Numbers of a block of elements with so many points in their plane."""
@@ -620,28 +655,34 @@ def deform(p, clock, h, scene):
 
     Writes: scene.points, lanes, work, clock.
     """
-    points, corners, blocks, work = scene.points, scene.corners, scene.lanes, scene.work
     done = 0
     while done < p.one_point:
-        number = done // LANES
-        first, corner = p.first + number * p.stride, p.first_corner + 4 * done
+        first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
         live = min(LANES, p.one_point - done)
-        gather(points, corners, corner, work)
-        strain(blocks, first, work, h, p)
+        respond(p, h, first, corner, scene)
         if p.failure > 0.0:
-            mute_strains(blocks, first, work)
-        layers(blocks, first, p.stride, work, h, p, scene.curves)
-        if p.slows == 1:
-            damp(blocks, first, p.stride, work, h, p)
-        push(blocks, first, work, p)
-        if p.slows == 1:
-            allow(blocks, first, p.stride, work, h, p)
-        if p.failure > 0.0:
-            mute_forces(blocks, first, work)
             erode(p, scene, first, corner, live)
-        scatter(points, corners, corner, live, work)
-        note_rate(clock, work, p.first_element + done, live)
+        scatter(scene.points, scene.corners, corner, live, scene.work)
+        note_rate(clock, scene.work, p.first_element + done, live)
         done += LANES
+
+
+@kernel
+def respond(p, h, first, corner, scene):
+    """Forces and torques of a block on its corners after a step of h. Writes: scene.lanes, work."""
+    blocks, work = scene.lanes, scene.work
+    gather(scene.points, scene.corners, corner, work)
+    strain(blocks, first, work, h, p)
+    if p.failure > 0.0:
+        mute_strains(blocks, first, work)
+    layers(blocks, first, p.stride, work, h, p, scene.curves)
+    if p.slows == 1:
+        damp(blocks, first, p.stride, work, h, p)
+    push(blocks, first, work, p)
+    if p.slows == 1:
+        allow(blocks, first, p.stride, work, h, p)
+    if p.failure > 0.0:
+        mute_forces(blocks, first, work)
 
 
 @kernel

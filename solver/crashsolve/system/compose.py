@@ -131,6 +131,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
         e = model.elements
         arrays |= {"points": state.points, "lanes": state.blocks}
         arrays |= {"corners": e.corners, "riders": e.riders, "work": e.work}
+        if len(e.cuts):
+            arrays |= {"taps": e.taps, "cuts": e.cuts}
     return arrays
 
 
@@ -186,6 +188,10 @@ def _imports(model: Any) -> str:
     lines = ["from crashsolve.system import contacts" + ", points" * bool(model.elements)]
     if model.nodal_groups:
         lines.append("from crashsolve.system import faces, nodal")
+    if any(n.is_smooth for n in model.nodal_groups):
+        lines.append("from crashsolve.system import normals")
+    if model.elements and len(model.elements.cuts):
+        lines.append("from crashsolve.parts import _cut")
     if has_slaves(model):
         lines.append("from crashsolve.system import slaves")
     if captures(model):
@@ -714,8 +720,23 @@ def _energy_calls(model: Any) -> list[str]:
     return [*lines, f"ledger[{e.DRIVER_WORK}] = clock.driver_work", "close_ledger(ledger)"]
 
 
+def _cut_calls(model: Any) -> list[str]:
+    """Blocks of the elements of sections once more, one after the other."""
+    lines = ["_cut.open_cuts(groups)", "before = -1", "for k in range(groups.taps.shape[0]):"]
+    lines += ["    tap = groups.taps[k]", "    if tap.first != before:"]
+    for g in model.element_groups():
+        places = list(g.module.KINDS.values())
+        for kind in _kinds(g):
+            number = places.index(kind.__name__.rpartition(".")[2])
+            call = f"{_alias(kind)}.respond(groups.{g.word}_p[tap.part], 0.0, tap.first, "
+            lines.append(f"        if tap.kind == {number}:")
+            lines.append(f"            {call}tap.corner, groups)")
+    lines += ["        before = tap.first", "    _cut.add_tap(tap, groups)"]
+    return [*lines, "_cut.close_cuts(groups)"]
+
+
 def _measure_calls(model: Any) -> list[str]:
-    lines = []
+    lines = _cut_calls(model) if model.elements and len(model.elements.cuts) else []
     for g in model.sensor_groups():
         lines += [
             f"p, out = groups.{g.word}_p, groups.{g.word}_o",

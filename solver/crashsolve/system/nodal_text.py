@@ -20,7 +20,7 @@ def {word}(clock, h, nodes, curves, groups):
             continue
         x, v = nodal.where(probes[i], h, nodes, points)
         faces.look(i, x, p, tally, slots, turns, mesh, lists, found)
-        for s in range(2):
+{field}        for s in range(2):
             j = 2 * i + s
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
             if hit.depth <= 0.0:
@@ -43,6 +43,7 @@ def {word}(clock, h, nodes, curves, groups):
             nodal.take_turn(h, turns, j)
     nodal.close_pass(tally, card)
 """
+FIELD = "        normals.smoothen(i, x, p, mesh, spared, found)\n"
 SHAPE = """\
 @kernel
 def {word}(clock, h, nodes, curves, groups):
@@ -88,7 +89,7 @@ def nodal_function(group: Any) -> str:
     """Text of the function of one group."""
     words = {"word": group.word, "law": f"normal_{group.normal.__name__.rpartition('.')[2]}"}
     if group.narrow is None:
-        return FACES.format(**words)
+        return FACES.format(**words, field=FIELD if group.is_smooth else "")
     names = [f"groups.{group.word}_{name}" for name in group.arrays if name.startswith("data_")]
     data = "(" + "".join(f"{name}, " for name in names).rstrip(" ") + ")"
     narrow = f"narrow_{group.narrow.__name__.rpartition('.')[2]}"

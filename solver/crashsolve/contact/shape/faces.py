@@ -3,7 +3,7 @@
 Nodes and balls press on the nearest face, from whichever side they came.
 """
 
-from typing import Any
+from typing import Any, Literal
 
 from crashsolve.deck.card import Card, PartName, quantity, word
 
@@ -21,6 +21,11 @@ class Faces(Card):
         default=0,
         ge=0,
         le=20,
+    )
+    normals: Literal["nearest", "continuous"] = word(
+        "direction of the force: from the nearest place, or along a field of normals that turns "
+        "without a jump from face to face",
+        default="nearest",
     )
 
 

@@ -1,0 +1,57 @@
+"""Claim: the force of a section is all that its front gets from behind, and so is its moment."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import plain
+from shells import KINDS, PATCH, Elements
+
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.parts import _cut
+
+CUTS = [
+    {"name": "across", "at": [0.1, 0, 0], "normal": [1, 0, 0]},
+    {"name": "aslant", "at": [0.1, 0.06, 0], "normal": [-1, 3, 0]},
+]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_section_hands_on_all_force_and_moment(kind: str, tmp_path: Path) -> None:
+    shell = Elements(tmp_path, PATCH, 0.01, element=kind, cuts=CUTS)
+    start, rng = shell.points.r.copy(), np.random.default_rng(3)
+    shell.move(1e-3 * rng.normal(size=(8, 6)))
+    wrench = shell.move(1e-3 * rng.normal(size=(8, 6)))
+    cuts = measured(shell)
+    for cut, card in zip(cuts, CUTS, strict=True):
+        front = (start - card["at"]) @ np.array(card["normal"], float) > 0.0
+        force, torque = wrench[front, :3], wrench[front, 3:]
+        x = shell.points.r[front] - cut["place"]
+        moment = (torque + np.cross(x, force)).sum(0)
+        # round-off of the forces of single elements, which inside the front add up to nothing
+        size = np.abs(wrench).max()
+        np.testing.assert_allclose(cut["force"], force.sum(0), atol=1e-13 * size)
+        np.testing.assert_allclose(cut["moment"], moment, atol=1e-13 * size)
+        assert np.linalg.norm(cut["force"]) > 1e-3 * size
+
+
+def measured(shell: Elements) -> np.ndarray:
+    """The sections, as a sample computes them."""
+    scene, before = shell.scene, -1
+    scene.taps, scene.cuts = shell.taps.view(np.recarray), shell.cuts.view(np.recarray)
+    modules = dict(zip(shell.module.KINDS.values(), range(3), strict=True))
+    kinds = {modules[kind.__name__.rpartition(".")[2]]: kind for kind in shell.kinds}
+    plain(_cut.open_cuts)(scene)
+    for tap in scene.taps:
+        if tap.first != before:
+            plain(kinds[int(tap.kind)].respond)(shell.p, 0.0, tap.first, tap.corner, scene)
+        before = tap.first
+        plain(_cut.add_tap)(tap, scene)
+    plain(_cut.close_cuts)(scene)
+    return shell.cuts
+
+
+def test_a_plane_beside_the_part_is_refused(tmp_path: Path) -> None:
+    beside = [{"name": "beside", "at": [9, 0, 0], "normal": [1, 0, 0]}]
+    with pytest.raises(DeckErrors, match="plane of 'beside' cuts no element"):
+        Elements(tmp_path, PATCH, cuts=beside)
