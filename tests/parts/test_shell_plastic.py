@@ -133,6 +133,18 @@ def test_layers_follow_a_curve_over_its_corners_to_round_off(tmp_path: Path, way
     assert len(corners) >= 3
 
 
+def test_a_step_may_go_over_more_lines_than_the_return_has_passes(tmp_path: Path) -> None:
+    points = [[1e-5 * k, Y + k**0.5] for k in range(201)]
+    words = {"points": points, "extrapolate": "hold"}
+    material = {k: v for k, v in BASE.items()} | {"curve": "flow"}
+    shell = Elements(tmp_path, SQUARE, 0.01, material, layers=1, curves={"flow": words})
+    shell.move(stretched([0.0, 0.0, 4e-3]))
+    row = shell.layers()[0]
+    flow, _, _ = curve_value(shell.scene.curves, int(shell.p.curve), row[STRAIN])
+    assert row[STRAIN] > 60e-5
+    assert size(row[None, :3])[0] == pytest.approx(flow, rel=2e-14)
+
+
 @pytest.mark.parametrize("name", ["isotropic", "kinematic", "mixed"])
 def test_pull_and_push_follow_the_law_of_hardening(tmp_path: Path, name: str) -> None:
     """Uniaxial stress, the strain across found by Newton from outside."""

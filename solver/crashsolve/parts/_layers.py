@@ -458,10 +458,13 @@ def begin(work, p):
 @blockwise
 def return_to_yield(blocks, at, work, p, curves):
     """g of all lanes; of those within yield it is 0. Writes: work, blocks."""
-    before = 1e300
+    before, passes = 1e300, PASSES
     if p.power > 0.0:
         follow_power(blocks, at, work, p)
-    for _ in range(PASSES):
+    if p.curve > 0:
+        # one for each of its lines
+        passes += curves[p.curve].last - p.curve
+    for _ in range(passes):
         close_gaps(work, p)
         if p.power > 0.0:
             follow_power(blocks, at, work, p)
