@@ -7,9 +7,11 @@ crashsolve schema    crashsolve keywords    crashsolve equations
 """
 
 import argparse
+import ctypes
 import gc
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from crashsolve import __version__
@@ -24,6 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Entry point; returns the exit code."""
     # imports make many objects that stay: looking for garbage among them is a tenth of a warm start
     gc.set_threshold(100_000)
+    give_back_memory()
     given = sys.argv[1:] if arguments is None else arguments
     # `crashsolve deck.yaml` is short for `crashsolve run deck.yaml`
     if given and given[0] not in COMMANDS and not given[0].startswith("-"):
@@ -40,6 +43,13 @@ def main(arguments: list[str] | None = None) -> int:
         # the reader, such as `head`, has seen enough; what is left to flush goes nowhere
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return int(ExitCode.NORMAL)
+
+
+def give_back_memory() -> None:
+    """Let the C library return what large arrays leave behind, instead of growing to keep it."""
+    with suppress(AttributeError, OSError):
+        # M_MMAP_THRESHOLD of glibc; set, it stays where it is
+        ctypes.CDLL(None).mallopt(-3, 1 << 18)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -36,6 +36,7 @@ class Elements:
         mesh: Any = SQUARE,
         thickness: float = 0.05,
         material: dict[str, Any] = STEEL,
+        curves: dict[str, Any] | None = None,
         **words: Any,
     ) -> None:
         nodes = np.asarray(mesh[0], float)
@@ -43,6 +44,8 @@ class Elements:
         part = {"type": "shell", "thickness": thickness, "material": "steel"} | words
         part["mesh"] = {"type": "listed", "nodes": nodes.tolist(), "quads": mesh[1]}
         deck = {"control": {"end_time": 1}, "materials": {"steel": material}, "parts": {"s": part}}
+        if curves:
+            deck["curves"] = {name: {"type": "table"} | card for name, card in curves.items()}
         path = folder / "elements.yaml"
         path.write_text(yaml.safe_dump(deck), "utf-8")
         model, self.state = build(read_deck(path))

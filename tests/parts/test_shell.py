@@ -1,11 +1,15 @@
 """What a shell element promises: patches, rigid motions, balance, energy, modes, honest step."""
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from shells import KINDS, ODD, PATCH, SQUARE, STEEL, Elements, any_turn
 
+from crashsolve.deck.read import read_deck
+from crashsolve.model.build import build
 from crashsolve.parts._quad_block import SHEAR
 
 E, NU = STEEL["young"], STEEL["poisson"]
@@ -160,3 +164,26 @@ def test_elastic_elements_of_one_and_of_four_points_are_the_same(tmp_path: Path,
     expected = one.move(motion)
     # the geometry of the end of the step and of its middle differ by 1e-7
     np.testing.assert_allclose(four.move(motion), expected, atol=1e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("material", ["elastic", "elastoplastic"])
+def test_a_shell_is_built_in_little_memory(tmp_path: Path, material: str) -> None:
+    """Beside 42 numbers in blocks at most: corners twice, a point, and what pictures need."""
+    card = {"type": material, "young": 2e11, "poisson": 0.3, "density": 8e3}
+    card |= {"yield_stress": 2e8, "hardening": 1e9} if material == "elastoplastic" else {}
+    part = {"type": "shell", "thickness": 1e-3, "material": "steel"}
+    part["mesh"] = {"type": "grid", "along": [1, 0, 0], "across": [0, 1, 0], "elements": [160, 160]}
+    deck = {"control": {"end_time": 1}, "materials": {"steel": card}, "parts": {"s": part}}
+    path = tmp_path / "plate.yaml"
+    path.write_text(yaml.safe_dump(deck), "utf-8")
+    read = read_deck(path)
+    tracemalloc.start()
+    model, _ = build(read)
+    kept, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert model.elements is not None
+    numbers = 42 if material == "elastoplastic" else 37
+    # a tenth for the rows of the mesh's edge and the code of modules
+    assert kept / 160**2 < 1.1 * (8 * numbers + 2 * 32 + 144 + 120)
+    # of the way there remains little more than the end
+    assert most < 1.2 * kept

@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bench import plain
 from shells import KINDS, ODD, SQUARE, Elements
 
-from crashsolve.parts._layers import BACK, FACTOR, STRAIN
+from crashsolve.foundation.curve import curve_line, curve_value, pack
+from crashsolve.parts._layers import BACK, FACTOR, NEAR, STRAIN, step_to_root
 from crashsolve.parts._quad_block import THICKNESS
 
 BASE = {"type": "elastoplastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
@@ -65,12 +67,82 @@ def test_yielding_layers_meet_the_yield_condition_to_round_off(
             rows, before = rows[-1:], before[-1:]
         flows = rows[:, STRAIN] > before
         limit = factor * flow_stress(material, rows[:, STRAIN])
-        excess = size(rows[:, :3] - rows[:, BACK : BACK + 3]) / limit - 1.0
+        alpha = rows[:, BACK : BACK + 3] if "kinematic" in material else 0.0
+        excess = size(rows[:, :3] - alpha) / limit - 1.0
         # 1e-14 for the root, as much for the stress that is put together from it
         assert np.abs(excess[flows]).max(initial=0.0) < 2e-14
         assert (excess < 2e-14).all()
         yielded += flows.sum()
     assert yielded > 2
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("hardening", [0.0, 0.3])
+def test_the_return_is_of_fourth_order_and_from_anywhere(poisson: float, hardening: float) -> None:
+    """Young's modulus and yield stress 1: g is then of the size of what is beyond yield."""
+    c1, c2 = 1.0 / (3.0 - 3.0 * poisson), 1.0 / (1.0 + poisson)
+    root_step: Any = plain(step_to_root)
+    for beyond in (1e-3, 0.03, 0.1, 1.0, 30.0, 1e4):
+        for angle in np.linspace(0.01, 1.56, 9):
+            parts = ((1.0 + beyond) * np.array([np.cos(angle), np.sin(angle)])) ** 2
+            g, steps = 0.0, []
+            while len(steps) < 20 and (not steps or steps[-1] > 1e-15):
+                step = root_step(g, *parts, 1.0, hardening, c1, c2)
+                g = max(0.5 * g, g + step)
+                steps.append(c2 * abs(step) / (1.0 + c2 * g))
+            size = np.hypot(*(np.sqrt(parts) / (1.0 + np.array([c1, c2]) * g)))
+            # round-off of the factors, and of 1 - hardening g where that is small
+            assert size * (1.0 - hardening * g) == pytest.approx(1.0, abs=1e-14 * size)
+            # a step below NEAR is the last but for round-off of the same size
+            near = next(k for k, step in enumerate(steps) if step < NEAR)
+            assert max(steps[near + 1 :], default=0.0) < 1e-14 * size
+            if beyond <= 0.1:
+                assert near <= 1 + (poisson == 0.0)
+
+
+@pytest.mark.parametrize("bend", [0.0, -30.0])
+def test_the_line_of_a_curve_touches_it(bend: float) -> None:
+    """Straight segments say where they end; what is bent holds nowhere but at the point."""
+    coefficients = [[200.0, 5.0, bend, 0.0], [205.0 + bend, 2.0, bend, 0.0]]
+    table, (first,) = pack([([0.0, 1.0, 3.0], coefficients, 1)])
+    curves: Any = table.view(np.recarray)
+    for x in (0.0, 0.4, 1.0, 2.9, 4.0):
+        y, slope, _ = curve_value(curves, first, x)
+        at_0, rise, end = curve_line(curves, first, x)
+        assert (at_0 + rise * x, rise) == pytest.approx((y, slope), rel=1e-15)
+        assert end == (1e300 if x > 3.0 else -1.0 if bend else 1.0 if x < 1.0 else 3.0)
+
+
+@pytest.mark.parametrize("way", ["linear", "smooth"])
+def test_layers_follow_a_curve_over_its_corners_to_round_off(tmp_path: Path, way: str) -> None:
+    points = [[0.0, Y], [0.002, 230.0], [0.003, 260.0], [0.01, 280.0], [1.0, 300.0]]
+    words = {"points": points, "interpolation": way}
+    material = {k: v for k, v in BASE.items()} | {"curve": "flow"}
+    shell = Elements(tmp_path, ODD, 0.1, material, layers=5, curves={"flow": words})
+    rng, corners = np.random.default_rng(2), set()
+    for _ in range(12):
+        before = shell.layers()[:, STRAIN]
+        shell.move(1.5e-3 * rng.normal(size=(4, 6)))
+        rows = shell.layers()
+        for row, old in zip(rows, before, strict=True):
+            if row[STRAIN] > old:
+                flow, _, _ = curve_value(shell.scene.curves, int(shell.p.curve), row[STRAIN])
+                assert size(row[None, :3])[0] == pytest.approx(flow, rel=2e-14)
+                corners |= {x for x, _ in points if old < x < row[STRAIN]}
+    # in one step over two corners, too
+    assert len(corners) >= 3
+
+
+def test_a_step_may_go_over_more_lines_than_the_return_has_passes(tmp_path: Path) -> None:
+    points = [[1e-5 * k, Y + k**0.5] for k in range(201)]
+    words = {"points": points, "extrapolate": "hold"}
+    material = {k: v for k, v in BASE.items()} | {"curve": "flow"}
+    shell = Elements(tmp_path, SQUARE, 0.01, material, layers=1, curves={"flow": words})
+    shell.move(stretched([0.0, 0.0, 4e-3]))
+    row = shell.layers()[0]
+    flow, _, _ = curve_value(shell.scene.curves, int(shell.p.curve), row[STRAIN])
+    assert row[STRAIN] > 60e-5
+    assert size(row[None, :3])[0] == pytest.approx(flow, rel=2e-14)
 
 
 @pytest.mark.parametrize("name", ["isotropic", "kinematic", "mixed"])

@@ -20,6 +20,8 @@ COMPILING = os.environ.get("CRASHSOLVE_COMPILING") == "1"
 CALLABLE = os.environ.get("CRASHSOLVE_CALL_KERNELS") == "1"
 # contraction and reassociation only: NaN and infinity must keep their meaning for the guards
 FLOAT_FLAGS = {"contract", "nsz", "arcp", "reassoc"}
+# without what Python would call a function by
+UNWRAPPED = {"no_cpython_wrapper": not CALLABLE, "no_cfunc_wrapper": True}
 
 
 @cache
@@ -56,7 +58,15 @@ def kernel(function: F) -> F:
     Without the wrapper that Python would call it by, it compiles in two thirds of the time. Tests
     that call compiled kernels from Python set CRASHSOLVE_CALL_KERNELS=1.
     """
-    return _compile(function, cache=True, no_cpython_wrapper=not CALLABLE, no_cfunc_wrapper=True)
+    return _compile(function, cache=True, **UNWRAPPED)
+
+
+def blockwise(function: F) -> F:
+    """A kernel with loops over the lanes of a block, no two of whose tables and columns overlap.
+
+    So nothing it writes is anything else that it reads, and the loops need no test for it.
+    """
+    return _compile(function, cache=True, noalias=True, **UNWRAPPED)
 
 
 def inlined(function: F) -> F:
@@ -87,8 +97,12 @@ def _compile(function: F, **options: Any) -> F:
     if not (COMPILING or CALLABLE):
         return function
     from numba import njit
+    from numba.core.cpu import CPUTargetOptions
     from numba.core.errors import NumbaExperimentalFeatureWarning
+    from numba.core.options import TargetOptions
 
+    # known to numba, but not to its decorators
+    CPUTargetOptions.noalias = TargetOptions.Mapping("noalias")
     # a longer record may stand for a shorter one that it begins with: meant, and tested
     warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
     compiled: Any = njit(error_model="numpy", fastmath=FLOAT_FLAGS, **options)(function)

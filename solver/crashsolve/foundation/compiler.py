@@ -62,6 +62,9 @@ def optimise(module: Any, machine: Any, vectors: bool) -> None:
     """Optimise all functions of a module together."""
     import llvmlite.binding as llvm
 
+    if vectors:
+        # loops over lanes are not unrolled before they are vectorised, those over components are
+        llvm.set_option("", "-unroll-full-max-count=8")
     options = llvm.create_pipeline_tuning_options(speed_level=3)
     # scalar kernels have nothing to vectorise, and the search for it takes time
     options.loop_vectorization, options.slp_vectorization = vectors, False
@@ -85,9 +88,10 @@ def main(source: Path, name: str, path: Path) -> None:
     function.compile((types.float64, types.boolean, TablesKind(layout, places)))
     signature = function.signatures[0]
     symbol = function.overloads[signature].fndesc.llvm_func_name
-    module, machine = llvm.parse_assembly(function.inspect_llvm(signature)), host_machine()
     # elements in blocks are what loops over lanes are for
-    optimise(module, machine, vectors="lanes" in places)
+    vectors = "lanes" in places
+    module, machine = llvm.parse_assembly(function.inspect_llvm(signature)), host_machine(vectors)
+    optimise(module, machine, vectors)
     temporary = path.with_suffix(f".{os.getpid()}")
     temporary.write_bytes(symbol.encode() + b"\n" + machine.emit_object(module))
     os.replace(temporary, path)

@@ -77,27 +77,19 @@ def curve_value(curves, k, x):
 
 
 @kernel
-def curve_near(curves, k, guess, x):
-    """Value and slope at x of the curve whose first point is k, and the segment in which x lies.
+def curve_line(curves, k, x):
+    """Value at 0 and slope of the tangent at x, and up to where it is the curve; -1 if nowhere.
 
-    The search begins at the segment `guess`: quick for what changes little. Writes: curves[0] as
-    `curve_value` does.
+    Writes: curves[0] as `curve_value` does.
     """
-    i, last = max(guess, k), curves[k].last
-    while i < last - 1 and x >= curves[i + 1].x:
-        i += 1
-    while i > k and x < curves[i].x:
-        i -= 1
-    s = x - curves[i].x
-    if s < 0.0 or x > curves[last].x:
-        y, slope, _ = curve_value(curves, k, x)
-        return y, slope, i
-    c = curves[i].c
-    return (
-        c[0] + s * (c[1] + s * (c[2] + s * c[3])),
-        c[1] + s * (2.0 * c[2] + 3.0 * s * c[3]),
-        i,
-    )
+    y, slope, _ = curve_value(curves, k, x)
+    last = curves[k].last
+    end = curves[k].x if x < curves[k].x else 1e300
+    if curves[k].x <= x and x <= curves[last].x:
+        i = segment(curves, k, last, x)
+        is_straight = curves[i].c[2] == 0.0 and curves[i].c[3] == 0.0
+        end = curves[i + 1].x if is_straight else -1.0
+    return y - slope * x, slope, end
 
 
 @kernel

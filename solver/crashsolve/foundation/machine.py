@@ -96,10 +96,13 @@ def _load(path: Path) -> Function:
     return function
 
 
-def host_machine() -> Any:
+def host_machine(vectors: bool = False) -> Any:
     """The compiler's target: this processor, code to be loaded into a process."""
     target = llvm.Target.from_default_triple()
     features = llvm.get_host_cpu_features().flatten()
+    if vectors and "+avx512f" in features:
+        # a tenth of the time of shells
+        features += ",-prefer-256-bit"
     cpu = llvm.get_host_cpu_name()
     return target.create_target_machine(
         cpu=cpu, features=features, opt=3, reloc="static", codemodel="jitdefault", jit=True

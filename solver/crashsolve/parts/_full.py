@@ -15,7 +15,7 @@ Engineering 88, 311-340. Dvorkin and Bathe (1984), A continuum mechanics based f
 element for general nonlinear analysis, Engineering Computations 1, 77-88.
 """
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._failure import (
     add_losses,
@@ -105,7 +105,7 @@ def respond(p, h, first, corner, scene):
         mute_forces(blocks, first, work)
 
 
-@kernel
+@blockwise
 def stress(blocks, first, work, h, p, curves):
     """Stresses at all points after a step of h, and the means of their resultants.
 
@@ -150,7 +150,7 @@ def slopes_at(flat, xi, eta):
     return 2.0 * (eta * b_y - xi * a_y), 2.0 * (xi * a_x - eta * b_x)
 
 
-@kernel
+@blockwise
 def strain_at(work, xi, eta, nu):
     """Strains and curvatures of the step at a point. Writes: work."""
     for e in range(LANES):
@@ -169,7 +169,7 @@ def strain_at(work, xi, eta, nu):
             work[at + 2 * LANES] = work[mean + 2 * LANES]
 
 
-@kernel
+@blockwise
 def add_point(work, xi, eta, nu):
     """A quarter of the sums from what is at a point. Writes: work."""
     for e in range(LANES):
@@ -187,7 +187,7 @@ def add_point(work, xi, eta, nu):
         work[LANES * (CHANGES + 2) + e] += 0.25 * work[LANES * DROPPED + e]
 
 
-@kernel
+@blockwise
 def resist(blocks, first, work):
     """What acts on q: the transpose of the strains at the points, in the place after the step.
 

@@ -9,9 +9,14 @@ xi = sigma - alpha, the plastic strain is g P xi and
     s1 = (xi_x + xi_y)^2 / 4,   s2 = 3 (xi_x - xi_y)^2 / 4 + 3 xi_xy^2   of the trial stress
     c1 = E / (3 - 3 nu) + 2/3 H_k,   c2 = 2 G + 2/3 H_k
 
-whose root g Newton's method finds from below. Transverse shear stays elastic. With the power law of
-Johnson and Cook, whose slope is endless at e = 0, Newton's method starts from a g so small that
-neither side of the equation has used up half of what the trial stress is beyond yield. A layer
+whose root g Householder's method finds, where Y is a straight line. It works on
+
+    Y(e) / s(g) - 1 + 2/3 H g = 0,   s^2 the left side, H the slope of the line
+
+which is straight in g itself if c1 = c2, and bent so little otherwise that two steps are enough as
+a rule. A curve is followed from line to line. Transverse shear stays elastic. The power law of
+Johnson and Cook, whose slope is endless at e = 0, is followed along its tangents from a g so small
+that neither side of the equation has used up half of what the trial stress is beyond yield. A layer
 whose plastic strain has reached that of failure loses its stress in the next step, for good.
 
 Reference: Simo and Taylor (1986), A return mapping algorithm for plane stress elastoplasticity,
@@ -20,8 +25,8 @@ Int. J. Num. Meth. Eng. 22, 649-670.
 
 from math import exp, expm1, log, log1p, sqrt
 
-from crashsolve.foundation.compile import inlined, kernel
-from crashsolve.foundation.curve import curve_near
+from crashsolve.foundation.compile import blockwise, inlined
+from crashsolve.foundation.curve import curve_line
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._quad_block import (
     AREA,
@@ -39,12 +44,15 @@ from crashsolve.parts._quad_block import (
     three,
 )
 
-# rows of a plastic layer: stress, equivalent plastic strain, alpha
-STRAIN, BACK, PLASTIC_ROWS = 3, 4, 7
+# rows of a plastic layer: stress, equivalent plastic strain
+STRAIN, PLASTIC_ROWS = 3, 4
 # one more where plastic work heats: the temperature, from 0 at the start to 1 at melting
-HEAT = 7
-# or two with a curve: its value at the strain, and the segment in which that lies
-FLOW, SEGMENT, CURVE_ROWS = 7, 8, 9
+HEAT = 4
+# or alpha where it moves
+BACK, BACK_ROWS = 4, 3
+# with a curve, the last three: of its tangent at the strain the value at no strain and the slope,
+# and the strain at which it ends
+LINE_ROWS = 3
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
 # rate, what is missing; of all layers, the strain across the thickness, the plastic work, the
 # energy of those that fail; of large elastic strain, the largest growth of the stiffness; what
@@ -59,13 +67,15 @@ FAILED_ROWS = 2
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
+# step of Householder's method over 1 / c2 + g whose fourth power is below round-off
+NEAR = 2e-4
 # rows of a hyperelastic layer: stress, C - 1 (xx, yy, xy), logarithm of the stretch across
 METRIC, ACROSS, HYPER_ROWS = 3, 6, 7
 # share of its strength that a molten layer keeps
 MOLTEN = 1e-6
 
 
-@kernel
+@blockwise
 def clear_resultants(work):
     """Writes: work."""
     for e in range(6 * LANES):
@@ -101,7 +111,7 @@ def add_resultants(work, e, n, z, s):
     work[to + 2 * LANES] += n * z * s[2]
 
 
-@kernel
+@blockwise
 def elastic_layer(blocks, at, work, p, zeta, weight):
     """Stress of a layer after the strains of a step. Writes: blocks, work."""
     nu, shear = p.poisson, p.shear
@@ -118,7 +128,7 @@ def elastic_layer(blocks, at, work, p, zeta, weight):
         work[LANES * THIN + e] += thin * (x + y)
 
 
-@kernel
+@blockwise
 def hyperelastic_layer(blocks, at, work, p, zeta, weight):
     """Stress of a neo-Hookean layer after the strains d of a step. Writes: blocks, work.
 
@@ -149,14 +159,14 @@ def hyperelastic_layer(blocks, at, work, p, zeta, weight):
         work[LANES * GROWTH + e] = max(work[LANES * GROWTH + e], growth)
 
 
-@kernel
+@blockwise
 def grow_rate(work):
     """Squared frequency of a stretched hyperelastic element. Writes: work."""
     for e in range(LANES):
         work[LANES * RATE + e] *= work[LANES * GROWTH + e]
 
 
-@kernel
+@blockwise
 def clear_growth(work):
     """Writes: work."""
     for e in range(LANES):
@@ -186,7 +196,7 @@ def square_of(a, b, c):
     return a * a + c * c, b * b + c * c, c * (a + b)
 
 
-@kernel
+@blockwise
 def layers(blocks, first, stride, work, h, p, curves):
     """Stresses of all layers of a block after a step of h, their resultants, the thickness.
 
@@ -199,7 +209,7 @@ def layers(blocks, first, stride, work, h, p, curves):
     take_up(blocks, first, stride, work, h, p)
 
 
-@kernel
+@blockwise
 def through_thickness(blocks, first, work, h, p, curves):
     """Stresses of the layers at one point of the plane of every element, added to the resultants.
 
@@ -216,7 +226,7 @@ def through_thickness(blocks, first, work, h, p, curves):
             plastic_layer(blocks, at, work, h, p, p.zeta[k], p.weight[k], curves)
 
 
-@kernel
+@blockwise
 def take_up(blocks, first, stride, work, h, p):
     """Plastic work, softening, failure and thickness of the elements after a step of h.
 
@@ -240,7 +250,7 @@ def take_up(blocks, first, stride, work, h, p):
             blocks[first + LANES * THICKNESS + e] *= 1.0 + work[LANES * THIN + e]
 
 
-@kernel
+@blockwise
 def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
     """Stress of a plastic layer after the strains of a step of h. Writes: blocks, work."""
     if p.rate_D > 0.0 or p.rate_C > 0.0:
@@ -248,20 +258,26 @@ def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
     if p.heating > 0.0:
         soften(blocks, at, work, p)
     find_trial(blocks, at, work, p, zeta)
+    if p.power > 0.0:
+        start_return(work)
+        follow_power(blocks, at, work, p)
+    else:
+        find_lines(blocks, at, work, p)
     if p.failure > 0.0:
         drop_failed(blocks, at, work, p, weight)
+    if count_beyond(work) == 0.0:
+        stay(blocks, at, work, p, zeta, weight)
+        return
+    start_return(work)
     if p.power > 0.0:
-        follow_power(blocks, at, work, p)
-    if worst_gap(work) > 0.0:
-        if p.power > 0.0:
-            begin(work, p)
-        return_to_yield(blocks, at, work, p, curves)
+        begin(work, p)
+    return_to_yield(blocks, at, work, p, curves)
     settle(blocks, at, work, p, zeta, weight)
     if p.heating > 0.0:
         heat(blocks, at, work, p)
 
 
-@kernel
+@blockwise
 def find_factors(work, h, p, zeta):
     """Factor of the rate of strain on the yield stress: of Cowper and Symonds, or logarithmic.
 
@@ -277,7 +293,7 @@ def find_factors(work, h, p, zeta):
         work[LANES * FACTOR + e] = factor
 
 
-@kernel
+@blockwise
 def soften(blocks, at, work, p):
     """Factor of temperature on the yield stress, beside that of rate. Writes: work."""
     has_rate = p.rate_C > 0.0
@@ -287,14 +303,14 @@ def soften(blocks, at, work, p):
         work[LANES * FACTOR + e] = factor * max(1.0 - hot, MOLTEN)
 
 
-@kernel
+@blockwise
 def heat(blocks, at, work, p):
     """Temperature of the layer from the plastic work of the step. Writes: blocks."""
     for e in range(LANES):
         blocks[at + HEAT * LANES + e] += p.heating * work[LANES * GAP + e]
 
 
-@kernel
+@blockwise
 def drop_failed(blocks, at, work, p, weight):
     """Stress of layers that have failed, and the energy it had. Writes: blocks, work."""
     for e in range(LANES):
@@ -304,11 +320,18 @@ def drop_failed(blocks, at, work, p, weight):
         volume = 0.5 * weight * work[LANES * DEPTH + e] * work[LANES * AREA + e]
         keep = 0.0 if has_failed else 1.0
         work[LANES * DROPPED + e] += (1.0 - keep) * volume * energy / (2.0 * p.young)
-        for row in (0, 1, 2, BACK, BACK + 1, BACK + 2):
+        for row in range(3):
             blocks[at + row * LANES + e] *= keep
-        for row in (XI, XI + 1, XI + 2, S1, S2):
-            work[row * LANES + e] *= keep
+            work[(XI + row) * LANES + e] *= keep
+            if p.kinematic > 0.0:
+                blocks[at + (BACK + row) * LANES + e] *= keep
         work[LANES * GAP + e] = -1.0 if has_failed else work[LANES * GAP + e]
+
+
+@inlined
+def line_row(p):
+    """Row of the line of a layer with a curve."""
+    return p.layer_rows - LINE_ROWS
 
 
 @inlined
@@ -317,68 +340,93 @@ def scaled(p):
     return p.rate_D > 0.0 or p.rate_C > 0.0 or p.heating > 0.0
 
 
-@kernel
+@blockwise
 def find_trial(blocks, at, work, p, zeta):
-    """Trial stress less alpha, and by how much it is beyond yield. Writes: work."""
-    nu, shear, has_rate, has_curve = p.poisson, p.shear, scaled(p), p.curve > 0
-    C, start, slope = p.young / (1.0 - nu * nu), p.yield_stress, p.isotropic
+    """Trial stress less alpha. Writes: work."""
+    nu, shear, moves = p.poisson, p.shear, p.kinematic > 0.0
+    C, back = p.young / (1.0 - nu * nu), at + LANES * BACK
     for e in range(LANES):
         x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
-        s_x = blocks[at + e] + C * (x + nu * y) - blocks[at + BACK * LANES + e]
-        s_y = blocks[at + LANES + e] + C * (y + nu * x) - blocks[at + (BACK + 1) * LANES + e]
-        s_xy = blocks[at + 2 * LANES + e] + shear * xy - blocks[at + (BACK + 2) * LANES + e]
-        factor = work[LANES * FACTOR + e] if has_rate else 1.0
-        flow = start + slope * blocks[at + STRAIN * LANES + e]
-        flow = factor * (blocks[at + FLOW * LANES + e] if has_curve else flow)
-        s1 = 0.25 * (s_x + s_y) * (s_x + s_y)
-        s2 = 0.75 * (s_x - s_y) * (s_x - s_y) + 3.0 * s_xy * s_xy
+        s_x = blocks[at + e] + C * (x + nu * y)
+        s_y = blocks[at + LANES + e] + C * (y + nu * x)
+        s_xy = blocks[at + 2 * LANES + e] + shear * xy
+        if moves:
+            s_x -= blocks[back + e]
+            s_y -= blocks[back + LANES + e]
+            s_xy -= blocks[back + 2 * LANES + e]
         put = LANES * XI + e
         work[put], work[put + LANES], work[put + 2 * LANES] = s_x, s_y, s_xy
-        work[LANES * FACTOR + e], work[LANES * SLOPE + e] = factor, factor * slope
-        work[LANES * YIELD + e] = flow
+
+
+@blockwise
+def find_lines(blocks, at, work, p):
+    """Yield stress, its slope, and what of the trial stress is beyond it. Writes: work."""
+    start, slope, has_factor, has_curve = p.yield_stress, p.isotropic, scaled(p), p.curve > 0
+    line = at + LANES * line_row(p)
+    for e in range(LANES):
+        if has_curve:
+            start, slope = blocks[line + e], blocks[line + LANES + e]
+        factor = work[LANES * FACTOR + e] if has_factor else 1.0
+        flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
+        s1, s2 = parts_of(three(work, LANES * XI + e))
+        work[LANES * FACTOR + e] = factor
+        work[LANES * YIELD + e], work[LANES * SLOPE + e] = flow, factor * slope
+        work[LANES * GAP + e] = s1 + s2 - flow * flow
+
+
+@inlined
+def parts_of(xi):
+    """s1 and s2."""
+    both, apart = xi[0] + xi[1], xi[0] - xi[1]
+    return 0.25 * both * both, 0.75 * apart * apart + 3.0 * xi[2] * xi[2]
+
+
+@blockwise
+def start_return(work):
+    """Writes: work."""
+    for e in range(LANES):
+        s1, s2 = parts_of(three(work, LANES * XI + e))
         work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
-        work[LANES * GAP + e] = sqrt(s1 + s2) / flow - 1.0
 
 
-@kernel
-def look_up(blocks, at, work, p, curves):
-    """Yield stress of a curve and its slope, at the present plastic strain of what yields.
-
-    Writes: work, blocks.
-    """
-    c1, c2 = softening(p)
-    for e in range(LANES):
-        if work[LANES * G + e] == 0.0 and work[LANES * GAP + e] <= 0.0:
-            continue
-        g, factor = work[LANES * G + e], work[LANES * FACTOR + e]
-        k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
-        size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
-        strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
-        place = at + SEGMENT * LANES + e
-        flow, slope, found = curve_near(curves, p.curve, int(blocks[place]), strain)
-        blocks[at + FLOW * LANES + e], blocks[place] = flow, float(found)
-        work[LANES * YIELD + e], work[LANES * SLOPE + e] = factor * flow, factor * slope
-
-
-@kernel
+@blockwise
 def follow_power(blocks, at, work, p):
-    """Yield stress of a power at the present strain, and what is beyond it. Writes: work."""
+    """Tangent of a power at the present strain, and what is beyond it. Writes: work."""
     c1, c2 = softening(p)
+    has_factor = scaled(p)
     for e in range(LANES):
-        g, factor = work[LANES * G + e], work[LANES * FACTOR + e]
-        k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
-        size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
-        strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
-        grows = p.power * strain**p.exponent
+        factor = work[LANES * FACTOR + e] if has_factor else 1.0
+        grown, size = growth(work, e, c1, c2)
+        strain = blocks[at + STRAIN * LANES + e] + grown
+        rises = p.power * strain**p.exponent
         # from below: its slope at no strain has no bound
-        flow, slope = p.yield_stress + grows, p.exponent * grows / max(strain, 1e-300)
-        work[LANES * YIELD + e], work[LANES * SLOPE + e] = factor * flow, factor * slope
+        flow, slope = p.yield_stress + rises, p.exponent * rises / max(strain, 1e-300)
+        work[LANES * FACTOR + e], work[LANES * SLOPE + e] = factor, factor * slope
+        work[LANES * YIELD + e] = factor * (flow - slope * grown)
         work[LANES * GAP + e] = size / (factor * flow) - 1.0
 
 
-@kernel
+@inlined
+def growth(work, e, c1, c2):
+    """Plastic strain of the step for the present g, and the size of the stress."""
+    g = work[LANES * G + e]
+    k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
+    size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
+    return 2.0 / 3.0 * g * size, size
+
+
+@blockwise
+def count_beyond(work):
+    """How many lanes have a gap; a sum, since the compiler does not vectorise a maximum."""
+    count = 0.0
+    for e in range(LANES):
+        count += 1.0 if work[LANES * GAP + e] > 0.0 else 0.0
+    return count
+
+
+@blockwise
 def worst_gap(work):
-    """Largest stress beyond yield, over the yield stress."""
+    """Largest of what is beyond yield."""
     worst = -1.0
     for e in range(LANES):
         worst = max(worst, work[LANES * GAP + e])
@@ -392,7 +440,7 @@ def softening(p):
     return p.young / (3.0 - 3.0 * p.poisson) + moves, 2.0 * p.shear + moves
 
 
-@kernel
+@blockwise
 def begin(work, p):
     """A first g for the power law, below the root. Writes: work."""
     c1, c2 = softening(p)
@@ -407,73 +455,156 @@ def begin(work, p):
         work[LANES * G + e] = min(falls, grows)
 
 
-@kernel
+@blockwise
 def return_to_yield(blocks, at, work, p, curves):
-    """Newton's method for g in all lanes; those within yield stay at 0. Writes: work."""
-    before = 1e300
-    for _ in range(PASSES):
+    """g of all lanes; of those within yield it is 0. Writes: work, blocks."""
+    before, passes = 1e300, PASSES
+    if p.power > 0.0:
+        follow_power(blocks, at, work, p)
+    if p.curve > 0:
+        # one for each of its lines
+        passes += curves[p.curve].last - p.curve
+    for _ in range(passes):
+        close_gaps(work, p)
         if p.power > 0.0:
             follow_power(blocks, at, work, p)
-        elif p.curve > 0:
-            look_up(blocks, at, work, p, curves)
-        correct(blocks, at, work, p)
-        worst = worst_gap(work)
+            worst = worst_gap(work)
+        elif p.curve > 0 and has_passed(blocks, at, work, p):
+            worst = renew_lines(blocks, at, work, p, curves)
+        else:
+            return
         # as good as round-off lets it be
         if worst <= CLOSE or (worst < 1e-10 and worst >= before):
-            break
+            return
         before = worst
 
 
-@kernel
-def correct(blocks, at, work, p):
-    """A step of Newton's method; the gap is that before it, of lanes that yield. Writes: work."""
+@blockwise
+def close_gaps(work, p):
+    """g where the yield stress is a straight line. Writes: work."""
     c1, c2 = softening(p)
-    start, hardening, has_curve = p.yield_stress, p.isotropic, p.curve > 0 or p.power > 0.0
+    for _ in range(PASSES):
+        for e in range(LANES):
+            g, s1, s2 = work[LANES * G + e], work[LANES * S1 + e], work[LANES * S2 + e]
+            flow, rise = work[LANES * YIELD + e], 2.0 / 3.0 * work[LANES * SLOPE + e]
+            # a lane within yield stays there; none beyond it falls back to it
+            ahead = max(0.5 * g, g + step_to_root(g, s1, s2, flow, rise, c1, c2))
+            work[LANES * G + e] = ahead
+            work[LANES * GAP + e] = c2 * abs(ahead - g) - NEAR * (1.0 + c2 * ahead)
+        if count_beyond(work) == 0.0:
+            return
+
+
+@inlined
+def step_to_root(g, s1, s2, flow, rise, c1, c2):
+    """Step of Householder's method of fourth order to the root of flow / size - 1 + rise g.
+
+    With N that of Newton it is N (1 - b) / (1 - 2 b + b t): b and t from the second and third
+    derivatives, multiplied out so that there is one division.
+    """
+    u1, u2 = 1.0 + c1 * g, 1.0 + c2 * g
+    both, a, b = u1 * u2, s1 * u2 * u2, s2 * u1 * u1
+    square = a + b + 1e-300
+    size = sqrt(square)
+    gap = (1.0 - rise * g) * size - flow * both
+    falls = a * c1 * u2 + b * c2 * u1
+    steep = flow * falls + rise * size * square
+    bend = 1.5 * gap * flow * both * s1 * s2 * (c1 - c2) * (c1 - c2)
+    # far from the root as Newton does
+    bend = bend if 16.0 * abs(bend) < steep * steep else 0.0
+    third = gap * (4.0 / 3.0 * square * (c1 * u2 + c2 * u1) - 5.0 / 3.0 * falls)
+    over = both * steep * (steep * steep - 2.0 * bend) + bend * third + 1e-200
+    return gap * square * both * (steep * steep - bend) / over
+
+
+@blockwise
+def has_passed(blocks, at, work, p):
+    """Whether a layer is beyond the end of its line of the yield stress."""
+    count, end = 0.0, at + LANES * (line_row(p) + 2)
     for e in range(LANES):
-        g, s1, s2 = work[LANES * G + e], work[LANES * S1 + e], work[LANES * S2 + e]
-        # both factors by one division
-        k = 1.0 / ((1.0 + c1 * g) * (1.0 + c2 * g))
-        k1, k2 = k * (1.0 + c2 * g), k * (1.0 + c1 * g)
-        a, b = s1 * k1 * k1, s2 * k2 * k2
-        size = sqrt(a + b) + 1e-300
-        over = 1.0 / size
-        strain = blocks[at + STRAIN * LANES + e] + 2.0 / 3.0 * g * size
-        flow = work[LANES * FACTOR + e] * (start + hardening * strain)
-        flow = work[LANES * YIELD + e] if has_curve else flow
-        fall = (a * c1 * k1 + b * c2 * k2) * over
-        gap = size - flow
-        steep = fall + work[LANES * SLOPE + e] * 2.0 / 3.0 * (size - g * fall)
-        # a lane within yield stays there
-        ahead = max(0.0, g + gap / steep)
-        work[LANES * G + e] = ahead
-        work[LANES * GAP + e] = abs(gap) * over if ahead > 0.0 else 0.0
+        g, rise = work[LANES * G + e], 2.0 / 3.0 * work[LANES * SLOPE + e]
+        left = blocks[end + e] - blocks[at + STRAIN * LANES + e]
+        passed = 2.0 / 3.0 * g * work[LANES * YIELD + e] - left * (1.0 - rise * g)
+        count += 1.0 if passed > 0.0 and g > 0.0 else 0.0
+    return count > 0.0
 
 
-@kernel
+@blockwise
+def renew_lines(blocks, at, work, p, curves):
+    """The next lines of layers beyond the end of theirs. Returns how far they are from yield.
+
+    Writes: blocks, work.
+    """
+    worst, (c1, c2) = 0.0, softening(p)
+    for e in range(LANES):
+        grown, size = growth(work, e, c1, c2)
+        old, place = blocks[at + STRAIN * LANES + e], at + LANES * line_row(p) + e
+        end = blocks[place + 2 * LANES]
+        if work[LANES * G + e] == 0.0 or old + grown <= end:
+            continue
+        x = end if end > old else old + grown
+        base, rise, end = curve_line(curves, p.curve, x)
+        blocks[place], blocks[place + LANES], blocks[place + 2 * LANES] = base, rise, end
+        factor = work[LANES * FACTOR + e]
+        work[LANES * YIELD + e], work[LANES * SLOPE + e] = (
+            factor * (base + rise * old),
+            factor * rise,
+        )
+        worst = max(worst, abs(size / (factor * (base + rise * (old + grown))) - 1.0))
+    return worst
+
+
+@blockwise
+def stay(blocks, at, work, p, zeta, weight):
+    """Stress, resultants and thinning of layers that do not yield. Writes: blocks, work."""
+    softness, moves, back = -p.poisson / p.young, p.kinematic > 0.0, at + LANES * BACK
+    for e in range(LANES):
+        t = work[LANES * DEPTH + e]
+        x, y, xy = three(work, LANES * XI + e)
+        if moves:
+            x += blocks[back + e]
+            y += blocks[back + LANES + e]
+            xy += blocks[back + 2 * LANES + e]
+        thinner = softness * (x + y - blocks[at + e] - blocks[at + LANES + e])
+        blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = x, y, xy
+        add_resultants(work, e, 0.5 * t * weight, 0.5 * t * zeta, (x, y, xy))
+        work[LANES * THIN + e] += 0.5 * weight * thinner
+        work[LANES * STIFF + e] += 0.5 * weight
+        work[LANES * (STIFF + 1) + e] += 0.5 * weight
+        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta
+        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta
+
+
+@blockwise
 def settle(blocks, at, work, p, zeta, weight):
     """Stress, plastic strain and alpha from g; resultants, plastic work, thinning.
 
     Writes: blocks, work.
     """
     c1, c2 = softening(p)
-    moves, softness = 2.0 / 3.0 * p.kinematic, -p.poisson / p.young
+    shift, softness, moves = 2.0 / 3.0 * p.kinematic, -p.poisson / p.young, p.kinematic > 0.0
+    back = at + LANES * BACK
     for e in range(LANES):
-        g, t = work[LANES * G + e], work[LANES * DEPTH + e]
-        k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
+        g, t, flow = work[LANES * G + e], work[LANES * DEPTH + e], work[LANES * YIELD + e]
+        u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * work[LANES * SLOPE + e] * g
+        # three factors by one division; the last is the yield stress at the end over that before
+        k = 1.0 / (u1 * u2 * u3)
+        k1, k2, size = k * u2 * u3, k * u1 * u3, k * u1 * u2 * flow
         x, y = work[LANES * XI + e], work[LANES * (XI + 1) + e]
         both, apart = k1 * (x + y), k2 * (x - y)
         x, y, xy = 0.5 * (both + apart), 0.5 * (both - apart), k2 * work[LANES * (XI + 2) + e]
-        back = at + BACK * LANES + e
-        a_x = blocks[back] + g * moves * x
-        a_y = blocks[back + LANES] + g * moves * y
-        a_xy = blocks[back + 2 * LANES] + g * moves * xy
-        blocks[back], blocks[back + LANES], blocks[back + 2 * LANES] = a_x, a_y, a_xy
+        s_x, s_y, s_xy = x, y, xy
+        if moves:
+            a_x = blocks[back + e] + g * shift * x
+            a_y = blocks[back + LANES + e] + g * shift * y
+            a_xy = blocks[back + 2 * LANES + e] + g * shift * xy
+            blocks[back + e], blocks[back + LANES + e] = a_x, a_y
+            blocks[back + 2 * LANES + e] = a_xy
+            s_x, s_y, s_xy = x + a_x, y + a_y, xy + a_xy
         old_x, old_y, old_xy = blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e]
         # plastic strain g P xi, and the work of the mean stress on it
-        size = sqrt(0.25 * both * both + 0.75 * apart * apart + 3.0 * xy * xy)
         blocks[at + STRAIN * LANES + e] += 2.0 / 3.0 * g * size
         p_x, p_y = g * (both / 6.0 + 0.5 * apart), g * (both / 6.0 - 0.5 * apart)
-        s_x, s_y, s_xy = x + a_x, y + a_y, xy + a_xy
         lost = 0.5 * ((old_x + s_x) * p_x + (old_y + s_y) * p_y) + (old_xy + s_xy) * g * xy
         share, z = 0.5 * weight * t, 0.5 * t * zeta
         work[LANES * LOST + e] += share * work[LANES * AREA + e] * lost
@@ -482,11 +613,11 @@ def settle(blocks, at, work, p, zeta, weight):
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
         # tangent over elastic modulus of stress along x alone, and along y
-        tangent = work[LANES * SLOPE + e] + p.kinematic if g > 0.0 else 1.0
-        flows = p.young / (size * size + 1e-300) if g > 0.0 else 0.0
+        tangent = (work[LANES * SLOPE + e] + p.kinematic) * size * size
         m_x, m_y = x - 0.5 * y, y - 0.5 * x
-        left_x = tangent / (tangent + flows * m_x * m_x)
-        left_y = tangent / (tangent + flows * m_y * m_y)
+        f_x, f_y = tangent + p.young * m_x * m_x, tangent + p.young * m_y * m_y
+        k = tangent / (f_x * f_y + 1e-300)
+        left_x, left_y = k * f_y if g > 0.0 else 1.0, k * f_x if g > 0.0 else 1.0
         work[LANES * STIFF + e] += 0.5 * weight * left_x
         work[LANES * (STIFF + 1) + e] += 0.5 * weight * left_y
         work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta * left_x

@@ -45,21 +45,17 @@ def plane_axes(d, e, G):
     G is the inverse of the diagonals at the start, as columns in the axes of the start.
     """
     n = cross3(d, e)
-    twice = sqrt(dot3(n, n))
-    k = 1.0 / twice
-    e3 = (k * n[0], k * n[1], k * n[2])
-    length = sqrt(dot3(d, d))
-    k = 1.0 / length
-    a1 = (k * d[0], k * d[1], k * d[2])
-    a2 = cross3(e3, a1)
-    x, y = dot3(e, a1), dot3(e, a2)
-    # F11 + F22 and F21 - F12 of the deformation gradient
-    c = length * G[0] + x * G[2] + y * G[3]
-    s = y * G[2] - length * G[1] - x * G[3]
-    k = 1.0 / sqrt(c * c + s * s)
+    dd, de, area = dot3(d, d), dot3(d, e), 0.5 * sqrt(dot3(n, n))
+    # F11 + F22 and F21 - F12 of the deformation gradient, times the length of d
+    c = dd * G[0] + de * G[2] + 2.0 * area * G[3]
+    s = 2.0 * area * G[2] - dd * G[1] - de * G[3]
+    k = 1.0 / sqrt(dd * (c * c + s * s))
     c, s = k * c, k * s
-    axes = (mix(c, a1, s, a2), mix(c, a2, -s, a1), e3)
-    return axes, (length * c, -length * s, c * x + s * y, c * y - s * x), 0.5 * twice
+    k = 0.5 / area
+    e3 = (k * n[0], k * n[1], k * n[2])
+    across = cross3(e3, d)
+    axes = (mix(c, d, s, across), mix(c, across, -s, d), e3)
+    return axes, (c * dd, -s * dd, c * de + s * 2.0 * area, c * 2.0 * area - s * de), area
 
 
 @inlined

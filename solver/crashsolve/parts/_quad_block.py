@@ -4,7 +4,7 @@ Every loop over the lanes is one that the compiler turns into vector instruction
 equal distances, and nothing branches. `work` has a row of lanes for each number between the loops.
 """
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._quad import (
     dot3,
@@ -155,7 +155,7 @@ def put_four(work, row, e, u):
     work[at], work[at + LANES], work[at + 2 * LANES], work[at + 3 * LANES] = u
 
 
-@kernel
+@blockwise
 def strain(blocks, first, work, h, p):
     """Strains of a step of h, and the hourglass stresses after it, with the geometry of its middle.
 
@@ -223,7 +223,7 @@ def three(column, at):
     return column[at], column[at + LANES], column[at + 2 * LANES]
 
 
-@kernel
+@blockwise
 def push(blocks, first, work, p):
     """Forces and torques on the corners from the stresses, and the bound of frequency.
 

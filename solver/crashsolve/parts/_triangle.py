@@ -17,7 +17,7 @@ for the Reissner-Mindlin plate model, Computer Methods in Applied Mechanics and 
 theory and assumed shear strain fields, part I, Int. J. Num. Meth. Eng. 36, 1859-1883.
 """
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._failure import (
     add_losses,
@@ -200,7 +200,7 @@ def triangle_diagonals(x):
     return (c[0] - a[0], c[1] - a[1], c[2] - a[2]), (c[0] - b[0], c[1] - b[1], c[2] - b[2])
 
 
-@kernel
+@blockwise
 def strain(blocks, first, work, h, p):
     """Strains of a step of h, and the elastic stresses after it, with the geometry of its middle.
 
@@ -255,7 +255,7 @@ def sides_of(s, v, turn, axes):
     )
 
 
-@kernel
+@blockwise
 def push(blocks, first, work, p):
     """Forces and torques on the corners from the stresses, and the bound of frequency.
 

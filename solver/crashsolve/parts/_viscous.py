@@ -14,7 +14,7 @@ References: those of _damping.py.
 
 from math import sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.compile import blockwise, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._layers import FAILED_ROWS
 from crashsolve.parts._quad_block import (
@@ -37,7 +37,7 @@ def slow_row(p, first, stride):
     return first + stride - LANES * behind
 
 
-@kernel
+@blockwise
 def damp(blocks, first, stride, work, h, p):
     """Add the resultants of damping to those of the layers. Writes: blocks, work."""
     at = slow_row(p, first, stride)
@@ -49,7 +49,7 @@ def damp(blocks, first, stride, work, h, p):
         work[LANES * RESULTANT + e] += blocks[at + LANES * SLOW + e]
 
 
-@kernel
+@blockwise
 def resist(blocks, at, work, e, h, p):
     """Resultants of damping of an element, and the energy they take in the step.
 
@@ -79,7 +79,7 @@ def resist(blocks, at, work, e, h, p):
     blocks[at + LANES * TAKEN] += lost * area
 
 
-@kernel
+@blockwise
 def allow(blocks, first, stride, work, h, p):
     """Bound of frequency with damping and added mass. Writes: work."""
     at = slow_row(p, first, stride) + LANES * HEAVIER

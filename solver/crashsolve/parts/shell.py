@@ -23,7 +23,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.curve import curve_line
 from crashsolve.foundation.point import LANES, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, vec
@@ -39,10 +39,10 @@ from crashsolve.parts._failure import (
 from crashsolve.parts._layers import (
     ACROSS,
     ALL_ROWS,
-    CURVE_ROWS,
+    BACK_ROWS,
     FAILED_ROWS,
-    FLOW,
     HYPER_ROWS,
+    LINE_ROWS,
     METRIC,
     PLASTIC_ROWS,
     STRAIN,
@@ -84,6 +84,8 @@ ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 Motion = Literal["x", "y", "z", "turn_x", "turn_y", "turn_z"]
 MOST_LAYERS = 10
+# elements worked on at a time where memory counts
+PIECE = 4096
 
 
 class NamedNode(Card):
@@ -314,8 +316,9 @@ class Laid:
         self.card = card
         self.layer_rows = PLASTIC_ROWS if hasattr(self.material, "yield_stress") else 3
         self.follows_curve = getattr(self.material, "curve", None) is not None
-        if self.follows_curve:
-            self.layer_rows = CURVE_ROWS
+        if getattr(self.material, "kinematic", 0.0) * getattr(self.material, "hardening", 0.0):
+            self.layer_rows += BACK_ROWS
+        self.layer_rows += LINE_ROWS * self.follows_curve
         self.is_hyper = hasattr(self.material, "LARGE_STRAIN")
         if self.is_hyper:
             self.layer_rows = HYPER_ROWS
@@ -394,7 +397,7 @@ class Laid:
         """Factors of the masses of the elements."""
         if self.card.mass_scaling is None:
             return np.ones(len(self.area))
-        flat = self._diagonals().transpose(0, 2, 1).reshape(-1, 4)
+        flat = diagonals(self.mesh.points[self.mesh.quads]).transpose(0, 2, 1).reshape(-1, 4)
         squares = np.array([self._square(k, tuple(sides)) for k, sides in enumerate(flat)])
         factors: np.ndarray = heavier(self.card, squares, scene)
         report_added(self.card, self.weight, factors, scene)
@@ -440,11 +443,10 @@ class Laid:
         own: np.ndarray = self.mesh.sets[name]
         return own
 
-    def _first_flow(self, scene: Any) -> float:
-        """Yield stress of a curve at no plastic strain [Pa]."""
+    def _first_line(self, scene: Any) -> tuple[float, float, float]:
+        """Yield stress of a curve at no plastic strain [Pa], its slope [Pa], and to what strain."""
         start = scene.curve(self.material.curve)
-        flow, _, _ = curve_value(scene.curve_points.view(np.recarray), start, 0.0)
-        return float(flow)
+        return curve_line(scene.curve_points.view(np.recarray), start, 0.0)
 
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], of held nodes without what they do not make."""
@@ -456,6 +458,8 @@ class Laid:
         self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Any
     ) -> np.ndarray:
         """Velocities of the nodes from the momentum of the elements that are hit [m/s]."""
+        if not self.card.blows:
+            return np.zeros(3)
         blown = np.zeros_like(self.mesh.points)
         middle = (x * share[:, :, None]).sum(axis=1)
         way = normal / np.linalg.norm(normal, axis=1)[:, None]
@@ -501,8 +505,10 @@ class Laid:
             # nothing has yielded
             table[:, SOFT_PLANE : SOFT_PLANE + 4] = 1.0
             if self.follows_curve:
-                end = LAYERS + points * self.card.layers * CURVE_ROWS
-                table[:, LAYERS + FLOW : end : CURVE_ROWS] = self._first_flow(scene)
+                end = LAYERS + points * self.card.layers * self.layer_rows
+                for k, value in enumerate(self._first_line(scene)):
+                    row = LAYERS + self.layer_rows - LINE_ROWS + k
+                    table[:, row : end : self.layer_rows] = value
             if self.slows:
                 row = table.shape[1] - FAILED_ROWS * self.can_fail - SLOW_ROWS
                 table[:, row + HEAVIER] = in_lanes(self.heavier[own])
@@ -598,18 +604,24 @@ class Laid:
 
     def _shape(self) -> np.ndarray:
         """Inverse of the diagonals in axes between them, by rows (m, 4)."""
-        return np.linalg.inv(self._diagonals()).reshape(-1, 4)
+        found = np.empty((len(self.area), 4))
+        # blocks are there already: what is needed besides is what memory peaks at
+        for start in range(0, len(found), PIECE):
+            x = self.mesh.points[self.mesh.quads[start : start + PIECE]]
+            found[start : start + PIECE] = np.linalg.inv(diagonals(x)).reshape(-1, 4)
+        return found
 
-    def _diagonals(self) -> np.ndarray:
-        """Diagonals in axes between them, as columns (m, 2, 2)."""
-        x = self.mesh.points[self.mesh.quads]
-        d, e = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
-        d_length, e_length = np.linalg.norm(d, axis=1), np.linalg.norm(e, axis=1)
-        # both axes are as far from one diagonal as from the other
-        half = 0.5 * np.arccos(np.clip((d * e).sum(1) / (d_length * e_length), -1.0, 1.0))
-        x, y = np.sin(half), np.cos(half)
-        diagonals = np.array([[d_length * x, -e_length * x], [d_length * y, e_length * y]])
-        return diagonals.transpose(2, 0, 1)
+
+def diagonals(x: np.ndarray) -> np.ndarray:
+    """Diagonals of quadrilaterals (m, 4, 3) in axes between them, as columns (m, 2, 2)."""
+    d, e = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
+    d_length, e_length = np.linalg.norm(d, axis=1), np.linalg.norm(e, axis=1)
+    # both axes are as far from one diagonal as from the other
+    half = 0.5 * np.arccos(np.clip((d * e).sum(1) / (d_length * e_length), -1.0, 1.0))
+    s, c = np.sin(half), np.cos(half)
+    return np.array([[d_length * s, -e_length * s], [d_length * c, e_length * c]]).transpose(
+        2, 0, 1
+    )
 
 
 def lay(card: Shell, scene: Any) -> Laid:
