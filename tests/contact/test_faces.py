@@ -136,7 +136,7 @@ class Bench:
         g.nodes = self.state.nodes.view(np.recarray)
         g.lists = (g.first, g.near, g.wait, g.due)
         g.grid = (g.cells, g.starts, g.sorted)
-        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around)
+        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
         return g
 
     def search(self, g: Any) -> None:
@@ -202,8 +202,14 @@ def test_lists_hold_the_same_faces_as_comparing_all_with_all(tmp_path: Path) -> 
     assert g.tally[0].pairs == g.first[-1] > 0
 
 
-def test_a_ball_is_pushed_back_to_the_side_it_came_from(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, *STRIP)
+# the same strip of triangles, and of both kinds
+CUT = (STRIP[0], [[1, 2, 3, 3], [1, 3, 4, 4], [2, 5, 6, 6], [2, 6, 3, 3]])
+MIXED = (STRIP[0], [[2, 5, 6, 6], [1, 2, 3, 4], [2, 6, 3, 3]])
+
+
+@pytest.mark.parametrize("mesh", [STRIP, CUT, MIXED], ids=["quads", "triangles", "both"])
+def test_a_ball_is_pushed_back_to_the_side_it_came_from(tmp_path: Path, mesh: Any) -> None:
+    bench = Bench(tmp_path, *mesh)
     assert bench.look([0.4, 0.5, 0.2]) == []
     # past the mid-surface, and over the side between the faces while behind it
     for x, z in ((0.4, 0.05), (0.4, 0.02), (0.4, -0.03), (0.9, -0.07), (1.2, -0.12), (1.3, 0.01)):
@@ -220,13 +226,38 @@ def test_a_ball_is_pushed_back_to_the_side_it_came_from(tmp_path: Path) -> None:
         np.testing.assert_allclose(normal, [0, 0, -1], atol=1e-12)
 
 
-def test_round_a_free_border_there_is_no_crossing(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, *STRIP)
+@pytest.mark.parametrize("mesh", [STRIP, CUT, MIXED], ids=["quads", "triangles", "both"])
+def test_round_a_free_border_there_is_no_crossing(tmp_path: Path, mesh: Any) -> None:
+    bench = Bench(tmp_path, *mesh)
     for angle in np.radians(np.arange(80, -81, -10)):
         x = np.array([0.0, 0.5, 0.0]) + 0.07 * np.array([-np.cos(angle), 0.0, np.sin(angle)])
         ((_, depth, normal),) = bench.look(x)
         assert depth == pytest.approx(0.03, abs=1e-14)
         np.testing.assert_allclose(normal, [-np.cos(angle), 0.0, np.sin(angle)], atol=1e-12)
+
+
+@pytest.mark.parametrize("mesh", [STRIP, CUT, MIXED], ids=["quads", "triangles", "both"])
+def test_a_deleted_element_is_met_no_more(tmp_path: Path, mesh: Any) -> None:
+    bench = Bench(tmp_path, *mesh)
+    g, blocks = bench.groups[0], bench.state.blocks
+    assert len(bench.look([1.6, 0.3, 0.05])) == len(bench.look([0.4, 0.6, 0.05])) == 1
+    # what lies beyond x = 1 fails
+    corners = [plain(corner_points)(g.p[0], f, g.corners) for f in range(g.p[0].face_count)]
+    x = np.array(mesh[0], float)[np.array(corners)].mean(axis=1)[:, 0]
+    for f in np.flatnonzero(x > 1.0):
+        first, stride, k = g.p[0].first_number, g.p[0].stride, f
+        if f >= g.p[0].quads:
+            first, stride, k = g.p[0].first_third, g.p[0].stride_third, f - g.p[0].quads
+        blocks[first + k // 16 * stride + k % 16] = 0.0
+    plain(faces.bury)(g.p[0], blocks, g.gone)
+    assert list(g.gone) == list((x > 1.0).astype(int))
+    assert bench.look([1.6, 0.3, 0.05]) == []
+    assert len(bench.look([0.4, 0.6, 0.05])) == 1
+    # and its neighbour has a free border there
+    for angle in np.radians(np.arange(80, -81, -10)):
+        place = np.array([1.0, 0.4, 0.0]) + 0.07 * np.array([np.cos(angle), 0.0, np.sin(angle)])
+        ((_, depth, normal),) = bench.look(place)
+        np.testing.assert_allclose(normal, [np.cos(angle), 0.0, np.sin(angle)], atol=1e-12)
 
 
 def test_a_sharp_fold_is_met_once(tmp_path: Path) -> None:
@@ -273,7 +304,7 @@ def test_a_continuous_field_points_to_the_axis_of_a_drum(r: float, tmp_path: Pat
         # the force acts along the line through the ball and the place on the face
         hit = bench.groups[0].found[0 if r > 1.0 else 1]
         g = bench.groups[0]
-        at = plain(corner_points)(g.p[0].first_corner, hit.face, g.corners)
+        at = plain(corner_points)(g.p[0], hit.face, g.corners)
         place = np.array(hit.N) @ np.array(g.points.r)[list(at)]
         np.testing.assert_allclose(place + (0.1 - depth) * normal, x, atol=1e-12)
         half = np.pi / count
@@ -309,7 +340,6 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
         assert len(found) == len(set(rows)) * len(set(columns))
 
 
-RUB = {"type": "coulomb", "coefficient": 0.3, "none_below": 0.01, "full_above": 0.1}
 STICK = {
     **{"type": "beam", "section": "bar", "material": "m"},
     "mesh": {"shape": "line", "from": [0, 0, 5], "to": [1, 0, 5], "elements": 2},
@@ -325,7 +355,6 @@ STICK = {
         ({"surfaces": {"faces": {"part": "stick"}}}, "'stick' has no surface; name a shell"),
         ({"surfaces": {"own": {"radius": 0.0}}}, "no thickness of their own"),
         ({"contacts": {"hit": {"a": ["faces"]}}}, "only nodes and balls can"),
-        ({"contacts": {"hit": {"friction": RUB}}}, "without friction"),
         ({"control": {"integrator": "dormand_prince_5"}}, "whole steps"),
         ({"control": {"integrator": "radau_iia_5"}}, "whole steps"),
     ],

@@ -5,7 +5,7 @@ from math import exp
 
 import numpy as np
 from long_chains import chain, loop
-from sweeps import ALL, EXPLICIT, STIFF, Sweep
+from sweeps import ALL, EITHER, EXPLICIT, STIFF, Sweep
 
 from crashpost.result import Result
 
@@ -263,7 +263,7 @@ MATRIX = (
         "extreme/singular",
         "control.tolerance",
         (1e-7, 1e-8, 1e-10),
-        "stops",
+        EITHER,
         "singular posture",
         ("generalized_alpha",),
         also={"start": "0.5"},
@@ -273,16 +273,19 @@ MATRIX = (
         "benchmark/four_bar_singular",
         "end",
         (10,),
-        integrators=("rattle", "dormand_prince_5", "radau_iia_5"),
+        integrators=("rattle", "dormand_prince_5"),
+        # the deck asks for 1e-5 of its size at the end
+        also={"control.tolerance": "1e-7"},
     ),
+    # how near a step comes to the flat posture decides whether a method passes it
     Sweep(
-        "the A2 mechanism by multipliers, errors of a step",
+        "the A2 mechanism by an implicit method, errors of a step",
         "benchmark/four_bar_singular",
         "control.tolerance",
-        (1e-8, 1e-10),
-        "stops",
-        "singular posture",
-        ("generalized_alpha",),
+        (1e-6, 1e-7, 1e-8, 1e-10),
+        EITHER,
+        "posture is singular|singular posture",
+        STIFF,
     ),
     Sweep("redundant constraints", "extreme/redundant", "misfit", (0,), integrators=ALL),
     Sweep(

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests")]
 
 from extreme_cases import MATRIX  # noqa: E402
-from sweeps import ENDS, Outcome, Sweep, asked, run  # noqa: E402
+from sweeps import EITHER, ENDS, Outcome, Sweep, asked, run  # noqa: E402
 
 PAGE = ROOT / "solver" / "STABILITY.md"
 HEAD = """# Stability
@@ -33,7 +33,7 @@ range with one method: the figures are those of the worst run of the range.
 | share | largest deviation from what is known over the bound that the deck states: 1 is the bound |
 | of | what deviates by that share |
 | steps, CPU | of the longest run: steps taken, seconds in them |
-| verdict | **within bounds**: every run ended normally, every number is finite and no deviation exceeds its bound; **refused**: every run was refused before its first step; **stopped**: every run stopped itself, with nothing wrong on file |
+| verdict | **within bounds**: every run ended normally, every number is finite and no deviation exceeds its bound; **refused**: every run was refused before its first step; **stopped**: every run, or as many as are told, stopped itself, with nothing wrong on file; the others kept their bounds |
 
 What cannot be solved is refused or stopped with a message that names place, cause and advice; the
 verdict then shows the first of them. `tests/stability` asserts all this, and the same of models drawn at random.
@@ -82,7 +82,8 @@ def _method(sweep: Sweep, methods: tuple[str, ...]) -> str:
 
 def _measured(sweep: Sweep, found: list[Outcome]) -> list[str]:
     """Energy, joints, share, of, steps, CPU."""
-    if ENDS[sweep.end][0] != 0:
+    found = [outcome for outcome in found if outcome.code == 0]
+    if not found or sweep.end not in ("ends", EITHER):
         return [""] * 6
     balance, residual = (max(getattr(o, name) for o in found) for name in ("balance", "residual"))
     share, what = max(o.worst for o in found)
@@ -103,11 +104,14 @@ def _verdict(sweep: Sweep, found: list[Outcome]) -> str:
     faults = [fault for outcome in found for fault in outcome.faults(sweep)]
     if faults:
         return f"**fails**: {faults[0].replace('|', '/').splitlines()[0]}"
-    if sweep.end == "ends":
+    stopped = [outcome for outcome in found if outcome.code != 0]
+    if not stopped:
         return VERDICTS["ends"]
-    message = ENDS[sweep.end][1].search(found[0].message)
+    end = "stops" if sweep.end == EITHER else sweep.end
+    message = ENDS[end][1].search(stopped[0].message)
     text = message[0].rpartition("/")[2] if message else ""
-    return f"{VERDICTS[sweep.end]}: {text}"
+    some = f" in {len(stopped)} of {len(found)} runs" if len(stopped) < len(found) else ""
+    return f"{VERDICTS[end]}{some}: {text}"
 
 
 def jobs() -> list[tuple[Sweep, tuple[str, ...]]]:

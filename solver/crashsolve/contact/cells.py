@@ -22,9 +22,11 @@ CELL = Record(
 
 
 @kernel
-def corner_points(first_corner, f, corners):
-    """Points of the four corners of a face."""
-    at = first_corner + 4 * (f - f % LANES) + f % LANES
+def corner_points(p, f, corners):
+    """Points of the four corners of a face; a triangle has the third twice."""
+    # triangles begin with a block of their own
+    g = f if f < p.quads else f + p.empty
+    at = p.first_corner + 4 * (g - g % LANES) + g % LANES
     return corners[at], corners[at + LANES], corners[at + 2 * LANES], corners[at + 3 * LANES]
 
 
@@ -45,7 +47,7 @@ def measure(p, points, corners, cells):
     """Middle and radius of every face; returns the largest radius. Writes: cells."""
     largest = 0.0
     for f in range(p.face_count):
-        at, square = corner_points(p.first_corner, f, corners), 0.0
+        at, square = corner_points(p, f, corners), 0.0
         middle = (0.0, 0.0, 0.0)
         for k in range(4):
             middle = add(middle, vec(points[at[k]].r))

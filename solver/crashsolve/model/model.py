@@ -56,11 +56,13 @@ class NodalGroup:
     card: str
     narrow: Any | None  # gap routine of a shape; None for faces
     normal: Any
+    friction: Any | None
     arrays: dict[str, np.ndarray]  # see model/nodal.py
     is_smooth: bool = False  # normals of faces from a continuous field
+    can_fail: bool = False  # whether faces may vanish
 
     # what a run writes, and what grows with it
-    CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait")
+    CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait", "gone")
 
     def changing(self) -> dict[str, np.ndarray]:
         """Arrays that a restart must bring back."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.contact.cells import CELL
+from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.model import NodalGroup
 from crashsolve.model.nodes import NODE
@@ -39,6 +40,7 @@ PARAMETERS = Record(
     order=("count", "+1 when probes are on side a of the card, -1 when on side b"),
     speed_floor=("m/s", "closing speed below which a touch counts as resting"),
     gap=("m", "of probe and mid-surface, below which they touch"),
+    share=("1", "of what is left of the gap between both, on the side of the probe"),
     reach=("m", "by which a step may bring both nearer"),
     margin=("m", "beyond the gap, of the lists of near faces"),
     extent=("m", "the model's size, for the speed of shapes that turn"),
@@ -47,6 +49,12 @@ PARAMETERS = Record(
     own=("flag", "whether the probes are among them"),
     first_corner=("index", "of the faces"),
     face_count=("count", "faces"),
+    quads=("count", "of them, quadrilaterals; triangles come after them"),
+    empty=("count", "lanes that the last block of quadrilaterals leaves empty"),
+    first_number=("index", "in blocks, of quadrilaterals"),
+    stride=("count", "numbers of a block of them"),
+    first_third=("index", "in blocks, of triangles"),
+    stride_third=("count", "numbers of a block of triangles"),
     first_own=("index", "first point of the part with the faces"),
     bucket_count=("count", "buckets of cubes, a power of two"),
     room=("count", "of the lists of near faces"),
@@ -59,6 +67,8 @@ TALLY = Record(
     searches=("count", "lists made"),
     stored=("J", "recoverable energy"),
     dissipated=("J", "lost by the normal force"),
+    bristled=("J", "recoverable energy of friction"),
+    rubbed=("J", "lost by friction"),
     depth=("m", "deepest touch"),
 )
 SLOT = Record(
@@ -67,8 +77,13 @@ SLOT = Record(
     impact_speed=("m/s", "closing speed at the onset, not below the floor"),
     power=("W", "dissipated"),
     force=("N", "on the probe"),
+    stored=("J", "recoverable energy"),
     face=("index", "that is touched"),
     normal=("1", 3, "towards the probe"),
+)
+RUB = Record(
+    rub=("N", 3, "friction on the probe"),
+    rub_power=("W", "dissipated by it"),
 )
 HIT = Record(
     depth=("m", "penetration; 0: no touch"),
@@ -118,13 +133,17 @@ class NodalBuilder:
         values["extent"] = self.scene.size
         pair = Touching(entry.name, a, b, self.scene)
         values |= law.build(entry.card.normal, self.scene, pair)
+        friction = self._friction(entry)
+        if friction is not None:
+            values |= friction.build(entry.card.friction, self.scene)
         make = self._on_faces if b.shape == "faces" else self._on_shape
-        record = PARAMETERS + law.PARAMETERS
         narrow, own, slots = make(probes, a, b, routine)
-        arrays = self._common(probes, record, values | own.pop("values"), slots, law) | own
+        arrays = self._common(probes, values | own.pop("values"), slots, law, friction) | own
         word = f"nodal_{len(self.groups)}"
         is_smooth = getattr(b.entry.card, "normals", None) == "continuous"
-        self.groups.append(NodalGroup(word, entry.name, narrow, law, arrays, is_smooth))
+        can_fail = b.shape == "faces" and self.scene.can_fail(b.entry.card.part)
+        group = NodalGroup(word, entry.name, narrow, law, friction, arrays, is_smooth, can_fail)
+        self.groups.append(group)
 
     def _refuse_implicit(self) -> None:
         method = self.scene.deck.control.integrator
@@ -138,10 +157,12 @@ class NodalBuilder:
         if not hasattr(entry.card, "normal"):
             message = "holds nodes that are bodies; shell nodes and faces need a law of force"
             raise self.scene.fail(f"{message}: type: force, normal: {{type: penalty}}")
-        if entry.card.friction is not None:
-            message = "nodes and faces of shells touch without friction; leave it out"
-            raise self.scene.fail(message, "friction")
         return import_module(type(entry.card.normal).__module__)
+
+    def _friction(self, entry: Entry) -> Any | None:
+        """Module of the friction law, if there is one."""
+        card = entry.card.friction
+        return None if card is None else import_module(type(card).__module__)
 
     def _probes(self, surface: Any) -> Probes:
         card = surface.entry.card
@@ -157,9 +178,12 @@ class NodalBuilder:
         return Probes(rows, float(surface.elements[0]["radius"]), None, None, 0)
 
     def _common(
-        self, probes: Probes, record: Record, values: dict[str, Any], slots: int, law: Any
+        self, probes: Probes, values: dict[str, Any], slots: int, law: Any, friction: Any
     ) -> dict[str, np.ndarray]:
         """Arrays of every group."""
+        record, slot = PARAMETERS + law.PARAMETERS, SLOT + law.HISTORY
+        if friction is not None:
+            record, slot = record + friction.PARAMETERS, slot + RUB + friction.HISTORY
         p, n = np.zeros(1, record.dtype), len(probes.rows)
         for name, value in values.items():
             p[name] = value
@@ -169,7 +193,7 @@ class NodalBuilder:
             "p": p,
             "tally": tally,
             "probes": probes.rows,
-            "slots": np.zeros((2, slots * n), (SLOT + law.HISTORY).dtype),
+            "slots": np.zeros((2, slots * n), slot.dtype),
             "turns": np.zeros(slots * n, np.int64),
             "due": np.zeros(n),
             "found": np.zeros(2, HIT.dtype),
@@ -204,7 +228,8 @@ class NodalBuilder:
             (b.module.half_thickness(e) for e in b.elements if hasattr(b.module, "half_thickness")),
             default=inf,
         )
-        values = {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
+        values = {"gap": probes.radius, "share": 1.0}
+        values |= {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
         values |= {"point_count": len(probes.rows), "extent": self.scene.size}
         return narrow, own | {"values": values}, 1
 
@@ -212,10 +237,9 @@ class NodalBuilder:
         """Probes against the faces of a shell."""
         card = b.entry.card
         laid, corner, first = self.scene.skin(card.part, "part")
-        if laid.quad_count < len(laid.area) or laid.can_fail:
-            what = "elements that fail" if laid.can_fail else "triangles"
-            message = f"part '{card.part}' has {what}, and only faces of quadrilaterals that stay"
-            raise self.scene.fail(f"{message} can be met", "b")
+        if laid.quad_count < len(laid.area) and card.normals == "continuous":
+            message = f"part '{card.part}' has triangles, and only quadrilaterals have a field of"
+            raise self.scene.fail(f"{message} normals; leave `normals: continuous` out", "b")
         is_own = probes.part == card.part
         if is_own and probes.radius == 0.0:
             t = card.thickness or laid.card.thickness
@@ -232,9 +256,11 @@ class NodalBuilder:
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
         values = {
-            **{"gap": gap, "reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
+            **{"gap": gap, "share": probes.radius / gap},
+            **{"reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
             **{"first_point": first, "point_count": len(laid.mass), "own": is_own},
             **{"first_corner": corner, "face_count": count, "first_own": first},
+            **self._places(card.part, laid),
             **{"bucket_count": buckets, "room": room},
         }
         own = {
@@ -245,12 +271,23 @@ class NodalBuilder:
             "starts": np.zeros(buckets + 1, np.int64),
             "sorted": np.zeros(count, np.int64),
             "beside": faces_beside(quads),
+            "gone": np.zeros(count, np.int64),
             "around_first": around[0],
             "around": around[1],
             "spared_first": spared[0],
             "spared": spared[1],
         }
         return None, own | {"values": values}, 2
+
+    def _places(self, part: str, laid: Any) -> dict[str, int]:
+        """Where the tables hold quadrilaterals and triangles."""
+        filled, first = -(-laid.quad_count // LANES), self.scene.first_number(part)
+        stride = laid.stride_of(laid.points)
+        return {
+            **{"quads": laid.quad_count, "empty": filled * LANES - laid.quad_count},
+            **{"first_number": first, "stride": stride},
+            **{"first_third": first + filled * stride, "stride_third": laid.stride_of(1)},
+        }
 
 
 class Touching:
@@ -300,7 +337,9 @@ def faces_beside(quads: np.ndarray) -> np.ndarray:
     low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort((high, low))
     beside = np.full(len(ends), -1, np.int64)
-    # the side of no length of a triangle has nothing across it
+    # over the side of no length of a triangle lies the triangle itself
+    none = np.flatnonzero(low == high)
+    beside[none] = none // 4
     has_length = (low < high)[order[1:]]
     alike = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
     same = np.flatnonzero(alike & has_length)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -252,6 +253,12 @@ class Scene:
             corner += laid.corners().size
             point += len(laid.mass)
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
+
+    def first_number(self, part: str) -> int:
+        """Where the numbers of a part with points begin in blocks."""
+        card, cards = self.deck.entries["parts"][part].card, self._with_points()
+        before = takewhile(lambda own: own is not card, cards)
+        return int(sum(self.laid(own).size for own in before))
 
     def can_fail(self, part: str) -> bool:
         """Whether elements of a part may be deleted."""

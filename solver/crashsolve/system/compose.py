@@ -195,10 +195,12 @@ def _imports(model: Any) -> str:
             if module is not None:
                 modules.add((module.__name__, _alias(module)))
     for n in model.nodal_groups:
-        modules |= {(m.__name__, _alias(m)) for m in (n.narrow, n.normal) if m is not None}
+        laws = (n.narrow, n.normal, n.friction)
+        modules |= {(m.__name__, _alias(m)) for m in laws if m is not None}
     lines = ["from crashsolve.system import contacts" + ", points" * bool(model.elements)]
     if model.nodal_groups:
-        lines.append("from crashsolve.system import faces, nodal")
+        rubs = any(n.friction for n in model.nodal_groups)
+        lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
     if any(n.is_smooth for n in model.nodal_groups):
         lines.append("from crashsolve.system import normals")
     if model.elements and len(model.elements.cuts):
@@ -769,6 +771,11 @@ def _energy_calls(model: Any) -> list[str]:
             f"ledger[{e.CONTACT_STORED}] += groups.{n.word}_tally[0].stored",
             f"ledger[{e.CONTACT_DISSIPATED}] += groups.{n.word}_tally[0].dissipated",
         ]
+        if n.friction:
+            lines += [
+                f"ledger[{e.FRICTION_STORED}] += groups.{n.word}_tally[0].bristled",
+                f"ledger[{e.FRICTION_DISSIPATED}] += groups.{n.word}_tally[0].rubbed",
+            ]
     if any(c.search is not None for c in model.contact_groups):
         lines += [
             "for i in range(groups.cards.shape[0]):",

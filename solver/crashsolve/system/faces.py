@@ -19,8 +19,19 @@ from math import acos, sqrt
 from crashsolve.contact.cells import corner_points, list_near, measure, sort
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.point import LANES
 from crashsolve.foundation.vec3 import add, add_scaled, add_to, dot, norm, put, scale, sub, vec
-from crashsolve.system.nodal import count, fastest, foretold, open_pass, settle, where
+from crashsolve.parts._quad_block import THICKNESS
+from crashsolve.system.nodal import (
+    count,
+    fastest,
+    foretells,
+    foretold,
+    give,
+    open_pass,
+    settle,
+    where,
+)
 
 # a distance of this share of the gap has no direction
 NO_WAY = 1e-9
@@ -53,6 +64,24 @@ def open_faces(h, p, tally, probes, nodes, points, corners, grid, lists, spared)
 
 
 @kernel
+def bury(p, blocks, gone):
+    """Faces of elements that are deleted can be met no more. Writes: gone."""
+    for f in range(p.face_count):
+        first, stride, k = p.first_number, p.stride, f
+        if f >= p.quads:
+            first, stride, k = p.first_third, p.stride_third, f - p.quads
+        t = blocks[first + k // LANES * stride + LANES * THICKNESS + k % LANES]
+        gone[f] = 1 if t == 0.0 else 0
+
+
+@kernel
+def let_go(h, tally, old, stored, gone):
+    """What a touch has stored less than before is lost with the element. Writes: tally."""
+    if h > 0.0 and old.active == 1 and gone[old.face] == 1:
+        tally.dissipated += old.stored - stored
+
+
+@kernel
 def is_crowded(p, tally):
     """Whether the lists fill more than half of their room: time for more."""
     return 2 * tally.pairs > p.room
@@ -72,8 +101,10 @@ def look(i, x, p, tally, slots, turns, mesh, lists, found):
         old = slots[settle(turns, 2 * i + s), 2 * i + s]
         is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
     for k in range(first[i], first[i + 1]):
+        f = near[k]
+        if mesh[5][f] == 1:
+            continue
         if wait[k] <= tally.way or is_deep:
-            f = near[k]
             a, b, c, d = seen_from(x, p, f, mesh)
             N, square, spot = nearest_on_face(a, b, c, d)
             distance = sqrt(square)
@@ -92,7 +123,7 @@ def look(i, x, p, tally, slots, turns, mesh, lists, found):
 @kernel
 def seen_from(x, p, f, mesh):
     """Corners of a face from a place."""
-    points, at = mesh[0], corner_points(p.first_corner, f, mesh[1])
+    points, at = mesh[0], corner_points(p, f, mesh[1])
     return (
         sub(vec(points[at[0]].r), x),
         sub(vec(points[at[1]].r), x),
@@ -111,6 +142,8 @@ def take(i, p, f, N, spot, distance, to, slots, turns, mesh, found):
     hit.distance, hit.face, hit.crossed = distance, f, crossed
     for k in range(4):
         hit.N[k] = N[k]
+    if f >= p.quads:
+        hit.N[2], hit.N[3] = N[2] + N[3], 0.0
     old = slots[turns[2 * i + s], 2 * i + s]
     if distance > NO_WAY * p.gap:
         put(hit.normal, scale((1.0 if crossed == 1 else -1.0) / distance, to))
@@ -141,7 +174,7 @@ def side(i, p, f, spot, to, slots, turns, mesh):
 @kernel
 def are_kin(p, f, g, mesh):
     """Whether two faces have a corner in common."""
-    a, b = corner_points(p.first_corner, f, mesh[1]), corner_points(p.first_corner, g, mesh[1])
+    a, b = corner_points(p, f, mesh[1]), corner_points(p, g, mesh[1])
     for m in range(4):
         for n in range(4):
             if a[m] == b[n]:
@@ -152,27 +185,35 @@ def are_kin(p, f, g, mesh):
 @kernel
 def on_border(p, f, spot, mesh):
     """Whether a place of a face lies on a free border."""
-    beside = mesh[2]
     if spot == INSIDE:
         return False
     if spot < CORNER:
-        return beside[4 * f + spot - EDGE] < 0
+        return over_side(f, spot - EDGE, mesh) < 0
     first, faces = mesh[3], mesh[4]
-    point = corner_points(p.first_corner, f, mesh[1])[spot - CORNER]
+    point = corner_points(p, f, mesh[1])[spot - CORNER]
     own = point - p.first_own
     for k in range(first[own], first[own + 1]):
         g = faces[k]
-        at = corner_points(p.first_corner, g, mesh[1])
+        at, last = corner_points(p, g, mesh[1]), 3
         for c in range(4):
-            if at[c] == point and (beside[4 * g + c] < 0 or beside[4 * g + (c + 3) % 4] < 0):
+            ends = over_side(g, c, mesh) < 0 or over_side(g, last, mesh) < 0
+            if mesh[5][g] == 0 and at[c] == point and ends:
                 return True
+            last = c
     return False
+
+
+@kernel
+def over_side(f, k, mesh):
+    """The face across a side; -1: none. Over its side of no length a triangle has itself."""
+    g = mesh[2][4 * f + k]
+    return -1 if g < 0 or mesh[5][g] == 1 else g
 
 
 @kernel
 def face_normal(p, f, mesh):
     """Unit normal of a face."""
-    points, at = mesh[0], corner_points(p.first_corner, f, mesh[1])
+    points, at = mesh[0], corner_points(p, f, mesh[1])
     n = across(
         vec(points[at[0]].r), vec(points[at[1]].r), vec(points[at[2]].r), vec(points[at[3]].r)
     )
@@ -186,25 +227,28 @@ def outward(p, f, spot, mesh):
     if spot == INSIDE:
         return n
     if spot < CORNER:
-        g = mesh[2][4 * f + spot - EDGE]
+        g = over_side(f, spot - EDGE, mesh)
         return n if g < 0 else add(n, face_normal(p, g, mesh))
     first, faces = mesh[3], mesh[4]
-    point = corner_points(p.first_corner, f, mesh[1])[spot - CORNER]
+    point = corner_points(p, f, mesh[1])[spot - CORNER]
     own, total = point - p.first_own, (0.0, 0.0, 0.0)
     for k in range(first[own], first[own + 1]):
         g = faces[k]
-        total = add_scaled(total, angle_at(p, g, point, mesh), face_normal(p, g, mesh))
+        if mesh[5][g] == 0:
+            total = add_scaled(total, angle_at(p, g, point, mesh), face_normal(p, g, mesh))
     return total
 
 
 @kernel
 def angle_at(p, f, point, mesh):
     """Angle of a face at one of its corners [rad]."""
-    points, at = mesh[0], corner_points(p.first_corner, f, mesh[1])
+    points, at = mesh[0], corner_points(p, f, mesh[1])
     for k in range(4):
         if at[k] == point:
             x = vec(points[point].r)
-            u = sub(vec(points[at[(k + 1) % 4]].r), x)
+            # the third corner of a triangle comes twice
+            ahead = (k + 2) % 4 if at[(k + 1) % 4] == point else (k + 1) % 4
+            u = sub(vec(points[at[ahead]].r), x)
             v = sub(vec(points[at[(k + 3) % 4]].r), x)
             cosine = dot(u, v) / sqrt(dot(u, u) * dot(v, v))
             return acos(min(max(cosine, -1.0), 1.0))
@@ -214,7 +258,7 @@ def angle_at(p, f, point, mesh):
 @kernel
 def face_velocity(p, hit, h, points, corners):
     """Velocity of the place of a face that is touched."""
-    at, v = corner_points(p.first_corner, hit.face, corners), (0.0, 0.0, 0.0)
+    at, v = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
     for k in range(4):
         v = add_scaled(v, hit.N[k], foretold(points[at[k]], h))
     return v
@@ -222,17 +266,24 @@ def face_velocity(p, hit, h, points, corners):
 
 @kernel
 def face_mobility(p, hit, points, corners):
-    """Acceleration of that place over a force on it [1/kg]."""
-    at, w = corner_points(p.first_corner, hit.face, corners), 0.0
+    """Acceleration of that place over a force on it [1/kg], and what points foretell of it."""
+    at, n, w, foretold_w = (
+        corner_points(p, hit.face, corners),
+        vec(hit.normal),
+        0.0,
+        0.0,
+    )
     for k in range(4):
-        w += hit.N[k] * hit.N[k] * points[at[k]].mass_inv
-    return w
+        b, square = points[at[k]], hit.N[k] * hit.N[k]
+        w += square * give(b, n)
+        foretold_w += square * foretells(b, n)
+    return w, foretold_w
 
 
 @kernel
 def push_face(p, hit, f, k, c, scene):
     """Minus a force f along the normal, on the corners. Writes: scene.points, stiffened."""
-    at = corner_points(p.first_corner, hit.face, scene.corners)
+    at = corner_points(p, hit.face, scene.corners)
     for j in range(4):
         add_to(scene.points[at[j]].force, scale(-f * hit.N[j], vec(hit.normal)))
         count(at[j], hit.N[j], k, c, scene)

@@ -34,6 +34,9 @@ from crashsolve.foundation.vec3 import (
     vec,
 )
 
+# mobility below which two sides cannot move [1/kg]
+STUCK = 1e-30
+
 
 @kernel
 def open_loads(scene):
@@ -74,7 +77,19 @@ def foretold(b, h):
     """Velocity of a point at the end of the step, by the forces so far."""
     if b.held >= RIDES:
         return vec(b.v)
-    return add_scaled(vec(b.v), 0.5 * h * b.mass_inv, vec(b.force))
+    return add_scaled(vec(b.v), 0.5 * h * b.mass_inv, free_part(b.held, vec(b.force)))
+
+
+@kernel
+def free_part(held, u):
+    """A vector along or about the world axes, less what is held."""
+    if held & 7 == 0:
+        return u
+    return (
+        0.0 if held & 1 else u[0],
+        0.0 if (held >> 1) & 1 else u[1],
+        0.0 if (held >> 2) & 1 else u[2],
+    )
 
 
 @kernel
@@ -116,7 +131,7 @@ def hold_back(clock, p, tally):
 @kernel
 def open_pass(tally):
     """Nothing is stored. Writes: tally."""
-    tally.stored = tally.depth = 0.0
+    tally.stored = tally.bristled = tally.depth = 0.0
 
 
 @kernel
@@ -139,27 +154,42 @@ def leave(clock, h, tally, turns, j, old, new):
     """A slot is free again. Writes: tally, turns, new."""
     tally.dissipated += clock.lead * old.power
     new.active = 0
-    new.power = new.depth = new.impact_speed = new.force = 0.0
+    new.power = new.depth = new.impact_speed = new.force = new.stored = 0.0
     take_turn(h, turns, j)
 
 
 @kernel
 def closing(v, v_other, hit, h, old, w):
-    """Closing speed; the force of the last step stands for that which points do not know yet."""
+    """Closing speed; the force of the last step stands for that which points do not know yet.
+
+    w is how they would move under it [1/kg].
+    """
     return dot(sub(v_other, v), vec(hit.normal)) - 0.5 * h * w * old.force
 
 
 @kernel
-def of_point(probe, mob):
-    """The mobility of a probe if it is a point, whose velocity is foretold without the contact."""
-    return mob if probe.point >= 0 else 0.0
+def give(b, n):
+    """Acceleration of a point along n over a force there [1/kg]; what is held gives none."""
+    return b.mass_inv * dot(free_part(b.held, n), n)
+
+
+@kernel
+def foretells(b, n):
+    """The same of points whose velocity is foretold: not of those that ride on bodies."""
+    return give(b, n) if b.held < RIDES else 0.0
+
+
+@kernel
+def probe_foretells(probe, hit, points):
+    """The same of a probe."""
+    return foretells(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
 
 
 @kernel
 def mobility_of(probe, hit, nodes, points):
     """Acceleration of a probe over a force along the normal [1/kg]."""
     if probe.point >= 0:
-        return points[probe.point].mass_inv
+        return give(points[probe.point], vec(hit.normal))
     body = nodes[probe.node]
     return mobility(body, arm(body, vec(probe.at)), vec(hit.normal))
 
@@ -171,7 +201,7 @@ def note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit):
     if h > 0.0:
         tally.dissipated += clock.lead * old.power + clock.share * power + loss
     new.power = power
-    new.force = f
+    new.force, new.stored = f, stored
     new.face = hit.face
     put(new.normal, vec(hit.normal))
     tally.depth = max(tally.depth, hit.depth)
@@ -186,8 +216,9 @@ def note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit):
 def close_pass(tally, card):
     """Energies of the group to its card. Writes: card."""
     card.depth = max(card.depth, 0.0)
-    card.stored += tally.stored
+    card.stored += tally.stored + tally.bristled
     card.dissipated += tally.dissipated
+    card.friction += tally.rubbed
 
 
 @kernel
@@ -207,7 +238,13 @@ def push_probe(probe, f, k, c, hit, nodes, scene):
 @kernel
 def count(i, share, k, c, scene):
     """Tell the step control of a contact on a point. Writes: scene.stiffened, touched."""
-    w, total = share * scene.points[i].mass_inv, scene.touched[0]
+    load(i, share * scene.points[i].mass_inv, k, c, scene)
+
+
+@kernel
+def load(i, w, k, c, scene):
+    """The same for an acceleration w over the force [1/kg]. Writes: scene.stiffened, touched."""
+    total = scene.touched[0]
     scene.stiffened[2 * i] += k * w
     scene.stiffened[2 * i + 1] += c * w
     total.stiffness = max(total.stiffness, scene.stiffened[2 * i])

@@ -12,10 +12,11 @@ def {word}(clock, h, nodes, curves, groups):
     lists = (groups.{word}_first, groups.{word}_near, groups.{word}_wait, due)
     grid = (groups.{word}_cells, groups.{word}_starts, groups.{word}_sorted)
     around = (groups.{word}_around_first, groups.{word}_around)
-    mesh = (points, corners, groups.{word}_beside, around[0], around[1])
+    gone = groups.{word}_gone
+    mesh = (points, corners, groups.{word}_beside, around[0], around[1], gone)
     spared = (groups.{word}_spared_first, groups.{word}_spared)
     faces.open_faces(h, p, tally, probes, nodes, points, corners, grid, lists, spared)
-    for i in range(probes.shape[0]):
+{bury}    for i in range(probes.shape[0]):
         if due[i] > tally.way:
             continue
         x, v = nodal.where(probes[i], h, nodes, points)
@@ -25,25 +26,31 @@ def {word}(clock, h, nodes, curves, groups):
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
             if hit.depth <= 0.0:
                 if old.active == 1:
-                    nodal.leave(clock, h, tally, turns, j, old, new)
+{lose}                    nodal.leave(clock, h, tally, turns, j, old, new)
                     {law}.release(p, old, new)
-                continue
+{end}                continue
             mob = nodal.mobility_of(probes[i], hit, nodes, points)
-            mob_face = faces.face_mobility(p, hit, points, corners)
-            mass = 1.0 / (mob + mob_face)
+            mob_face, w = faces.face_mobility(p, hit, points, corners)
+            w += nodal.probe_foretells(probes[i], hit, points)
+            mass = 1.0 / max(mob + mob_face, nodal.STUCK)
             u = faces.face_velocity(p, hit, h, points, corners)
-            rate = nodal.closing(v, u, hit, h, old, nodal.of_point(probes[i], mob) + mob_face)
+            rate = nodal.closing(v, u, hit, h, old, w)
             contacts.latch(p, old, new, hit.depth, rate, counts)
             f, stored, power, loss, k, c = {law}.normal_force(
                 p, old, new, h, hit.depth, rate, mass, curves
             )
-            nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
+{jump}{rub}            nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
             faces.push_face(p, hit, f, k, c, groups)
             nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)
             nodal.take_turn(h, turns, j)
     nodal.close_pass(tally, card)
 """
 FIELD = "        normals.smoothen(i, x, p, mesh, spared, found)\n"
+# of parts that may fail
+BURY = "    faces.bury(p, groups.lanes, gone)\n"
+LOSE = "                    faces.let_go(h, tally, old, 0.0, gone)\n"
+JUMP = "            faces.let_go(h, tally, old, stored, gone)\n"
+FAILING = (("", "", ""), (BURY, LOSE, JUMP))
 SHAPE = """\
 @kernel
 def {word}(clock, h, nodes, curves, groups):
@@ -68,16 +75,17 @@ def {word}(clock, h, nodes, curves, groups):
             if old.active == 1:
                 nodal.leave(clock, h, tally, turns, i, old, new)
                 {law}.release(p, old, new)
-            continue
+{end}            continue
         body = nodes[home[shapes[hit.face].node]]
-        mob, own = nodal.body_mobility(body, x, hit), points[probes[i].point].mass_inv
-        mass = 1.0 / (mob + own)
-        rate = nodal.closing(v, nodal.body_velocity(body, x), hit, h, old, own)
+        mob = nodal.body_mobility(body, x, hit)
+        mass = 1.0 / max(mob + nodal.mobility_of(probes[i], hit, nodes, points), nodal.STUCK)
+        w = nodal.probe_foretells(probes[i], hit, points)
+        rate = nodal.closing(v, nodal.body_velocity(body, x), hit, h, old, w)
         contacts.latch(p, old, new, hit.depth, rate, counts)
         f, stored, power, loss, k, c = {law}.normal_force(
             p, old, new, h, hit.depth, rate, mass, curves
         )
-        nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
+{rub}        nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
         nodal.push_body(body, x, f, k, c, hit, mob)
         nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)
         nodal.take_turn(h, turns, i)
@@ -85,12 +93,63 @@ def {word}(clock, h, nodes, curves, groups):
 """
 
 
+ON_FACES = """\
+            d, e = rubbing.arms(p, hit)
+            a = rubbing.probe_foretells(probes[i], d, old, points)
+            v_a = rubbing.probe_velocity(probes[i], v, d, h, nodes, points)
+            a = rubbing.face_foretells(p, hit, e, old, a, points, corners)
+            v_b = rubbing.face_velocity(p, hit, e, h, points, corners)
+"""
+ON_SHAPE = """\
+            d, y = rubbing.on_shape(p, hit, x)
+            a = rubbing.probe_foretells(probes[i], d, old, points)
+            v_a = rubbing.probe_velocity(probes[i], v, d, h, nodes, points)
+            v_b = rubbing.body_velocity(body, y)
+"""
+RUB = """\
+            slip, n = rubbing.slipping(v_a, v_b, hit, h, a)
+            t, t_stored, t_power, t_loss, t_k, t_c = {friction}.friction_force(
+                p, old, new, h, f, slip, n, mass, curves
+            )
+            way = contacts.along(t, slip, n)
+            rubbing.rub_probe(probes[i], t, way, d, t_k, t_c, nodes, groups)
+            {other}
+            rubbing.note(clock, h, p, tally, card, t, t_stored, t_power, t_loss, old, new)
+"""
+END = """\
+                    rubbing.leave(clock, h, tally, old, new)
+                    {friction}.release(p, old, new)
+"""
+OTHER = (
+    "rubbing.rub_face(p, hit, t, e, t_k, t_c, groups)",
+    "rubbing.rub_body(body, y, t, way, t_k, t_c)",
+)
+
+
 def nodal_function(group: Any) -> str:
     """Text of the function of one group."""
-    words = {"word": group.word, "law": f"normal_{group.normal.__name__.rpartition('.')[2]}"}
-    if group.narrow is None:
-        return FACES.format(**words, field=FIELD if group.is_smooth else "")
+    is_shape = group.narrow is not None
+    words = {"word": group.word, "law": f"normal_{_leaf(group.normal)}", "rub": "", "end": ""}
+    if group.friction is not None:
+        friction = f"friction_{_leaf(group.friction)}"
+        rub = (ON_SHAPE if is_shape else ON_FACES) + RUB
+        rub = rub.format(friction=friction, other=OTHER[is_shape])
+        deep = 4 * is_shape
+        end = END.format(friction=friction)
+        words |= {"rub": _outdented(rub, deep), "end": _outdented(end, deep)}
+    if not is_shape:
+        words |= {"field": FIELD if group.is_smooth else ""}
+        words |= dict(zip(("bury", "lose", "jump"), FAILING[group.can_fail], strict=True))
+        return FACES.format(**words)
     names = [f"groups.{group.word}_{name}" for name in group.arrays if name.startswith("data_")]
     data = "(" + "".join(f"{name}, " for name in names).rstrip(" ") + ")"
-    narrow = f"narrow_{group.narrow.__name__.rpartition('.')[2]}"
-    return SHAPE.format(**words, narrow=narrow, data=data)
+    return SHAPE.format(**words, narrow=f"narrow_{_leaf(group.narrow)}", data=data)
+
+
+def _leaf(module: Any) -> str:
+    return str(module.__name__.rpartition(".")[2])
+
+
+def _outdented(text: str, spaces: int) -> str:
+    """Lines so many spaces farther to the left."""
+    return "".join(line[spaces:] for line in text.splitlines(keepends=True))
