@@ -90,10 +90,11 @@ class Outcome:
         """Everything that breaks the promise of the sweep."""
         end = ("ends" if self.code == 0 else "stops") if sweep.end == EITHER else sweep.end
         code, pattern = ENDS[end]
+        says = "" if end == "ends" else sweep.says
         found = []
         if self.code != code:
             found.append(f"exit code {self.code} instead of {code}: {self.message[-500:]}")
-        elif not (pattern.search(self.message) and re.search(sweep.says, self.message)):
+        elif not (pattern.search(self.message) and re.search(says, self.message)):
             found.append(f"unclear message: {self.message[-500:]}")
         if re.search("Traceback|Warning:", self.message):
             found.append(f"not meant for a user: {self.message[-500:]}")
