@@ -19,7 +19,7 @@ import numpy as np
 from crashsolve.foundation import saddle
 from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.saddle import REDUNDANT, Saddle
+from crashsolve.foundation.saddle import REDUNDANT, Saddle, subtract
 
 COLUMN = saddle.COLUMN + Record(
     node=("index", "the node; 0 for a joint"),
@@ -279,17 +279,6 @@ def solve_beside(x, height, diagonal, m):
             for k in range(j):
                 y -= x[6 * i + k] * diagonal[6 * j + k]
             x[6 * i + j] = y
-
-
-@inlined
-def subtract(x, a, b, height, width, m):
-    """x -= a b^T. Writes: x."""
-    for i in range(height):
-        for j in range(width):
-            y = 0.0
-            for k in range(m):
-                y += a[6 * i + k] * b[6 * j + k]
-            x[6 * i + j] -= y
 
 
 @kernel
