@@ -722,6 +722,21 @@ def _part_damping(g: Any, entry: int) -> list[str]:
     return [f"    ledger[{entry}] += {lost}.dissipated{plastic}"]
 
 
+def _nodal_energies(n: Any, e: Any) -> list[str]:
+    """What the touches of a group of nodes hold, and have lost."""
+    tally = f"groups.{n.word}_tally[0]"
+    lines = [
+        f"ledger[{e.CONTACT_STORED}] += {tally}.stored",
+        f"ledger[{e.CONTACT_DISSIPATED}] += {tally}.dissipated",
+    ]
+    if n.friction:
+        lines += [
+            f"ledger[{e.FRICTION_STORED}] += {tally}.bristled",
+            f"ledger[{e.FRICTION_DISSIPATED}] += {tally}.rubbed",
+        ]
+    return lines
+
+
 def _energy_calls(model: Any) -> list[str]:
     from crashsolve.model import ledger as e
 
@@ -767,15 +782,7 @@ def _energy_calls(model: Any) -> list[str]:
             f"    ledger[{e.FRICTION_DISSIPATED}] += old.friction_dissipated",
         ]
     for n in model.nodal_groups:
-        lines += [
-            f"ledger[{e.CONTACT_STORED}] += groups.{n.word}_tally[0].stored",
-            f"ledger[{e.CONTACT_DISSIPATED}] += groups.{n.word}_tally[0].dissipated",
-        ]
-        if n.friction:
-            lines += [
-                f"ledger[{e.FRICTION_STORED}] += groups.{n.word}_tally[0].bristled",
-                f"ledger[{e.FRICTION_DISSIPATED}] += groups.{n.word}_tally[0].rubbed",
-            ]
+        lines += _nodal_energies(n, e)
     if any(c.search is not None for c in model.contact_groups):
         lines += [
             "for i in range(groups.cards.shape[0]):",
