@@ -18,7 +18,7 @@ METHODS = ("rattle", "dormand_prince_5", "dormand_prince_8", "generalized_alpha"
 TOP, SQUEEZER = ("heavy_top.yaml", 0.2), ("andrews_squeezer.yaml", 0.006)
 STEPS = {
     TOP: dict(
-        zip(METHODS, [(1000, 2000), (800, 1120), (100, 160), (1000, 2000), (200, 400)], strict=True)
+        zip(METHODS, [(1000, 2000), (800, 1120), (80, 112), (1000, 2000), (200, 400)], strict=True)
     ),
     SQUEEZER: dict(
         zip(METHODS, [(400, 800), (50, 100), (5, 7), (400, 800), (25, 50)], strict=True)
