@@ -387,6 +387,7 @@ def run(folder: Path, **changes: object) -> Result:
 
 
 @runs
+@pytest.mark.long
 def test_a_bounce_is_of_second_order_in_the_step(tmp_path: Path) -> None:
     lost = []
     for step in (8e-6, 4e-6, 2e-6):

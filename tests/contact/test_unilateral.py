@@ -46,6 +46,7 @@ def scene(*changes: tuple[str, str]) -> dict[str, Any]:
     return dict(yaml.safe_load(text))
 
 
+@pytest.mark.long
 def test_what_slides_off_a_drum_leaves_it_in_order_two(tmp_path: Path) -> None:
     cosine = 2 / 3 + 0.5**2 / (3 * 9.81 * 0.5)
     exact = sqrt(9.81 * 0.5 * cosine) * cosine

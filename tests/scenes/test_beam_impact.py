@@ -24,7 +24,9 @@ def run(folder: Path, deck: str, **changes: object) -> Path:
 
 @pytest.mark.parametrize("mu", [0.0, 0.35])
 @pytest.mark.parametrize("model", ["continuous", "unilateral"])
-@pytest.mark.parametrize("elements", [4, 10, 20])
+@pytest.mark.parametrize(
+    "elements", [10, *(pytest.param(n, marks=pytest.mark.long) for n in (4, 20))]
+)
 def test_the_decks_meet_their_expectations(
     elements: int, model: str, mu: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -33,6 +35,7 @@ def test_the_decks_meet_their_expectations(
     assert code == 0, capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_captures_lose_less_as_the_mesh_is_refined(tmp_path: Path) -> None:
     lost = []
     for elements in (5, 10, 20):

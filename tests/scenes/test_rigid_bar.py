@@ -39,6 +39,7 @@ def test_the_decks_own_expectations_are_met(tmp_path: Path) -> None:
     assert crashpost(["expect", str(tmp_path)]) == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stiffness", ["1.2e7", "1.2e12"])
 def test_the_expectations_hold_for_soft_and_stiff_walls(tmp_path: Path, stiffness: str) -> None:
     # their tolerances are the duration of the contact, and shrink with it
@@ -46,6 +47,7 @@ def test_the_expectations_hold_for_soft_and_stiff_walls(tmp_path: Path, stiffnes
     assert crashpost(["expect", str(tmp_path)]) == 0
 
 
+@pytest.mark.long
 def test_the_difference_from_the_exact_answer_falls_with_the_duration(tmp_path: Path) -> None:
     s2 = 3.0 * sin(ANGLE) ** 2
     exact = SPEED * (s2 - 1.0) / (s2 + 1.0)
