@@ -1,4 +1,4 @@
-"""Whole models drawn at random: masses over eight decades, stiffness over six, speeds over five.
+"""Whole models drawn at random: masses over eight decades, stiffness over 12, speeds over nine.
 
 All hold the same kinds of joints, springs, beams, contacts and loads, in any number, so that one
 compiled step serves them all.
@@ -131,7 +131,7 @@ class _Draw:
     def part(self, i: int) -> Table:
         """What hangs on a joint begins at rest, as bodies do."""
         is_free = not any(name.startswith(f"beam_{i}_") for name in self.jointed)
-        (speed,) = self.decades(-3, 1)
+        (speed,) = self.decades(-6, 2)
         return {
             "type": "beam",
             "mesh": self.beams[i]["mesh"],
@@ -148,7 +148,7 @@ class _Draw:
         moments = [moment * float(x) for x in self.rng.uniform(0.7, 1.3, 3)]
         if self.rarely() and self.rarely():
             moments[0] *= -1.0
-        (speed,) = self.decades(-3, 2)
+        (speed,) = self.decades(-6, 3)
         # what hangs on a joint must not break it at the start
         is_free = name not in self.jointed or self.rarely()
         return {
@@ -185,7 +185,7 @@ class _Draw:
             for i in self.some():
                 b = self.body()
                 a = self.other(b)
-                k = self.stiffness(1, 7, min(self.mass[n] for n in (a, b) if n != "ground"))
+                k = self.stiffness(0, 12, min(self.mass[n] for n in (a, b) if n != "ground"))
                 # a thin beam has next to no inertia to hold an arm with
                 at = self.vector(0.5 if a in self.names or a == "ground" else 0.0)
                 card = {"type": kind, "a": a, "b": b, "at_a": at, "stiffness": k}
