@@ -11,7 +11,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_to, cross, put, scale, sub, vec
-from crashsolve.parts._quad_block import FORCE, TORQUE
+from crashsolve.parts._quad_block import FORCE, TORQUE, corner
 
 TAP = Record(
     part=("index", "row of the part"),
@@ -55,16 +55,9 @@ def add_tap(tap, scene):
         add_to(cut.place, x)
         cut.corners += 1
         if tap.front[c] == 1:
-            f, t = of_corner(work, FORCE, c, tap.lane), of_corner(work, TORQUE, c, tap.lane)
+            f, t = corner(work, FORCE, c, tap.lane), corner(work, TORQUE, c, tap.lane)
             add_to(cut.force, f)
             add_to(cut.moment, add(t, cross(x, f)))
-
-
-@kernel
-def of_corner(work, row, c, lane):
-    """Vector of a corner of an element."""
-    at = LANES * (row + 3 * c) + lane
-    return work[at], work[at + LANES], work[at + 2 * LANES]
 
 
 @kernel

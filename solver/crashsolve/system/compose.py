@@ -763,13 +763,12 @@ def _energy_calls(model: Any) -> list[str]:
             f"    o, new = groups.{g.word}_o[i], groups.{g.word}_h[clock.current, i]",
             f"    {g.word}.energies(groups.{g.word}_p[i], new, o, groups)",
             *(f"    {_alias(k)}.add_energies(groups.{g.word}_p[i], o, groups)" for k in _kinds(g)),
-            f"    ledger[{e.KINETIC}] += o.kinetic",
+            # points of implicit steps are bodies
+            *([] if is_assembled(model) else [f"    ledger[{e.KINETIC}] += o.kinetic"]),
             f"    ledger[{e.SPRING_STORED}] += o.strain + o.hourglass + o.drilling",
             f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag + o.damping + o.eroded",
             f"    ledger[{e.PART_DAMPING}] += o.drag + o.damping",
         ]
-    if is_assembled(model):
-        lines = [line for line in lines if not line.endswith("+= o.kinetic")]
     if model.elements:
         lines += ["points.guard(clock, nodes, groups.points)"]
     for c in model.contact_groups:

@@ -104,7 +104,7 @@ ON_SHAPE = """\
             d, y = rubbing.on_shape(p, hit, x)
             a = rubbing.probe_foretells(probes[i], d, old, points)
             v_a = rubbing.probe_velocity(probes[i], v, d, h, nodes, points)
-            v_b = rubbing.body_velocity(body, y)
+            v_b = nodal.body_velocity(body, y)
 """
 RUB = """\
             slip, n = rubbing.slipping(v_a, v_b, hit, h, a)

@@ -11,7 +11,7 @@ the last step stands for the friction itself.
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.motion import apply_force, arm, mobility, point_velocity, stiffen
+from crashsolve.foundation.motion import apply_force, arm, mobility, stiffen
 from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.vec3 import (
     add,
@@ -135,12 +135,6 @@ def rub_face(p, hit, t, d, k, c, scene):
         add_to(b.force, share)
         add_to(b.torque, cross(d, share))
         load(at[j], hit.N[j] * ease(b, d), k, c, scene)
-
-
-@kernel
-def body_velocity(body, y):
-    """Velocity of a body in the place of contact."""
-    return point_velocity(body, sub(y, vec(body.r)))
 
 
 @kernel
