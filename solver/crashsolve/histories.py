@@ -1,6 +1,6 @@
 """From outputs to channels: the families of a scene and their values at a sample."""
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Iterator
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,8 @@ MODEL = (
 )
 CARD_COLUMNS = ("impulse", "peak_normal", "peak_depth", "onsets")
 FAMILY = {"parts": "elout", "springs": "deforc", "loads": "bndout", "sensors": "nodout"}
+# points worked on at a time
+PIECE = 4096
 Part = tuple[Family, Callable[[], np.ndarray]]
 
 
@@ -86,25 +88,31 @@ class Histories:
 
     def _momenta(self) -> tuple[np.ndarray, np.ndarray]:
         """Momentum, and angular momentum about the world origin."""
-        nodes, points = self.engine.nodes[1:], self._free_points()
+        nodes = self.engine.nodes[1:]
         p = nodes["v"] / nodes["mass_inv"][:, None]
         linear, angular = p.sum(0), (np.cross(nodes["r"], p) + nodes["L"]).sum(0)
-        p, L = points["v"] / points["mass_inv"][:, None], points["w"] / points["J_inv"][:, None]
-        return linear + p.sum(0), angular + (np.cross(points["r"], p) + L).sum(0)
+        for b in self._free_points():
+            p, L = b["v"] / b["mass_inv"][:, None], b["w"] / b["J_inv"][:, None]
+            linear, angular = linear + p.sum(0), angular + (np.cross(b["r"], p) + L).sum(0)
+        return linear, angular
 
-    def _free_points(self) -> np.ndarray:
-        """Points that ride on no body."""
+    def _free_points(self) -> Iterator[np.ndarray]:
+        """Points that ride on no body; some at a time, for what is computed of them takes room."""
         points = self.engine.state.points
-        return points[points["held"] < RIDES]
+        for start in range(0, len(points), PIECE):
+            piece = points[start : start + PIECE]
+            yield piece[piece["held"] < RIDES]
 
     def _momentum_sums(self) -> np.ndarray:
-        nodes, points = self.engine.nodes[1:], self._free_points()
+        nodes = self.engine.nodes[1:]
         p = np.linalg.norm(nodes["v"], axis=1) / nodes["mass_inv"]
         spin = np.linalg.norm(nodes["L"], axis=1)
         sums = np.array([p.sum(), (p * np.linalg.norm(nodes["r"], axis=1) + spin).sum()])
-        p = np.linalg.norm(points["v"], axis=1) / points["mass_inv"]
-        spin = np.linalg.norm(points["w"], axis=1) / points["J_inv"]
-        return sums + [p.sum(), (p * np.linalg.norm(points["r"], axis=1) + spin).sum()]
+        for b in self._free_points():
+            p = np.linalg.norm(b["v"], axis=1) / b["mass_inv"]
+            spin = np.linalg.norm(b["w"], axis=1) / b["J_inv"]
+            sums += [p.sum(), (p * np.linalg.norm(b["r"], axis=1) + spin).sum()]
+        return sums
 
     def _bodies(self) -> Part:
         columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]

@@ -95,6 +95,8 @@ def main(source: Path, path: Path, names: list[str]) -> None:
     from crashsolve.foundation.table_types import TablesKind
 
     layout, places = pickle.load(sys.stdin.buffer)
+    if "lanes" in places:
+        import crashsolve.foundation.lanes_types  # noqa: F401
     if "turns" in places:
         import crashsolve.foundation.atomic_types  # noqa: F401
     symbols, texts = [], []

@@ -160,10 +160,8 @@ def apply_external(nodes, i, f, d, t):
 
 
 @kernel
-def apply_to_point(point, ground, f):
-    """Force f from outside on a point. Writes: point, ground."""
-    add_to(point.force, f)
-    moment = cross(vec(point.r), f)
+def act_from_outside(ground, f, moment):
+    """Force and moment about the origin that come from outside. Writes: ground."""
     for k in range(3):
         ground.external[k] += f[k]
         ground.external[3 + k] += moment[k]

@@ -111,9 +111,9 @@ def _border(
     mine = np.zeros(count, bool)
     mine[corners[begin:cut]] = True
     own = corners[cut:end].copy()
-    # by element and corner, as forces are added
-    table = own.reshape(-1, 4, LANES).transpose(0, 2, 1)
-    shared = mine[table] & _live(second)[:, :, None]
+    # block by block and corner by corner, as forces are added
+    table = own.reshape(-1, 4, LANES)
+    shared = mine[table] & _live(second)[:, None, :]
     lent = table[shared]
     table[shared] = count + np.arange(len(lent))
     return own, lent

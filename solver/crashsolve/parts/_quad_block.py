@@ -5,6 +5,7 @@ equal distances, and nothing branches. `work` has a row of lanes for each number
 """
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
+from crashsolve.foundation.lanes import EIGHT, add_forces, take_motion
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._quad import (
     dot3,
@@ -39,14 +40,9 @@ DRILLING = 0.1
 @kernel
 def gather(points, corners, first, work):
     """Places, velocities and spins of the corners of a block. Writes: work."""
-    for e in range(LANES):
-        for c in range(4):
-            b = points[corners[first + LANES * c + e]]
-            at = LANES * 3 * c + e
-            for k in range(3):
-                work[at + LANES * (PLACE + k)] = b.r[k]
-                work[at + LANES * (VELOCITY + k)] = b.v[k]
-                work[at + LANES * (SPIN + k)] = b.w[k]
+    for c in range(4):
+        for e in range(0, LANES, EIGHT):
+            take_motion(points, corners, first + LANES * c + e, work, LANES * (PLACE + 3 * c) + e)
 
 
 @kernel
@@ -61,13 +57,10 @@ def note_rate(clock, work, first, live):
 @kernel
 def scatter(points, corners, first, live, work):
     """Forces and torques of a block onto its corners. Writes: points."""
-    for e in range(live):
-        for c in range(4):
-            b = points[corners[first + LANES * c + e]]
-            at = LANES * 3 * c + e
-            for k in range(3):
-                b.force[k] += work[at + LANES * (FORCE + k)]
-                b.torque[k] += work[at + LANES * (TORQUE + k)]
+    for c in range(4):
+        for e in range(0, LANES, EIGHT):
+            at = LANES * (FORCE + 3 * c) + e
+            add_forces(points, corners, first + LANES * c + e, work, at, live - e)
 
 
 @inlined
