@@ -187,6 +187,12 @@ PARAMETERS = Record(
     shear=("Pa", "G"),
     poisson=("1", "nu"),
     density=("kg/m^3", "rho"),
+    # quotients of these, which layers would compute again and again
+    plane=("Pa", "E / (1 - nu^2)"),
+    across=("1", "nu / (1 - nu)"),
+    softness=("1/Pa", "nu / E"),
+    falls_1=("Pa", "c_1 of the plastic return"),
+    falls_2=("Pa", "c_2"),
     drag=("1/s", "alpha"),
     damping=("s", "beta"),
     linear=("1", "b_1"),
@@ -682,7 +688,19 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
         "linear": coefficients(card, scene)[0],
         "quadratic": coefficients(card, scene)[1],
         "slows": laid.slows,
-    } | law.build(material_card, scene)
+    } | quotients(law.build(material_card, scene))
+
+
+def quotients(words: dict[str, Any]) -> dict[str, Any]:
+    """Columns of the material, and what layers need of them."""
+    E, nu, moves = words["young"], words["poisson"], 2.0 / 3.0 * words.get("kinematic", 0.0)
+    return words | {
+        "plane": E / (1.0 - nu * nu),
+        "across": nu / (1.0 - nu),
+        "softness": nu / E,
+        "falls_1": E / (3.0 - 3.0 * nu) + moves,
+        "falls_2": 2.0 * words["shear"] + moves,
+    }
 
 
 @kernel
