@@ -71,7 +71,7 @@ def _refuse_lost(path: Path, scene: Any) -> None:
 def _numbered(found: Any) -> dict[str, list[np.ndarray]]:
     """Elements by the number of their property, of every block, as .bdf files have them."""
     numbers = found.cell_data.get("nastran:ref", [])
-    known = np.unique(np.concatenate(numbers)) if numbers else []
+    known: Any = np.unique(np.concatenate(numbers)) if numbers else ()
     return {str(n): [np.flatnonzero(own == n) for own in numbers] for n in known}
 
 
