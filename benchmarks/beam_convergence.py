@@ -76,8 +76,8 @@ the same.
 TAIL = """
 Both are of order 2. The co-rotational one is exact for a straight beam under loads at its nodes,
 and keeps much of that where the beam turns and twists: a third of the error in F3 and F4. In F1,
-bent to a hook, a few of its elements err more, and from 8 on both are alike. At one cost this speaks
-for the co-rotational element, which `parts: beam` is.
+bent to a hook, a few of its elements err more, and from 8 on both are alike. At one cost this
+speaks for the co-rotational element, which `parts: beam` is.
 """
 
 
