@@ -26,6 +26,7 @@ HOT = STEEL | {"type": "johnson_cook", "yield_stress": 200.0, "hardening": 500.0
 HOT |= {"exponent": 0.3, "rate": 0.02, "reference_rate": 1e-3, "melting_heat": 5.0}
 RUBBER = {"type": "neo_hookean", "young": 3.0, "poisson": 0.4, "density": 1.0}
 THINNING = {"thinning": True}
+WELDED = {"welded": [{"nodes": "some", "to": "hub"}]}
 # element, mesh, material, words of the part: all that has a tangent of its own
 CASES: dict[str, tuple[str, Any, dict[str, Any], dict[str, Any]]] = {
     "reduced": ("reduced", PATCH, STEEL, {"damping": 0.01}),
@@ -33,6 +34,9 @@ CASES: dict[str, tuple[str, Any, dict[str, Any], dict[str, Any]]] = {
     "reduced, hot": ("reduced", ODD, HOT, {}),
     "fully integrated, yielding": ("fully_integrated", ODD, MOVING, THINNING | {"damping": 0.01}),
     "triangles, yielding": ("triangles", ODD, YIELDING, THINNING),
+    "reduced, welded": ("reduced", ODD, STEEL, WELDED),
+    "fully integrated, welded": ("fully_integrated", ODD, STEEL, WELDED),
+    "triangles, welded": ("triangles", ODD, STEEL, WELDED),
     "triangles, rubber": ("triangles", ODD, RUBBER, THINNING),
 }
 H = 0.01
@@ -51,9 +55,19 @@ class Implicit:
     ) -> None:
         nodes = [[*node, 0.0] for node in mesh[0]]
         part = {"type": "shell", "thickness": 0.05, "material": "steel", "element": element}
-        part |= words | {"layers": 3, "mesh": {"type": "listed", "nodes": nodes, "quads": mesh[1]}}
+        sets = [{"name": "some", "nodes": [1, 2]}]
+        part |= words | {
+            "layers": 3,
+            "mesh": {"type": "listed", "nodes": nodes, "quads": mesh[1], "sets": sets},
+        }
         control = {"end_time": 1, "integrator": "generalized_alpha"}
-        deck = {"control": control, "materials": {"steel": material}, "parts": {"s": part}}
+        bodies = {"hub": {"mass": 1, "inertia": [1, 2, 3], "position": [0.3, 0.2, 0.4]}}
+        deck = {
+            "bodies": bodies if "welded" in words else {},
+            "control": control,
+            "materials": {"steel": material},
+            "parts": {"s": part},
+        }
         path = folder / "elements.yaml"
         path.write_text(yaml.safe_dump(deck), "utf-8")
         self.model, state = build(read_deck(path))
@@ -63,10 +77,10 @@ class Implicit:
         arrays = tables | {"points": state.points, "control": self.model.control}
         arrays |= {"curves": self.model.curves}
         views = {k: a.view(np.recarray) if a.dtype.names else a for k, a in arrays.items()}
-        self.scene = SimpleNamespace(
-            **views, lanes=state.blocks, corners=e.corners, work=e.work, riders=e.riders
-        )
         self.riders: Any = e.riders.view(np.recarray)
+        self.scene = SimpleNamespace(
+            **views, lanes=state.blocks, corners=e.corners, work=e.work, riders=self.riders
+        )
         self.clock: Any = state.clock.view(np.recarray)[0]
         group = self.model.element_groups()[0]
         self.p = group.parameters.view(np.recarray)[0]
@@ -96,18 +110,16 @@ class Implicit:
         self.carry()
         self.scene.points.force = self.scene.points.torque = 0.0
         self.elements()
-        both = np.hstack([self.scene.points.force, self.scene.points.torque])
-        return both[self.scene_points()].copy()
-
-    def scene_points(self) -> np.ndarray:
-        """The point of each body."""
-        return np.argsort(self.riders.node)
+        self.nodes.force, self.nodes.torque = 0.0, 0.0
+        plain(points.unload)(self.nodes, self.scene.points, self.riders)
+        return np.hstack([self.nodes.force, self.nodes.torque])[1:]
 
     def stiffness(self) -> np.ndarray:
         """K (6 n, 6 n) as the composed step finds it."""
         self.carry()
         plain(stiffness.clear)(self.scene)
         plain(stiffness.take_back)(H, self.scene)
+        plain(stiffness.reach)(self.nodes, self.scene)
         for kind in self.kinds:
             word = kind.__name__.rpartition(".")[2].lstrip("_")
             file = import_module(f"crashsolve.parts._{word}_tangent")
@@ -205,10 +217,6 @@ def test_a_step_five_times_too_long_is_stopped(tmp_path: Path) -> None:
 
 WRONG = {
     "thickness: 0.002": ("thickness: 0.002\n    drag: 3", "drag: drag on shells is for explicit"),
-    "hold: [{nodes: u0}]\nbodies:": (
-        "welded: [{nodes: u0, to: shoe}]\nbodies:",
-        "welded: a welded set of nodes is for explicit steps",
-    ),
     "density: 7850": ("density: 7850, failure_strain: 0.1", "a material with a failure_strain"),
     "generalized_alpha": ("radau_iia_5", "say integrator: rattle or generalized_alpha"),
 }

@@ -10,14 +10,17 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.bordered import plan
-from crashsolve.foundation.point import LANES, RIDER, RIDES
+from crashsolve.foundation.point import LANES, OWN, RIDER, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.model.nodes import COMPLIANT, NODE
 from crashsolve.parts._tangent import CHANGE_ROWS, SEEN_ROWS
 
 HELD = 63  # all motions
 
-COUNTS = Record(numbers=("count", "numbers that elements keep"))
+COUNTS = Record(
+    numbers=("count", "numbers that elements keep"),
+    arms=("count", "points that ride beside the mass centres of bodies"),
+)
 
 
 def embody(model: Any, state: Any) -> None:
@@ -44,6 +47,7 @@ def embody(model: Any, state: Any) -> None:
     state.nodes = np.concatenate([state.nodes, more])
     elements.riders = np.concatenate([elements.riders, riders])
     elements.embodied = moving
+    points["held"][moving] |= OWN
     points["held"] |= RIDES
 
 
@@ -69,6 +73,8 @@ def assembled(model: Any, state: Any, laws: list[Any]) -> dict[str, np.ndarray]:
     matrix, found = plan(list(range(1, len(state.nodes))), near, joints, ends)
     counts = np.zeros(1, COUNTS.dtype)
     counts["numbers"] = len(state.blocks)
+    beside = elements.riders["spot"].any(axis=1) & (elements.riders["node"] > 0)
+    counts["arms"] = beside.sum()
     rows = np.zeros(len(ends), COMPLIANT.dtype)
     rows["node_a"], rows["node_b"] = np.array(ends, int).reshape(-1, 2).T
     return {
@@ -81,6 +87,7 @@ def assembled(model: Any, state: Any, laws: list[Any]) -> dict[str, np.ndarray]:
         "seen": np.zeros(SEEN_ROWS * LANES),
         "change": np.zeros(CHANGE_ROWS * LANES),
         "counts": counts,
+        "arms": np.zeros(3 * len(state.points)),
         "lanes_before": state.blocks.copy(),
     }
 

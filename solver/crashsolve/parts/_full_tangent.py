@@ -26,6 +26,7 @@ from crashsolve.parts._quad_block import LAYERS, gather, strain, three
 from crashsolve.parts._shell_tangent import (
     end_moved,
     geometry_at,
+    push_at_rest,
     push_by_place,
     push_by_turn,
     see,
@@ -49,6 +50,7 @@ from crashsolve.parts._tangent import (
     put_three,
     resultants,
     shares,
+    turn_arms,
     turn_corner,
 )
 from crashsolve.parts._viscous import damp
@@ -101,6 +103,9 @@ def stress(blocks, kept, first, work, seen, h, p, curves):
 def add_columns(p, h, scene, corner, live):
     """All columns of a block into the matrix. Writes: scene.blocks_0, change."""
     work, seen, change = scene.work, scene.seen, scene.change
+    if scene.counts[0].arms > 0:
+        push_at_rest(seen, change)
+        turn_arms(scene, change, corner, live, 4)
     for b in range(4):
         d, c, g = shares(b)
         for k in range(3):

@@ -77,6 +77,7 @@ from crashsolve.parts._tangent import (
     put_three,
     resultants,
     shares,
+    turn_arms,
     turn_corner,
 )
 from crashsolve.parts._viscous import damp
@@ -113,6 +114,9 @@ def tangent(p, h, scene):
 def add_columns(p, h, scene, corner, live):
     """All columns of a block into the matrix. Writes: scene.blocks_0, change."""
     seen, change = scene.seen, scene.change
+    if scene.counts[0].arms > 0:
+        push_at_rest(seen, change)
+        turn_arms(scene, change, corner, live, 4)
     for b in range(4):
         d, c, g = shares(b)
         for k in range(3):
@@ -405,6 +409,15 @@ def stressed_at(change, e):
     s = four(change, at + 10 * LANES)
     N, M, q = three(change, at), three(change, at + 3 * LANES), four(change, at + 6 * LANES)
     return N, M, q, (s[0], s[1]), (s[2], s[3]), change[at + 14 * LANES]
+
+
+@blockwise
+def push_at_rest(seen, change):
+    """Forces on the corners themselves. Writes: change."""
+    for e in range(LANES):
+        at, row = LANES * (END + AXES) + e, LANES * PUSHED + e
+        D, E, H = three(seen, row), three(seen, row + 3 * LANES), three(seen, row + 6 * LANES)
+        put_corners(change, OUT, e, axes_at(seen, at), D, E, H, ZERO)
 
 
 @blockwise

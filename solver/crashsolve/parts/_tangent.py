@@ -12,6 +12,7 @@ Consequence to test: the columns are derivatives of the forces.
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._layer_tangent import POINT_ROWS, THIN_BEND, THIN_STRAIN, A, B, D
+from crashsolve.parts._quad import cross3, dot3
 from crashsolve.parts._quad_block import DEPTH, SPIN, three
 
 # rows of a frame in `seen`: axes, diagonals, hourglass and z, area, slopes of the spin of the axes;
@@ -132,26 +133,74 @@ def resultants(seen, at, d, b):
 def add_column(scene, change, corner, live, b, k, count):
     """A column of the elements of a block, for motion k of their corner b, into the matrix.
 
-    `count` is that of their corners.
-
-    Writes: scene.blocks_0.
+    `count` is that of their corners. Writes: scene.blocks_0, change.
     """
-    points, corners = scene.points, scene.corners
+    has_arms = scene.counts[0].arms > 0
+    if has_arms:
+        add_moments(scene, change, corner, live, count)
     for e in range(live):
-        if points[corners[corner + LANES * b + e]].held >> k & 1:
+        at = corner + LANES * b + e
+        if scene.points[scene.corners[at]].held >> k & 1:
             continue
+        put_column(scene, change, corner, e, b, k, 1.0, count)
+        if has_arms and k < 3:
+            # a turn about axis j moves the end of an arm along axis k
+            d = three_of(scene.arms, scene.corners[at])
+            i, j = (k + 1) % 3, (k + 2) % 3
+            put_column(scene, change, corner, e, b, 3 + i, d[j], count)
+            put_column(scene, change, corner, e, b, 3 + j, -d[i], count)
+
+
+@inlined
+def three_of(arms, point):
+    return arms[3 * point], arms[3 * point + 1], arms[3 * point + 2]
+
+
+@kernel
+def put_column(scene, change, corner, e, b, k, share, count):
+    """Share of a column of one element in that of motion k of the body. Writes: scene.blocks_0."""
+    for a in range(count):
+        seat = scene.seats[4 * corner + LANES * (4 * a + b) + e]
+        if seat < 0:
+            continue
+        held = scene.points[scene.corners[corner + LANES * a + e]].held
+        block, at = scene.blocks_0[seat // 2], LANES * (OUT + 3 * a) + e
+        for i in range(6):
+            if held >> i & 1:
+                continue
+            # what acts on the corner is the negative of what acts on its motion
+            more = -share * change[at + LANES * (i if i < 3 else i + 9)]
+            if seat % 2 == 0:
+                block.stiff[6 * i + k] += more
+            else:
+                block.stiff_above[6 * k + i] += more
+
+
+@kernel
+def add_moments(scene, change, corner, live, count):
+    """Moments about their bodies of the forces on corners, beside the torques. Writes: change."""
+    for e in range(live):
         for a in range(count):
-            seat = scene.seats[4 * corner + LANES * (4 * a + b) + e]
+            d = three_of(scene.arms, scene.corners[corner + LANES * a + e])
+            at = LANES * (OUT + 3 * a) + e
+            moment = cross3(d, three(change, at))
+            for k in range(3):
+                change[at + LANES * (12 + k)] += moment[k]
+
+
+@kernel
+def turn_arms(scene, change, corner, live, count):
+    """What turning the arms of corners adds, by the forces there. Writes: scene.blocks_0."""
+    for e in range(live):
+        for a in range(count):
+            d = three_of(scene.arms, scene.corners[corner + LANES * a + e])
+            seat = scene.seats[4 * corner + LANES * 5 * a + e]
             if seat < 0:
                 continue
-            held, block = points[corners[corner + LANES * a + e]].held, scene.blocks_0[seat // 2]
-            at = LANES * (OUT + 3 * a) + e
-            for i in range(6):
-                if held >> i & 1:
-                    continue
-                # what acts on the corner is the negative of what acts on its motion
-                more = -change[at + LANES * (i if i < 3 else i + 9)]
-                if seat % 2 == 0:
-                    block.stiff[6 * i + k] += more
-                else:
-                    block.stiff_above[6 * k + i] += more
+            f, block = three(change, LANES * (OUT + 3 * a) + e), scene.blocks_0[seat // 2]
+            along = dot3(d, f)
+            for i in range(3):
+                for k in range(3):
+                    # (e_k x d) x f = (e_k . f) d - (d . f) e_k
+                    more = f[k] * d[i] - (along if i == k else 0.0)
+                    block.stiff[6 * (3 + i) + 3 + k] -= more

@@ -67,6 +67,7 @@ from crashsolve.parts._tangent import (
     put_four,
     put_three,
     resultants,
+    turn_arms,
     turn_corner,
 )
 from crashsolve.parts._triangle import (
@@ -120,6 +121,9 @@ def tangent(p, h, scene):
 def add_columns(p, h, scene, corner, live):
     """All columns of a block into the matrix. Writes: scene.blocks_0, change."""
     seen, change = scene.seen, scene.change
+    if scene.counts[0].arms > 0:
+        push_at_rest(seen, change)
+        turn_arms(scene, change, corner, live, 3)
     for b in range(3):
         # shares of a corner in D and E
         d, c = b - 1.0, 0.5 * b * (3.0 * b - 5.0)
@@ -397,6 +401,15 @@ def pushes_moved(stress, geometry, moved):
     # the torque of drilling does not depend on the geometry
     t1, t2, t3 = (*t1[:2], t1[2] + rest), (*t2[:2], t2[2] + rest), (*t3[:2], t3[2] + rest)
     return (f1, f2, f3), (t1, t2, t3)
+
+
+@blockwise
+def push_at_rest(seen, change):
+    """Forces on the corners themselves. Writes: change."""
+    for e in range(LANES):
+        axes, row = axes_at(seen, LANES * (END + AXES) + e), LANES * PUSHED + e
+        for c in range(3):
+            put_corner(change, OUT, c, e, axes, three(seen, row + 3 * c * LANES))
 
 
 @blockwise

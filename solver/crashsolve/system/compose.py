@@ -326,6 +326,7 @@ def _stiffness_calls(model: Any) -> list[str]:
         "assembled.weigh(nodes, groups.columns_0)",
         "stiffness.clear(groups)",
         "stiffness.take_back(h, groups)",
+        "stiffness.reach(nodes, groups)",
     ]
     for g in model.element_groups():
         lines += [

@@ -11,6 +11,7 @@ against a step that turns by theta, more than bending resists.
 """
 
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.vec3 import matvec, vec
 
 
 @kernel
@@ -19,6 +20,17 @@ def clear(scene):
     for e in range(scene.blocks_0.shape[0]):
         for k in range(36):
             scene.blocks_0[e].stiff[k] = scene.blocks_0[e].stiff_above[k] = 0.0
+
+
+@kernel
+def reach(nodes, scene):
+    """Arms of the points that are part of a body, world axes. Writes: scene.arms."""
+    for i in range(scene.riders.shape[0]):
+        rider = scene.riders[i]
+        arm = matvec(nodes[rider.node].A, vec(rider.spot))
+        for k in range(3):
+            # what rides on the ground does not turn with it
+            scene.arms[3 * rider.point + k] = arm[k] if rider.node > 0 else 0.0
 
 
 @kernel
