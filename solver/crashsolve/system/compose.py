@@ -205,6 +205,8 @@ def _imports(model: Any) -> str:
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
     if any(n.is_smooth for n in model.nodal_groups):
         lines.append("from crashsolve.system import normals")
+    if any(n.is_round for n in model.nodal_groups):
+        lines.append("from crashsolve.system import ellipsoids")
     if model.elements and len(model.elements.cuts):
         lines.append("from crashsolve.parts import _cut")
     if has_slaves(model):
