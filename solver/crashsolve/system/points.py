@@ -120,7 +120,7 @@ def hold(b, ground):
 def hold_riders(nodes, points):
     """What holds points that ride on bodies of their own. Writes: points, nodes."""
     for i in range(points.shape[0]):
-        if points[i].held > RIDES:
+        if points[i].held % RIDES > 0:
             hold(points[i], nodes[0])
 
 
