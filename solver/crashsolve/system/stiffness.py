@@ -46,6 +46,7 @@ def clear_points(scene):
     for i in range(scene.points.shape[0]):
         put(scene.points[i].force, (0.0, 0.0, 0.0))
         put(scene.points[i].torque, (0.0, 0.0, 0.0))
+        scene.points[i].rate = scene.points[i].spin_rate = 0.0
 
 
 @kernel
