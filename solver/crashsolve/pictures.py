@@ -14,6 +14,18 @@ VELOCITY = FieldSpec("velocity", "m/s", 3, "node")
 FORCE = FieldSpec("force", "N", 3, "node")
 BODY = FieldSpec("body", "1", 1, "cell")
 TENSION = FieldSpec("tension", "N", 1, "cell")
+# of beams, along the axes of the element; densities are per length
+BEAM = {
+    "force": FieldSpec("force", "N", 3, "cell"),
+    "moment_a": FieldSpec("moment_a", "N m", 3, "cell"),
+    "moment_b": FieldSpec("moment_b", "N m", 3, "cell"),
+    "stored": FieldSpec("elastic_energy_density", "J/m", 1, "cell"),
+}
+YIELDING_BEAM = {
+    "plastic_work": FieldSpec("plastic_energy_density", "J/m", 1, "cell"),
+    "plastic_strain": FieldSpec("plastic_strain", "1", 1, "cell"),
+}
+PER_LENGTH = ("stored", "plastic_work")
 # value of GHOST for cells that are not drawn
 DELETED = 32
 # planes are endless: draw them this much larger than the model
@@ -86,7 +98,8 @@ class Pictures:
         if self._beams:
             ends = self._beam_ends()
             lines = np.arange(len(ends)).reshape(-1, 2)
-            blocks.append(Block("beams", self._r0[ends], (("line", lines),), (TENSION,)))
+            specs = (VELOCITY, *self._beam_specs().values())
+            blocks.append(Block("beams", self._r0[ends], (("line", lines),), specs))
         for name, row, module in self._shells:
             specs = tuple(FieldSpec(n, unit, k, "cell") for n, (unit, k) in module.FIELDS.items())
             laid = self._laid(name)
@@ -118,10 +131,7 @@ class Pictures:
             moved = self._line_points() - block.points
             fields["springs"] = {"displacement": moved, "tension": tension}
         if self._beams:
-            ends = self._beam_ends()
-            tension = np.concatenate([g.output["force"][:, 0] for g in self._beams])
-            fields["beams"] = {"displacement": nodes["r"][ends] - self._r0[ends]}
-            fields["beams"] |= {"tension": tension}
+            fields["beams"] = self._beam_fields()
         for name, row, _ in self._shells:
             block = next(b for b in self.blocks if b.name == f"part_{name}")
             points = self._points_of(row)
@@ -178,6 +188,24 @@ class Pictures:
         """Nodes at both ends of every element, one after the other."""
         pairs = [np.stack([g.parameters["node_a"], g.parameters["node_b"]], 1) for g in self._beams]
         return np.concatenate(pairs).ravel()
+
+    def _beam_specs(self) -> dict[str, FieldSpec]:
+        """Fields of elements by the output that they show; of yielding only where there is any."""
+        yields = any("plastic_work" in (g.output.dtype.names or ()) for g in self._beams)
+        return BEAM | (YIELDING_BEAM if yields else {})
+
+    def _beam_fields(self) -> dict[str, np.ndarray]:
+        """What the elements of beams bear and store; what is elastic has not yielded."""
+        nodes, ends = self.engine.nodes, self._beam_ends()
+        fields = {"displacement": nodes["r"][ends] - self._r0[ends], "velocity": nodes["v"][ends]}
+        for name, spec in self._beam_specs().items():
+            parts = []
+            for g in self._beams:
+                known = name in (g.output.dtype.names or ())
+                values = g.output[name] if known else np.zeros(len(g.names))
+                parts.append(values / g.parameters["length"] if name in PER_LENGTH else values)
+            fields[spec.name] = np.concatenate(parts)
+        return fields
 
     def _contact_fields(self) -> dict[str, np.ndarray]:
         """Contact points with their forces; a pair that is apart rests on its body."""

@@ -354,7 +354,7 @@ STICK = {
     [
         ({"surfaces": {"faces": {"part": "stick"}}}, "'stick' has no surface; name a shell"),
         ({"surfaces": {"own": {"radius": 0.0}}}, "no thickness of their own"),
-        ({"contacts": {"hit": {"a": ["faces"]}}}, "only nodes and balls can"),
+        ({"contacts": {"hit": {"a": ["faces"]}}}, "only nodes, balls and ellipsoids can"),
         ({"control": {"integrator": "dormand_prince_5"}}, "whole steps"),
         ({"control": {"integrator": "radau_iia_5"}}, "whole steps"),
     ],

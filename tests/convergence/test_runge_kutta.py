@@ -58,6 +58,11 @@ DENSE_ORDER = {"dormand_prince_5": 4, "dormand_prince_8": 7}
 # errors of the steps and of the dense output within one add up: the limit is a little farther
 DENSE_SLOPE = 0.2
 TABLEAUX = pytest.mark.parametrize("method", METHODS)
+LONG = pytest.mark.long
+# every scene compiles with every method anew: one is enough by day
+EITHER = pytest.mark.parametrize(
+    "method", ["dormand_prince_5", pytest.param("dormand_prince_8", marks=LONG)]
+)
 
 
 def start(folder: Path, scene: dict[str, Any], end: float, **control: Any) -> Engine:
@@ -171,7 +176,7 @@ def test_the_dense_output_is_consistent(method: str) -> None:
             assert np.dot(weights, m.C**k) == pytest.approx(part ** (k + 1) / (k + 1), abs=1e-14)
 
 
-@TABLEAUX
+@EITHER
 def test_samples_within_steps_have_the_order_of_the_dense_output(
     method: str, tmp_path: Path
 ) -> None:
@@ -249,7 +254,7 @@ def test_the_flat_posture_is_passed() -> None:
     assert tip == pytest.approx([0.32845811154026, 0.94451853817879], abs=1e-7)
 
 
-@TABLEAUX
+@EITHER
 def test_a_permanent_set_is_that_of_the_turning_point(method: str, tmp_path: Path) -> None:
     # a mass crushes a straight curve of slope k_1 and comes back on one of slope k: the set is what
     # it had at the turn, and of the energy 1/2 m v^2 the share k_1 / k returns
@@ -281,7 +286,14 @@ def test_a_permanent_set_is_that_of_the_turning_point(method: str, tmp_path: Pat
     assert abs(engine.ledger[IMBALANCE]) < 1e-8 * engine.ledger[LARGEST]
 
 
-@pytest.mark.parametrize("method", [*METHODS, "generalized_alpha", "radau_iia_5"])
+@pytest.mark.parametrize(
+    "method",
+    [
+        "dormand_prince_5",
+        *(pytest.param(m, marks=LONG) for m in ("dormand_prince_8", "radau_iia_5")),
+        "generalized_alpha",
+    ],
+)
 def test_friction_changes_its_regime_at_an_end_of_a_step(method: str, tmp_path: Path) -> None:
     # 1 kg slides at its depth of rest: from 3 m/s by mu g down to v_1, then v - v_0 decays
     mu, g, v_0, v_1, end = 0.3, 9.81, 0.1, 1.0, 1.2
@@ -324,7 +336,7 @@ def test_a_law_that_counts_in_whole_steps_is_refused(tmp_path: Path) -> None:
         run(tmp_path, scene, 1.0, integrator="dormand_prince_5")
 
 
-@TABLEAUX
+@EITHER
 def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path) -> None:
     errors, steps = [], []
     for tolerance in (1e-4, 1e-6, 1e-8):

@@ -134,6 +134,29 @@ def test_every_column_is_written(tmp_path: Path, seed: int) -> None:
     assert np.isfinite([out.stored, out.power, out.loss]).all()
 
 
+FRAME = DECK.replace("    type: beam\n", "    type: frame\n").replace(
+    "    mesh: {shape: line, from: [0.2, -0.1, 0.4], to: [1.2, 0.9, 0.1], elements: 1}\n",
+    "    points: [[0.2, -0.1, 0.4], [1.2, 0.9, 0.1]]\n    bars: [[1, 2]]\n    elements: 1\n",
+)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-6, 0.8])
+@pytest.mark.parametrize("text", [DECK, FRAME], ids=["beam", "frame"])
+def test_forces_by_motions_are_their_derivatives(tmp_path: Path, text: str, turn: float) -> None:
+    law = Bench(tmp_path, "", text.replace("DAMPING", "0")).law("parts", "s_1")
+    law.bench.shake(1, 0.0, turn)
+    rigid(law, np.array([1.1, -0.7, 0.4]))
+    start, still, wanted = law.bench.state(), np.zeros(12), np.zeros((12, 12))
+    found = law.module.forces_by_motions(law.p.reshape(1), law.bench.nodes)[0]
+    for k, way in enumerate(np.eye(12)):
+        # of fourth order: steps of 1e-3 leave 1e-12 of fifth derivatives, and round-off 1e-13
+        for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
+            shift(law, start, way, still, steps * 1e-3)
+            wanted[:, k] += weight * load(law) / 12e-3
+    law.bench.nodes[:] = start
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
+
+
 @pytest.mark.parametrize("moves", ["place", "velocity"])
 def test_the_tangent_is_the_derivative_of_the_force(tmp_path: Path, seed: int, moves: str) -> None:
     """dF = dD^T f - D^T (k D dq + c D dv), as tests/springs/test_tangents.py has it."""

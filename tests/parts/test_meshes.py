@@ -156,6 +156,59 @@ def test_what_meshio_passes_over_is_refused_with_its_line(tmp_path: Path) -> Non
     assert "plate.inp, line 15: *INSTANCE would be passed over; write the mesh flat" in told
 
 
+def test_nodes_in_round_coordinates_are_refused(tmp_path: Path) -> None:
+    text = INP.replace("*NODE", "*Node, nset=all, system=C")
+    (tmp_path / "plate.inp").write_text(text, "utf-8")
+    told = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
+    assert "plate.inp, line 3: *NODE, NSET=ALL, SYSTEM=C would be passed over" in told
+
+
+@pytest.mark.parametrize("kind", ["quad", "triangle"])
+@pytest.mark.parametrize("suffix", ["inp", "bdf", "vtu", "stl"])
+def test_a_mesh_written_and_read_is_the_same(kind: str, suffix: str, tmp_path: Path) -> None:
+    import meshio
+
+    if suffix == "stl" and kind == "quad":
+        pytest.skip("STL has triangles only")
+    cells = [[0, 1, 4, 3], [1, 2, 5, 4]]
+    if kind == "triangle":
+        cells = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]]
+    points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0.25], [2, 1, 0]])
+    mesh = meshio.Mesh(points, [(kind, np.array(cells))])
+    # meshio sees whether an STL file is text by a sum that overflows
+    meshio.write(
+        tmp_path / f"plate.{suffix}", mesh, **({"binary": True} if suffix == "stl" else {})
+    )
+    part = laid(tmp_path, {"type": "file", "file": f"plate.{suffix}"})
+    # a file may number its nodes anew
+    wanted = sorted(sorted(map(tuple, points[cell])) for cell in cells)
+    corners = [dict.fromkeys(q) for q in part.mesh.quads]
+    found = sorted(sorted(map(tuple, part.mesh.points[list(q)])) for q in corners)
+    np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+BDF = """BEGIN BULK
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,3.,0.,0.
+GRID,4,,0.,1.,0.
+GRID,5,,1.,1.,0.
+GRID,6,,3.,1.,0.
+CQUAD4,1,7,1,2,5,4
+CQUAD4,2,9,2,3,6,5
+ENDDATA
+"""
+
+
+def test_elements_of_a_property_are_a_set(tmp_path: Path) -> None:
+    (tmp_path / "plate.bdf").write_text(BDF, "utf-8")
+    for number, area in (("7", 1.0), ("9", 2.0), ("", 3.0)):
+        part = laid(tmp_path, {"type": "file", "file": "plate.bdf", "elements": number})
+        assert part.area.sum() == pytest.approx(area, rel=1e-12)
+    told = refusal(tmp_path, {"type": "file", "file": "plate.bdf", "elements": "8"})
+    assert "no element set '8' (sets: 7, 9)" in told
+
+
 def test_triangles_of_a_file_come_after_its_quadrilaterals(tmp_path: Path) -> None:
     first = "*ELEMENT, TYPE=S3, ELSET=CORNER\n3, 1, 2, 5\n4, 1, 5, 4\n"
     text = INP.replace("*ELEMENT", first + "*ELEMENT", 1).replace("1, 1, 2, 5, 4\n", "")

@@ -1,5 +1,6 @@
 """What shells promise to implicit integrators: their tangent, order 2, energy, the same answer."""
 
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -9,7 +10,7 @@ import pytest
 import yaml
 from bench import exponential, plain, product
 from command import crashsolve
-from shells import PATCH, SQUARE, STEEL
+from shells import ODD, PATCH, STEEL
 
 from crashpost.result import Result
 from crashsolve.deck.read import read_deck
@@ -20,12 +21,23 @@ from crashsolve.model.compliance import compliance
 from crashsolve.system import points, stiffness
 
 YIELDING = STEEL | {"type": "elastoplastic", "yield_stress": 200.0, "hardening": 2e4}
-# element, mesh, material: all that has a tangent of its own
-CASES = {
-    "reduced": ("reduced", PATCH, STEEL),
-    "reduced, yielding": ("reduced", SQUARE, YIELDING),
-    "fully integrated, yielding": ("fully_integrated", SQUARE, YIELDING),
-    "triangles, yielding": ("triangles", SQUARE, YIELDING),
+MOVING = YIELDING | {"kinematic": 0.6, "rate_D": 40.0, "rate_q": 5.0}
+HOT = STEEL | {"type": "johnson_cook", "yield_stress": 200.0, "hardening": 500.0}
+HOT |= {"exponent": 0.3, "rate": 0.02, "reference_rate": 1e-3, "melting_heat": 5.0}
+RUBBER = {"type": "neo_hookean", "young": 3.0, "poisson": 0.4, "density": 1.0}
+THINNING = {"thinning": True}
+WELDED = {"welded": [{"nodes": "some", "to": "hub"}]}
+# element, mesh, material, words of the part: all that has a tangent of its own
+CASES: dict[str, tuple[str, Any, dict[str, Any], dict[str, Any]]] = {
+    "reduced": ("reduced", PATCH, STEEL, {"damping": 0.01}),
+    "reduced, yielding": ("reduced", ODD, MOVING, THINNING),
+    "reduced, hot": ("reduced", ODD, HOT, {}),
+    "fully integrated, yielding": ("fully_integrated", ODD, MOVING, THINNING | {"damping": 0.01}),
+    "triangles, yielding": ("triangles", ODD, YIELDING, THINNING),
+    "reduced, welded": ("reduced", ODD, STEEL, WELDED),
+    "fully integrated, welded": ("fully_integrated", ODD, STEEL, WELDED),
+    "triangles, welded": ("triangles", ODD, STEEL, WELDED),
+    "triangles, rubber": ("triangles", ODD, RUBBER, THINNING),
 }
 H = 0.01
 
@@ -33,12 +45,29 @@ H = 0.01
 class Implicit:
     """Elements with their points on bodies, in the middle of a step of H."""
 
-    def __init__(self, folder: Path, element: str, mesh: Any, material: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        element: str,
+        mesh: Any,
+        material: dict[str, Any],
+        words: dict[str, Any],
+    ) -> None:
         nodes = [[*node, 0.0] for node in mesh[0]]
         part = {"type": "shell", "thickness": 0.05, "material": "steel", "element": element}
-        part |= {"layers": 3, "mesh": {"type": "listed", "nodes": nodes, "quads": mesh[1]}}
+        sets = [{"name": "some", "nodes": [1, 2]}]
+        part |= words | {
+            "layers": 3,
+            "mesh": {"type": "listed", "nodes": nodes, "quads": mesh[1], "sets": sets},
+        }
         control = {"end_time": 1, "integrator": "generalized_alpha"}
-        deck = {"control": control, "materials": {"steel": material}, "parts": {"s": part}}
+        bodies = {"hub": {"mass": 1, "inertia": [1, 2, 3], "position": [0.3, 0.2, 0.4]}}
+        deck = {
+            "bodies": bodies if "welded" in words else {},
+            "control": control,
+            "materials": {"steel": material},
+            "parts": {"s": part},
+        }
         path = folder / "elements.yaml"
         path.write_text(yaml.safe_dump(deck), "utf-8")
         self.model, state = build(read_deck(path))
@@ -48,10 +77,10 @@ class Implicit:
         arrays = tables | {"points": state.points, "control": self.model.control}
         arrays |= {"curves": self.model.curves}
         views = {k: a.view(np.recarray) if a.dtype.names else a for k, a in arrays.items()}
-        self.scene = SimpleNamespace(
-            **views, lanes=state.blocks, corners=e.corners, work=e.work, riders=e.riders
-        )
         self.riders: Any = e.riders.view(np.recarray)
+        self.scene = SimpleNamespace(
+            **views, lanes=state.blocks, corners=e.corners, work=e.work, riders=self.riders
+        )
         self.clock: Any = state.clock.view(np.recarray)[0]
         group = self.model.element_groups()[0]
         self.p = group.parameters.view(np.recarray)[0]
@@ -79,31 +108,47 @@ class Implicit:
     def force(self) -> np.ndarray:
         """Forces and torques (n, 6) of the elements where the bodies are."""
         self.carry()
-        plain(stiffness.clear_points)(self.scene)
+        self.scene.points.force = self.scene.points.torque = 0.0
         self.elements()
-        both = np.hstack([self.scene.points.force, self.scene.points.torque])
-        return both[self.scene_points()].copy()
-
-    def scene_points(self) -> np.ndarray:
-        """The point of each body."""
-        return np.argsort(self.riders.node)
+        self.nodes.force, self.nodes.torque = 0.0, 0.0
+        plain(points.unload)(self.nodes, self.scene.points, self.riders)
+        return np.hstack([self.nodes.force, self.nodes.torque])[1:]
 
     def stiffness(self) -> np.ndarray:
         """K (6 n, 6 n) as the composed step finds it."""
-        s, blocks = self.scene, self.scene.blocks_0
         self.carry()
-        plain(stiffness.clear)(s)
-        plain(stiffness.clear_points)(s)
-        self.elements()
-        plain(stiffness.keep_forces)(s)
-        for colour in range(s.counts[0].colours):
-            for k in range(6):
-                plain(stiffness.displace)(H, colour, k, s)
-                self.elements()
-                plain(stiffness.note)(colour, k, s)
-                plain(stiffness.clear_points)(s)
-                self.carry()
-        n = len(self.nodes) - 1
+        plain(stiffness.clear)(self.scene)
+        plain(stiffness.take_back)(H, self.scene)
+        plain(stiffness.reach)(self.nodes, self.scene)
+        for kind in self.kinds:
+            word = kind.__name__.rpartition(".")[2].lstrip("_")
+            file = import_module(f"crashsolve.parts._{word}_tangent")
+            plain(file.tangent)(self.p, H, self.scene)
+        return self.matrix()
+
+    def differences(self, size: float) -> np.ndarray:
+        """The same by central differences of fourth order of the forces."""
+        n, kept = len(self.nodes) - 1, self.nodes.copy()
+        wanted = np.zeros((6 * n, 6 * n))
+        for k in range(6 * n):
+            for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
+                way = np.zeros(6 * n)
+                way[k] = steps * size
+                self.place(way.reshape(n, 6))
+                wanted[:, k] -= weight * self.force().ravel() / (12.0 * size)
+                self.nodes[:] = kept
+        return wanted
+
+    def begin(self) -> None:
+        """Where all is becomes the start of the next step."""
+        self.force()
+        plain(stiffness.keep)(self.scene)
+        for b in self.nodes[1:]:
+            b.start_r, b.start_q, b.start_A = b.r, b.q, b.A
+
+    def matrix(self) -> np.ndarray:
+        """K as the blocks have it."""
+        n, blocks, s = len(self.nodes) - 1, self.scene.blocks_0, self.scene
         K = np.zeros((n, 6, n, 6))
         for p, c in enumerate(s.columns_0):
             for e in range(c.block, c.block_end):
@@ -116,24 +161,21 @@ class Implicit:
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_tangent_is_the_derivative_of_the_forces(tmp_path: Path, case: str) -> None:
-    bench = Implicit(tmp_path, *CASES[case])
+    element, mesh, material, words = CASES[case]
+    bench = Implicit(tmp_path, element, mesh, material, words)
     n, rng = len(bench.nodes) - 1, np.random.default_rng(3)
-    # well beyond yield (its strain is 1e-3), and turned as a whole
-    motion = 4e-3 * rng.normal(size=(n, 6)) * (0.2 if CASES[case][1] is PATCH else 1.0)
-    motion[:, 3:] += [0.02, -0.03, 0.05]
-    bench.place(motion)
-    found, size = bench.stiffness(), 1e-5
-    wanted = np.zeros((6 * n, 6 * n))
-    kept = bench.nodes.copy()
-    for k in range(6 * n):
-        for sign in (1.0, -1.0):
-            way = np.zeros(6 * n)
-            way[k] = sign * size
-            bench.place(way.reshape(n, 6))
-            wanted[:, k] -= sign * bench.force().ravel() / (2.0 * size)
-            bench.nodes[:] = kept
-    # forces over a difference of 1e-6 (rad, or of 1e-7 of the size) bend by so much of themselves
-    np.testing.assert_allclose(found, wanted, atol=1e-5 * np.abs(wanted).max())
+    turn = np.array([0.2, -0.3, 0.5])
+    for size in (6e-3, 3e-3):
+        # a large turn of the whole, and strains well beyond yield (1e-3), back in part
+        motion = size * rng.normal(size=(n, 6)) * (0.2 if mesh is PATCH else 1.0)
+        motion[:, :3] += (matrix(exponential(turn)) - np.eye(3)).dot(bench.nodes.r[1:].T).T
+        motion[:, 3:] += turn
+        bench.place(motion)
+        if size == 6e-3:
+            bench.begin()
+    # small beside 1e-3, at which the tangent changes; forces of 1e-15 over it are 1e-10
+    found, wanted = bench.stiffness(), bench.differences(1e-5)
+    np.testing.assert_allclose(found, wanted, atol=2e-9 * np.abs(wanted).max(), rtol=0)
     # strains are those of the middle of the step, forces those of its end
     assert np.abs(wanted - wanted.T).max() > 1e-4 * np.abs(wanted).max()
 
@@ -175,10 +217,6 @@ def test_a_step_five_times_too_long_is_stopped(tmp_path: Path) -> None:
 
 WRONG = {
     "thickness: 0.002": ("thickness: 0.002\n    drag: 3", "drag: drag on shells is for explicit"),
-    "hold: [{nodes: u0}]\nbodies:": (
-        "welded: [{nodes: u0, to: shoe}]\nbodies:",
-        "welded: a welded set of nodes is for explicit steps",
-    ),
     "density: 7850": ("density: 7850, failure_strain: 0.1", "a material with a failure_strain"),
     "generalized_alpha": ("radau_iia_5", "say integrator: rattle or generalized_alpha"),
 }

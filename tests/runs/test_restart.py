@@ -70,7 +70,9 @@ def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
     assert differences(tmp_path, uninterrupted[deck]) == []
 
 
-@pytest.mark.parametrize("method, end", [("rattle", 2000), ("dormand_prince_5", 500)])
+@pytest.mark.parametrize(
+    "method, end", [pytest.param("rattle", 2000, marks=pytest.mark.long), ("dormand_prince_5", 500)]
+)
 def test_a_signal_need_not_wait_for_a_sample(method: str, end: int, tmp_path: Path) -> None:
     deck, whole, cut = tmp_path / "unseen.yaml", tmp_path / "whole", tmp_path / "cut"
     deck.write_text(UNSEEN.format(method=method, end=end), "utf-8")
@@ -120,7 +122,7 @@ def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> No
     assert differences(tmp_path / "first", tmp_path / "next") == []
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3))])
 def test_a_run_killed_at_any_moment_stays_readable_and_goes_on_to_the_same_bits(
     seed: int, mechanism: Path, uninterrupted: dict[Path, Path], tmp_path: Path
 ) -> None:

@@ -12,6 +12,8 @@ LANES = 16
 
 # bits of POINT.held: motions along and about the world axes, and all of them by a body
 RIDES = 64
+# beside it: the body is there for the point alone, in implicit steps
+OWN = 128
 
 POINT = Record(
     r=("m", 3, "position"),
@@ -23,7 +25,10 @@ POINT = Record(
     torque=("N m", 3, "applied torque"),
     rate=("1/s^2", "bound of the squared frequency of motions that begin here"),
     spin_rate=("1/s^2", "the same of turns"),
-    held=("flag", "bits: x, y, z, turns about them, and 64 where the point rides on a body"),
+    held=(
+        "flag",
+        "bits: x, y, z, turns about them, 64 where the point rides on a body, 128 on its own",
+    ),
 )
 
 RIDER = Record(

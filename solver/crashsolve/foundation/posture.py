@@ -17,6 +17,32 @@ def matrix(q: Any) -> np.ndarray:
     )
 
 
+def matrices(q: np.ndarray) -> np.ndarray:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
+    w, x, y, z = q.T
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    ).transpose(2, 0, 1)
+
+
+def products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Products (n, 4) of quaternions."""
+    a, b, c, d = p.T
+    w, x, y, z = q.T
+    return np.array(
+        [
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ]
+    ).T
+
+
 def perpendicular(axis: np.ndarray) -> np.ndarray:
     """A unit vector at right angles to a unit vector, from the world axis most across it."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]

@@ -1,4 +1,4 @@
-"""Mesh from a file that meshio reads: .inp, .bdf, .vtu, .msh and others; its node sets are kept.
+"""Mesh from a file that meshio reads: .inp, .bdf, .vtu, .msh and others; its sets are kept.
 
 meshio reads nodes, elements and sets, and passes over the rest in silence. What would move or make
 nodes and elements there is refused here. Consequence to test: a mesh written and read is the same.
@@ -15,18 +15,21 @@ from crashsolve.meshes._mesh import Mesh
 
 # words of a file that meshio does not follow, though they decide where nodes and elements are
 LOST = {
-    ".inp": "INSTANCE|ASSEMBLY|PART|SYSTEM|TRANSFORM|NGEN|ELGEN|NCOPY|ELCOPY|NFILL|INCLUDE",
-    ".bdf": "INCLUDE|CORD[123][RCS]",
+    ".inp": r"\*(INSTANCE|ASSEMBLY|PART|SYSTEM|TRANSFORM|NGEN|ELGEN|NCOPY|ELCOPY|NFILL|INCLUDE)\b"
+    r"|\*NODE\b.*\bSYSTEM\s*=\s*[CS]\b",
+    ".bdf": r"INCLUDE\b|CORD[123][RCS]\b",
 }
 LOST |= {".fem": LOST[".bdf"], ".nas": LOST[".bdf"]}
 
 
 class File(Card):
-    """Elements of a file, of four or three nodes; needs the extra [mesh]; node sets are kept."""
+    """Elements of a file, of four or three nodes; needs the extra [mesh]; sets are kept."""
 
     file: FileName = word("beside the deck")
     unit: float = quantity("m", "length that the file's unit stands for", default=1.0, gt=0)
-    elements: str = word("element set; all elements of the file if empty", default="")
+    elements: str = word(
+        "element set, or number of a property; all elements of the file if empty", default=""
+    )
 
 
 def build(card: File, scene: Any) -> Mesh:
@@ -55,28 +58,35 @@ def build(card: File, scene: Any) -> Mesh:
 
 
 def _refuse_lost(path: Path, scene: Any) -> None:
-    words = LOST.get(path.suffix.lower())
-    if words is None:
+    lost = LOST.get(path.suffix.lower())
+    if lost is None:
         return
-    star = r"\*" if path.suffix.lower() == ".inp" else ""
     for number, line in enumerate(path.read_text("utf-8", errors="replace").splitlines(), 1):
-        met = re.match(rf"\s*{star}({words})\b", line, re.IGNORECASE)
+        met = re.match(rf"\s*({lost})", line, re.IGNORECASE)
         if met:
             what = f"{path.name}, line {number}: {met[0].strip().upper()} would be passed over"
             raise scene.fail(f"{what}; write the mesh flat, with nodes and elements", "mesh.file")
 
 
+def _numbered(found: Any) -> dict[str, list[np.ndarray]]:
+    """Elements by the number of their property, of every block, as .bdf files have them."""
+    numbers = found.cell_data.get("nastran:ref", [])
+    known: Any = np.unique(np.concatenate(numbers)) if numbers else ()
+    return {str(n): [np.flatnonzero(own == n) for own in numbers] for n in known}
+
+
 def _quads(found: Any, card: File, scene: Any) -> np.ndarray:
     """Corners of the elements wanted; the last corner of a triangle is named twice."""
-    if card.elements and card.elements not in found.cell_sets:
-        known = ", ".join(sorted(found.cell_sets)) or "none"
+    sets = _numbered(found) | found.cell_sets
+    if card.elements and card.elements not in sets:
+        known = ", ".join(sorted(sets)) or "none"
         message = f"the file has no element set '{card.elements}' (sets: {known})"
         raise scene.fail(message, "mesh.elements")
     quads = []
     for k, block in enumerate(found.cells):
         cells = np.asarray(block.data)
         if card.elements:
-            cells = cells[np.asarray(found.cell_sets[card.elements][k], int)]
+            cells = cells[np.asarray(sets[card.elements][k], int)]
         if len(cells) and block.type not in ("quad", "triangle"):
             wanted = "shells are of type quad or triangle"
             message = f"{len(cells)} elements are of type {block.type}; {wanted}"

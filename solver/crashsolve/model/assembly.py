@@ -10,20 +10,16 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.bordered import plan
-from crashsolve.foundation.point import LANES, RIDER, RIDES
+from crashsolve.foundation.point import LANES, OWN, RIDER, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.model.nodes import COMPLIANT, NODE
+from crashsolve.parts._tangent import CHANGE_ROWS, SEEN_ROWS
 
 HELD = 63  # all motions
 
-LINK = Record(
-    point_a=("index", "a point"),
-    point_b=("index", "the same, or one that shares an element with it and is eliminated before"),
-    block=("index", "block of the matrix for both"),
-)
 COUNTS = Record(
     numbers=("count", "numbers that elements keep"),
-    colours=("count", "colours of the points; those of one have no neighbour in common"),
+    arms=("count", "points that ride beside the mass centres of bodies"),
 )
 
 
@@ -51,6 +47,7 @@ def embody(model: Any, state: Any) -> None:
     state.nodes = np.concatenate([state.nodes, more])
     elements.riders = np.concatenate([elements.riders, riders])
     elements.embodied = moving
+    points["held"][moving] |= OWN
     points["held"] |= RIDES
 
 
@@ -68,22 +65,16 @@ def assembled(model: Any, state: Any, laws: list[Any]) -> dict[str, np.ndarray]:
         for k in range(0, len(nodes), 2)
         for _ in range(rows)
     ]
-    neighbours = neighbours_of(elements.corners, len(state.points))
     body = np.zeros(len(state.points), int)
     body[elements.riders["point"]] = elements.riders["node"]
-    pairs = {(int(body[a]), int(body[b])) for a, near in enumerate(neighbours) for b in near}
+    pairs = pairs_of(body[elements.corners.reshape(-1, 4, LANES)])
     given = sum(joint.rows * joint.parts for joint in model.joints)
-    pairs |= set(ends[given:])
-    matrix, found = plan(list(range(1, len(state.nodes))), pairs, joints, ends)
-    links = [
-        (a, b, found[int(body[a]), int(body[b])])
-        for a, near in enumerate(neighbours)
-        for b in near
-        if (int(body[a]), int(body[b])) in found
-    ]
-    colours = colours_of(neighbours)
+    near = set(pairs) | set(ends[given:])
+    matrix, found = plan(list(range(1, len(state.nodes))), near, joints, ends)
     counts = np.zeros(1, COUNTS.dtype)
-    counts["numbers"], counts["colours"] = len(state.blocks), colours.max() + 1
+    counts["numbers"] = len(state.blocks)
+    beside = elements.riders["spot"].any(axis=1) & (elements.riders["node"] > 0)
+    counts["arms"] = beside.sum()
     rows = np.zeros(len(ends), COMPLIANT.dtype)
     rows["node_a"], rows["node_b"] = np.array(ends, int).reshape(-1, 2).T
     return {
@@ -92,27 +83,27 @@ def assembled(model: Any, state: Any, laws: list[Any]) -> dict[str, np.ndarray]:
         "compliant_updates": matrix.updates,
         "compliant_pairs": matrix.pairs,
         "compliant_0": rows,
-        "links": np.array(links, LINK.dtype),
-        "colours": colours,
+        "seats": np.array([seat(pair, found) for pair in pairs]),
+        "seen": np.zeros(SEEN_ROWS * LANES),
+        "change": np.zeros(CHANGE_ROWS * LANES),
         "counts": counts,
-        "base": np.zeros(6 * len(state.points)),
+        "arms": np.zeros(3 * len(state.points)),
         "lanes_before": state.blocks.copy(),
     }
 
 
-def neighbours_of(corners: np.ndarray, count: int) -> list[set[int]]:
-    """Points that share an element with each, itself among them."""
-    near: list[set[int]] = [{i} for i in range(count)]
-    for element in corners.reshape(-1, 4, LANES).transpose(0, 2, 1).reshape(-1, 4).tolist():
-        for point in element:
-            near[point].update(element)
-    return near
+def pairs_of(own: np.ndarray) -> list[tuple[int, int]]:
+    """Bodies of every two corners of elements (blocks, 4, lanes), as (blocks, 4, 4, lanes)."""
+    rows, columns = np.broadcast_arrays(own[:, :, None], own[:, None])
+    return list(zip(rows.ravel().tolist(), columns.ravel().tolist(), strict=True))
 
 
-def colours_of(neighbours: list[set[int]]) -> np.ndarray:
-    """A colour for each point; those of one colour have no neighbour in common."""
-    colours = np.full(len(neighbours), -1)
-    for point, near in enumerate(neighbours):
-        taken = {colours[other] for middle in near for other in neighbours[middle]}
-        colours[point] = next(k for k in range(len(neighbours)) if k not in taken)
-    return colours
+def seat(pair: tuple[int, int], found: dict[tuple[int, int], int]) -> int:
+    """Where K of two bodies goes: twice the number of their block, and 1 for its other side.
+
+    Rows are those of the first; -1 where one of them does not move.
+    """
+    if pair in found:
+        return 2 * found[pair]
+    # no block has the number -1, and so 2 (-1) + 1
+    return 2 * found.get(pair[::-1], -1) + 1

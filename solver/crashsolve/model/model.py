@@ -64,6 +64,11 @@ class NodalGroup:
     # what a run writes, and what grows with it
     CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait", "gone")
 
+    @property
+    def is_round(self) -> bool:
+        """Whether ellipsoids press."""
+        return "ellipsoids" in self.arrays
+
     def changing(self) -> dict[str, np.ndarray]:
         """Arrays that a restart must bring back."""
         return {name: self.arrays[name] for name in self.CHANGING if name in self.arrays}

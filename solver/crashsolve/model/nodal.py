@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 MARGIN, ROOM = 1.0, 24
 # share of the gap by which a step may bring two sides nearer
 REACH = 0.5
+# shapes that press on shapes, and on faces
+PRESSING = (("points", "sphere"), ("points", "sphere", "ellipsoid"))
 
 PROBE = Record(
     point=("index", "point of a shell; -1 for one on a body"),
@@ -40,6 +42,7 @@ PARAMETERS = Record(
     order=("count", "+1 when probes are on side a of the card, -1 when on side b"),
     speed_floor=("m/s", "closing speed below which a touch counts as resting"),
     gap=("m", "of probe and mid-surface, below which they touch"),
+    over=("m", "reach of an ellipsoid beyond its ball; 0 of others"),
     share=("1", "of what is left of the gap between both, on the side of the probe"),
     reach=("m", "by which a step may bring both nearer"),
     margin=("m", "beyond the gap, of the lists of near faces"),
@@ -124,8 +127,9 @@ class NodalBuilder:
         order = 1
         if a.shape == "faces" or (a.shape != "points" and b.shape == "points"):
             a, b, order = b, a, -1
-        if a.shape not in ("points", "sphere"):
-            message = f"'{a.entry.name}' cannot press on '{b.entry.name}': only nodes and balls can"
+        if a.shape not in PRESSING[b.shape == "faces"]:
+            who = ("nodes and balls", "nodes, balls and ellipsoids")[b.shape == "faces"]
+            message = f"'{a.entry.name}' cannot press on '{b.entry.name}': only {who} can"
             raise self.scene.fail(f"{message}; name a surface of type nodes", "b")
         probes = self._probes(a)
         values = {"card": index, "order": order, "speed_floor": entry.card.speed_floor}
@@ -174,7 +178,9 @@ class NodalBuilder:
         rows["point"] = -1
         for row, element in zip(rows, surface.elements, strict=True):
             row["node"], row["at"] = element["node"], element["point"]
-        return Probes(rows, float(surface.elements[0]["radius"]), None, None, 0)
+        element = surface.elements[0]
+        radius = element["radius"] if surface.shape == "sphere" else min(element["semi"])
+        return Probes(rows, float(radius), None, None, 0)
 
     def _common(
         self, probes: Probes, values: dict[str, Any], slots: int, law: Any, friction: Any
@@ -239,6 +245,7 @@ class NodalBuilder:
         if laid.quad_count < len(laid.area) and card.normals == "continuous":
             message = f"part '{card.part}' has triangles, and only quadrilaterals have a field of"
             raise self.scene.fail(f"{message} normals; leave `normals: continuous` out", "b")
+        round_ones = self._ellipsoids(a, probes, b) if a.shape == "ellipsoid" else {}
         is_own = probes.part == card.part
         if is_own and probes.radius == 0.0:
             t = card.thickness or laid.card.thickness
@@ -275,8 +282,19 @@ class NodalBuilder:
             "around": around[1],
             "spared_first": spared[0],
             "spared": spared[1],
+            **round_ones,
         }
+        if round_ones:
+            values["over"] = max(a.elements[0]["semi"]) - probes.radius
         return None, own | {"values": values}, 2
+
+    def _ellipsoids(self, a: Any, probes: Probes, b: Any) -> dict[str, np.ndarray]:
+        """Ellipsoids, and the ball that rolls in each."""
+        if b.entry.card.normals == "continuous":
+            message = f"'{a.entry.name}' is an ellipsoid, and only nodes and balls follow a field"
+            raise self.scene.fail(f"{message} of normals; leave `normals: continuous` out", "b")
+        record = import_module("crashsolve.contact.shape.ellipsoid").PARAMETERS
+        return {"ellipsoids": table_of(a.elements, record), "balls": probes.rows.copy()}
 
     def _places(self, part: str, laid: Any) -> dict[str, int]:
         """Where the tables hold quadrilaterals and triangles."""

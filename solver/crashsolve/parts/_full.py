@@ -112,18 +112,37 @@ def stress(blocks, first, work, h, p, curves):
 
     Writes: blocks, work.
     """
-    for row in range(6 * LANES):
-        work[LANES * MEAN + row] = work[LANES * MEMBRANE + row]
-    for row in range(19 * LANES):
-        work[LANES * SUM + row] = 0.0
+    keep_mean(work)
     for point in range(4):
-        xi = PLACE_OF_POINT if point == 1 or point == 2 else -PLACE_OF_POINT
-        eta = PLACE_OF_POINT if point > 1 else -PLACE_OF_POINT
+        xi, eta = place_of(point)
         strain_at(work, xi, eta, p.poisson)
         clear_resultants(work)
         at = first + LANES * (LAYERS + point * p.layers * p.layer_rows)
         through_thickness(blocks, at, work, h, p, curves)
         add_point(work, xi, eta, p.poisson)
+    put_sums(work)
+    take_up(blocks, first, p.stride, work, h, p)
+
+
+@inlined
+def place_of(point):
+    """xi and eta of a point."""
+    xi = PLACE_OF_POINT if point == 1 or point == 2 else -PLACE_OF_POINT
+    return xi, PLACE_OF_POINT if point > 1 else -PLACE_OF_POINT
+
+
+@blockwise
+def keep_mean(work):
+    """Strains of the middle aside, and no sums yet. Writes: work."""
+    for row in range(6 * LANES):
+        work[LANES * MEAN + row] = work[LANES * MEMBRANE + row]
+    for row in range(19 * LANES):
+        work[LANES * SUM + row] = 0.0
+
+
+@blockwise
+def put_sums(work):
+    """Sums over the points in the place of what one point has. Writes: work."""
     for row in range(6 * LANES):
         work[LANES * RESULTANT + row] = work[LANES * SUM + row]
         work[LANES * MEMBRANE + row] = work[LANES * MEAN + row]
@@ -133,7 +152,6 @@ def stress(blocks, first, work, h, p, curves):
         work[LANES * DROPPED + e] = work[LANES * (CHANGES + 2) + e]
         work[LANES * STIFF + e] = work[LANES * (CHANGES + 3) + e]
         work[LANES * (STIFF + 1) + e] = work[LANES * (CHANGES + 4) + e]
-    take_up(blocks, first, p.stride, work, h, p)
 
 
 @kernel

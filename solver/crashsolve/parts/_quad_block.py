@@ -161,14 +161,21 @@ def grow_modes(blocks, at, h, t, k, k_s, q, change):
 
 
 @inlined
+def tied(blocks, at, turn):
+    """What yielding leaves of the stiffness that ties; what was taken up is given back elastically."""
+    soft = at + LANES * SOFT_PLANE
+    is_more = blocks[at + LANES * DRILL] * turn > 0.0
+    return 0.5 * (blocks[soft] + blocks[soft + LANES]) if is_more else 1.0
+
+
+@inlined
 def tie(blocks, at, stiff, turn):
     """Let the stress grow that ties spins about the normal to the plane, softer where that yields.
 
     `stiff` is that of the plane against shear. Writes: blocks.
     """
-    row, soft = at + LANES * DRILL, at + LANES * SOFT_PLANE
+    row, share = at + LANES * DRILL, tied(blocks, at, turn)
     old = blocks[row]
-    share = 0.5 * (blocks[soft] + blocks[soft + LANES]) if old * turn > 0.0 else 1.0
     more = share * DRILLING * stiff * turn
     blocks[row] = old + more
     # what is not given back

@@ -38,6 +38,7 @@ from crashsolve.foundation.vec3 import (
     sub,
     vec,
 )
+from crashsolve.parts import _beam_tangent
 from crashsolve.parts._damping import Damped, brake, coefficients, heavier, report_added
 from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
 
@@ -292,6 +293,12 @@ def fastest_rate(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
     M[:3, :3], M[3:, 3:] = mass * np.eye(3), J
     inverse = np.linalg.inv(np.linalg.cholesky(M))
     return float(np.linalg.eigvalsh(inverse @ K @ inverse.T)[-1])
+
+
+def forces_by_motions(p: Any, nodes: Any) -> np.ndarray:
+    """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
+    a, b = nodes[p["node_a"]], nodes[p["node_b"]]
+    return _beam_tangent.forces_by_motions(p, a["q"], b["q"], b["r"] - a["r"])
 
 
 @kernel

@@ -16,10 +16,10 @@ import numpy as np
 
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.posture import quaternion_of
+from crashsolve.foundation.posture import products, quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
-from crashsolve.parts import _ends, beam
+from crashsolve.parts import _beam_tangent, _ends, beam
 from crashsolve.parts._damping import Damped, report_added
 from crashsolve.parts._halfway import halfway_of
 
@@ -140,6 +140,13 @@ def _check(card: Frame, scene: Any) -> None:
     loose = sorted(set(range(1, count + 1)) - {end for bar in card.bars for end in bar})
     if loose:
         raise scene.fail(f"point {loose[0]} has no bar; take it out or join it", "points")
+
+
+def forces_by_motions(p: Any, nodes: Any) -> np.ndarray:
+    """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
+    a, b = nodes[p["node_a"]], nodes[p["node_b"]]
+    q_a, q_b = products(a["q"], p["turn"]), products(b["q"], p["turn"])
+    return _beam_tangent.forces_by_motions(p, q_a, q_b, b["r"] - a["r"])
 
 
 @kernel

@@ -24,7 +24,7 @@ from pydantic import model_validator
 from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_line
-from crashsolve.foundation.point import LANES, RIDES
+from crashsolve.foundation.point import LANES, OWN, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, vec
 from crashsolve.parts._damping import Damped, coefficients, heavier, report_added
@@ -368,7 +368,6 @@ class Laid:
             return
         given = {
             "drag": (self.card.drag > 0.0, "drag on shells"),
-            "welded": (bool(self.card.welded), "a welded set of nodes"),
             "mass_scaling": (self.card.mass_scaling is not None, "added mass"),
             "material": (self.can_fail, "a material with a failure_strain"),
         }
@@ -755,11 +754,11 @@ def add_energies(p, out, scene):
 
 @kernel
 def moving(p, points):
-    """Kinetic energy of the nodes of a part that are no bodies [J]."""
+    """Kinetic energy of the nodes of a part that are no bodies of the deck [J]."""
     total = 0.0
     for i in range(p.first_point, p.first_point + p.point_count):
         b = points[i]
-        if b.held < RIDES:
+        if b.held < RIDES or b.held >= OWN:
             v, w = vec(b.v), vec(b.w)
             total += 0.5 * dot(v, v) / b.mass_inv + 0.5 * dot(w, w) / b.J_inv
     return total

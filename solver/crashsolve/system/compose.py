@@ -189,7 +189,9 @@ def _function(name: str, body: list[str]) -> str:
 
 def _imports(model: Any) -> str:
     modules = {(g.module.__name__, g.word) for g in model.groups}
-    modules |= {(k.__name__, _alias(k)) for g in model.element_groups() for k in _kinds(g)}
+    kinds = {kind for g in model.element_groups() for kind in _kinds(g)}
+    kinds |= {_tangent_of(kind) for kind in kinds} if is_assembled(model) else set()
+    modules |= {(kind.__name__, _alias(kind)) for kind in kinds}
     for c in model.contact_groups:
         for module in (c.narrow, None if c.captures else c.normal, c.friction):
             if module is not None:
@@ -203,6 +205,8 @@ def _imports(model: Any) -> str:
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
     if any(n.is_smooth for n in model.nodal_groups):
         lines.append("from crashsolve.system import normals")
+    if any(n.is_round for n in model.nodal_groups):
+        lines.append("from crashsolve.system import ellipsoids")
     if model.elements and len(model.elements.cuts):
         lines.append("from crashsolve.parts import _cut")
     if has_slaves(model):
@@ -321,22 +325,20 @@ def _stiffness_calls(model: Any) -> list[str]:
     """Stiffness of the elements and masses of all bodies, in the blocks of the matrix."""
     if not is_assembled(model):
         return []
-    return [
+    lines = [
         "h = 2.0 * clock.lead",
         "assembled.weigh(nodes, groups.columns_0)",
         "stiffness.clear(groups)",
-        "elements(clock, h, groups)",
-        "stiffness.keep_forces(groups)",
-        "for colour in range(groups.counts[0].colours):",
-        "    for k in range(6):",
-        "        stiffness.displace(h, colour, k, groups)",
-        "        elements(clock, h, groups)",
-        "        stiffness.note(colour, k, groups)",
-        "        stiffness.clear_points(groups)",
-        f"        {CARRY}",
-        "elements(clock, h, groups)",
-        "stiffness.clear_points(groups)",
+        "stiffness.take_back(h, groups)",
+        "stiffness.reach(nodes, groups)",
     ]
+    for g in model.element_groups():
+        lines += [
+            f"p = groups.{g.word}_p",
+            "for i in range(p.shape[0]):",
+            *(f"    {_alias(_tangent_of(kind))}.tangent(p[i], h, groups)" for kind in _kinds(g)),
+        ]
+    return lines
 
 
 def _kinds(group: Any) -> list[Any]:
@@ -518,6 +520,12 @@ def _data(c: Any) -> str:
     """The arrays that all elements of a gap routine share, as a tuple."""
     names = ", ".join(f"groups.{c.word}_data_{k}" for k in range(len(c.data)))
     return f"({names})" if len(c.data) != 1 else f"({names},)"
+
+
+def _tangent_of(kind: Any) -> Any:
+    """The file with the tangent of a kind of elements."""
+    leaf = kind.__name__.rpartition(".")[2].lstrip("_")
+    return import_module(f"crashsolve.parts._{leaf}_tangent")
 
 
 def is_implicit(model: Any) -> bool:

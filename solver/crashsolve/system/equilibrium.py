@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.errors import SolverError
-from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.posture import matrices, matrix, products
 from crashsolve.model.model import Model, State
 from crashsolve.system.engine import Engine
 
@@ -27,6 +27,8 @@ STEP = 1e-7
 # largest turn [rad] and way (over the model's size) of a correction
 LARGEST_TURN, LARGEST_WAY = 0.3, 0.2
 PASSES = 40
+# of the largest mobility of the rows of joints: lets redundant ones share
+SHARED = 1e-10
 # of the largest entry: a smaller pivot is round-off, and something moves freely
 SINGULAR = 1e-15
 # a load step is halved so often where no equilibrium is found
@@ -43,6 +45,26 @@ class StaticEngine(Engine):
         self.tolerance = tolerance or TOLERANCE
         slaves = set(model.slaves["node"])
         self.free = np.array([i for i in range(1, len(state.nodes)) if i not in slaves])
+        self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]
+        self.differs = self._held_otherwise(slaves)
+
+    def _held_otherwise(self, slaves: set[int]) -> np.ndarray:
+        """Which free nodes (n,) anything but elements of beams may act on."""
+        named = slaves | set(self.model.slaves["body"])
+        for g in self.model.groups:
+            if not hasattr(g.module, "forces_by_motions"):
+                # any whole number may be a node
+                whole = [
+                    k for k in g.parameters.dtype.names or () if g.parameters[k].dtype.kind in "iu"
+                ]
+                named |= {int(i) for k in whole for i in g.parameters[k].ravel()}
+        for g in self.beams:
+            ends = zip(
+                g.parameters["node_a"].tolist(), g.parameters["node_b"].tolist(), strict=True
+            )
+            # what acts on a slave acts on its master
+            named |= {i for pair in ends if slaves & set(pair) for i in pair}
+        return np.isin(self.free, list(named))
 
     def _step(self, until: float, goal: float) -> None:
         """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
@@ -98,9 +120,9 @@ class StaticEngine(Engine):
         """Power of every load where the nodes are, moving by `way` [m/s, rad/s]."""
         nodes = (self.state.nodes if at is None else at).copy()
         nodes["v"][self.free], nodes["w"][self.free] = way[:, :3], way[:, 3:]
-        for row, w in zip(self.free, way[:, 3:], strict=True):
-            A = nodes["A"][row].reshape(3, 3)
-            nodes["L"][row] = A @ (nodes["J"][row].reshape(3, 3) @ (A.T @ w))
+        A, J = (nodes[name][self.free].reshape(-1, 3, 3) for name in ("A", "J"))
+        inertia = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
+        nodes["L"][self.free] = np.matmul(inertia, way[:, 3:, None])[:, :, 0]
         self._rest(time, nodes)
         new = 1 - int(self.clock.current)
         return {g.word: g.history[new]["power"].copy() for g in self._loads()}
@@ -108,29 +130,57 @@ class StaticEngine(Engine):
     def _way_from(self, start: np.ndarray) -> np.ndarray:
         """Displacements and turns (n, 6) of the free nodes since a posture."""
         here = self.state.nodes[self.free]
-        turns = [_turn(q, p) for p, q in zip(here["q"], start["q"][self.free], strict=True)]
-        return np.hstack([here["r"] - start["r"][self.free], np.array(turns)])
+        turns = _turns(start["q"][self.free], here["q"])
+        return np.hstack([here["r"] - start["r"][self.free], turns])
 
     def _correction(self, time: float) -> np.ndarray:
         """Newton's correction (n, 6) of places and turns of the free nodes."""
         g, D, phi = self._imbalance(time)
-        columns = self._tangent(time, g)
+        columns = self._tangent(time, g, D)
         scale = np.abs(columns).max() / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
         held = np.einsum("mi,mj->ij", D, D)
         way = _eliminate(columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi))
         return way.reshape(-1, 6)
 
-    def _tangent(self, time: float, g: np.ndarray) -> np.ndarray:
-        """Derivative (6 n, 6 n) of g by places and turns of the free nodes."""
-        nodes, columns = self.state.nodes.copy(), np.empty((g.size, g.size))
-        for k in range(g.size):
-            row, way = nodes[self.free[k // 6]], np.zeros(6)
-            kept = row.copy()
-            way[k % 6] = size = STEP * (self.model.size if k % 6 < 3 else 1.0)
-            _move(row, way)
+    def _tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
+        """Derivative (6 n, 6 n) of g by places and turns of the free nodes.
+
+        Of nodes that only elements of beams hold it is theirs; other laws, and joints, are sampled.
+        """
+        nodes, columns = self.state.nodes.copy(), self._let_go(self._beams(), D)
+        for k in np.flatnonzero(np.repeat(self.differs, 6)):
+            i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
+            kept = nodes[i].copy()
+            _nudge(nodes[i], int(k % 6), size)
             columns[:, k] = (self._rest(time, nodes) - g) / size
-            nodes[self.free[k // 6]] = kept
+            nodes[i] = kept
         return columns
+
+    def _let_go(self, columns: np.ndarray, D: np.ndarray) -> np.ndarray:
+        """Less what joints hold of it: D^T (D M^-1 D^T)^-1 D M^-1 of forces (6 n, k)."""
+        nodes = self.state.nodes[self.free]
+        A, J = nodes["A"].reshape(-1, 3, 3), nodes["J_inv"].reshape(-1, 3, 3)
+        mobility = np.zeros((len(nodes), 6, 6))
+        mobility[:, :3, :3] = nodes["mass_inv"][:, None, None] * np.eye(3)
+        mobility[:, 3:, 3:] = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
+        moved = np.einsum("mni,nij->mnj", D.reshape(len(D), -1, 6), mobility).reshape(D.shape)
+        rows = np.einsum("mi,ki->mk", moved, D)
+        rows += SHARED * np.abs(rows).max(initial=0.0) * np.eye(len(D))
+        held = _eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
+        return columns - np.einsum("mi,mk->ik", D, held)
+
+    def _beams(self) -> np.ndarray:
+        """The same of the elements of beams alone."""
+        n, nodes = len(self.free), self.state.nodes
+        columns, place = np.zeros((n + 1, n + 1, 6, 6)), np.full(len(nodes), n)
+        place[self.free] = np.arange(n)
+        for g in self.beams:
+            p = g.parameters
+            found = g.module.forces_by_motions(p, nodes).reshape(-1, 2, 6, 2, 6)
+            ends = place[p["node_a"]], place[p["node_b"]]
+            for i, j in np.ndindex(2, 2):
+                np.add.at(columns, (ends[i], ends[j]), found[:, i, :, j])
+        return columns[:n, :n].transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
 
     def _imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Forces and moments that nothing holds (6 n,), D (m, 6 n) and Phi (m,)."""
@@ -158,8 +208,9 @@ class StaticEngine(Engine):
 
     def _shift(self, nodes: np.ndarray, way: np.ndarray) -> None:
         """Move the free nodes by displacements and turns (n, 6). Writes: nodes."""
-        for i, part in zip(self.free, way, strict=True):
-            _move(nodes[i], part)
+        moved = nodes[self.free]
+        _move(moved, way)
+        nodes[self.free] = moved
 
     def _lost(self) -> SolverError:
         """No equilibrium near the last one."""
@@ -173,7 +224,7 @@ class StaticEngine(Engine):
 
 
 def _eliminate(A: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Solution of A x = b, not numbers where A is singular; with partial pivoting. Writes: A, b.
+    """Solutions of A x = b (n,) or (n, k), not numbers where A is singular. Writes: A, b.
 
     LAPACK would wake threads that spin on a busy machine, for a matrix of some hundred rows.
     """
@@ -183,37 +234,40 @@ def _eliminate(A: np.ndarray, b: np.ndarray) -> np.ndarray:
         if not abs(A[pivot, k]) > SINGULAR * size:
             return np.full_like(b, np.nan)
         A[[k, pivot]], b[[k, pivot]] = A[[pivot, k]], b[[pivot, k]]
-        factor = A[k + 1 :, k] / A[k, k]
-        A[k + 1 :, k:] -= factor[:, None] * A[k, k:]
-        b[k + 1 :] -= factor * b[k]
+        # few rows of a chain have anything in a column
+        below = k + 1 + np.flatnonzero(A[k + 1 :, k])
+        factor = A[below, k] / A[k, k]
+        A[below, k:] -= factor[:, None] * A[k, k:]
+        b[below] -= np.multiply.outer(factor, b[k])
     for k in range(len(b) - 1, -1, -1):
-        b[k] = (b[k] - (A[k, k + 1 :] * b[k + 1 :]).sum()) / A[k, k]
+        b[k] = (b[k] - np.einsum("i,i...->...", A[k, k + 1 :], b[k + 1 :])) / A[k, k]
     return b
 
 
-def _move(row: Any, way: np.ndarray) -> None:
-    """Move a node by a displacement and a turn (6,). Writes: row."""
-    row["r"] += way[:3]
-    q = _product(_exponential(way[3:]), row["q"])
-    row["q"] = q / np.linalg.norm(q)
+def _move(nodes: np.ndarray, way: np.ndarray) -> None:
+    """Move nodes by displacements and turns (n, 6). Writes: nodes."""
+    nodes["r"] += way[:, :3]
+    half = 0.5 * np.linalg.norm(way[:, 3:], axis=1)[:, None]
+    q = products(np.hstack([np.cos(half), 0.5 * np.sinc(half / np.pi) * way[:, 3:]]), nodes["q"])
+    nodes["q"] = q / np.linalg.norm(q, axis=1)[:, None]
+    nodes["A"] = matrices(nodes["q"]).reshape(-1, 9)
+
+
+def _nudge(row: Any, k: int, size: float) -> None:
+    """Move a node along axis k, or turn it about axis k - 3, by very little. Writes: row."""
+    if k < 3:
+        row["r"][k] += size
+        return
+    turn = np.array([1.0, 0.0, 0.0, 0.0])
+    turn[k - 2] = 0.5 * size
+    row["q"] = products(turn, row["q"])
     row["A"] = matrix(row["q"]).ravel()
 
 
-def _exponential(turn: np.ndarray) -> np.ndarray:
-    """Unit quaternion of a rotation vector."""
-    angle = float(np.linalg.norm(turn))
-    return np.array([np.cos(0.5 * angle), *(0.5 * np.sinc(0.5 * angle / np.pi) * turn)])
-
-
-def _product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Product of two quaternions."""
-    w = p[0] * q[0] - p[1:] @ q[1:]
-    return np.array([w, *(p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:]))])
-
-
-def _turn(q: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Rotation vector, world axes, from posture q to posture p."""
-    w, x, y, z = _product(p, q * [1.0, -1.0, -1.0, -1.0])
-    v = np.array([x, y, z]) * (1.0 if w >= 0.0 else -1.0)
-    sine = float(np.linalg.norm(v))
-    return v * (2.0 * np.arctan2(sine, abs(w)) / sine if sine > 1e-12 else 2.0)
+def _turns(q: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Rotation vectors (n, 3), world axes, from postures q to postures p (n, 4)."""
+    turn = products(p, q * [1.0, -1.0, -1.0, -1.0])
+    turn *= np.where(turn[:, :1] < 0.0, -1.0, 1.0)
+    sine = np.linalg.norm(turn[:, 1:], axis=1)[:, None]
+    over = 2.0 * np.arctan2(sine, turn[:, :1]) / np.maximum(sine, 1e-12)
+    return turn[:, 1:] * np.where(sine > 1e-12, over, 2.0)

@@ -50,7 +50,7 @@ def open_faces(h, p, tally, probes, nodes, points, corners, grid, lists, spared)
         return
     first, due = lists[0], lists[3]
     cells, starts, sorted_faces = grid
-    reach = p.gap + p.margin
+    reach = p.gap + p.over + p.margin
     width = measure(p, points, corners, cells) + reach
     sort(p, width, cells, starts, sorted_faces)
     total = 0
@@ -95,11 +95,7 @@ def look(i, x, p, tally, slots, turns, mesh, lists, found):
     """
     first, near, wait, due = lists
     soonest = 1e300
-    is_deep = False
-    for s in range(2):
-        found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
-        old = slots[settle(turns, 2 * i + s), 2 * i + s]
-        is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
+    is_deep = begin_look(i, p, slots, turns, found)
     for k in range(first[i], first[i + 1]):
         f = near[k]
         if mesh[5][f] == 1:
@@ -115,6 +111,23 @@ def look(i, x, p, tally, slots, turns, mesh, lists, found):
                 take(i, p, f, N, spot, distance, to, slots, turns, mesh, found)
         soonest = min(soonest, wait[k])
     due[i] = soonest
+    tell_depth(p, found)
+
+
+@kernel
+def begin_look(i, p, slots, turns, found):
+    """Nothing is found; whether the probe is so deep that no face waits. Writes: found, turns."""
+    is_deep = False
+    for s in range(2):
+        found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
+        old = slots[settle(turns, 2 * i + s), 2 * i + s]
+        is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
+    return is_deep
+
+
+@kernel
+def tell_depth(p, found):
+    """Depth of what is found, from its distance. Writes: found."""
     for s in range(2):
         if found[s].face >= 0:
             found[s].depth = p.gap - (-1.0 if found[s].crossed == 1 else 1.0) * found[s].distance

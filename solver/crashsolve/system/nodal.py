@@ -103,23 +103,24 @@ def fastest(h, p, probes, nodes, points):
     for i in range(p.first_point, p.first_point + p.point_count):
         v = vec(points[i].v)
         most = max(most, dot(v, v))
+    most = sqrt(most)
     if p.own == 0:
         for i in range(probes.shape[0]):
-            v = speed_of(probes[i], h, nodes, points)
-            most = max(most, dot(v, v))
-    return sqrt(most)
+            most = max(most, speed_of(probes[i], h, p, nodes, points))
+    return most
 
 
 @kernel
-def speed_of(probe, h, nodes, points):
-    """Mean velocity of a probe over the step."""
+def speed_of(probe, h, p, nodes, points):
+    """Mean speed of a probe over the step."""
     if probe.point >= 0:
-        return vec(points[probe.point].v)
+        return norm(vec(points[probe.point].v))
     body = nodes[probe.node]
+    turning = p.over * norm(vec(body.w))
     if h == 0.0:
-        return point_velocity(body, arm(body, vec(probe.at)))
+        return turning + norm(point_velocity(body, arm(body, vec(probe.at))))
     before = add(vec(body.start_r), matvec(body.start_A, vec(probe.at)))
-    return scale(1.0 / h, sub(place(body, vec(probe.at)), before))
+    return turning + norm(sub(place(body, vec(probe.at)), before)) / h
 
 
 @kernel

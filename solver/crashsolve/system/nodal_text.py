@@ -19,9 +19,7 @@ def {word}(clock, h, nodes, curves, groups):
 {bury}    for i in range(probes.shape[0]):
         if due[i] > tally.way:
             continue
-        x, v = nodal.where(probes[i], h, nodes, points)
-        faces.look(i, x, p, tally, slots, turns, mesh, lists, found)
-{field}        for s in range(2):
+{look}        for s in range(2):
             j = 2 * i + s
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
             if hit.depth <= 0.0:
@@ -29,9 +27,9 @@ def {word}(clock, h, nodes, curves, groups):
 {lose}                    nodal.leave(clock, h, tally, turns, j, old, new)
                     {law}.release(p, old, new)
 {end}                continue
-            mob = nodal.mobility_of(probes[i], hit, nodes, points)
+{roll}            mob = nodal.mobility_of({probe}, hit, nodes, points)
             mob_face, w = faces.face_mobility(p, hit, points, corners)
-            w += nodal.probe_foretells(probes[i], hit, points)
+            w += nodal.probe_foretells({probe}, hit, points)
             mass = 1.0 / max(mob + mob_face, nodal.STUCK)
             u = faces.face_velocity(p, hit, h, points, corners)
             rate = nodal.closing(v, u, hit, h, old, w)
@@ -39,12 +37,21 @@ def {word}(clock, h, nodes, curves, groups):
             f, stored, power, loss, k, c = {law}.normal_force(
                 p, old, new, h, hit.depth, rate, mass, curves
             )
-{jump}{rub}            nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
+{jump}{rub}            nodal.push_probe({probe}, f, k, c, hit, nodes, groups)
             faces.push_face(p, hit, f, k, c, groups)
             nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)
             nodal.take_turn(h, turns, j)
     nodal.close_pass(tally, card)
 """
+PROBE = """\
+        x, v = nodal.where(probes[i], h, nodes, points)
+        faces.look(i, x, p, tally, slots, turns, mesh, lists, found)
+"""
+ELLIPSOID = """\
+        ellipsoid, ball = groups.{word}_ellipsoids[i], groups.{word}_balls[i]
+        ellipsoids.look(i, p, tally, ellipsoid, nodes, slots, turns, mesh, lists, found)
+"""
+ROLL = "            v = ellipsoids.roll(ball, p, hit, nodes, points, corners)\n"
 FIELD = "        normals.smoothen(i, x, p, mesh, spared, found)\n"
 # of parts that may fail
 BURY = "    faces.bury(p, groups.lanes, gone)\n"
@@ -95,15 +102,15 @@ def {word}(clock, h, nodes, curves, groups):
 
 ON_FACES = """\
             d, e = rubbing.arms(p, hit)
-            a = rubbing.probe_foretells(probes[i], d, old, points)
-            v_a = rubbing.probe_velocity(probes[i], v, d, h, nodes, points)
+            a = rubbing.probe_foretells({probe}, d, old, points)
+            v_a = rubbing.probe_velocity({probe}, v, d, h, nodes, points)
             a = rubbing.face_foretells(p, hit, e, old, a, points, corners)
             v_b = rubbing.face_velocity(p, hit, e, h, points, corners)
 """
 ON_SHAPE = """\
             d, y = rubbing.on_shape(p, hit, x)
-            a = rubbing.probe_foretells(probes[i], d, old, points)
-            v_a = rubbing.probe_velocity(probes[i], v, d, h, nodes, points)
+            a = rubbing.probe_foretells({probe}, d, old, points)
+            v_a = rubbing.probe_velocity({probe}, v, d, h, nodes, points)
             v_b = nodal.body_velocity(body, y)
 """
 RUB = """\
@@ -112,7 +119,7 @@ RUB = """\
                 p, old, new, h, f, slip, n, mass, curves
             )
             way = contacts.along(t, slip, n)
-            rubbing.rub_probe(probes[i], t, way, d, t_k, t_c, nodes, groups)
+            rubbing.rub_probe({probe}, t, way, d, t_k, t_c, nodes, groups)
             {other}
             rubbing.note(clock, h, p, tally, card, t, t_stored, t_power, t_loss, old, new)
 """
@@ -129,16 +136,18 @@ OTHER = (
 def nodal_function(group: Any) -> str:
     """Text of the function of one group."""
     is_shape = group.narrow is not None
+    probe = "ball" if group.is_round else "probes[i]"
     words = {"word": group.word, "law": f"normal_{_leaf(group.normal)}", "rub": "", "end": ""}
     if group.friction is not None:
         friction = f"friction_{_leaf(group.friction)}"
         rub = (ON_SHAPE if is_shape else ON_FACES) + RUB
-        rub = rub.format(friction=friction, other=OTHER[is_shape])
+        rub = rub.format(friction=friction, other=OTHER[is_shape], probe=probe)
         deep = 4 * is_shape
         end = END.format(friction=friction)
         words |= {"rub": _outdented(rub, deep), "end": _outdented(end, deep)}
     if not is_shape:
-        words |= {"field": FIELD if group.is_smooth else ""}
+        look = ELLIPSOID.format(**words) if group.is_round else PROBE + FIELD * group.is_smooth
+        words |= {"look": look, "roll": ROLL * group.is_round, "probe": probe}
         words |= dict(zip(("bury", "lose", "jump"), FAILING[group.can_fail], strict=True))
         return FACES.format(**words)
     names = [f"groups.{group.word}_{name}" for name in group.arrays if name.startswith("data_")]

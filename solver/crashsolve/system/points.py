@@ -133,7 +133,7 @@ def hold(b, ground):
 def hold_riders(nodes, points):
     """What holds points that ride on bodies of their own. Writes: points, nodes."""
     for i in range(points.shape[0]):
-        if points[i].held > RIDES:
+        if points[i].held % RIDES > 0:
             hold(points[i], nodes[0])
 
 
@@ -148,6 +148,7 @@ def unload(nodes, points, riders):
         add_to(body.torque, add(vec(b.torque), cross(d, f)))
         put(b.force, (0.0, 0.0, 0.0))
         put(b.torque, (0.0, 0.0, 0.0))
+        b.rate = b.spin_rate = 0.0
 
 
 @kernel

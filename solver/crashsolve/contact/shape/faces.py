@@ -1,6 +1,6 @@
 """Faces of a shell as they move and deform: its mid-surface, solid on either side by half of t.
 
-Nodes and balls press on the nearest face, from whichever side they came.
+Nodes, balls and ellipsoids press on the nearest face, from whichever side they came.
 """
 
 from typing import Any, Literal

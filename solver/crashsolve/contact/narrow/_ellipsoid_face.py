@@ -1,0 +1,164 @@
+"""Nearest place of a four-node face to an ellipsoid, or the deepest within it.
+
+    the least of d(c) over the face,   d the signed distance of c from the ellipsoid, m its normal
+
+d is convex, so that a triangle has one least. Near a place c the square of d + r, r the shortest
+semi-axis, is that of the length of
+
+    y = ((c' - c) . m + d + r,   sqrt((d + r) / (R_k + d)) (c' - c) . t_k),   R_k radii of curvature
+
+to second order, and the place nearest to y = 0 on the face so stretched is Newton's next. Where it
+comes no nearer the next is that nearest to a ball within the ellipsoid that touches it at the foot
+of c, which always does. Consequence to test: no place of the face is nearer; with equal semi-axes
+it is the place nearest to the centre.
+
+References: Boyd and Vandenberghe (2004), Convex Optimization, 3.2.5 and 9.5.
+"""
+
+from math import sqrt
+
+from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, nearest_on_face, point_of
+from crashsolve.contact.narrow.sphere_ellipsoid import from_ellipsoid
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, scale, sub
+
+ITERATIONS = 60  # four to eight do
+# of the longest semi-axis: what is gained below it is noise
+ROUND_OFF = 1e-15
+# of a semi-axis: by which another triangle must promise to be nearer
+NOISE = 1e-12
+# of the shortest semi-axis: nearer to a middle from which no way out is shortest
+NO_WAY = 1e-9
+
+
+@kernel
+def nearest_to_ellipsoid(s, far, a, b, c, d):
+    """Weights N of the corners, seen in the axes of the ellipsoid from its centre; where it is.
+
+    The place is INSIDE, EDGE + k or CORNER + k. Also the signed distance, and the normal there. Of
+    a face farther than `far` any place does, and the distance is one that it is beyond.
+    """
+    N, place, least, m = descend(s, far, a, b, c, d)
+    at, middle = point_of(N, a, b, c, d), point_of((0.25, 0.25, 0.25, 0.25), a, b, c, d)
+    for k in range(4):
+        # a warped face may have a second valley
+        p, q = (a, b) if k == 0 else ((b, c) if k == 1 else ((c, d) if k == 2 else (d, a)))
+        if at_least(least, m, at, p, q, middle, middle) < least - NOISE * s[0] and least < far:
+            M, _, other, m_other = descend(s, far, p, q, middle, middle)
+            if other < least:
+                N, place, least, m = whole(k, M), whole_place(k, M), other, m_other
+    return N, place, least, m
+
+
+@kernel
+def whole(k, M):
+    """Weights of the corners of the face, from those of triangle k."""
+    share = 0.25 * (M[2] + M[3])
+    return (
+        share + (M[0] if k == 0 else (M[1] if k == 3 else 0.0)),
+        share + (M[0] if k == 1 else (M[1] if k == 0 else 0.0)),
+        share + (M[0] if k == 2 else (M[1] if k == 1 else 0.0)),
+        share + (M[0] if k == 3 else (M[1] if k == 2 else 0.0)),
+    )
+
+
+@kernel
+def whole_place(k, M):
+    """INSIDE, EDGE + k or CORNER + k of the face, from the weights on triangle k."""
+    if M[2] + M[3] > 0.0:
+        return INSIDE
+    if M[1] == 0.0:
+        return CORNER + k
+    return CORNER + (k + 1) % 4 if M[0] == 0.0 else EDGE + k
+
+
+@kernel
+def at_least(d, m, at, a, b, c, e):
+    """What no distance within the corners is below: d is convex, and m its slope."""
+    lowest = min(dot(m, sub(a, at)), dot(m, sub(b, at)), dot(m, sub(c, at)), dot(m, sub(e, at)))
+    return d + lowest
+
+
+@kernel
+def descend(s, far, a, b, c, d):
+    """From the place that touches first if the ellipsoid grows, down to one that none is below."""
+    N, _, place = nearest_on_face(shrink(s, a), shrink(s, b), shrink(s, c), shrink(s, d))
+    at = point_of(N, a, b, c, d)
+    least, m = from_ellipsoid(s, at)
+    beyond = at_least(least, m, at, a, b, c, d)
+    if beyond > far:
+        return N, place, beyond, m
+    noise = ROUND_OFF * max(s[0], s[1], s[2])
+    for _ in range(ITERATIONS):
+        N_new, place_new = stretched(s, at, least, m, a, b, c, d)
+        new, m_new = from_ellipsoid(s, point_of(N_new, a, b, c, d))
+        if new > least + noise:
+            N_new, place_new = from_ball(s, at, least, m, a, b, c, d)
+            new, m_new = from_ellipsoid(s, point_of(N_new, a, b, c, d))
+        if new > least + noise:
+            break
+        gain = least - new
+        N, place, at, least, m = N_new, place_new, point_of(N_new, a, b, c, d), new, m_new
+        # the last step of Newton's gains nothing in distance, but the digits of the place
+        if gain <= noise:
+            break
+    return N, place, least, m
+
+
+@kernel
+def shrink(s, x):
+    """Where the ellipsoid is the unit sphere."""
+    return x[0] / s[0], x[1] / s[1], x[2] / s[2]
+
+
+@kernel
+def stretched(s, at, d, m, a, b, c, e):
+    """Newton's next place: weights, and where it is."""
+    low = min(s[0], s[1], s[2])
+    t, u, R_t, R_u = curvatures(s, add_scaled(at, -d, m), m)
+    r = max(d + low, NO_WAY * low)
+    k_t, k_u = sqrt(r / max(R_t + d, NO_WAY * low)), sqrt(r / max(R_u + d, NO_WAY * low))
+    N, _, place = nearest_on_face(
+        stretch(sub(a, at), m, t, u, r, k_t, k_u),
+        stretch(sub(b, at), m, t, u, r, k_t, k_u),
+        stretch(sub(c, at), m, t, u, r, k_t, k_u),
+        stretch(sub(e, at), m, t, u, r, k_t, k_u),
+    )
+    return N, place
+
+
+@kernel
+def stretch(x, m, t, u, r, k_t, k_u):
+    """y of a corner, x from the place at hand."""
+    return dot(x, m) + r, k_t * dot(x, t), k_u * dot(x, u)
+
+
+@kernel
+def curvatures(s, x, m):
+    """Principal directions of the ellipsoid at its place x with normal m, and radii there [m]."""
+    helper = (1.0, 0.0, 0.0) if abs(m[0]) < 0.6 else (0.0, 1.0, 0.0)
+    v = cross(m, helper)
+    v = scale(1.0 / norm(v), v)
+    w = cross(m, v)
+    slope = norm(shrink(s, shrink(s, x)))
+    S_vv = dot(shrink(s, v), shrink(s, v)) / slope
+    S_vw = dot(shrink(s, v), shrink(s, w)) / slope
+    S_ww = dot(shrink(s, w), shrink(s, w)) / slope
+    middle, half = 0.5 * (S_vv + S_ww), 0.5 * (S_vv - S_ww)
+    way = sqrt(half * half + S_vw * S_vw)
+    # half the angle by which the larger curvature is turned from v
+    cosine = 1.0 if way == 0.0 else sqrt(max(0.5 + 0.5 * half / way, 0.0))
+    sine = 0.0 if way == 0.0 else sqrt(max(0.5 - 0.5 * half / way, 0.0))
+    sine = sine if S_vw >= 0.0 else -sine
+    t = add_scaled(scale(cosine, v), sine, w)
+    u = add_scaled(scale(cosine, w), -sine, v)
+    return t, u, 1.0 / (middle + way), 1.0 / max(middle - way, 1e-300)
+
+
+@kernel
+def from_ball(s, at, d, m, a, b, c, e):
+    """The place nearest to a ball that fits into the foot of c: weights, where it is."""
+    low, high = min(s[0], s[1], s[2]), max(s[0], s[1], s[2])
+    z = add_scaled(at, -d - low * low / high, m)
+    N, _, place = nearest_on_face(sub(a, z), sub(b, z), sub(c, z), sub(e, z))
+    return N, place

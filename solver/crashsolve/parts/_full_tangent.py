@@ -1,0 +1,207 @@
+"""Tangent of the four-node shell with 2 by 2 points in its plane: motions as with one point.
+
+    d eps_x = d eps_x0 + h_x dq_x + dh_x q_x - nu (h_y dq_y + dh_y q_y)
+
+at each point, with the tangent of its own layers; what acts on q is summed over the points with the
+slopes h of the end of the step. Consequence to test: central differences of the forces.
+
+References: those of _full.py and _layer_tangent.py.
+"""
+
+from crashsolve.foundation.compile import blockwise, inlined, kernel
+from crashsolve.foundation.point import LANES
+from crashsolve.parts._full import (
+    XI_ETA,
+    add_point,
+    keep_mean,
+    place_of,
+    put_sums,
+    resist,
+    slopes_at,
+    strain_at,
+)
+from crashsolve.parts._layer_tangent import POINT_ROWS, clear_tangent, layers_and_tangent
+from crashsolve.parts._layers import clear_resultants, take_up
+from crashsolve.parts._quad_block import LAYERS, gather, strain, three
+from crashsolve.parts._shell_tangent import (
+    end_moved,
+    geometry_at,
+    push_at_rest,
+    push_by_place,
+    push_by_turn,
+    see,
+    strain_by_place,
+    strain_by_turn,
+    stress_of_shear,
+)
+from crashsolve.parts._tangent import (
+    ACROSS,
+    END,
+    MID,
+    MODE,
+    MOVED,
+    POINTS,
+    STRAIN,
+    STRESSED,
+    SUMS,
+    add_column,
+    add_damping,
+    four,
+    put_three,
+    resultants,
+    shares,
+    turn_arms,
+    turn_corner,
+)
+from crashsolve.parts._viscous import damp
+
+DAMPING = LANES * (POINTS + 4 * POINT_ROWS)
+
+
+@kernel
+def tangent(p, h, scene):
+    """Tangents of the elements with 2 by 2 points of a part at the end of a step of h.
+
+    Writes: scene.blocks_0, lanes, work, seen, change.
+    """
+    done, blocks, work, seen = 0, scene.lanes, scene.work, scene.seen
+    while done < p.four_points:
+        first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
+        gather(scene.points, scene.corners, corner, work)
+        strain(blocks, first, work, h, p)
+        stress(blocks, scene.lanes_before, first, work, seen, h, p, scene.curves)
+        clear_tangent(seen, DAMPING)
+        if p.slows == 1:
+            damp(blocks, first, p.stride, work, h, p)
+            add_damping(seen, DAMPING, work, h, p)
+        resist(blocks, first, work)
+        see(blocks, scene.lanes_before, first, work, seen, h)
+        add_columns(p, h, scene, corner, min(LANES, p.four_points - done))
+        done += LANES
+
+
+@blockwise
+def stress(blocks, kept, first, work, seen, h, p, curves):
+    """Stresses at all points after a step of h, their means, and their tangents.
+
+    Writes: blocks, work, seen.
+    """
+    keep_mean(work)
+    for point in range(4):
+        xi, eta = place_of(point)
+        strain_at(work, xi, eta, p.poisson)
+        clear_resultants(work)
+        at = first + LANES * (LAYERS + point * p.layers * p.layer_rows)
+        to = LANES * (POINTS + point * POINT_ROWS)
+        layers_and_tangent(blocks, kept, at, work, seen, to, h, p, curves)
+        add_point(work, xi, eta, p.poisson)
+    put_sums(work)
+    take_up(blocks, first, p.stride, work, h, p)
+
+
+@kernel
+def add_columns(p, h, scene, corner, live):
+    """All columns of a block into the matrix. Writes: scene.blocks_0, change."""
+    work, seen, change = scene.work, scene.seen, scene.change
+    if scene.counts[0].arms > 0:
+        push_at_rest(seen, change)
+        turn_arms(scene, change, corner, live, 4)
+    for b in range(4):
+        d, c, g = shares(b)
+        for k in range(3):
+            strain_by_place(seen, change, k, d, c, g)
+            stress_by(seen, change, p)
+            resist_by(seen, change)
+            resist_moved(work, seen, change, k, d, c, g)
+            push_by_place(seen, change, k, d, c, g)
+            add_column(scene, change, corner, live, b, k, 4)
+        for k in range(3):
+            turn_corner(work, change, b, k, h)
+            strain_by_turn(seen, change, d, c, g)
+            stress_by(seen, change, p)
+            resist_by(seen, change)
+            push_by_turn(seen, change)
+            add_column(scene, change, corner, live, b, 3 + k, 4)
+
+
+@blockwise
+def stress_by(seen, change, p):
+    """Change of the stresses with that of strains and geometry. Writes: change."""
+    for e in range(LANES):
+        at, to = LANES * STRAIN + e, LANES * STRESSED + e
+        N, M, _ = resultants(seen, DAMPING + e, three(change, at), three(change, at + 3 * LANES))
+        put_three(change, to, N)
+        put_three(change, to + 3 * LANES, M)
+        change[LANES * ACROSS + e] = 0.0
+        for k in range(8):
+            change[LANES * (SUMS + k) + e] = 0.0
+    for point in range(4):
+        xi, eta = place_of(point)
+        add_point_by(seen, change, LANES * (POINTS + point * POINT_ROWS), xi, eta, p.poisson)
+    stress_of_shear(seen, change, p)
+
+
+@inlined
+def strains_by(seen, change, e, pair, h, dh, nu):
+    """Change of the strains, or curvatures, at a point with the slopes h."""
+    q, dq = LANES * (MODE + 2 * pair) + e, LANES * (STRAIN + 6 + 2 * pair) + e
+    x = h[0] * change[dq] + dh[0] * seen[q]
+    y = h[1] * change[dq + LANES] + dh[1] * seen[q + LANES]
+    d = three(change, LANES * (STRAIN + 3 * pair) + e)
+    return d[0] + x - nu * y, d[1] + y - nu * x, d[2]
+
+
+@blockwise
+def add_point_by(seen, change, place, xi, eta, nu):
+    """A quarter of the changes from what changes at a point. Writes: change."""
+    for e in range(LANES):
+        flat, _, _, area = geometry_at(seen, LANES * MID + e)
+        at = LANES * MOVED + e
+        moved, share = four(change, at), change[at + 4 * LANES] / area
+        h, dh = slopes_at(flat, xi, eta), slopes_at(moved, xi, eta)
+        h = (h[0] / area, h[1] / area)
+        dh = (dh[0] / area - share * h[0], dh[1] / area - share * h[1])
+        d = strains_by(seen, change, e, 0, h, dh, nu)
+        b = strains_by(seen, change, e, 1, h, dh, nu)
+        N, M, across = resultants(seen, place + e, d, b)
+        change[LANES * ACROSS + e] += 0.25 * across
+        for pair in range(2):
+            s = N if pair == 0 else M
+            at, to = LANES * (STRESSED + 3 * pair) + e, LANES * (SUMS + 4 * pair) + e
+            for k in range(3):
+                change[at + LANES * k] += 0.25 * s[k]
+            x, y = 0.25 * (s[0] - nu * s[1]), 0.25 * (s[1] - nu * s[0])
+            change[to] += xi * x
+            change[to + LANES] += eta * x
+            change[to + 2 * LANES] += xi * y
+            change[to + 3 * LANES] += eta * y
+
+
+@inlined
+def pushed(flat, sums):
+    """What acts on q along x and y, from sums over the points."""
+    x, _ = slopes_at(flat, sums[0], sums[1])
+    _, y = slopes_at(flat, sums[2], sums[3])
+    return x, y
+
+
+@blockwise
+def resist_by(seen, change):
+    """Change of what acts on the modes with that of the sums. Writes: change."""
+    for e in range(LANES):
+        flat, to = geometry_at(seen, LANES * END + e)[0], LANES * (STRESSED + 6) + e
+        for pair in range(2):
+            x, y = pushed(flat, four(change, LANES * (SUMS + 4 * pair) + e))
+            change[to + 2 * LANES * pair], change[to + LANES * (2 * pair + 1)] = x, y
+
+
+@blockwise
+def resist_moved(work, seen, change, k, d, c, g):
+    """The same with the geometry of the end as a corner moves. Writes: change."""
+    for e in range(LANES):
+        _, moved = end_moved(seen, e, k, d, c, g)
+        to = LANES * (STRESSED + 6) + e
+        for pair in range(2):
+            x, y = pushed(moved[0], four(work, LANES * (XI_ETA + 4 * pair) + e))
+            change[to + 2 * LANES * pair] += x
+            change[to + LANES * (2 * pair + 1)] += y

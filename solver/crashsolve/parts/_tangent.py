@@ -1,0 +1,206 @@
+"""What the tangents of shells share: rows of numbers, turns of the corners, blocks of the matrix.
+
+A tangent is made for sixteen elements at a time, a column for every motion of every corner: what is
+found once for all columns is `seen`, what belongs to the present one is its `change`. A corner with
+the Cayley vector c of the step, which turns by dtheta at its end, has
+
+    2 dc = dtheta + dtheta x c + (c . dtheta) c
+
+Consequence to test: the columns are derivatives of the forces.
+"""
+
+from crashsolve.foundation.compile import blockwise, inlined, kernel
+from crashsolve.foundation.point import LANES
+from crashsolve.parts._layer_tangent import POINT_ROWS, THIN_BEND, THIN_STRAIN, A, B, D
+from crashsolve.parts._quad import cross3, dot3
+from crashsolve.parts._quad_block import DEPTH, SPIN, three
+
+# rows of a frame in `seen`: axes, diagonals, hourglass and z, area, slopes of the spin of the axes;
+# one of the middle of the step and one of its end
+AXES, SIDES, SKEW, SIZE, ABOUT, MID, END = 0, 9, 13, 16, 17, 0, 21
+# displacements and turns of the step along the axes of its middle; what acts on those of the end
+WAY, TURNED, PUSHED = 42, 54, 66
+# stresses: N, M, of the modes, of the change of shear, V, half of the drilling; transverse shear;
+# thickness before the step and after it; what yielding leaves of the modes, and of drilling; modes,
+# change of shear and drilling
+STRESS, TAU, BEFORE, AFTER, SOFT, TIED, MODE = 87, 102, 104, 105, 106, 110, 111
+# tangents of the layers, of each point of the plane, and of damping
+POINTS = 118
+SEEN_ROWS = POINTS + 5 * POINT_ROWS
+# rows of `change`: turn of the corner; strains; moved geometry of the middle; stresses; forces and
+# torques of the corners; strain across the thickness; sums over the points
+DIRECTION, STRAIN, MOVED, STRESSED, OUT, ACROSS, SUMS, CHANGE_ROWS = 0, 3, 18, 23, 38, 62, 63, 71
+
+
+@inlined
+def four(table, at):
+    """Numbers of four rows one after the other."""
+    return table[at], table[at + LANES], table[at + 2 * LANES], table[at + 3 * LANES]
+
+
+@inlined
+def put_three(table, at, u):
+    """Writes: table."""
+    table[at], table[at + LANES], table[at + 2 * LANES] = u[0], u[1], u[2]
+
+
+@inlined
+def put_four(table, at, u):
+    """Writes: table."""
+    table[at], table[at + LANES] = u[0], u[1]
+    table[at + 2 * LANES], table[at + 3 * LANES] = u[2], u[3]
+
+
+@inlined
+def axes_at(seen, at):
+    """Axes of a frame."""
+    return three(seen, at), three(seen, at + 3 * LANES), three(seen, at + 6 * LANES)
+
+
+@inlined
+def put_axes(seen, at, axes):
+    """Writes: seen."""
+    put_three(seen, at, axes[0])
+    put_three(seen, at + 3 * LANES, axes[1])
+    put_three(seen, at + 6 * LANES, axes[2])
+
+
+@inlined
+def shares(b):
+    """Shares of corner b in D, E and H."""
+    odd = b % 2
+    return (1 - odd) * (b - 1.0), odd * (b - 2.0), 1.0 - 2.0 * odd
+
+
+@blockwise
+def turn_corner(work, change, corner, k, h):
+    """Change of twice the Cayley vector of a corner that turns about axis k. Writes: change."""
+    x = 1.0 if k == 0 else 0.0
+    y = 1.0 if k == 1 else 0.0
+    z = 1.0 if k == 2 else 0.0
+    for e in range(LANES):
+        w = three(work, LANES * (SPIN + 3 * corner) + e)
+        a, b, c = 0.5 * h * w[0], 0.5 * h * w[1], 0.5 * h * w[2]
+        along, at = a * x + b * y + c * z, LANES * DIRECTION + e
+        change[at] = x + y * c - z * b + along * a
+        change[at + LANES] = y + z * a - x * c + along * b
+        change[at + 2 * LANES] = z + x * b - y * a + along * c
+
+
+@blockwise
+def add_damping(seen, place, work, h, p):
+    """Tangent of the resultants that damp the rates of strain. Writes: seen."""
+    plane = p.damping * p.young / (1.0 - p.poisson * p.poisson) / h
+    shear, nu = 0.5 * (1.0 - p.poisson), p.poisson
+    for e in range(LANES):
+        t, at = work[LANES * DEPTH + e], place + e
+        for part in range(2):
+            k = plane * t if part == 0 else plane * t * t * t / 12.0
+            row = at + LANES * A if part == 0 else at + LANES * D
+            seen[row] += k
+            seen[row + LANES] += nu * k
+            seen[row + 3 * LANES] += nu * k
+            seen[row + 4 * LANES] += k
+            seen[row + 8 * LANES] += shear * k
+
+
+@inlined
+def times(seen, at, d):
+    """A matrix of three rows times a vector."""
+    u, v, w = three(seen, at), three(seen, at + 3 * LANES), three(seen, at + 6 * LANES)
+    return (
+        u[0] * d[0] + u[1] * d[1] + u[2] * d[2],
+        v[0] * d[0] + v[1] * d[1] + v[2] * d[2],
+        w[0] * d[0] + w[1] * d[1] + w[2] * d[2],
+    )
+
+
+@inlined
+def resultants(seen, at, d, b):
+    """Changes of N and M at a point with strains d and curvatures b, and of the strain across."""
+    n, m = times(seen, at + LANES * A, d), times(seen, at + LANES * B, d)
+    o, q = times(seen, at + LANES * B, b), times(seen, at + LANES * D, b)
+    u, v = three(seen, at + LANES * THIN_STRAIN), three(seen, at + LANES * THIN_BEND)
+    across = u[0] * d[0] + u[1] * d[1] + u[2] * d[2] + v[0] * b[0] + v[1] * b[1] + v[2] * b[2]
+    return (
+        (n[0] + o[0], n[1] + o[1], n[2] + o[2]),
+        (m[0] + q[0], m[1] + q[1], m[2] + q[2]),
+        across,
+    )
+
+
+@kernel
+def add_column(scene, change, corner, live, b, k, count):
+    """A column of the elements of a block, for motion k of their corner b, into the matrix.
+
+    `count` is that of their corners. Writes: scene.blocks_0, change.
+    """
+    has_arms = scene.counts[0].arms > 0
+    if has_arms:
+        add_moments(scene, change, corner, live, count)
+    for e in range(live):
+        at = corner + LANES * b + e
+        if scene.points[scene.corners[at]].held >> k & 1:
+            continue
+        put_column(scene, change, corner, e, b, k, 1.0, count)
+        if has_arms and k < 3:
+            # a turn about axis j moves the end of an arm along axis k
+            d = three_of(scene.arms, scene.corners[at])
+            i, j = (k + 1) % 3, (k + 2) % 3
+            put_column(scene, change, corner, e, b, 3 + i, d[j], count)
+            put_column(scene, change, corner, e, b, 3 + j, -d[i], count)
+
+
+@inlined
+def three_of(arms, point):
+    return arms[3 * point], arms[3 * point + 1], arms[3 * point + 2]
+
+
+@kernel
+def put_column(scene, change, corner, e, b, k, share, count):
+    """Share of a column of one element in that of motion k of the body. Writes: scene.blocks_0."""
+    for a in range(count):
+        seat = scene.seats[4 * corner + LANES * (4 * a + b) + e]
+        if seat < 0:
+            continue
+        held = scene.points[scene.corners[corner + LANES * a + e]].held
+        block, at = scene.blocks_0[seat // 2], LANES * (OUT + 3 * a) + e
+        for i in range(6):
+            if held >> i & 1:
+                continue
+            # what acts on the corner is the negative of what acts on its motion
+            more = -share * change[at + LANES * (i if i < 3 else i + 9)]
+            if seat % 2 == 0:
+                block.stiff[6 * i + k] += more
+            else:
+                block.stiff_above[6 * k + i] += more
+
+
+@kernel
+def add_moments(scene, change, corner, live, count):
+    """Moments about their bodies of the forces on corners, beside the torques. Writes: change."""
+    for e in range(live):
+        for a in range(count):
+            d = three_of(scene.arms, scene.corners[corner + LANES * a + e])
+            at = LANES * (OUT + 3 * a) + e
+            moment = cross3(d, three(change, at))
+            for k in range(3):
+                change[at + LANES * (12 + k)] += moment[k]
+
+
+@kernel
+def turn_arms(scene, change, corner, live, count):
+    """What turning the arms of corners adds, by the forces there. Writes: scene.blocks_0."""
+    for e in range(live):
+        for a in range(count):
+            d = three_of(scene.arms, scene.corners[corner + LANES * a + e])
+            seat = scene.seats[4 * corner + LANES * 5 * a + e]
+            if seat < 0:
+                continue
+            f, block = three(change, LANES * (OUT + 3 * a) + e), scene.blocks_0[seat // 2]
+            along = dot3(d, f)
+            for i in range(3):
+                for k in range(3):
+                    # (e_k x d) x f = (e_k . f) d - (d . f) e_k
+                    more = f[k] * d[i] - (along if i == k else 0.0)
+                    block.stiff[6 * (3 + i) + 3 + k] -= more

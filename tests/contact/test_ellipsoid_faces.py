@@ -1,0 +1,198 @@
+"""Claims of ellipsoids that press on faces of shells: the nearest place, sides, what is refused."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from bench import plain
+
+from crashsolve.contact.cells import corner_points
+from crashsolve.contact.narrow import _ellipsoid_face, _face, sphere_ellipsoid
+from crashsolve.deck.read import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+from crashsolve.system import ellipsoids, faces, nodal
+
+SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float) - [0.5, 0.5, 0.0]
+FAR = 1e9
+
+
+def turned(rng: np.random.Generator) -> np.ndarray:
+    return np.linalg.qr(rng.normal(size=(3, 3)))[0]
+
+
+def nearest(s: Any, corners: np.ndarray, far: float = FAR) -> tuple[np.ndarray, float, np.ndarray]:
+    seen = [tuple(map(float, x)) for x in corners]
+    N, _, distance, m = plain(_ellipsoid_face.nearest_to_ellipsoid)(tuple(s), far, *seen)
+    return np.array(N), distance, np.array(m)
+
+
+def away(s: Any, x: Any) -> float:
+    """Signed distance from the ellipsoid."""
+    return float(plain(sphere_ellipsoid.from_ellipsoid)(tuple(s), tuple(map(float, x)))[0])
+
+
+def net(corners: np.ndarray, grid: int) -> np.ndarray:
+    """Places on the four triangles of a face."""
+    u, v = np.meshgrid(np.linspace(0, 1, grid + 1), np.linspace(0, 1, grid + 1))
+    u, v = u[u + v <= 1 + 1e-12], v[u + v <= 1 + 1e-12]
+    middle = corners.mean(axis=0)
+    ends = [(corners[k], corners[(k + 1) % 4]) for k in range(4)]
+    return np.concatenate(
+        [np.outer(1 - u - v, middle) + np.outer(u, a) + np.outer(v, b) for a, b in ends]
+    )
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_place_of_a_face_is_nearer(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    s = 10.0 ** rng.uniform(-1.0, 0.3, 3)
+    side = 10.0 ** rng.uniform(-1.0, 1.0)
+    corners = side * (SQUARE + 0.2 * rng.uniform(-1, 1, (4, 3))) @ turned(rng)
+    # any place about the ellipsoid, but not so deep that ways out on several sides are as short
+    corners += rng.normal(size=3)
+    N, distance, m = nearest(s, corners)
+    least = min(away(s, x) for x in net(corners, 10))
+    if least < -0.5 * s.min():
+        pytest.skip("too deep for one way out")
+    assert (N >= 0.0).all() and N.sum() == pytest.approx(1.0, abs=1e-14)
+    place = N @ corners
+    assert away(s, place) == pytest.approx(distance, abs=1e-13 * s.max())
+    assert distance <= least + 1e-12 * s.max()
+    # the normal at the foot, from which the place is so far
+    foot = place - distance * m
+    assert np.sum((foot / s) ** 2) == pytest.approx(1.0, abs=1e-10)
+    slope = foot / s**2
+    np.testing.assert_allclose(m, slope / np.linalg.norm(slope), atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_with_equal_semi_axes_it_is_the_place_nearest_to_the_centre(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    corners = (SQUARE + 0.3 * rng.uniform(-1, 1, (4, 3))) @ turned(rng) + rng.normal(size=3)
+    N, distance, _ = nearest((0.1, 0.1, 0.1), corners)
+    M, square, _ = plain(_face.nearest_on_face)(*[tuple(map(float, x)) for x in corners])
+    assert distance == pytest.approx(np.sqrt(square) - 0.1, abs=1e-14)
+    # the distance is of second order in the place
+    np.testing.assert_allclose(N @ corners, np.array(M) @ corners, atol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_far_face_is_told_to_be_no_nearer_than_it_is(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    s = (0.3, 0.1, 0.2)
+    corners = (SQUARE + 0.2 * rng.uniform(-1, 1, (4, 3))) @ turned(rng)
+    corners += 2.0 * corners.mean(axis=0) + rng.normal(size=3) * 2.0
+    _, bound, _ = nearest(s, corners, far=0.05)
+    _, distance, _ = nearest(s, corners)
+    assert (bound > 0.05) == (distance > 0.05) or bound <= distance
+    assert bound <= distance + 1e-13
+
+
+def bench(folder: Path, semi: Any, normals: str = "nearest") -> Any:
+    """Two faces of a floor and an ellipsoid, its contact moved by hand as plain Python."""
+    deck = {
+        "control": {"end_time": 1},
+        "materials": {"m": {"type": "elastic", "young": 1e6, "poisson": 0.3, "density": 1e3}},
+        "bodies": {"egg": {"mass": 1, "inertia": [1, 1, 1], "position": [0, 0, 9]}},
+        "parts": {
+            "floor": {
+                **{"type": "shell", "thickness": 0.02, "material": "m"},
+                "mesh": {
+                    **{"type": "grid", "at": [-1, -0.5, 0], "along": [2, 0, 0]},
+                    **{"across": [0, 1, 0], "elements": [2, 1]},
+                },
+            }
+        },
+        "surfaces": {
+            "egg": {"type": "ellipsoid", "body": "egg", "semi_axes": [float(x) for x in semi]},
+            "floor": {"type": "faces", "part": "floor", "normals": normals},
+        },
+        "contacts": {"c": {"a": ["egg"], "b": ["floor"], "normal": {"type": "penalty"}}},
+    }
+    path = folder / "bench.yaml"
+    path.write_text(yaml.safe_dump(deck), "utf-8")
+    model, state = build(read_deck(path))
+    (group,) = model.nodal_groups
+    g = SimpleNamespace(
+        **{n: a.view(np.recarray) if a.dtype.names else a for n, a in group.arrays.items()}
+    )
+    g.points, g.corners = state.points.view(np.recarray), model.elements.corners
+    g.nodes = state.nodes.view(np.recarray)
+    return g
+
+
+def look(g: Any, x: Any, A: Any) -> Any:
+    """What the ellipsoid finds at x, a step later each time: side, depth, normal, ball's centre."""
+    body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
+    body.r, body.A = x, np.ravel(A)
+    g.tally[0].listed, g.due[:] = -1.0, 0.0
+    lists = (g.first, g.near, g.wait, g.due)
+    plain(faces.open_faces)(
+        *(0.0, g.p[0], g.tally[0], g.probes, g.nodes, g.points, g.corners),
+        *((g.cells, g.starts, g.sorted), lists, (g.spared_first, g.spared)),
+    )
+    plain(ellipsoids.look)(
+        *(0, g.p[0], g.tally[0], g.ellipsoids[0], g.nodes, g.slots, g.turns, mesh, lists, g.found),
+    )
+    hits = []
+    for s in range(2):
+        old, new, hit = g.slots[g.turns[s], s], g.slots[1 - g.turns[s], s], g.found[s]
+        new.depth, new.active, new.face = hit.depth, int(hit.depth > 0.0), hit.face
+        new.normal = hit.normal
+        if new.active or old.active:
+            plain(nodal.take_turn)(1.0, g.turns, s)
+        if new.active:
+            plain(ellipsoids.roll)(g.balls[0], g.p[0], hit, g.nodes, g.points, g.corners)
+            z = np.array(body.r) + np.reshape(body.A, (3, 3)) @ g.balls[0].at
+            hits.append((s, float(hit.depth), np.array(hit.normal), z))
+    return hits
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_on_a_flat_floor_it_is_as_deep_as_on_a_plane(seed: int, tmp_path: Path) -> None:
+    semi = np.array([0.3, 0.15, 0.1])
+    g, A = bench(tmp_path, semi), turned(np.random.default_rng(seed))
+    A *= np.sign(np.linalg.det(A))
+    reach = np.linalg.norm(semi * A[2])
+    lowest = -(A * semi**2) @ A[2] / reach
+    # less than the least radius of curvature: deeper, another way out is shorter than upwards
+    for drop in (0.0, 0.01, 0.03):
+        x = np.array([0.1, 0.1, 0.0]) - lowest * [1.0, 1.0, 0.0] + [0.0, 0.0, reach - drop]
+        ((s, depth, normal, z),) = look(g, x, A)
+        assert s == 0
+        # half the thickness of the floor, and what is below its mid-surface
+        assert depth == pytest.approx(0.01 + drop, abs=1e-12)
+        np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-7)
+        # a ball of the shortest semi-axis within the ellipsoid at its lowest place
+        np.testing.assert_allclose(z, [0.1, 0.1, 0.1 - drop], atol=1e-7)
+    assert look(g, x + [0, 0, 0.05], A) == []
+    # from below it is the same the other way up
+    ((s, depth, normal, _),) = look(g, [x[0], x[1], -reach + 0.01], A)
+    assert s == 1 and depth == pytest.approx(0.02, abs=1e-12)
+    np.testing.assert_allclose(normal, [0, 0, -1], atol=1e-7)
+
+
+def test_beyond_the_border_its_side_meets_the_edge(tmp_path: Path) -> None:
+    g = bench(tmp_path, (0.3, 0.15, 0.1))
+    ((_, depth, normal, z),) = look(g, [1.295, 0.0, 0.0], np.eye(3))
+    assert depth == pytest.approx(0.015, abs=1e-12)
+    np.testing.assert_allclose(normal, [1, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(z, [1.095, 0, 0], atol=1e-9)
+
+
+def test_a_field_of_normals_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DeckErrors, match="leave `normals: continuous` out"):
+        bench(tmp_path, (0.3, 0.2, 0.1), normals="continuous")
+
+
+def test_the_corners_of_a_face_are_where_the_shell_is(tmp_path: Path) -> None:
+    g = bench(tmp_path, (0.3, 0.2, 0.1))
+    at = plain(corner_points)(g.p[0], 0, g.corners)
+    seen = plain(ellipsoids.corners_seen)(
+        g.ellipsoids[0], g.nodes[1], g.p[0], 0, (g.points, g.corners)
+    )
+    np.testing.assert_allclose(np.array(seen) + g.nodes[1].r, np.array(g.points.r)[list(at)])
