@@ -18,7 +18,10 @@ from crashsolve.model.clock import CLOCK
 from crashsolve.model.model import Model, State
 
 JOB = Record(number=("index", "what the second thread is to do"), h=("s", "step"))
-LOAN = Record(point=("index", "that a point stands for"))
+LOAN = Record(
+    point=("index", "that a point stands for"),
+    slows=("flag", "whether the elements of its part have damping or added mass"),
+)
 HOLD = Record(point=("index", "that is held"))
 QUADS = ("one_point", "four_points")
 
@@ -58,7 +61,9 @@ def halve(model: Model, state: State) -> Halves:
             own[own >= count] += sum(map(len, loans))
             second["first_corner"] = sum(map(len, corners))
             corners.append(own)
-            loans.append(lent)
+            borrowed = np.zeros(len(lent), LOAN.dtype)
+            borrowed["point"], borrowed["slows"] = lent, row["slows"]
+            loans.append(borrowed)
     table = np.zeros(count + sum(map(len, loans)), POINT.dtype)
     table[:count] = state.points
     state.points = table[:count]
@@ -67,7 +72,7 @@ def halve(model: Model, state: State) -> Halves:
         rows,
         np.concatenate(corners),
         table,
-        np.concatenate(loans).astype(LOAN.dtype),
+        np.concatenate(loans),
         held.astype(HOLD.dtype),
         np.zeros(1, CLOCK.dtype),
     )

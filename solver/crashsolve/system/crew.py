@@ -59,11 +59,13 @@ def lend(scene):
         put(b.w, vec(own.w))
         put(b.force, (0.0, 0.0, 0.0))
         put(b.torque, (0.0, 0.0, 0.0))
+        b.mass_inv, b.J_inv = own.mass_inv, own.J_inv
+        b.rate = b.spin_rate = 0.0
 
 
 @kernel
 def take_back(clock, scene):
-    """Forces on points that stand for others, and the stiffest element of the second half.
+    """What elements add to points that stand for others, and the stiffest of the second half.
 
     Writes: scene.points, clock.
     """
@@ -72,6 +74,11 @@ def take_back(clock, scene):
         b, own = scene.lent[k], scene.points[loans[k].point]
         add_to(own.force, vec(b.force))
         add_to(own.torque, vec(b.torque))
+        if loans[k].slows == 1:
+            own.rate, own.spin_rate = max(own.rate, b.rate), max(own.spin_rate, b.spin_rate)
+        else:
+            own.rate += b.rate
+            own.spin_rate += b.spin_rate
     rate, is_first = second.element_rate, second.limit_element < clock.limit_element
     if rate > clock.element_rate or (rate > 0.0 and rate == clock.element_rate and is_first):
         clock.element_rate, clock.limit_element = rate, second.limit_element
