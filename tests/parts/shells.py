@@ -74,6 +74,7 @@ class Elements:
         self.points.r += h * self.points.v
         self.points.force, self.points.torque = 0.0, 0.0
         self.clock.element_rate = 0.0
+        self.points.rate, self.points.spin_rate = 0.0, 0.0
         for kind in self.kinds:
             plain(kind.deform)(self.p, self.clock, h, self.scene)
         return np.hstack([self.points.force, self.points.torque])

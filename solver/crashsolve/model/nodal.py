@@ -97,7 +97,6 @@ HIT = Record(
     N=("1", 4, "weights of the corners"),
 )
 TOUCHED = Record(
-    stiffness=("1/s^2", "largest sum of k N / m of a point"),
     damping=("1/s", "largest sum of c N / m"),
     shortened=("1", "largest factor by which contact has shortened the stable step"),
 )

@@ -29,6 +29,7 @@ from crashsolve.parts._layers import (
     ALL_ROWS,
     DROPPED,
     LOST,
+    STIFF,
     THIN,
     clear_resultants,
     take_up,
@@ -63,7 +64,7 @@ from crashsolve.parts.shell import (
 
 # further rows of `work`: strains of the middle; sums over the points of resultants, of resultants
 # less nu times those across times xi and eta, of the change of thickness, of
-# plastic work and of what failed layers lose
+# plastic work, of what failed layers lose and of what yielding leaves of the stiffness
 MEAN, SUM, XI_ETA, CHANGES = ALL_ROWS, ALL_ROWS + 6, ALL_ROWS + 12, ALL_ROWS + 20
 PLACE_OF_POINT = 3.0**-0.5
 
@@ -82,7 +83,7 @@ def deform(p, clock, h, scene):
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
         scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, scene.work, p.first_element + done, live)
+        note_rate(clock, p, scene, p.first_element + done, first, corner, live, 4)
         done += LANES
 
 
@@ -135,7 +136,7 @@ def keep_mean(work):
     """Strains of the middle aside, and no sums yet. Writes: work."""
     for row in range(6 * LANES):
         work[LANES * MEAN + row] = work[LANES * MEMBRANE + row]
-    for row in range(17 * LANES):
+    for row in range(19 * LANES):
         work[LANES * SUM + row] = 0.0
 
 
@@ -149,6 +150,8 @@ def put_sums(work):
         work[LANES * THIN + e] = work[LANES * CHANGES + e]
         work[LANES * LOST + e] = work[LANES * (CHANGES + 1) + e]
         work[LANES * DROPPED + e] = work[LANES * (CHANGES + 2) + e]
+        work[LANES * STIFF + e] = work[LANES * (CHANGES + 3) + e]
+        work[LANES * (STIFF + 1) + e] = work[LANES * (CHANGES + 4) + e]
 
 
 @kernel
@@ -203,6 +206,8 @@ def add_point(work, xi, eta, nu):
         work[LANES * CHANGES + e] += 0.25 * work[LANES * THIN + e]
         work[LANES * (CHANGES + 1) + e] += 0.25 * work[LANES * LOST + e]
         work[LANES * (CHANGES + 2) + e] += 0.25 * work[LANES * DROPPED + e]
+        work[LANES * (CHANGES + 3) + e] += 0.25 * work[LANES * STIFF + e]
+        work[LANES * (CHANGES + 4) + e] += 0.25 * work[LANES * (STIFF + 1) + e]
 
 
 @blockwise

@@ -7,6 +7,7 @@ equal distances, and nothing branches. `work` has a row of lanes for each number
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._quad import (
+    DRILLING,
     dot3,
     hourglass_stiffness,
     plane_axes,
@@ -31,9 +32,6 @@ MEMBRANE, CURVATURE, RESULTANT, MOMENT, RATE, AREA, DEPTH = 36, 39, 42, 45, 48, 
 # of the step: what differs from a linear field, of the plane and of the turns; diagonals
 MODES, FLAT = 51, 55
 ROWS = 59
-# stiffness against spins of the nodes about the normal that differ from the turn of the plane, over
-# that against shear of the plane: enough to tie them, too little to set the step
-DRILLING = 0.1
 
 
 @kernel
@@ -50,12 +48,26 @@ def gather(points, corners, first, work):
 
 
 @kernel
-def note_rate(clock, work, first, live):
-    """Keep the largest squared frequency and whose it is. Writes: clock."""
+def note_rate(clock, p, scene, number, first, corner, live, ends):
+    """Squared frequencies of elements to their corners, by mass; the largest, and whose it is.
+
+    Elements with damping share nothing out: half of what they need grows with h, not h^2. Writes:
+    clock, scene.points.
+    """
+    work, blocks, points = scene.work, scene.lanes, scene.points
     for e in range(live):
-        if work[LANES * RATE + e] > clock.element_rate:
-            clock.element_rate = work[LANES * RATE + e]
-            clock.limit_element = first + e
+        rate = work[LANES * RATE + e]
+        if rate > clock.element_rate:
+            clock.element_rate, clock.limit_element = rate, number + e
+        load = rate * blocks[first + LANES * WEIGHT + e] / ends
+        turning = load * blocks[first + LANES * RADIUS_2 + e]
+        for c in range(ends):
+            b = points[scene.corners[corner + LANES * c + e]]
+            if p.slows == 1:
+                b.rate, b.spin_rate = max(b.rate, rate), max(b.spin_rate, rate)
+            else:
+                b.rate += load * b.mass_inv
+                b.spin_rate += turning * b.J_inv
 
 
 @kernel
@@ -149,6 +161,28 @@ def grow_modes(blocks, at, h, t, k, k_s, q, change):
 
 
 @inlined
+def tied(blocks, at, turn):
+    """What yielding leaves of the stiffness that ties; what was taken up is given back elastically."""
+    soft = at + LANES * SOFT_PLANE
+    is_more = blocks[at + LANES * DRILL] * turn > 0.0
+    return 0.5 * (blocks[soft] + blocks[soft + LANES]) if is_more else 1.0
+
+
+@inlined
+def tie(blocks, at, stiff, turn):
+    """Let the stress grow that ties spins about the normal to the plane, softer where that yields.
+
+    `stiff` is that of the plane against shear. Writes: blocks.
+    """
+    row, share = at + LANES * DRILL, tied(blocks, at, turn)
+    old = blocks[row]
+    more = share * DRILLING * stiff * turn
+    blocks[row] = old + more
+    # what is not given back
+    blocks[at + LANES * LOSS] += (old + 0.5 * more) * (1.0 - share) * turn
+
+
+@inlined
 def put_four(work, row, e, u):
     """Four numbers in rows one after the other. Writes: work."""
     at = LANES * row + e
@@ -171,13 +205,9 @@ def strain(blocks, first, work, h, p):
         turn = diagonals(work, SPIN, e)
         u_x, u_y, w = along(axes[0], v), along(axes[1], v), along(axes[2], v)
         t_x, t_y = along(axes[0], turn), along(axes[1], turn)
-        # rigid links from the nodes to the mean plane
-        xx, xy, q_x = slopes(
-            u_x[0] - z * t_y[0], u_x[1] + z * t_y[1], u_x[2] - z * t_y[3], flat, hourglass, area
-        )
-        yx, yy, q_y = slopes(
-            u_y[0] + z * t_x[0], u_y[1] - z * t_x[1], u_y[2] + z * t_x[3], flat, hourglass, area
-        )
+        # the corners lie beside the mean plane by z and -z: turning moves them along it
+        xx, xy, q_x = slopes(u_x[0], u_x[1], u_x[2] - z * t_y[3], flat, hourglass, area)
+        yx, yy, q_y = slopes(u_y[0], u_y[1], u_y[2] + z * t_x[3], flat, hourglass, area)
         at = LANES * MEMBRANE + e
         work[at], work[at + LANES], work[at + 2 * LANES] = h * xx, h * yy, h * (xy + yx)
         drill = 0.5 * (yx - xy) - 0.25 * dot3(turn[3], axes[2])
@@ -194,7 +224,7 @@ def strain(blocks, first, work, h, p):
         at = first + LANES * PLANE_Q + e
         blocks[at + 6 * LANES] += h * 5.0 / 6.0 * G * gamma[0]
         blocks[at + 7 * LANES] += h * 5.0 / 6.0 * G * gamma[1]
-        blocks[at + 8 * LANES] += h * DRILLING * G * t * area * drill
+        tie(blocks, first + e, G * t * area, h * drill)
         work[LANES * AREA + e] = area
         work[LANES * DEPTH + e] = t
         put_four(work, MODES, e, (h * q_x, h * q_y, h * p_x, h * p_y))
@@ -229,7 +259,6 @@ def push(blocks, first, work, p):
 
     Writes: work.
     """
-    E_rho, nu = p.young / p.density, p.poisson
     for e in range(LANES):
         x = diagonals(work, PLACE, e)
         axes, flat, area = plane_axes(x[0], x[1], shape(blocks, first + e))
@@ -255,10 +284,13 @@ def push(blocks, first, work, p):
             TORQUE,
             e,
             axes,
-            (t_x[0] - n_d + z * d_y, t_y[0] + m_d - z * d_x, 0.0),
-            (t_x[1] - n_e - z * e_y, t_y[1] + m_e + z * e_x, 0.0),
+            (t_x[0] - n_d, t_y[0] + m_d, 0.0),
+            (t_x[1] - n_e, t_y[1] + m_e, 0.0),
             (-n_h, m_h, 0.0),
             (t_x[2] + z * h_y, t_y[2] - z * h_x, -0.5 * drill),
         )
-        radius_2 = blocks[first + LANES * RADIUS_2 + e]
-        work[LANES * RATE + e] = rate_bound(flat, area, t, radius_2, E_rho, nu)
+        at = first + LANES * RADIUS_2 + e
+        light = p.young * t * area / blocks[at + LANES]
+        work[LANES * RATE + e] = rate_bound(
+            flat, hourglass, z, area, t, blocks[at], light, p.poisson
+        )

@@ -63,12 +63,8 @@ def strains(u, turn, geometry):
     """
     (u_x, u_y, w), (t_x, t_y, t_z) = u, turn
     flat, hourglass, z, area = geometry
-    xx, xy, q_x = slopes(
-        u_x[0] - z * t_y[0], u_x[1] + z * t_y[1], u_x[2] - z * t_y[3], flat, hourglass, area
-    )
-    yx, yy, q_y = slopes(
-        u_y[0] + z * t_x[0], u_y[1] - z * t_x[1], u_y[2] + z * t_x[3], flat, hourglass, area
-    )
+    xx, xy, q_x = slopes(u_x[0], u_x[1], u_x[2] - z * t_y[3], flat, hourglass, area)
+    yx, yy, q_y = slopes(u_y[0], u_y[1], u_y[2] + z * t_x[3], flat, hourglass, area)
     m_x, m_y, p_x = slopes(t_y[0], t_y[1], t_y[2], flat, hourglass, area)
     n_x, n_y, p_y = slopes(-t_x[0], -t_x[1], -t_x[2], flat, hourglass, area)
     gamma, change = shears(
@@ -119,18 +115,10 @@ def shears_moved(w, theta_x, theta_y, geometry, moved):
 def strains_moved(u, turn, geometry, moved):
     """Change of strains() with the geometry."""
     (u_x, u_y, w), (t_x, t_y, _) = u, turn
-    flat, hourglass, z, area = geometry
-    xx, xy, q_x = slopes_moved(
-        u_x[0] - z * t_y[0], u_x[1] + z * t_y[1], u_x[2] - z * t_y[3], geometry, moved
-    )
-    yx, yy, q_y = slopes_moved(
-        u_y[0] + z * t_x[0], u_y[1] - z * t_x[1], u_y[2] + z * t_x[3], geometry, moved
-    )
-    # the links to the mean plane
-    z = moved[2]
-    l_xx, l_xy, l_x = slopes(-z * t_y[0], z * t_y[1], -z * t_y[3], flat, hourglass, area)
-    l_yx, l_yy, l_y = slopes(z * t_x[0], -z * t_x[1], z * t_x[3], flat, hourglass, area)
-    xx, xy, q_x, yx, yy, q_y = xx + l_xx, xy + l_xy, q_x + l_x, yx + l_yx, yy + l_yy, q_y + l_y
+    z, rise = geometry[2], 0.25 * moved[2]
+    xx, xy, q_x = slopes_moved(u_x[0], u_x[1], u_x[2] - z * t_y[3], geometry, moved)
+    yx, yy, q_y = slopes_moved(u_y[0], u_y[1], u_y[2] + z * t_x[3], geometry, moved)
+    q_x, q_y = q_x - rise * t_y[3], q_y + rise * t_x[3]
     m_x, m_y, p_x = slopes_moved(t_y[0], t_y[1], t_y[2], geometry, moved)
     n_x, n_y, p_y = slopes_moved(-t_x[0], -t_x[1], -t_x[2], geometry, moved)
     gamma, change = shears_moved(
@@ -155,8 +143,8 @@ def pushes(stress, geometry):
     n_d, n_e, n_h = slopes_transposed(area * M[2], area * M[1], q[3], flat, hourglass, area)
     w, t_x, t_y = shears_transposed(V, s, flat, hourglass)
     return ((d_x, d_y, w[0]), (e_x, e_y, w[1]), (h_x, h_y, w[2])), (
-        (t_x[0] - n_d + z * d_y, t_y[0] + m_d - z * d_x, 0.0),
-        (t_x[1] - n_e - z * e_y, t_y[1] + m_e + z * e_x, 0.0),
+        (t_x[0] - n_d, t_y[0] + m_d, 0.0),
+        (t_x[1] - n_e, t_y[1] + m_e, 0.0),
         (-n_h, m_h, 0.0),
         (t_x[2] + z * h_y, t_y[2] - z * h_x, -0.5 * drill),
     )
@@ -200,7 +188,7 @@ def shears_transposed_moved(V, Q, geometry, moved):
 def pushes_moved(stress, forces, geometry, moved):
     """Change of pushes() with the geometry; `forces` are those on D, E, H of the places."""
     N, M, q, s, V, drill = stress
-    z, area, rise, grown = geometry[2], geometry[3], moved[2], moved[3]
+    area, rise, grown = geometry[3], moved[2], moved[3]
     xy, more = area * N[2], grown * N[2]
     d_x, e_x = transposed_moved(
         (area * N[0], xy - drill), (grown * N[0], more), q[0], geometry, moved
@@ -212,10 +200,10 @@ def pushes_moved(stress, forces, geometry, moved):
     m_d, m_e = transposed_moved((area * M[0], xy), (grown * M[0], more), q[2], geometry, moved)
     n_d, n_e = transposed_moved((xy, area * M[1]), (more, grown * M[1]), q[3], geometry, moved)
     w, t_x, t_y = shears_transposed_moved(V, s, geometry, moved)
-    D, E, H = forces
+    H = forces[2]
     return ((d_x, d_y, w[0]), (e_x, e_y, w[1]), ZERO), (
-        (t_x[0] - n_d + z * d_y + rise * D[1], t_y[0] + m_d - z * d_x - rise * D[0], 0.0),
-        (t_x[1] - n_e - z * e_y - rise * E[1], t_y[1] + m_e + z * e_x + rise * E[0], 0.0),
+        (t_x[0] - n_d, t_y[0] + m_d, 0.0),
+        (t_x[1] - n_e, t_y[1] + m_e, 0.0),
         ZERO,
         (t_x[2] + rise * H[1], t_y[2] - rise * H[0], 0.0),
     )

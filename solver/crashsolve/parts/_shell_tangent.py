@@ -33,6 +33,7 @@ from crashsolve.parts._quad_block import (
     shape,
     strain,
     three,
+    tied,
 )
 from crashsolve.parts._quad_moved import (
     NONE,
@@ -66,6 +67,7 @@ from crashsolve.parts._tangent import (
     STRESS,
     STRESSED,
     TAU,
+    TIED,
     TURNED,
     WAY,
     add_column,
@@ -238,6 +240,7 @@ def see_stress(blocks, kept, first, work, seen):
         for k in range(4):
             left = kept[soft + LANES * k] if old[k] * q[k] > 0.0 else 1.0
             seen[LANES * (SOFT + k) + e] = left
+        seen[LANES * TIED + e] = tied(kept, first + e, drill)
 
 
 @inlined
@@ -399,7 +402,8 @@ def stress_of_shear(seen, change, p):
             stiff * change[at + LANES] + thinner * seen[tau + LANES],
         )
         put_four(change, to, (k[0] * d[0] + j[0] * u[0], k[1] * d[1] + j[1] * u[1], *V))
-        change[to + 4 * LANES] = 0.5 * DRILLING * p.shear * t * (area * d[2] + more * u[2])
+        stiff = 0.5 * seen[LANES * TIED + e] * DRILLING * p.shear * t
+        change[to + 4 * LANES] = stiff * (area * d[2] + more * u[2])
 
 
 @inlined

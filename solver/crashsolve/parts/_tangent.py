@@ -21,11 +21,11 @@ AXES, SIDES, SKEW, SIZE, ABOUT, MID, END = 0, 9, 13, 16, 17, 0, 21
 # displacements and turns of the step along the axes of its middle; what acts on those of the end
 WAY, TURNED, PUSHED = 42, 54, 66
 # stresses: N, M, of the modes, of the change of shear, V, half of the drilling; transverse shear;
-# thickness before the step and after it; what yielding leaves of the modes; modes, change of
-# shear and drilling
-STRESS, TAU, BEFORE, AFTER, SOFT, MODE = 87, 102, 104, 105, 106, 110
+# thickness before the step and after it; what yielding leaves of the modes, and of drilling; modes,
+# change of shear and drilling
+STRESS, TAU, BEFORE, AFTER, SOFT, TIED, MODE = 87, 102, 104, 105, 106, 110, 111
 # tangents of the layers, of each point of the plane, and of damping
-POINTS = 117
+POINTS = 118
 SEEN_ROWS = POINTS + 5 * POINT_ROWS
 # rows of `change`: turn of the corner; strains; moved geometry of the middle; stresses; forces and
 # torques of the corners; strain across the thickness; sums over the points

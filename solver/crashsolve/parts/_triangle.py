@@ -34,7 +34,6 @@ from crashsolve.parts._quad_block import (
     CURVATURE,
     DEPTH,
     DRILL,
-    DRILLING,
     LAYERS,
     MEMBRANE,
     MOMENT,
@@ -56,6 +55,7 @@ from crashsolve.parts._quad_block import (
     scatter,
     shape,
     three,
+    tie,
 )
 from crashsolve.parts._viscous import SLOW_ROWS, allow, damp
 from crashsolve.parts.shell import (
@@ -101,7 +101,7 @@ def deform(p, clock, h, scene):
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
         scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, scene.work, p.first_element + quads + done, live)
+        note_rate(clock, p, scene, p.first_element + quads + done, first, corner, live, 3)
         done += LANES
 
 
@@ -236,7 +236,7 @@ def strain(blocks, first, work, h, p):
         at = first + LANES * SHEAR + e
         blocks[at] += stiff * (m1[0] * G1 + m2[0] * G2 + m3[0] * G3)
         blocks[at + LANES] += stiff * (m1[1] * G1 + m2[1] * G2 + m3[1] * G3)
-        blocks[first + LANES * DRILL + e] += h * DRILLING * G * t * area * drill
+        tie(blocks, first + e, G * t * area, h * drill)
         work[LANES * AREA + e] = area
         work[LANES * DEPTH + e] = t
 

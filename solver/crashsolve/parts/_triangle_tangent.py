@@ -30,6 +30,7 @@ from crashsolve.parts._quad_block import (
     put_corner,
     shape,
     three,
+    tied,
 )
 from crashsolve.parts._quad_moved import NONE, change_of, slopes_moved, turn_of_axes
 from crashsolve.parts._shell_tangent import (
@@ -58,6 +59,7 @@ from crashsolve.parts._tangent import (
     STRESS,
     STRESSED,
     TAU,
+    TIED,
     TURNED,
     WAY,
     add_column,
@@ -161,6 +163,7 @@ def see(blocks, kept, first, work, seen, h):
         u, turn = motions_at(seen, LANES * WAY + e), motions_at(seen, LANES * TURNED + e)
         _, _, others = strains(u, turn, geometry_at(seen, LANES * MID + e))
         put_four(seen, LANES * MODE + e, others)
+        seen[LANES * TIED + e] = tied(kept, at, others[3])
     for e in range(LANES):
         forces, torques = pushes(stress_at(seen, e), geometry_at(seen, LANES * END + e))
         at = LANES * PUSHED + e
@@ -331,7 +334,7 @@ def stress_by(seen, change, p):
         V_x = k * (du[0] + weaker * u[0]) + thinner * seen[tau]
         V_y = k * (du[1] + weaker * u[1]) + thinner * seen[tau + LANES]
         put_four(change, to + 10 * LANES, (0.0, 0.0, V_x, V_y))
-        drill = DRILLING * p.shear * t * (area * du[3] + more * u[3])
+        drill = seen[LANES * TIED + e] * DRILLING * p.shear * t * (area * du[3] + more * u[3])
         change[to + 14 * LANES] = 0.5 * drill
 
 

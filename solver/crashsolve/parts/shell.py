@@ -78,7 +78,7 @@ KINDS = {"one_point": "shell", "four_points": "_full", "triangles": "_triangle"}
 # points in the plane of a quadrilateral
 POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 # beside the rows of layers, sums over the points of a plane
-ROWS = ALL_ROWS + 23
+ROWS = ALL_ROWS + 25
 FAMILY = "matsum"
 ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
@@ -405,14 +405,18 @@ class Laid:
     def _square(self, element: int, flat: tuple[float, ...]) -> float:
         """Bound of the largest squared frequency of an element with these diagonals [1/s^2]."""
         law, t = self.material, self.card.thickness
-        size = flat, self.area[element], t, self.radius_2[element]
-        if element < self.quad_count:
-            # as plain Python: this is no place to compile for
-            bound = getattr(rate_bound, "py_func", rate_bound)
-        else:
+        size = self.area[element], t, self.radius_2[element], law.young / law.density, law.poisson
+        if element >= self.quad_count:
             # that file builds on this one
-            bound = import_module("crashsolve.parts._triangle").rate_bound
-        return float(bound(*size, law.young / law.density, law.poisson))
+            return float(import_module("crashsolve.parts._triangle").rate_bound(flat, *size))
+        x = self.mesh.points[self.mesh.quads[element]]
+        axes = np.column_stack([x[2] - x[0], x[3] - x[1]]) @ np.linalg.inv(
+            np.reshape(flat, (2, 2)).T
+        )
+        odd = x[0] - x[1] + x[2] - x[3]
+        skew = odd @ axes
+        z = 0.25 * np.sqrt(max(odd @ odd - skew @ skew, 0.0))
+        return float(quad_bound(flat, (float(skew[0]), float(skew[1])), float(z), *size))
 
     def _held(self, scene: Any) -> np.ndarray:
         """Bits of the motions that every node does not make."""
@@ -623,6 +627,12 @@ def diagonals(x: np.ndarray) -> np.ndarray:
     )
 
 
+@kernel
+def quad_bound(flat, hourglass, z, area, thickness, radius_2, light, nu):
+    """Bound of the largest squared frequency of a quadrilateral [1/s^2], for Python to call."""
+    return rate_bound(flat, hourglass, z, area, thickness, radius_2, light, nu)
+
+
 def lay(card: Shell, scene: Any) -> Laid:
     """The part in place."""
     return Laid(card, scene)
@@ -684,7 +694,7 @@ def deform(p, clock, h, scene):
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
         scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, scene.work, p.first_element + done, live)
+        note_rate(clock, p, scene, p.first_element + done, first, corner, live, 4)
         done += LANES
 
 

@@ -281,6 +281,8 @@ def _force_calls(model: Any) -> list[str]:
             lines += [f"{n.word}(clock, h, nodes, curves, groups)" for n in model.nodal_groups]
             lines += ["nodal.close_loads(clock, groups)"]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
+    if model.elements and not model.nodal_groups and not is_assembled(model):
+        lines += ["points.bound_rate(clock, groups.points)"]
     lines += _closing_calls(model)
     return lines + ["slaves.collect(groups.slaves, nodes)"] * has_slaves(model)
 

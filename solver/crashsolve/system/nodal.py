@@ -42,7 +42,7 @@ STUCK = 1e-30
 def open_loads(scene):
     """Nothing touches yet. Writes: scene.touched, stiffened."""
     total = scene.touched[0]
-    total.stiffness = total.damping = 0.0
+    total.damping = 0.0
     for i in range(2 * scene.points.shape[0]):
         scene.stiffened[i] = 0.0
 
@@ -51,14 +51,18 @@ def open_loads(scene):
 def close_loads(clock, scene):
     """Contact makes the mesh stiffer: bound of its highest frequency. Writes: clock, touched.
 
-    omega^2 <= omega_e^2 + 2 max_i sum k N_i / m_i, as (x - sum N_i x_i)^2 <= 2 x^2 + 2 sum N_i
-    x_i^2; dampers as in timestep.py.
+    omega^2 <= max_i (sum omega_e^2 m_ei + 2 sum k N_i) / m_i, the first as in points.py, the second
+    since (x - sum N_i x_i)^2 <= 2 x^2 + 2 sum N_i x_i^2; dampers as in timestep.py.
     """
-    total, alone = scene.touched[0], sqrt(clock.element_rate)
+    points, total, alone, largest = scene.points, scene.touched[0], 0.0, 0.0
+    for i in range(points.shape[0]):
+        b = points[i]
+        alone = max(alone, b.rate, b.spin_rate)
+        largest = max(largest, b.rate + 2.0 * scene.stiffened[2 * i])
     half = total.damping
-    speed = sqrt(clock.element_rate + 2.0 * total.stiffness + half * half) + half
+    speed = sqrt(max(alone, largest) + half * half) + half
     clock.element_rate = speed * speed
-    total.shortened = max(total.shortened, speed / alone)
+    total.shortened = max(total.shortened, speed / sqrt(alone))
 
 
 @kernel
@@ -248,7 +252,6 @@ def load(i, w, k, c, scene):
     total = scene.touched[0]
     scene.stiffened[2 * i] += k * w
     scene.stiffened[2 * i + 1] += c * w
-    total.stiffness = max(total.stiffness, scene.stiffened[2 * i])
     total.damping = max(total.damping, scene.stiffened[2 * i + 1])
 
 

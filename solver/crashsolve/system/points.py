@@ -36,6 +36,7 @@ def open_points(clock, h, p, old, new, points):
         zero = (0.0, 0.0, 0.0)
         put(b.force, zero)
         put(b.torque, zero)
+        b.rate = b.spin_rate = 0.0
         if p.drag > 0.0 and b.held < RIDES:
             lost += brake(clock, h * p.drag, b)
     new.damped = old.damped + lost
@@ -80,6 +81,18 @@ def half_turn(old, new):
     a, b = (old[1], old[2], old[3]), (new[1], new[2], new[3])
     turn = sub(scale(old[0], b), add(scale(new[0], a), cross(b, a)))
     return scale(1.0 / w, turn)
+
+
+@kernel
+def bound_rate(clock, points):
+    """Largest squared frequency of the mesh, from the shares of its elements. Writes: clock.
+
+    K <= sum omega_e^2 M_e, a diagonal matrix, so omega^2 <= max_i sum omega_e^2 m_ei / m_i.
+    """
+    largest = 0.0
+    for i in range(points.shape[0]):
+        largest = max(largest, points[i].rate, points[i].spin_rate)
+    clock.element_rate = largest
 
 
 @kernel
@@ -135,6 +148,7 @@ def unload(nodes, points, riders):
         add_to(body.torque, add(vec(b.torque), cross(d, f)))
         put(b.force, (0.0, 0.0, 0.0))
         put(b.torque, (0.0, 0.0, 0.0))
+        b.rate = b.spin_rate = 0.0
 
 
 @kernel
