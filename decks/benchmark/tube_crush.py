@@ -1,4 +1,4 @@
-"""The page tube_crush.md with its pictures: the crushed tube, run anew on two meshes with both quadrilaterals.
+"""The page tube_crush.md with its pictures: the crushed tube, run anew with both quadrilaterals.
 
 make crush       (or: python decks/benchmark/tube_crush.py, in an environment with matplotlib)
 """
