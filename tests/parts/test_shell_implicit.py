@@ -215,6 +215,20 @@ def test_a_step_five_times_too_long_is_stopped(tmp_path: Path) -> None:
     assert "energy" in done.stderr + done.stdout
 
 
+@pytest.mark.long
+def test_longer_load_steps_lead_to_the_same_equilibria(tmp_path: Path) -> None:
+    text = (DECKS / "shell_static.yaml").read_text("utf-8").partition("expect:")[0]
+    # half a second, three periods of the strip: inertia holds little of what has no stiffness
+    text = text.replace("end_time: 1,", "end_time: 10,").replace("[1, 1]]}", "[10, 1]]}")
+    assert "end_time: 10" in text and "[10, 1]" in text
+    (tmp_path / "deck.yaml").write_text(text, "utf-8")
+    done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    tip = Result(tmp_path / "out").series("rbdout.strip_a.position.z").values[-1]
+    # Mattiasson's elastica at 10 E I / L^2, with the tolerance that the deck gives
+    assert tip == pytest.approx(0.81060902, abs=1e-3)
+
+
 WRONG = {
     "thickness: 0.002": ("thickness: 0.002\n    drag: 3", "drag: drag on shells is for explicit"),
     "density: 7850": ("density: 7850, failure_strain: 0.1", "a material with a failure_strain"),
