@@ -30,8 +30,3 @@ def add_forces(points, corners, first, work, at, live):
         for k in range(3):
             b.force[k] += work[at + LANES * k + e]
             b.torque[k] += work[at + LANES * (NEXT + k) + e]
-
-
-def rounded(product):
-    """A product that no sum takes in unrounded."""
-    return product

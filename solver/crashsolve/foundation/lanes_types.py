@@ -10,7 +10,7 @@ from numba.core import cgutils, types
 from numba.core.typing.templates import signature
 from numba.extending import lower_builtin, type_callable
 
-from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, rounded, take_motion
+from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.table_types import WORD, Column, Table, number_place
 
@@ -38,19 +38,6 @@ def _type_add(context: Any) -> Any:
         return None
 
     return typer
-
-
-@type_callable(rounded)
-def _type_rounded(context: Any) -> Any:
-    return lambda product: types.float64 if product == types.float64 else None
-
-
-@lower_builtin(rounded, types.float64)
-def _rounded(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    kind = ir.FunctionType(DOUBLE, [DOUBLE])
-    name = "llvm.arithmetic.fence.f64"
-    fence = builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
-    return builder.call(fence, args)
 
 
 class Places:

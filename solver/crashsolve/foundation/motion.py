@@ -165,3 +165,16 @@ def act_from_outside(ground, f, moment):
     for k in range(3):
         ground.external[k] += f[k]
         ground.external[3 + k] += moment[k]
+
+
+@kernel
+def load_point(b, load, spin_load, slows):
+    """Add the stiffness of an element to that of its corner; with damping, keep the largest.
+
+    Writes: b.
+    """
+    if slows == 1:
+        b.load, b.spin_load = max(b.load, load), max(b.spin_load, spin_load)
+    else:
+        b.load += load
+        b.spin_load += spin_load

@@ -54,7 +54,7 @@ CLOCK = Record(
     impulse=("N s", 3, "impulse from outside"),
     angular_impulse=("N m s", 3, "angular impulse from outside about the world origin"),
     kick=("N s", 6, "impulse and its moment that closed the joints at the end of the last step"),
-    element_rate=("1/s^2", "largest squared frequency of an element"),
+    element_rate=("1/s^2", "bound of the squared frequencies of the elements, then of the mesh"),
     limit_element=("index", "the element that has it"),
 )
 

@@ -20,7 +20,7 @@ from crashsolve.model.model import Model, State
 JOB = Record(number=("index", "what the second thread is to do"), h=("s", "step"))
 LOAN = Record(
     point=("index", "that a point stands for"),
-    slows=("flag", "whether the elements of its part have damping or added mass"),
+    slows=("flag", "whether its element has damping"),
 )
 HOLD = Record(point=("index", "that is held"))
 QUADS = ("one_point", "four_points")
@@ -61,9 +61,9 @@ def halve(model: Model, state: State) -> Halves:
             own[own >= count] += sum(map(len, loans))
             second["first_corner"] = sum(map(len, corners))
             corners.append(own)
-            borrowed = np.zeros(len(lent), LOAN.dtype)
-            borrowed["point"], borrowed["slows"] = lent, row["slows"]
-            loans.append(borrowed)
+            loan = np.zeros(len(lent), LOAN.dtype)
+            loan["point"], loan["slows"] = lent, row["slows"]
+            loans.append(loan)
     table = np.zeros(count + sum(map(len, loans)), POINT.dtype)
     table[:count] = state.points
     state.points = table[:count]

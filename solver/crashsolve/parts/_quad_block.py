@@ -5,7 +5,8 @@ equal distances, and nothing branches. `work` has a row of lanes for each number
 """
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
-from crashsolve.foundation.lanes import EIGHT, add_forces, rounded, take_motion
+from crashsolve.foundation.lanes import EIGHT, add_forces, take_motion
+from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._quad import (
     DRILLING,
@@ -33,6 +34,8 @@ MEMBRANE, CURVATURE, RESULTANT, MOMENT, RATE, AREA, DEPTH = 36, 39, 42, 45, 48, 
 # of the step: what differs from a linear field, of the plane and of the turns; diagonals
 MODES, FLAT = 51, 55
 ROWS = 59
+# when all that is done: squared frequency times mass, and times inertia
+LOAD = MODES
 
 
 @kernel
@@ -48,9 +51,10 @@ def note_rate(clock, p, scene, number, first, corner, live, ends):
     """Squared frequencies of elements to their corners, by mass; the largest, and whose it is.
 
     Elements with damping share nothing out: half of what they need grows with h, not h^2. Writes:
-    clock, scene.points.
+    clock, work, scene.points.
     """
-    work, blocks, points = scene.work, scene.lanes, scene.points
+    work, points = scene.work, scene.points
+    weigh(scene.lanes, first, work, ends)
     for e in range(live):
         rate = work[LANES * RATE + e]
         if rate > clock.element_rate:
@@ -58,16 +62,25 @@ def note_rate(clock, p, scene, number, first, corner, live, ends):
     # corner by corner, as forces are added
     for c in range(ends):
         for e in range(live):
-            rate = work[LANES * RATE + e]
-            load = rate * blocks[first + LANES * WEIGHT + e] / ends
-            turning = load * blocks[first + LANES * RADIUS_2 + e]
             b = points[scene.corners[corner + LANES * c + e]]
-            if p.slows == 1:
-                b.rate, b.spin_rate = max(b.rate, rate), max(b.spin_rate, rate)
-            else:
-                # rounded by themselves, so that their sums are the same wherever they are added
-                b.rate += rounded(load * b.mass_inv)
-                b.spin_rate += rounded(turning * b.J_inv)
+            if p.slows == 0:
+                load_point(b, work[LANES * LOAD + e], work[LANES * LOAD + LANES + e], 0)
+            elif b.mass_inv > 0.0 and b.J_inv > 0.0:
+                rate = work[LANES * RATE + e]
+                load_point(b, rate / b.mass_inv, rate / b.J_inv, 1)
+
+
+@blockwise
+def weigh(blocks, first, work, ends):
+    """Squared frequencies times mass and inertia at each corner. Writes: work.
+
+    In a loop of its own: a product that becomes part of a sum is rounded otherwise, and sums of two
+    threads must be those of one.
+    """
+    for e in range(LANES):
+        load = work[LANES * RATE + e] * blocks[first + LANES * WEIGHT + e] / ends
+        work[LANES * LOAD + e] = load
+        work[LANES * LOAD + LANES + e] = load * blocks[first + LANES * RADIUS_2 + e]
 
 
 @kernel
@@ -159,7 +172,7 @@ def grow_modes(blocks, at, h, t, k, k_s, q, change):
 
 @inlined
 def tied(blocks, at, turn):
-    """What yielding leaves of the stiffness that ties; what was taken up is given back whole."""
+    """What yielding leaves of the stiffness that ties; what it took up comes back elastically."""
     soft = at + LANES * SOFT_PLANE
     is_more = blocks[at + LANES * DRILL] * turn > 0.0
     return 0.5 * (blocks[soft] + blocks[soft + LANES]) if is_more else 1.0

@@ -12,6 +12,7 @@ sum has the order that it has in one thread. Consequence to test: the same bits 
 
 from crashsolve.foundation.atomic import give_way, load_acquire, store_release
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.vec3 import add_to, put, vec
 from crashsolve.system.points import hold
 
@@ -59,13 +60,12 @@ def lend(scene):
         put(b.w, vec(own.w))
         put(b.force, (0.0, 0.0, 0.0))
         put(b.torque, (0.0, 0.0, 0.0))
-        b.mass_inv, b.J_inv = own.mass_inv, own.J_inv
-        b.rate = b.spin_rate = 0.0
+        b.mass_inv, b.J_inv, b.load, b.spin_load = own.mass_inv, own.J_inv, 0.0, 0.0
 
 
 @kernel
 def take_back(clock, scene):
-    """What elements add to points that stand for others, and the stiffest of the second half.
+    """What points that stand for others have of elements, and the stiffest of the second half.
 
     Writes: scene.points, clock.
     """
@@ -74,11 +74,7 @@ def take_back(clock, scene):
         b, own = scene.lent[k], scene.points[loans[k].point]
         add_to(own.force, vec(b.force))
         add_to(own.torque, vec(b.torque))
-        if loans[k].slows == 1:
-            own.rate, own.spin_rate = max(own.rate, b.rate), max(own.spin_rate, b.spin_rate)
-        else:
-            own.rate += b.rate
-            own.spin_rate += b.spin_rate
+        load_point(own, b.load, b.spin_load, loans[k].slows)
     rate, is_first = second.element_rate, second.limit_element < clock.limit_element
     if rate > clock.element_rate or (rate > 0.0 and rate == clock.element_rate and is_first):
         clock.element_rate, clock.limit_element = rate, second.limit_element

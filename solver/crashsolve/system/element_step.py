@@ -1,8 +1,8 @@
 """Length of the next step of a scene with elements: as for bodies, and stable in every element.
 
-    h <= 2 safety / omega,   omega^2 the largest squared frequency of any free element
+    h <= 2 safety / omega,   omega^2 the largest squared frequency of the mesh
 
-The frequencies of a mesh are not above those of its free elements, whose masses it shares out.
+It is not above what the shares of its free elements come to at any point (`points.bound_rate`).
 Consequence to test: a plate is stable for safety < 1, and not above its highest frequency.
 
 Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Elements, 6.2.
