@@ -1,8 +1,9 @@
-"""What a shell costs: bare force and update, a whole run, its memory; and an implicit step.
+"""What a shell costs: bare force and update, a whole run, memory, two threads; an implicit step.
 
     python benchmarks/shell_cost.py [elements along a side, a multiple of 4]
 
-CPU time, so that a busy machine disturbs little. Flops are counted on the kernels as plain Python;
+CPU time, so that a busy machine disturbs little; but two threads are compared by the clock, and say
+something only where nothing else runs. Flops are counted on the kernels as plain Python;
 bytes are what a cycle must move where the model does not fit into the cache: numbers of the
 elements read and written, corners read, points read and written twice.
 """
@@ -152,7 +153,7 @@ def flops(folder: Path, element: str, material: str) -> float:
 
 def moved(stride: int, pieces: int) -> float:
     """Bytes that an element and cycle moves through memory, a point to a quadrilateral."""
-    return 8 * (2 * stride / LANES + 4) + 4 * POINT.dtype.itemsize / pieces
+    return 16 * stride / LANES + 16 + 4 * POINT.dtype.itemsize / pieces
 
 
 def bandwidth() -> float:
@@ -177,10 +178,12 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
         "import sys, time\n"
         "from pathlib import Path\n"
         "from crashsolve.cli import give_back_memory\n"
+        "from crashsolve.foundation.machine import forget_linker\n"
         "from crashsolve.deck.read import read_deck\n"
         "from crashsolve.model.build import build\n"
         "from crashsolve.system.engine import Engine\n"
         "give_back_memory()\n"
+        "forget_linker()\n"
         "begun = time.process_time()\n"
         "e = Engine(*build(read_deck(Path(sys.argv[1]))))\n"
         "e.start()\n"
@@ -197,6 +200,32 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
     cpu, cycles, peak, ready = map(float, told)
     count = KINDS[element][1] * n**2
     return cpu / (cycles * count), peak / count, ready
+
+
+def two_threads(folder: Path, n: int, material: str, has_load: bool) -> float:
+    """Speed with two threads over that with one, by the clock; the median of pairs in turn."""
+    values = {"n": n, "material": material, "thickness": 0.1 / n, "pressure": 1e5, "end": 1.0}
+    text = DECK.format(element="reduced", **values)
+    text = (
+        text if has_load else text.replace(text[text.index("loads:") : text.index("output:")], "")
+    )
+    engines = []
+    for threads in (1, 2):
+        path = folder / f"{threads}.yaml"
+        path.write_text(text.replace("control: {", f"control: {{threads: {threads}, "), "utf-8")
+        engines.append(Engine(*build(read_deck(path))))
+        engines[-1].start()
+    h, ratios = float(engines[0].state.clock["next_step"][0]), []
+    cycles = max(4, 2_000_000 // n**2)
+    for k in range(9):
+        spent = []
+        for e in engines:
+            begun = time.perf_counter()
+            e.advance((k + 1) * cycles * h)
+            spent.append(time.perf_counter() - begun)
+        ratios.append(spent[0] / spent[1])
+    assert engines[0].state.points.tobytes() == engines[1].state.points.tobytes()
+    return float(np.median(ratios))
 
 
 def implicit(folder: Path, n: int) -> tuple[float, float, int]:
@@ -238,6 +267,12 @@ def main(n: int) -> None:
                 f"{count:.0f} flops, {bytes_moved:.0f} bytes, {count / seconds / 1e9:.1f} Gflop/s, "
                 f"{bytes_moved / seconds / 1e9:.1f} GB/s; whole run {1e-6 / run[0]:.2f} M/s, "
                 f"{run[1]:.0f} bytes per element all told, set-up {run[2]:.1f} s of CPU"
+            )
+        for material in ("elastic", "plastic"):
+            alone, pressed = (two_threads(folder, n, material, load) for load in (False, True))
+            print(
+                f"two threads, {material}: {alone:.2f} times the speed of one, {pressed:.2f} under "
+                f"pressure; {os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores"
             )
         for side in (10, 20, 40):
             anew, kept, passes = implicit(folder, side)

@@ -1,6 +1,6 @@
 """From outputs to channels: the families of a scene and their values at a sample."""
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Iterator
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,8 @@ MODEL = (
 )
 CARD_COLUMNS = ("impulse", "peak_normal", "peak_depth", "onsets")
 FAMILY = {"parts": "elout", "springs": "deforc", "loads": "bndout", "sensors": "nodout"}
+# points worked on at a time
+PIECE = 4096
 Part = tuple[Family, Callable[[], np.ndarray]]
 
 
@@ -83,16 +85,23 @@ class Histories:
         scalars = [balance, *errors, clock["residual"], e.clock["step"], clock["cycle"], mechanical]
         return np.concatenate([ledger, scalars, linear, angular])[None, :]
 
-    def _momenta(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _momenta(self) -> list[np.ndarray]:
         """Momentum, angular momentum about the world origin, and sums of the sizes of both."""
-        nodes, points = self.engine.nodes[1:], self.engine.state.points
-        free = points["held"] < RIDES
-        # columns side by side: rows are two cache lines long
-        r, v, w, m, J = (points[name][free] for name in ("r", "v", "w", "mass_inv", "J_inv"))
-        of_nodes = _moments(nodes["r"], nodes["v"] / nodes["mass_inv"][:, None], nodes["L"])
-        of_points = _moments(r, v / m[:, None], w / J[:, None])
-        linear, angular, sizes = (a + b for a, b in zip(of_nodes, of_points, strict=True))
-        return linear, angular, sizes
+        nodes = self.engine.nodes[1:]
+        total = _moments(nodes["r"], nodes["v"] / nodes["mass_inv"][:, None], nodes["L"])
+        for b in self._free_points():
+            # columns side by side: rows are two cache lines long
+            r, v, w, m, J = (b[name] for name in ("r", "v", "w", "mass_inv", "J_inv"))
+            own = _moments(r, v / m[:, None], w / J[:, None])
+            total = [x + y for x, y in zip(total, own, strict=True)]
+        return total
+
+    def _free_points(self) -> Iterator[np.ndarray]:
+        """Points that ride on no body; some at a time, for what is computed of them takes room."""
+        points = self.engine.state.points
+        for start in range(0, len(points), PIECE):
+            piece = points[start : start + PIECE]
+            yield piece[piece["held"] < RIDES]
 
     def _bodies(self) -> Part:
         columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]
@@ -214,16 +223,14 @@ class Histories:
         return family, lambda: _flat(group.output, names)
 
 
-def _moments(
-    r: np.ndarray, p: np.ndarray, L: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _moments(r: np.ndarray, p: np.ndarray, L: np.ndarray) -> list[np.ndarray]:
     """Sums over rows (n, 3) of p, of r x p + L, and of the sizes of p and of |r| |p| + |L|."""
     # three columns at a time: np.cross and np.linalg.norm take ten times as long
     (x, y, z), (a, b, c) = np.ascontiguousarray(r.T), np.ascontiguousarray(p.T)
     turned = np.array([y @ c - z @ b, z @ a - x @ c, x @ b - y @ a])
     size = np.sqrt(a * a + b * b + c * c)
     sizes = [size.sum(), np.sqrt(x * x + y * y + z * z) @ size + _lengths(L).sum()]
-    return p.sum(0), turned + L.sum(0), np.array(sizes)
+    return [p.sum(0), turned + L.sum(0), np.array(sizes)]
 
 
 def _lengths(u: np.ndarray) -> np.ndarray:

@@ -135,9 +135,11 @@ class Pictures:
         for name, row, _ in self._shells:
             block = next(b for b in self.blocks if b.name == f"part_{name}")
             points = self._points_of(row)
+            moved = np.empty(block.points.shape, np.float32)
+            np.subtract(points["r"], block.points, out=moved, casting="same_kind")
+            motion = {"displacement": moved, "velocity": points["v"].astype(np.float32)}
             found = self._laid(name).all_fields(self.engine.state.blocks, row)
-            fields[block.name] = {"displacement": points["r"] - block.points}
-            fields[block.name] |= {"velocity": points["v"]} | found
+            fields[block.name] = motion | found
             if self._laid(name).can_fail:
                 fields[block.name][GHOST] = DELETED * (found["thickness"] == 0.0)
         if self._pairs:

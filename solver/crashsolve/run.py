@@ -23,6 +23,7 @@ from crashsolve.foundation.errors import (
     ExitCode,
     RunStopped,
 )
+from crashsolve.foundation.machine import forget_linker
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
 from crashsolve.model.model import Model, State
@@ -54,6 +55,8 @@ SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
     begun, wall_begun = cpu_time(), time.monotonic()
+    # before the arrays of a large model come
+    forget_linker()
     deck = read_deck(deck_path, overrides)
     was_read = cpu_time()
     model, state = build(deck)

@@ -106,6 +106,6 @@ def test_kernels_that_call_others_are_kept_for_the_next_scene(
     monkeypatch.setenv("CRASHSOLVE_CACHE", str(tmp_path / "cache"))
     source = tmp_path / "scene.py"
     source.write_text(KERNELS, "utf-8")
-    _compile_apart(source, "work", Tables({"sums": np.zeros(2)}), tmp_path / "code.o")
+    _compile_apart(source, ("work",), Tables({"sums": np.zeros(2)}), tmp_path / "code.o")
     kept = [path.name for path in (tmp_path / "cache").rglob("*.nbc")]
     assert any("outer" in name for name in kept), kept

@@ -48,7 +48,7 @@ class Elements:
             deck["curves"] = {name: {"type": "table"} | card for name, card in curves.items()}
         path = folder / "elements.yaml"
         path.write_text(yaml.safe_dump(deck), "utf-8")
-        model, self.state = build(read_deck(path))
+        self.model, self.state = model, _ = build(read_deck(path))
         group = model.element_groups()[0]
         self.module, self.p = group.module, group.parameters.view(np.recarray)[0]
         used = [name for column, name in self.module.KINDS.items() if self.p[column]]

@@ -73,6 +73,13 @@ class Control(Card):
         ge=1,
     )
 
+    threads: int = word(
+        "that share the elements of shells, 2 at most; results are the same to the last bit",
+        default=1,
+        ge=1,
+        le=2,
+    )
+
     @model_validator(mode="after")
     def _in_order(self) -> "Control":
         if self.end_time < self.start_time:
@@ -84,6 +91,8 @@ class Control(Card):
         if self.solution == "quasi_static" and (self.accuracy or self.integrator != "rattle"):
             what = "accuracy" if self.accuracy else "integrator"
             raise ValueError(f"{what}: solution quasi_static finds equilibria and needs none")
+        if self.threads > 1 and (self.integrator != "rattle" or self.solution != "transient"):
+            raise ValueError("threads: share explicit steps only; say integrator: rattle")
         return self
 
     def _leaves_the_choice(self) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -116,6 +117,9 @@ class _Reader:
             advice = "name channels under watch or expect"
             item = self.items["control"][""]
             self.refuse(item, Mistake(("accuracy",), "needs channels whose error counts", advice))
+        if control and control.threads > 1 and not _has_points(entries["parts"]):
+            message = "share the elements of shells, and there are none"
+            self.refuse(self.items["control"][""], Mistake(("threads",), message, "leave it out"))
         if self.mistakes or not control or not output:
             raise DeckErrors(self.in_order())
         return Deck(
@@ -261,6 +265,11 @@ def joints_of_parts(
             card = kind.model_validate(fields)
             found[name] = Entry(name, word, kind.__module__, card, part.where, part.item)
     return found
+
+
+def _has_points(parts: dict[str, Entry]) -> bool:
+    """Whether any part keeps its elements in blocks."""
+    return any(hasattr(import_module(e.module_name), "deform") for e in parts.values())
 
 
 def _placed(item: Item, mistake: Mistake) -> DeckError:

@@ -1,16 +1,20 @@
-"""The process that compiles: `python -m crashsolve.foundation.compiler SOURCE NAME PATH`.
+"""The process that compiles: `python -m crashsolve.foundation.compiler SOURCE PATH NAMES`.
 
-The layout of the tables comes by standard input; the symbol's name and the object code go to PATH.
+The layout of the tables comes by standard input; the symbols' names and the object code go to PATH.
 """
 
 import gc
 import os
 import pickle
+import re
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+# what two threads share of a scene with elements, in the names that numba gives
+APART = re.compile(r"\d(deform|open_points|close_points)B")
 
 
 def import_file(source: Path) -> ModuleType:
@@ -58,6 +62,13 @@ def hand_on_bitcode() -> None:
     JITCPUCodegen._add_module = lambda *_: None  # type: ignore[method-assign]
 
 
+def keep_apart(module: Any) -> None:
+    """Leave some functions as they are where they are called: the same bits in every scene."""
+    for function in module.functions:
+        if APART.search(function.name):
+            function.add_function_attribute("noinline")
+
+
 def optimise(module: Any, machine: Any, vectors: bool) -> None:
     """Optimise all functions of a module together."""
     import llvmlite.binding as llvm
@@ -72,8 +83,8 @@ def optimise(module: Any, machine: Any, vectors: bool) -> None:
     builder.getModulePassManager().run(module, builder)
 
 
-def main(source: Path, name: str, path: Path) -> None:
-    """Compile one function of a file for given tables."""
+def main(source: Path, path: Path, names: list[str]) -> None:
+    """Compile functions of a file for given tables."""
     # the compiler's garbage goes with the process: a tenth of the time
     gc.disable()
     hand_on_bitcode()
@@ -84,18 +95,29 @@ def main(source: Path, name: str, path: Path) -> None:
     from crashsolve.foundation.table_types import TablesKind
 
     layout, places = pickle.load(sys.stdin.buffer)
-    function = getattr(import_file(source), name)
-    function.compile((types.float64, types.boolean, TablesKind(layout, places)))
-    signature = function.signatures[0]
-    symbol = function.overloads[signature].fndesc.llvm_func_name
+    if "lanes" in places:
+        import crashsolve.foundation.lanes_types  # noqa: F401
+    if "turns" in places:
+        import crashsolve.foundation.atomic_types  # noqa: F401
+    symbols, texts = [], []
+    for name in names:
+        function = getattr(import_file(source), name)
+        function.compile((types.float64, types.boolean, TablesKind(layout, places)))
+        signature = function.signatures[0]
+        symbols.append(function.overloads[signature].fndesc.llvm_func_name)
+        texts.append(function.inspect_llvm(signature))
     # elements in blocks are what loops over lanes are for
     vectors = "lanes" in places
-    module, machine = llvm.parse_assembly(function.inspect_llvm(signature)), host_machine(vectors)
+    module, machine = llvm.parse_assembly(texts[0]), host_machine(vectors)
+    for text in texts[1:]:
+        module.link_in(llvm.parse_assembly(text))
+    if vectors:
+        keep_apart(module)
     optimise(module, machine, vectors)
     temporary = path.with_suffix(f".{os.getpid()}")
-    temporary.write_bytes(symbol.encode() + b"\n" + machine.emit_object(module))
+    temporary.write_bytes(" ".join(symbols).encode() + b"\n" + machine.emit_object(module))
     os.replace(temporary, path)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3]))
+    main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:])

@@ -20,6 +20,7 @@ from typing import Any
 import llvmlite.binding as llvm
 
 from crashsolve.foundation.compile import cache_folder
+from crashsolve.foundation.pages import give_back_pages
 from crashsolve.foundation.table import Tables
 
 Function = Callable[[float, bool, Tables], None]
@@ -41,13 +42,26 @@ def machine_code(source: Path, name: str, tables: Tables) -> Function:
 
     Raises: RuntimeError with the compiler's message when it cannot be compiled.
     """
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+    if runs_plain():
         return plain(source, name)
+    return machine_codes(source, (name,), tables)[0]
+
+
+def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple[Function, ...]:
+    """Several functions of a file, compiled together: what they call is there once.
+
+    Raises: RuntimeError with the compiler's message when they cannot be compiled.
+    """
     cpu = llvm.get_host_cpu_name()
-    path = cache_folder() / f"{source.stem}.{name}.{tables.layout}.{cpu}.o"
+    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{tables.layout}.{cpu}.o"
     if not path.exists():
-        _compile_apart(source, name, tables, path)
+        _compile_apart(source, names, tables, path)
     return _load(path)
+
+
+def runs_plain() -> bool:
+    """Whether nothing is to be compiled."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 
 def plain(source: Path, name: str) -> Function:
@@ -58,10 +72,10 @@ def plain(source: Path, name: str) -> Function:
     return function
 
 
-def _compile_apart(source: Path, name: str, tables: Tables, path: Path) -> None:
+def _compile_apart(source: Path, names: tuple[str, ...], tables: Tables, path: Path) -> None:
     """Write machine code to `path` in a process of its own, which no signal to this one reaches."""
     environment = {k: v for k, v in os.environ.items() if k != "CRASHSOLVE_CALL_KERNELS"}
-    words = [sys.executable, "-m", "crashsolve.foundation.compiler", source, name, path]
+    words = [sys.executable, "-m", "crashsolve.foundation.compiler", source, path, *names]
     done = subprocess.run(
         [str(word) for word in words],
         input=pickle.dumps((tables.layout, tables.places)),
@@ -74,22 +88,33 @@ def _compile_apart(source: Path, name: str, tables: Tables, path: Path) -> None:
 
 
 @cache
-def _load(path: Path) -> Function:
+def _load(path: Path) -> tuple[Function, ...]:
     """Link an object file into this process, once: the broad phase asks again at every renewal."""
-    name, _, code = path.read_bytes().partition(b"\n")
+    names, _, code = path.read_bytes().partition(b"\n")
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    call = SIGNATURE(engine.get_function_address(name.decode()))
+    forget_linker()
+    return tuple(_function(engine, name, path.name) for name in names.decode().split())
+
+
+def forget_linker() -> None:
+    """Give back what LLVM has touched: its start alone 35 MB, of which loading a step needs 6."""
+    give_back_pages("libllvmlite")
+
+
+def _function(engine: Any, name: str, where: str) -> Function:
+    """A compiled function, as Python calls it."""
+    call = SIGNATURE(engine.get_function_address(name))
     result, problem = ctypes.c_void_p(), ctypes.c_void_p()
     places = (ctypes.addressof(result), ctypes.addressof(problem))
 
     def function(number: float, flag: bool, tables: Tables) -> None:
         status = call(*places, number, flag, tables.pointer)
         if status not in NORMAL:
-            raise RuntimeError(f"compiled code of {path.name} ended with status {status}")
+            raise RuntimeError(f"compiled code of {where} ended with status {status}")
 
     # the code lives as long as its engine, and writes where these two lie
     function.keep = (engine, result, problem)  # type: ignore[attr-defined]

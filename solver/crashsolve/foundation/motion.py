@@ -160,10 +160,21 @@ def apply_external(nodes, i, f, d, t):
 
 
 @kernel
-def apply_to_point(point, ground, f):
-    """Force f from outside on a point. Writes: point, ground."""
-    add_to(point.force, f)
-    moment = cross(vec(point.r), f)
+def act_from_outside(ground, f, moment):
+    """Force and moment about the origin that come from outside. Writes: ground."""
     for k in range(3):
         ground.external[k] += f[k]
         ground.external[3 + k] += moment[k]
+
+
+@kernel
+def load_point(b, load, spin_load, slows):
+    """Add the stiffness of an element to that of its corner; with damping, keep the largest.
+
+    Writes: b.
+    """
+    if slows == 1:
+        b.load, b.spin_load = max(b.load, load), max(b.spin_load, spin_load)
+    else:
+        b.load += load
+        b.spin_load += spin_load

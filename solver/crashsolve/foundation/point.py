@@ -23,8 +23,8 @@ POINT = Record(
     J_inv=("1/(kg m^2)", "inverse inertia about any axis"),
     force=("N", 3, "applied force"),
     torque=("N m", 3, "applied torque"),
-    rate=("1/s^2", "bound of the squared frequency of motions that begin here"),
-    spin_rate=("1/s^2", "the same of turns"),
+    load=("N/m", "squared frequencies of the elements times their mass here"),
+    spin_load=("N m", "the same times their inertia"),
     held=(
         "flag",
         "bits: x, y, z, turns about them, 64 where the point rides on a body, 128 on its own",

@@ -29,6 +29,8 @@ class Tables:
             self.places[name] = (array.dtype, array.ndim)
             setattr(self, name, array.view(np.recarray) if array.dtype.names else array)
         self.pointer = self.addresses.ctypes.data
+        # of a second thread, which has some arrays of its own
+        self.second: Tables | None = None
 
     @property
     def layout(self) -> str:

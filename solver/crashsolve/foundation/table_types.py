@@ -139,7 +139,7 @@ def _type_setitem(context: Any) -> Any:
     return typer
 
 
-def _number_place(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+def number_place(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     kind = context.get_value_type(sig.args[0].number).as_pointer()
     index = context.cast(builder, args[1], sig.args[1], types.intp)
     return builder.gep(builder.bitcast(args[0], kind), [index], inbounds=True)
@@ -147,13 +147,13 @@ def _number_place(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 @lower_builtin(operator.getitem, Column, types.Integer)
 def _read_number(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.load(_number_place(context, builder, sig, args))
+    return builder.load(number_place(context, builder, sig, args))
 
 
 @lower_builtin(operator.setitem, Column, types.Integer, types.Any)
 def _write_number(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     number = context.cast(builder, args[2], sig.args[2], sig.args[0].number)
-    builder.store(number, _number_place(context, builder, sig, args))
+    builder.store(number, number_place(context, builder, sig, args))
 
 
 @lower_builtin(operator.getitem, Table, types.Integer)

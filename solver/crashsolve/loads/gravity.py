@@ -7,10 +7,10 @@ from typing import Any
 
 from crashsolve.deck.card import Card, Vec3, quantity
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.motion import apply_external, apply_to_point
+from crashsolve.foundation.motion import act_from_outside, apply_external
 from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, dot, put, scale, vec
+from crashsolve.foundation.vec3 import add_scaled, add_to, cross, dot, put, scale, vec
 
 LEDGER = "potential"
 
@@ -51,12 +51,13 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
     """The same of points that ride on no body. Writes: scene.points, nodes, out."""
     g, points = vec(p.acceleration), scene.points
-    mass = 0.0
+    mass, place = 0.0, (0.0, 0.0, 0.0)
     for i in range(points.shape[0]):
         b = points[i]
         if b.held < RIDES:
             m = 1.0 / b.mass_inv
-            mass += m
-            out.stored -= m * dot(g, vec(b.r))
-            apply_to_point(b, nodes[0], scale(m, g))
-    put(out.force, add(vec(out.force), scale(mass, g)))
+            mass, place = mass + m, add_scaled(place, m, vec(b.r))
+            add_to(b.force, scale(m, g))
+    out.stored -= dot(g, place)
+    add_to(out.force, scale(mass, g))
+    act_from_outside(nodes[0], scale(mass, g), cross(place, g))

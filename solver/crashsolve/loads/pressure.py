@@ -11,10 +11,10 @@ from typing import Any
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_value
-from crashsolve.foundation.motion import apply_to_point
+from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, put, scale, sub, vec
 
 
 class Pressure(Card):
@@ -76,7 +76,9 @@ def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
 def press(first, count, sides, old, out, h, nodes, scene):
     """Elements of one number of sides. Writes: scene.points, nodes, out."""
     points, corners = scene.points, scene.corners
-    share = -0.5 / sides
+    share, zero = -0.5 / sides, (0.0, 0.0, 0.0)
+    # sums in memory would wait for each other
+    total, moment, loss = zero, zero, 0.0
     for i in range(count):
         lane = i % LANES
         at = first + 4 * (i - lane) + lane
@@ -88,8 +90,13 @@ def press(first, count, sides, old, out, h, nodes, scene):
         x = add_scaled(x, -h, sub(vec(c.v), vec(a.v)))
         y = add_scaled(y, -h, sub(vec(d.v), vec(b.v)))
         mean = scale(0.5, add_scaled(f, share * old.pressure, cross(x, y)))
+        place, way = zero, zero
         for k in range(sides):
             point = points[corners[at + k * LANES]]
-            apply_to_point(point, nodes[0], f)
-            out.loss += h * dot(mean, vec(point.v))
-        put(out.force, add(vec(out.force), scale(sides, f)))
+            add_to(point.force, f)
+            place, way = add(place, vec(point.r)), add(way, vec(point.v))
+        total, moment = add(total, f), add(moment, cross(place, f))
+        loss += dot(mean, way)
+    out.loss += h * loss
+    add_to(out.force, scale(sides, total))
+    act_from_outside(nodes[0], scale(sides, total), moment)

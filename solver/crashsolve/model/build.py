@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.foundation.curve import pack
+from crashsolve.foundation.machine import runs_plain
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
 from crashsolve.model import touch, welds
@@ -23,6 +24,7 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
+from crashsolve.model.halves import halve
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodal import loads_of_points
@@ -101,10 +103,19 @@ def build(deck: Deck) -> tuple[Model, State]:
     if model.integrator == "auto":
         tolerance = float(model.control[0]["tolerance"])
         model.integrator, model.choice = choose(model, state, scene.stepwise, tolerance)
-    if model.elements and hasattr(_method(model), "T"):
-        embody(model, state)
+    if model.elements:
+        _arrange(model, state, deck)
     state.stages = initial_stages(model, len(state.nodes))
     return model, state
+
+
+def _arrange(model: Model, state: State, deck: Deck) -> None:
+    """Points as the method needs them. Writes: model, state."""
+    assert model.elements is not None
+    if hasattr(_method(model), "T"):
+        embody(model, state)
+    if deck.control.threads > 1 and not runs_plain():
+        model.elements.halves = halve(model, state)
 
 
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:

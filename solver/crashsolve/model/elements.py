@@ -48,7 +48,7 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
             row["first"], row["stride"] = first, laid.stride
             row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
             row["element_count"] = len(laid.area)
-            corners.append((laid.corners() + points).ravel())
+            corners.append((laid.corners() + points).astype(np.int32).ravel())
             riders.append(_riders(laid, scene.part_nodes[name], scene.rides[name], points, scene))
             mass += laid.mass.sum() - laid.mass[riders[-1]["point"] - points].sum()
             points, first = points + len(laid.mass), first + laid.size

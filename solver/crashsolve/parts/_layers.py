@@ -114,8 +114,7 @@ def add_resultants(work, e, n, z, s):
 @blockwise
 def elastic_layer(blocks, at, work, p, zeta, weight):
     """Stress of a layer after the strains of a step. Writes: blocks, work."""
-    nu, shear = p.poisson, p.shear
-    C, thin = p.young / (1.0 - nu * nu), -0.5 * weight * nu / (1.0 - nu)
+    nu, shear, C, thin = p.poisson, p.shear, p.plane, -0.5 * weight * p.across
     for e in range(LANES):
         t = work[LANES * DEPTH + e]
         z = 0.5 * t * zeta
@@ -268,7 +267,9 @@ def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
     if count_beyond(work) == 0.0:
         stay(blocks, at, work, p, zeta, weight)
         return
-    start_return(work)
+    if p.power > 0.0 or p.failure > 0.0:
+        # failed layers have lost their stress
+        start_return(work)
     if p.power > 0.0:
         begin(work, p)
     return_to_yield(blocks, at, work, p, curves)
@@ -344,7 +345,7 @@ def scaled(p):
 def find_trial(blocks, at, work, p, zeta):
     """Trial stress less alpha. Writes: work."""
     nu, shear, moves = p.poisson, p.shear, p.kinematic > 0.0
-    C, back = p.young / (1.0 - nu * nu), at + LANES * BACK
+    C, back = p.plane, at + LANES * BACK
     for e in range(LANES):
         x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
         s_x = blocks[at + e] + C * (x + nu * y)
@@ -360,7 +361,7 @@ def find_trial(blocks, at, work, p, zeta):
 
 @blockwise
 def find_lines(blocks, at, work, p):
-    """Yield stress, its slope, and what of the trial stress is beyond it. Writes: work."""
+    """Yield stress, its slope, what of the trial stress is beyond it; g is 0. Writes: work."""
     start, slope, has_factor, has_curve = p.yield_stress, p.isotropic, scaled(p), p.curve > 0
     line = at + LANES * line_row(p)
     for e in range(LANES):
@@ -371,6 +372,7 @@ def find_lines(blocks, at, work, p):
         s1, s2 = parts_of(three(work, LANES * XI + e))
         work[LANES * FACTOR + e] = factor
         work[LANES * YIELD + e], work[LANES * SLOPE + e] = flow, factor * slope
+        work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
         work[LANES * GAP + e] = s1 + s2 - flow * flow
 
 
@@ -436,8 +438,7 @@ def worst_gap(work):
 @inlined
 def softening(p):
     """c1 and c2 of the return."""
-    moves = 2.0 / 3.0 * p.kinematic
-    return p.young / (3.0 - 3.0 * p.poisson) + moves, 2.0 * p.shear + moves
+    return p.falls_1, p.falls_2
 
 
 @blockwise
@@ -484,14 +485,16 @@ def close_gaps(work, p):
     """g where the yield stress is a straight line. Writes: work."""
     c1, c2 = softening(p)
     for _ in range(PASSES):
+        moving = 0.0
         for e in range(LANES):
             g, s1, s2 = work[LANES * G + e], work[LANES * S1 + e], work[LANES * S2 + e]
             flow, rise = work[LANES * YIELD + e], 2.0 / 3.0 * work[LANES * SLOPE + e]
             # a lane within yield stays there; none beyond it falls back to it
             ahead = max(0.5 * g, g + step_to_root(g, s1, s2, flow, rise, c1, c2))
             work[LANES * G + e] = ahead
-            work[LANES * GAP + e] = c2 * abs(ahead - g) - NEAR * (1.0 + c2 * ahead)
-        if count_beyond(work) == 0.0:
+            is_near = c2 * abs(ahead - g) <= NEAR * (1.0 + c2 * ahead)
+            moving += 0.0 if is_near else 1.0
+        if moving == 0.0:
             return
 
 
@@ -557,7 +560,7 @@ def renew_lines(blocks, at, work, p, curves):
 @blockwise
 def stay(blocks, at, work, p, zeta, weight):
     """Stress, resultants and thinning of layers that do not yield. Writes: blocks, work."""
-    softness, moves, back = -p.poisson / p.young, p.kinematic > 0.0, at + LANES * BACK
+    softness, moves, back = -p.softness, p.kinematic > 0.0, at + LANES * BACK
     for e in range(LANES):
         t = work[LANES * DEPTH + e]
         x, y, xy = three(work, LANES * XI + e)
@@ -582,7 +585,7 @@ def settle(blocks, at, work, p, zeta, weight):
     Writes: blocks, work.
     """
     c1, c2 = softening(p)
-    shift, softness, moves = 2.0 / 3.0 * p.kinematic, -p.poisson / p.young, p.kinematic > 0.0
+    shift, softness, moves = 2.0 / 3.0 * p.kinematic, -p.softness, p.kinematic > 0.0
     back = at + LANES * BACK
     for e in range(LANES):
         g, t, flow = work[LANES * G + e], work[LANES * DEPTH + e], work[LANES * YIELD + e]

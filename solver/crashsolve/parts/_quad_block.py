@@ -5,6 +5,8 @@ equal distances, and nothing branches. `work` has a row of lanes for each number
 """
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
+from crashsolve.foundation.lanes import EIGHT, add_forces, take_motion
+from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._quad import (
     DRILLING,
@@ -32,19 +34,16 @@ MEMBRANE, CURVATURE, RESULTANT, MOMENT, RATE, AREA, DEPTH = 36, 39, 42, 45, 48, 
 # of the step: what differs from a linear field, of the plane and of the turns; diagonals
 MODES, FLAT = 51, 55
 ROWS = 59
+# when all that is done: squared frequency times mass, and times inertia
+LOAD = MODES
 
 
 @kernel
 def gather(points, corners, first, work):
     """Places, velocities and spins of the corners of a block. Writes: work."""
-    for e in range(LANES):
-        for c in range(4):
-            b = points[corners[first + LANES * c + e]]
-            at = LANES * 3 * c + e
-            for k in range(3):
-                work[at + LANES * (PLACE + k)] = b.r[k]
-                work[at + LANES * (VELOCITY + k)] = b.v[k]
-                work[at + LANES * (SPIN + k)] = b.w[k]
+    for c in range(4):
+        for e in range(0, LANES, EIGHT):
+            take_motion(points, corners, first + LANES * c + e, work, LANES * (PLACE + 3 * c) + e)
 
 
 @kernel
@@ -52,34 +51,45 @@ def note_rate(clock, p, scene, number, first, corner, live, ends):
     """Squared frequencies of elements to their corners, by mass; the largest, and whose it is.
 
     Elements with damping share nothing out: half of what they need grows with h, not h^2. Writes:
-    clock, scene.points.
+    clock, work, scene.points.
     """
-    work, blocks, points = scene.work, scene.lanes, scene.points
+    work, points = scene.work, scene.points
+    weigh(scene.lanes, first, work, ends)
     for e in range(live):
         rate = work[LANES * RATE + e]
         if rate > clock.element_rate:
             clock.element_rate, clock.limit_element = rate, number + e
-        load = rate * blocks[first + LANES * WEIGHT + e] / ends
-        turning = load * blocks[first + LANES * RADIUS_2 + e]
-        for c in range(ends):
+    # corner by corner, as forces are added
+    for c in range(ends):
+        for e in range(live):
             b = points[scene.corners[corner + LANES * c + e]]
-            if p.slows == 1:
-                b.rate, b.spin_rate = max(b.rate, rate), max(b.spin_rate, rate)
-            else:
-                b.rate += load * b.mass_inv
-                b.spin_rate += turning * b.J_inv
+            if p.slows == 0:
+                load_point(b, work[LANES * LOAD + e], work[LANES * LOAD + LANES + e], 0)
+            elif b.mass_inv > 0.0 and b.J_inv > 0.0:
+                rate = work[LANES * RATE + e]
+                load_point(b, rate / b.mass_inv, rate / b.J_inv, 1)
+
+
+@blockwise
+def weigh(blocks, first, work, ends):
+    """Squared frequencies times mass and inertia at each corner. Writes: work.
+
+    In a loop of its own: a product that becomes part of a sum is rounded otherwise, and sums of two
+    threads must be those of one.
+    """
+    for e in range(LANES):
+        load = work[LANES * RATE + e] * blocks[first + LANES * WEIGHT + e] / ends
+        work[LANES * LOAD + e] = load
+        work[LANES * LOAD + LANES + e] = load * blocks[first + LANES * RADIUS_2 + e]
 
 
 @kernel
 def scatter(points, corners, first, live, work):
     """Forces and torques of a block onto its corners. Writes: points."""
-    for e in range(live):
-        for c in range(4):
-            b = points[corners[first + LANES * c + e]]
-            at = LANES * 3 * c + e
-            for k in range(3):
-                b.force[k] += work[at + LANES * (FORCE + k)]
-                b.torque[k] += work[at + LANES * (TORQUE + k)]
+    for c in range(4):
+        for e in range(0, LANES, EIGHT):
+            at = LANES * (FORCE + 3 * c) + e
+            add_forces(points, corners, first + LANES * c + e, work, at, live - e)
 
 
 @inlined
@@ -162,7 +172,7 @@ def grow_modes(blocks, at, h, t, k, k_s, q, change):
 
 @inlined
 def tied(blocks, at, turn):
-    """What yielding leaves of the stiffness that ties; what it took up comes back elastically."""
+    """What yielding leaves of the stiffness that ties; what was taken up comes back elastically."""
     soft = at + LANES * SOFT_PLANE
     is_more = blocks[at + LANES * DRILL] * turn > 0.0
     return 0.5 * (blocks[soft] + blocks[soft + LANES]) if is_more else 1.0

@@ -85,7 +85,7 @@ MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 Motion = Literal["x", "y", "z", "turn_x", "turn_y", "turn_z"]
 MOST_LAYERS = 10
 # elements worked on at a time where memory counts
-PIECE = 4096
+PIECE = 1024
 
 
 class NamedNode(Card):
@@ -187,6 +187,12 @@ PARAMETERS = Record(
     shear=("Pa", "G"),
     poisson=("1", "nu"),
     density=("kg/m^3", "rho"),
+    # quotients of these, which layers would compute again and again
+    plane=("Pa", "E / (1 - nu^2)"),
+    across=("1", "nu / (1 - nu)"),
+    softness=("1/Pa", "nu / E"),
+    falls_1=("Pa", "c_1 of the plastic return"),
+    falls_2=("Pa", "c_2"),
     drag=("1/s", "alpha"),
     damping=("s", "beta"),
     linear=("1", "b_1"),
@@ -293,7 +299,7 @@ def sorted_mesh(mesh: Any, cut: bool) -> Any:
         turned = np.where((diagonals[1] < diagonals[0])[:, None], np.roll(whole, -1, 1), whole)
         halves = turned[:, [[0, 1, 2, 2], [0, 2, 3, 3]]].reshape(-1, 4)
         whole, thirds = whole[:0], np.concatenate([halves, thirds])
-    return replace(mesh, quads=np.concatenate([whole, thirds]))
+    return replace(mesh, quads=np.concatenate([whole, thirds]).astype(np.int32))
 
 
 def blocks_of(own: slice) -> int:
@@ -340,9 +346,7 @@ class Laid:
         normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
         self.area = 0.5 * np.linalg.norm(normal, axis=1)
         self._refuse_bad(x, normal, scene)
-        n, t = len(self.mesh.points), card.thickness
-        self.weight = self.material.density * t * self.area
-        self.radius_2 = (self.area + t * t) / 12.0
+        n = len(self.mesh.points)
         corners = self.mesh.quads.ravel()
         self.slows = bool(card.damping or card.viscosity or card.mass_scaling)
         self.heavier = self._heavier(scene)
@@ -357,6 +361,18 @@ class Laid:
         self.cuts = [sides(x, cut, scene) for cut in card.cuts]
         self.held = self._held(scene)
         self.blown = self._blown(x, normal, share, scene)
+
+    @property
+    def weight(self) -> np.ndarray:
+        """Masses of the elements [kg]."""
+        mass: np.ndarray = self.material.density * self.card.thickness * self.area
+        return mass
+
+    @property
+    def radius_2(self) -> np.ndarray:
+        """Squared radii of gyration of what the nodes have of the elements [m^2]."""
+        squared: np.ndarray = (self.area + self.card.thickness**2) / 12.0
+        return squared
 
     def _refuse_explicit(self, scene: Any) -> None:
         """What only explicit steps can do yet."""
@@ -395,7 +411,7 @@ class Laid:
     def _heavier(self, scene: Any) -> np.ndarray:
         """Factors of the masses of the elements."""
         if self.card.mass_scaling is None:
-            return np.ones(len(self.area))
+            return np.broadcast_to(1.0, self.area.shape)
         flat = diagonals(self.mesh.points[self.mesh.quads]).transpose(0, 2, 1).reshape(-1, 4)
         squares = np.array([self._square(k, tuple(sides)) for k, sides in enumerate(flat)])
         factors: np.ndarray = heavier(self.card, squares, scene)
@@ -405,7 +421,8 @@ class Laid:
     def _square(self, element: int, flat: tuple[float, ...]) -> float:
         """Bound of the largest squared frequency of an element with these diagonals [1/s^2]."""
         law, t = self.material, self.card.thickness
-        size = self.area[element], t, self.radius_2[element], law.young / law.density, law.poisson
+        area = self.area[element]
+        size = area, t, (area + t * t) / 12.0, law.young / law.density, law.poisson
         if element >= self.quad_count:
             # that file builds on this one
             return float(import_module("crashsolve.parts._triangle").rate_bound(flat, *size))
@@ -420,7 +437,7 @@ class Laid:
 
     def _held(self, scene: Any) -> np.ndarray:
         """Bits of the motions that every node does not make."""
-        held = np.zeros(len(self.mesh.points), np.int64)
+        held = np.zeros(len(self.mesh.points), np.uint8)
         for k, hold in enumerate(self.card.hold):
             own = self._set(hold.nodes, f"hold.{k}.nodes", scene)
             for motion in hold.motions:
@@ -555,21 +572,24 @@ class Laid:
         return np.column_stack([found[name] for name in FIELDS])
 
     def all_fields(self, blocks: np.ndarray, row: Any) -> dict[str, np.ndarray]:
-        """Values of FIELDS of all elements."""
-        return self.values_of(blocks, row, np.arange(len(self.area)))
+        """Values of FIELDS of all elements, in single precision."""
+        return self.values_of(blocks, row, np.arange(len(self.area)), np.float32)
 
-    def values_of(self, blocks: np.ndarray, row: Any, wanted: np.ndarray) -> dict[str, np.ndarray]:
+    def values_of(
+        self, blocks: np.ndarray, row: Any, wanted: np.ndarray, kind: Any = float
+    ) -> dict[str, np.ndarray]:
         """Values of FIELDS of some elements, from what those of all parts keep."""
         start = int(row["first"])
         shapes = {name: (len(wanted), n)[: 1 + (n > 1)] for name, (_, n) in FIELDS.items()}
-        found = {name: np.zeros(shape) for name, shape in shapes.items()}
+        found = {name: np.zeros(shape, kind) for name, shape in shapes.items()}
         for own, points in self.sections():
             count, stride = blocks_of(own), self.stride_of(points)
             table = blocks[start : start + count * stride].reshape(count, stride // LANES, LANES)
-            met = (wanted >= own.start) & (wanted < own.stop)
-            place = wanted[met] - own.start
-            for name, values in self.fields(table[place // LANES, :, place % LANES]).items():
-                found[name][met] = values
+            met = np.flatnonzero((wanted >= own.start) & (wanted < own.stop))
+            for some in (met[k : k + PIECE] for k in range(0, len(met), PIECE)):
+                place = wanted[some] - own.start
+                for name, values in self.fields(table[place // LANES, :, place % LANES]).items():
+                    found[name][some] = values
             start += count * stride
         return found
 
@@ -677,7 +697,19 @@ def parameters(card: Shell, scene: Any) -> dict[str, Any]:
         "linear": coefficients(card, scene)[0],
         "quadratic": coefficients(card, scene)[1],
         "slows": laid.slows,
-    } | law.build(material_card, scene)
+    } | quotients(law.build(material_card, scene))
+
+
+def quotients(words: dict[str, Any]) -> dict[str, Any]:
+    """Columns of the material, and what layers need of them."""
+    E, nu, moves = words["young"], words["poisson"], 2.0 / 3.0 * words.get("kinematic", 0.0)
+    return words | {
+        "plane": E / (1.0 - nu * nu),
+        "across": nu / (1.0 - nu),
+        "softness": nu / E,
+        "falls_1": E / (3.0 - 3.0 * nu) + moves,
+        "falls_2": 2.0 * words["shear"] + moves,
+    }
 
 
 @kernel

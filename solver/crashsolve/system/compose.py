@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.compile import PACKAGE, cache_folder
-from crashsolve.foundation.machine import Function, machine_code
+from crashsolve.foundation.machine import Function, machine_code, machine_codes
 from crashsolve.foundation.table import Tables
 from crashsolve.model.compliance import contact_rows, tangent_contacts, tangent_groups
+from crashsolve.system import sharing
 from crashsolve.system.nodal_text import nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
@@ -29,6 +30,9 @@ SIGNATURES = {
     "tangents": "clock, nodes, curves, compliant, groups",
     "elements": "clock, h, groups",
     "keep_elements": "groups",
+    "open_share": "clock, h, groups",
+    "deform_share": "clock, h, groups",
+    "close_share": "h, nodes, groups",
     "force_pass": "clock, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
     "approach_before": "current, groups",
@@ -108,7 +112,9 @@ def load(text: str, tables: Tables) -> Function:
         temporary = path.with_suffix(f".{os.getpid()}")
         temporary.write_text(text, "utf-8")
         os.replace(temporary, path)
-    return machine_code(path, "advance", tables)
+    if tables.second is None:
+        return machine_code(path, "advance", tables)
+    return sharing.together(*machine_codes(path, ("advance", "assist"), tables))
 
 
 def group_arrays(model: Any, state: Any) -> dict[str, Any]:
@@ -140,6 +146,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
         arrays |= {"corners": e.corners, "riders": e.riders, "work": e.work}
         if len(e.cuts):
             arrays |= {"taps": e.taps, "cuts": e.cuts}
+    if is_halved(model):
+        arrays |= sharing.arrays_of_first(model)
     return arrays
 
 
@@ -160,6 +168,13 @@ def scene_text(model: Any) -> str:
         parts.append("ASSEMBLED = True\n")
         parts.append(_function("elements", _strain_calls(model)))
         parts.append(_function("keep_elements", ["stiffness.keep(groups)"]))
+    if is_halved(model):
+        parts += [
+            _function("open_share", _open_calls(model)),
+            _function("deform_share", ["crew.lend(groups)", *_deform_calls(model)]),
+            _function("close_share", _kick_calls(model)),
+            sharing.ASSIST,
+        ]
     parts += [_capture(c) if c.captures else _contact(model, c) for c in model.contact_groups]
     parts += [nodal_function(group) for group in model.nodal_groups]
     parts += [
@@ -213,6 +228,8 @@ def _imports(model: Any) -> str:
         lines.append("from crashsolve.system import slaves")
     if is_assembled(model):
         lines.append("from crashsolve.system import assembled, stiffness")
+    if is_halved(model):
+        lines.append("from crashsolve.system import crew")
     if captures(model):
         lines.append("from crashsolve.system import captures")
         lines.append("from crashsolve.model.clock import UNHELD")
@@ -291,25 +308,52 @@ def _element_calls(model: Any) -> list[str]:
     """Motion of the points, and forces of the elements between them."""
     if is_assembled(model):
         return [CARRY, "elements(clock, h, groups)"]
+    if not model.elements:
+        return []
+    between = [CARRY, "clock.element_rate = 0.0"]
+    if not is_halved(model):
+        return [*_open_calls(model), *between, *_deform_calls(model)]
+    return [
+        *_shared("OPEN", "open_share(clock, h, groups)"),
+        *between,
+        *_shared("DEFORM", "deform_share(clock, h, groups)"),
+        "crew.take_back(clock, groups)",
+    ]
+
+
+def _shared(job: str, call: str) -> list[str]:
+    """One half of a job beside the other."""
+    return [f"crew.call(crew.{job}, h, groups)", call, "crew.wait_for_second(groups)"]
+
+
+def is_halved(model: Any) -> bool:
+    """Whether two threads share the elements."""
+    return bool(model.elements) and model.elements.halves is not None
+
+
+def _rows(model: Any, group: Any) -> str:
+    """Rows of the parts whose points and elements are meant."""
+    return f"groups.{group.word}_{'share' if is_halved(model) else 'p'}"
+
+
+def _open_calls(model: Any) -> list[str]:
+    """First kick and drift of the points."""
     lines = []
     for g in model.element_groups():
         lines += [
-            f"p, history = groups.{g.word}_p, groups.{g.word}_h",
+            f"p, history = {_rows(model, g)}, groups.{g.word}_h",
             "for i in range(p.shape[0]):",
             "    old, new = history[clock.current, i], history[1 - clock.current, i]",
             "    points.open_points(clock, h, p[i], old, new, groups.points)",
         ]
-    if model.elements:
-        lines += [CARRY]
-        lines += ["clock.element_rate = 0.0"]
-    return lines + _deform_calls(model)
+    return lines
 
 
 def _deform_calls(model: Any) -> list[str]:
     lines = []
     for g in model.element_groups():
         lines += [
-            f"p = groups.{g.word}_p",
+            f"p = {_rows(model, g)}",
             "for i in range(p.shape[0]):",
             *(f"    {_alias(kind)}.deform(p[i], clock, h, groups)" for kind in _kinds(g)),
         ]
@@ -356,9 +400,21 @@ def _closing_calls(model: Any) -> list[str]:
             "points.unload(nodes, groups.points, groups.riders)",
         ]
     lines = ["points.unload(nodes, groups.points, groups.riders)"] if model.elements else []
+    if is_halved(model):
+        return [
+            *lines,
+            "crew.hold_all(nodes, groups)",
+            *_shared("CLOSE", "close_share(h, nodes, groups)"),
+        ]
+    return lines + _kick_calls(model)
+
+
+def _kick_calls(model: Any) -> list[str]:
+    """Second kick of the points."""
+    lines = []
     for g in model.element_groups():
         lines += [
-            f"p = groups.{g.word}_p",
+            f"p = {_rows(model, g)}",
             "for i in range(p.shape[0]):",
             "    points.close_points(h, p[i], groups.points, nodes)",
         ]

@@ -22,8 +22,15 @@ from crashsolve.model.model import Model, State
 from crashsolve.model.nodal import give_room
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.model.pairs import renew
-from crashsolve.system.compose import compose, group_arrays, load, samples_within_steps
+from crashsolve.system.compose import (
+    compose,
+    group_arrays,
+    is_halved,
+    load,
+    samples_within_steps,
+)
 from crashsolve.system.diagnosis import diagnose, velocity_error
+from crashsolve.system.sharing import arrays_of_second
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -76,6 +83,10 @@ class Engine:
                 shared | dict(copies) | {name: copy for name, (_, copy) in self._histories.items()}
             ),
         )
+        if is_halved(m):
+            self._present.second = self._sampled.second = Tables(
+                arrays_of_second(m, shared | state)
+            )
 
     def _tableau(self) -> dict[str, np.ndarray]:
         """Coefficients of a Runge-Kutta method; a sample is one more stage of it."""

@@ -57,8 +57,9 @@ def close_loads(clock, scene):
     points, total, alone, largest = scene.points, scene.touched[0], 0.0, 0.0
     for i in range(points.shape[0]):
         b = points[i]
-        alone = max(alone, b.rate, b.spin_rate)
-        largest = max(largest, b.rate + 2.0 * scene.stiffened[2 * i])
+        rate = b.load * b.mass_inv
+        alone = max(alone, rate, b.spin_load * b.J_inv)
+        largest = max(largest, rate + 2.0 * scene.stiffened[2 * i])
     half = total.damping
     speed = sqrt(max(alone, largest) + half * half) + half
     clock.element_rate = speed * speed

@@ -36,7 +36,7 @@ def open_points(clock, h, p, old, new, points):
         zero = (0.0, 0.0, 0.0)
         put(b.force, zero)
         put(b.torque, zero)
-        b.rate = b.spin_rate = 0.0
+        b.load = b.spin_load = 0.0
         if p.drag > 0.0 and b.held < RIDES:
             lost += brake(clock, h * p.drag, b)
     new.damped = old.damped + lost
@@ -91,7 +91,8 @@ def bound_rate(clock, points):
     """
     largest = 0.0
     for i in range(points.shape[0]):
-        largest = max(largest, points[i].rate, points[i].spin_rate)
+        b = points[i]
+        largest = max(largest, b.load * b.mass_inv, b.spin_load * b.J_inv)
     clock.element_rate = largest
 
 
@@ -148,7 +149,7 @@ def unload(nodes, points, riders):
         add_to(body.torque, add(vec(b.torque), cross(d, f)))
         put(b.force, (0.0, 0.0, 0.0))
         put(b.torque, (0.0, 0.0, 0.0))
-        b.rate = b.spin_rate = 0.0
+        b.load = b.spin_load = 0.0
 
 
 @kernel

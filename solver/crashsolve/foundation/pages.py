@@ -1,0 +1,36 @@
+"""Pages of a library that have done their work: given back until they are asked for again."""
+
+import ctypes
+import mmap
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+
+# a mapping in /proc/self/smaps: begin, end, rights, file
+MAPPING = re.compile(r"^([0-9a-f]+)-([0-9a-f]+) (\S{4}) \S+ \S+ \S+ *(.*)$")
+
+
+def give_back_pages(library: str) -> None:
+    """Drop the pages of a library that hold what its file holds; the system reads them again.
+
+    Where the system has no list of pages, nothing happens.
+    """
+    with suppress(AttributeError, OSError):
+        advise = ctypes.CDLL(None).madvise
+        advise.argtypes = (ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int)
+        for begin, end in list(_unchanged(library)):
+            advise(begin, end - begin, mmap.MADV_DONTNEED)
+
+
+def _unchanged(library: str) -> Iterator[tuple[int, int]]:
+    """Where a library lies that nothing has written to: not where addresses were put in."""
+    begin = end = changed = 0
+    with open("/proc/self/smaps", encoding="utf-8") as file:
+        for line in file:
+            if found := MAPPING.match(line):
+                begin, end = int(found[1], 16), int(found[2], 16)
+                changed = "w" in found[3] or library not in found[4]
+            elif line.startswith(("Anonymous:", "Swap:")):
+                changed += int(line.split()[1])
+            elif line.startswith("VmFlags:") and not changed:
+                yield begin, end
