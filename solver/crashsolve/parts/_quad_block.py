@@ -172,7 +172,7 @@ def grow_modes(blocks, at, h, t, k, k_s, q, change):
 
 @inlined
 def tied(blocks, at, turn):
-    """What yielding leaves of the stiffness that ties; what was taken up comes back elastically."""
+    """What yielding leaves of the stiffness that ties; what it took up comes back elastically."""
     soft = at + LANES * SOFT_PLANE
     is_more = blocks[at + LANES * DRILL] * turn > 0.0
     return 0.5 * (blocks[soft] + blocks[soft + LANES]) if is_more else 1.0
