@@ -37,6 +37,8 @@ CASES: dict[str, tuple[str, Any, dict[str, Any], dict[str, Any]]] = {
     "reduced, welded": ("reduced", ODD, STEEL, WELDED),
     "fully integrated, welded": ("fully_integrated", ODD, STEEL, WELDED),
     "triangles, welded": ("triangles", ODD, STEEL, WELDED),
+    "reduced, rubber": ("reduced", ODD, RUBBER, THINNING),
+    "fully integrated, rubber": ("fully_integrated", ODD, RUBBER, THINNING),
     "triangles, rubber": ("triangles", ODD, RUBBER, THINNING),
 }
 H = 0.01

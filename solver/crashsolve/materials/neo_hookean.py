@@ -19,7 +19,7 @@ from crashsolve.materials import elastic
 
 
 class NeoHookean(elastic.Elastic):
-    """Neo-Hookean material, for shells with `element: triangles` and `thinning: true`."""
+    """Neo-Hookean material, for shells with `thinning: true`."""
 
     LARGE_STRAIN: ClassVar[bool] = True
 

@@ -31,7 +31,9 @@ from crashsolve.parts._layers import (
     LOST,
     STIFF,
     THIN,
+    clear_growth,
     clear_resultants,
+    grow_rate,
     take_up,
     through_thickness,
 )
@@ -100,6 +102,8 @@ def respond(p, h, first, corner, scene):
         damp(blocks, first, p.stride, work, h, p)
     resist(blocks, first, work)
     push(blocks, first, work, p)
+    if p.hyper == 1:
+        grow_rate(work)
     if p.slows == 1:
         allow(blocks, first, p.stride, work, h, p)
     if p.failure > 0.0:
@@ -113,6 +117,8 @@ def stress(blocks, first, work, h, p, curves):
     Writes: blocks, work.
     """
     keep_mean(work)
+    if p.hyper == 1:
+        clear_growth(work)
     for point in range(4):
         xi, eta = place_of(point)
         strain_at(work, xi, eta, p.poisson)

@@ -395,7 +395,9 @@ def stress_of_shear(seen, change, p):
         _, k = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
         _, j = stiffness_moved(flat, moved, area, more, p, t)
         u, d = three(seen, LANES * (MODE + 4) + e), three(change, at + 2 * LANES)
-        thinner = t * change[LANES * ACROSS + e] if p.thins == 1 else 0.0
+        # large strain grows the logarithm of the thickness
+        thick = seen[LANES * AFTER + e] if p.hyper == 1 else t
+        thinner = thick * change[LANES * ACROSS + e] if p.thins == 1 else 0.0
         tau, stiff = LANES * TAU + e, 5.0 / 6.0 * p.shear * seen[LANES * AFTER + e]
         V = (
             stiff * change[at] + thinner * seen[tau],

@@ -46,6 +46,7 @@ from crashsolve.parts._layers import (
     METRIC,
     PLASTIC_ROWS,
     STRAIN,
+    grow_rate,
     layers,
 )
 from crashsolve.parts._quad import hourglass_stiffness, plane_axes, rate_bound
@@ -330,11 +331,6 @@ class Laid:
             self.layer_rows = HYPER_ROWS
             if not card.thinning:
                 raise scene.fail("a neo-Hookean shell needs true: it gets thinner", "thinning")
-            if card.element != "triangles":
-                message = (
-                    "a neo-Hookean shell needs triangles; quadrilaterals flutter at such stress"
-                )
-                raise scene.fail(message, "element")
         self.layer_rows += getattr(self.material, "melting_heat", None) is not None
         self.can_fail = getattr(self.material, "failure_strain", None) is not None
         self._refuse_explicit(scene)
@@ -742,6 +738,8 @@ def respond(p, h, first, corner, scene):
     if p.slows == 1:
         damp(blocks, first, p.stride, work, h, p)
     push(blocks, first, work, p)
+    if p.hyper == 1:
+        grow_rate(work)
     if p.slows == 1:
         allow(blocks, first, p.stride, work, h, p)
     if p.failure > 0.0:
