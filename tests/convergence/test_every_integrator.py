@@ -26,11 +26,6 @@ STEPS = {
 }
 # what is judged: of a fast spin the quaternion loses its odd orders, which only change its length
 JUDGED = {TOP: ("v", "w"), SQUEEZER: ("r", "q")}
-# other tests have the squeezer compiled for this one, and for others it takes a minute
-LONG = [
-    method if method == "dormand_prince_8" else pytest.param(method, marks=pytest.mark.long)
-    for method in METHODS
-]
 
 
 def order_of(method: str) -> float:
@@ -66,7 +61,8 @@ def slope(case: tuple[str, float], method: str) -> float:
     return float(np.log(errors[0] / errors[1]) / np.log(counts[1] / counts[0]))
 
 
-@pytest.mark.parametrize("method", LONG)
+@pytest.mark.long
+@pytest.mark.parametrize("method", METHODS)
 def test_the_order_on_the_squeezer(method: str) -> None:
     assert slope(SQUEEZER, method) == pytest.approx(order_of(method), abs=SLOPE)
 

@@ -106,7 +106,7 @@ def test_the_order_is_the_declared_one(method: str, tmp_path: Path) -> None:
     assert max(e.clock.residual for e in runs) <= 1e-10
 
 
-@BOTH
+@EITHER
 def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) -> None:
     exact = run(tmp_path, SCENE, END, integrator="dormand_prince_8", tolerance=1e-13)
     errors = []

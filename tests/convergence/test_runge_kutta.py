@@ -145,7 +145,7 @@ def test_the_order_is_the_declared_one(method: str, tmp_path: Path) -> None:
             assert slopes[-1] == pytest.approx(order, abs=SLOPE), (body, errors)
 
 
-@TABLEAUX
+@EITHER
 def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) -> None:
     exact = run(tmp_path, SCENE, END, integrator="dormand_prince_8", tolerance=1e-13)
     for tolerance in (1e-4, 1e-7, 1e-10):
@@ -222,6 +222,7 @@ def test_a_pendulum_of_hardly_any_inertia_keeps_the_order(tmp_path: Path) -> Non
     assert engine.clock["cycle"] < 300
 
 
+@pytest.mark.long
 def test_the_heavy_top_to_eight_digits(tmp_path: Path) -> None:
     engine = solved(BENCHMARKS / "heavy_top.yaml", integrator="dormand_prince_8", tolerance=1e-11)
     # published to eight digits, more of them in benchmarks/peers/reference.py

@@ -88,6 +88,7 @@ class Cantilever:
         return np.sqrt(squares[:modes])
 
 
+@pytest.mark.long
 def test_the_tip_of_the_elastica_is_of_order_two(tmp_path: Path) -> None:
     """P L^2 / E I = 3: w = 0.60325344 (Mattiasson 1981, Int. J. Num. Meth. Eng. 17, 145-153)."""
     errors = []

@@ -28,6 +28,7 @@ def run(folder: Path, out: str, control: str, *words: str) -> Path:
     return folder / out
 
 
+@pytest.mark.long
 def test_methods_of_high_order_keep_the_momentum_too(tmp_path: Path) -> None:
     control = "end_time: 0.05, integrator: dormand_prince_8, tolerance: 1e-8"
     result = Result(run(tmp_path, "out", control))

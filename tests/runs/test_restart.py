@@ -109,7 +109,9 @@ def test_samples_within_steps_go_on_to_the_same_bits(tmp_path: Path) -> None:
     assert int(log.split("accepted, rejected")[1].split(",")[0]) < 100
 
 
-@pytest.mark.parametrize("method", ["generalized_alpha", "radau_iia_5"])
+@pytest.mark.parametrize(
+    "method", ["generalized_alpha", pytest.param("radau_iia_5", marks=pytest.mark.long)]
+)
 def test_what_an_implicit_step_is_guessed_from_is_kept(method: str, tmp_path: Path) -> None:
     resumed(DAMPED.replace("dormand_prince_8", method), tmp_path)
 

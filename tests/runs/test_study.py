@@ -270,6 +270,7 @@ expect:
 """
 
 
+@pytest.mark.long
 def test_a_mesh_converges_to_the_exact_bar(tmp_path: Path) -> None:
     (tmp_path / "bar.yaml").write_text(BAR, "utf-8")
     words = ["--integrators", "rattle", "--steps", "2e-3,1e-3", "--target", "0.01"]
