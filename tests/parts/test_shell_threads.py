@@ -15,8 +15,10 @@ from shells import Elements
 
 from crashsolve.deck.read import read_deck
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
 from crashsolve.model.halves import halve
 from crashsolve.system import crew
+from crashsolve.system.compose import compose
 
 # a worker compiles the scene once
 pytestmark = pytest.mark.xdist_group("threads")
@@ -78,6 +80,13 @@ def test_two_threads_give_the_bits_of_one(two: tuple[Path, Path], tmp_path: Path
     done = crashsolve(deck, "-o", tmp_path, "--set", "control.threads=1")
     assert done.returncode == 0, done.stderr
     assert differences(tmp_path, folder) == []
+
+
+def test_the_second_thread_alone_has_points_lent(two: tuple[Path, Path]) -> None:
+    # did the first as well, it might clear what the second has begun to add: seldom, by chance
+    text = compose(build(read_deck(two[0]))[0])
+    first, _, second = text.partition("def assist")
+    assert second.count("crew.lend(") == 1 and "crew.lend(" not in first
 
 
 def test_two_threads_go_on_from_a_dump_to_the_same_bits(

@@ -171,7 +171,7 @@ def scene_text(model: Any) -> str:
     if is_halved(model):
         parts += [
             _function("open_share", _open_calls(model)),
-            _function("deform_share", ["crew.lend(groups)", *_deform_calls(model)]),
+            _function("deform_share", _deform_calls(model)),
             _function("close_share", _kick_calls(model)),
             sharing.ASSIST,
         ]

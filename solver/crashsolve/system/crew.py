@@ -51,7 +51,10 @@ def wait_for_second(scene):
 
 @kernel
 def lend(scene):
-    """Points that stand for others follow them, free of forces. Writes: scene.lent."""
+    """Points that stand for others follow them, free of forces: for the second thread alone.
+
+    Writes: scene.lent.
+    """
     points, loans = scene.points, scene.loans
     for k in range(loans.shape[0]):
         b, own = scene.lent[k], points[loans[k].point]

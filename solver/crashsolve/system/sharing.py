@@ -24,6 +24,7 @@ def assist(until, sampling, scene):
             open_share(clock, job.h, scene)
         elif job.number == crew.DEFORM:
             clock.element_rate = 0.0
+            crew.lend(scene)
             deform_share(clock, job.h, scene)
         else:
             close_share(job.h, nodes, scene)
