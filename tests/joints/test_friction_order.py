@@ -119,6 +119,7 @@ def test_pendulum_and_slider_converge_at_order_two(tmp_path: Path) -> None:
         assert np.all(slopes(error) >= 1.8)
 
 
+@pytest.mark.long
 def test_friction_that_changes_its_own_reaction_converges_at_order_two(tmp_path: Path) -> None:
     for speed in (3.0, -3.0):
         runs = [run(tmp_path, ladder(speed), 0.04, h) for h in (1e-3, 5e-4, 2.5e-4)]
