@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from small_runs import last, run, slopes
 
 STEPS = (4e-3, 2e-3, 1e-3)
