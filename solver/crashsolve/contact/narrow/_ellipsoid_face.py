@@ -17,10 +17,11 @@ References: Boyd and Vandenberghe (2004), Convex Optimization, 3.2.5 and 9.5.
 
 from math import sqrt
 
-from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, nearest_on_face, point_of
+from crashsolve.contact.narrow._convex import tangents
+from crashsolve.contact.narrow._face import nearest_on_face, over_corners, point_of
 from crashsolve.contact.narrow.sphere_ellipsoid import from_ellipsoid
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, scale, sub
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub
 
 ITERATIONS = 60  # four to eight do
 # of the longest semi-axis: what is gained below it is noise
@@ -46,30 +47,9 @@ def nearest_to_ellipsoid(s, far, a, b, c, d):
         if at_least(least, m, at, p, q, middle, middle) < least - NOISE * s[0] and least < far:
             M, _, other, m_other = descend(s, far, p, q, middle, middle)
             if other < least:
-                N, place, least, m = whole(k, M), whole_place(k, M), other, m_other
+                N, place = over_corners(k, M[0], M[1], M[2] + M[3])
+                least, m = other, m_other
     return N, place, least, m
-
-
-@kernel
-def whole(k, M):
-    """Weights of the corners of the face, from those of triangle k."""
-    share = 0.25 * (M[2] + M[3])
-    return (
-        share + (M[0] if k == 0 else (M[1] if k == 3 else 0.0)),
-        share + (M[0] if k == 1 else (M[1] if k == 0 else 0.0)),
-        share + (M[0] if k == 2 else (M[1] if k == 1 else 0.0)),
-        share + (M[0] if k == 3 else (M[1] if k == 2 else 0.0)),
-    )
-
-
-@kernel
-def whole_place(k, M):
-    """INSIDE, EDGE + k or CORNER + k of the face, from the weights on triangle k."""
-    if M[2] + M[3] > 0.0:
-        return INSIDE
-    if M[1] == 0.0:
-        return CORNER + k
-    return CORNER + (k + 1) % 4 if M[0] == 0.0 else EDGE + k
 
 
 @kernel
@@ -136,10 +116,7 @@ def stretch(x, m, t, u, r, k_t, k_u):
 @kernel
 def curvatures(s, x, m):
     """Principal directions of the ellipsoid at its place x with normal m, and radii there [m]."""
-    helper = (1.0, 0.0, 0.0) if abs(m[0]) < 0.6 else (0.0, 1.0, 0.0)
-    v = cross(m, helper)
-    v = scale(1.0 / norm(v), v)
-    w = cross(m, v)
+    v, w = tangents(m)
     slope = norm(shrink(s, shrink(s, x)))
     S_vv = dot(shrink(s, v), shrink(s, v)) / slope
     S_vw = dot(shrink(s, v), shrink(s, w)) / slope

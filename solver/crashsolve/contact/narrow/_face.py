@@ -70,21 +70,28 @@ def nearest_on_face(a, b, c, d):
         square = dot(x, x)
         if square < least:
             least, at, first, second, middle = square, k, u, v, w
+    N, place = over_corners(at, first, second, middle)
+    return N, least, place
+
+
+@kernel
+def over_corners(k, first, second, middle):
+    """Weights N of the corners, and the place, from those of a triangle: side k and middle."""
     share = 0.25 * middle
     N = (
-        share + (first if at == 0 else 0.0) + (second if at == 3 else 0.0),
-        share + (first if at == 1 else 0.0) + (second if at == 0 else 0.0),
-        share + (first if at == 2 else 0.0) + (second if at == 1 else 0.0),
-        share + (first if at == 3 else 0.0) + (second if at == 2 else 0.0),
+        share + (first if k == 0 else 0.0) + (second if k == 3 else 0.0),
+        share + (first if k == 1 else 0.0) + (second if k == 0 else 0.0),
+        share + (first if k == 2 else 0.0) + (second if k == 1 else 0.0),
+        share + (first if k == 3 else 0.0) + (second if k == 2 else 0.0),
     )
     place = INSIDE
     if middle == 0.0:
-        place = EDGE + at
+        place = EDGE + k
         if second == 0.0:
-            place = CORNER + at
+            place = CORNER + k
         elif first == 0.0:
-            place = CORNER + (at + 1) % 4
-    return N, least, place
+            place = CORNER + (k + 1) % 4
+    return N, place
 
 
 @kernel
