@@ -44,6 +44,7 @@ from crashsolve.parts._layers import (
     HYPER_ROWS,
     LINE_ROWS,
     METRIC,
+    MOST_LAYERS,
     PLASTIC_ROWS,
     STRAIN,
     grow_rate,
@@ -85,7 +86,6 @@ FAMILY = "matsum"
 ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 Motion = Literal["x", "y", "z", "turn_x", "turn_y", "turn_z"]
-MOST_LAYERS = 10
 # elements worked on at a time where memory counts
 PIECE = 1024
 
