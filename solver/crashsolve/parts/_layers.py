@@ -39,7 +39,6 @@ from crashsolve.parts._quad_block import (
     RATE,
     RESULTANT,
     ROWS,
-    SOFT_PLANE,
     THICKNESS,
     three,
 )
@@ -55,12 +54,15 @@ BACK, BACK_ROWS = 4, 3
 LINE_ROWS = 3
 # further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
 # rate, what is missing; of all layers, the strain across the thickness, the plastic work, the
-# energy of those that fail; of large elastic strain, the largest growth of the stiffness; what
-# yielding leaves of the stiffness in the plane along x and y, and in bending
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED, GROWTH, STIFF = (
-    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14)
+# energy of those that fail; of large elastic strain, the largest growth of the stiffness
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED, GROWTH = (
+    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13)
 )
-ALL_ROWS = ROWS + 18
+# of the trial stresses beside those of layers (_beside.py): their square in a layer, of transverse
+# shear alone, amplitudes of the hourglass in the plane and by height; the share that yielding takes
+# from all, and what it takes from the amplitudes; share of the shear stiffness that there is
+BESIDE, SHEARED, AMPLITUDE, TAKEN, TAKEN_MODES, WEAK = (ROWS + k for k in (14, 15, 16, 20, 21, 25))
+ALL_ROWS = ROWS + 26
 # rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
 # energy of elements when they were deleted
 FAILED_ROWS = 2
@@ -84,8 +86,8 @@ def clear_resultants(work):
         work[LANES * THIN + e] = 0.0
         work[LANES * LOST + e] = 0.0
         work[LANES * DROPPED + e] = 0.0
-        for k in range(4):
-            work[LANES * (STIFF + k) + e] = 0.0
+        for k in range(5):
+            work[LANES * (TAKEN + k) + e] = 0.0
 
 
 @inlined
@@ -234,9 +236,6 @@ def take_up(blocks, first, stride, work, h, p):
     if p.plastic == 1:
         for e in range(LANES):
             blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
-    if p.plastic == 1 and h > 0.0:
-        for row in range(4 * LANES):
-            blocks[first + LANES * SOFT_PLANE + row] = work[LANES * STIFF + row]
     if p.failure > 0.0:
         for e in range(LANES):
             at = first + stride - FAILED_ROWS * LANES + e
@@ -326,6 +325,8 @@ def drop_failed(blocks, at, work, p, weight):
             work[(XI + row) * LANES + e] *= keep
             if p.kinematic > 0.0:
                 blocks[at + (BACK + row) * LANES + e] *= keep
+        # what is beside the layers stays with those that are left
+        work[LANES * BESIDE + e] *= keep
         work[LANES * GAP + e] = -1.0 if has_failed else work[LANES * GAP + e]
 
 
@@ -343,7 +344,7 @@ def scaled(p):
 
 @blockwise
 def find_trial(blocks, at, work, p, zeta):
-    """Trial stress less alpha. Writes: work."""
+    """Trial stress less alpha, and the square of what is beside it. Writes: work."""
     nu, shear, moves = p.poisson, p.shear, p.kinematic > 0.0
     C, back = p.plane, at + LANES * BACK
     for e in range(LANES):
@@ -357,6 +358,15 @@ def find_trial(blocks, at, work, p, zeta):
             s_xy -= blocks[back + 2 * LANES + e]
         put = LANES * XI + e
         work[put], work[put + LANES], work[put + 2 * LANES] = s_x, s_y, s_xy
+        q_x, q_y = modes_at(work, e, zeta)
+        work[LANES * BESIDE + e] = work[LANES * SHEARED + e] + q_x * q_x + q_y * q_y
+
+
+@inlined
+def modes_at(work, e, zeta):
+    """Trial stresses of the hourglass along x and y at a height: roots of their mean squares."""
+    z, at = 0.5 * work[LANES * DEPTH + e] * zeta, LANES * AMPLITUDE + e
+    return work[at] + z * work[at + 2 * LANES], work[at + LANES] + z * work[at + 3 * LANES]
 
 
 @blockwise
@@ -369,7 +379,7 @@ def find_lines(blocks, at, work, p):
             start, slope = blocks[line + e], blocks[line + LANES + e]
         factor = work[LANES * FACTOR + e] if has_factor else 1.0
         flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
-        s1, s2 = parts_of(three(work, LANES * XI + e))
+        s1, s2 = parts_of(three(work, LANES * XI + e), work[LANES * BESIDE + e])
         work[LANES * FACTOR + e] = factor
         work[LANES * YIELD + e], work[LANES * SLOPE + e] = flow, factor * slope
         work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
@@ -377,17 +387,17 @@ def find_lines(blocks, at, work, p):
 
 
 @inlined
-def parts_of(xi):
+def parts_of(xi, beside):
     """s1 and s2."""
     both, apart = xi[0] + xi[1], xi[0] - xi[1]
-    return 0.25 * both * both, 0.75 * apart * apart + 3.0 * xi[2] * xi[2]
+    return 0.25 * both * both, 0.75 * apart * apart + 3.0 * xi[2] * xi[2] + beside
 
 
 @blockwise
 def start_return(work):
     """Writes: work."""
     for e in range(LANES):
-        s1, s2 = parts_of(three(work, LANES * XI + e))
+        s1, s2 = parts_of(three(work, LANES * XI + e), work[LANES * BESIDE + e])
         work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
 
 
@@ -572,10 +582,6 @@ def stay(blocks, at, work, p, zeta, weight):
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = x, y, xy
         add_resultants(work, e, 0.5 * t * weight, 0.5 * t * zeta, (x, y, xy))
         work[LANES * THIN + e] += 0.5 * weight * thinner
-        work[LANES * STIFF + e] += 0.5 * weight
-        work[LANES * (STIFF + 1) + e] += 0.5 * weight
-        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta
-        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta
 
 
 @blockwise
@@ -615,15 +621,19 @@ def settle(blocks, at, work, p, zeta, weight):
         work[LANES * GAP + e] = lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
-        # tangent over elastic modulus of stress along x alone, and along y
-        tangent = (work[LANES * SLOPE + e] + p.kinematic) * size * size
-        m_x, m_y = x - 0.5 * y, y - 0.5 * x
-        f_x, f_y = tangent + p.young * m_x * m_x, tangent + p.young * m_y * m_y
-        k = tangent / (f_x * f_y + 1e-300)
-        left_x, left_y = k * f_y if g > 0.0 else 1.0, k * f_x if g > 0.0 else 1.0
-        work[LANES * STIFF + e] += 0.5 * weight * left_x
-        work[LANES * (STIFF + 1) + e] += 0.5 * weight * left_y
-        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta * left_x
-        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta * left_y
+        take(work, e, 0.5 * weight * (1.0 - k2), zeta)
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y
         work[LANES * THIN + e] += 0.5 * weight * thinner
+
+
+@inlined
+def take(work, e, share, zeta):
+    """What the yielding of a layer takes from the stresses beside those of layers. Writes: work."""
+    z, (q_x, q_y) = 0.5 * work[LANES * DEPTH + e] * zeta, modes_at(work, e, zeta)
+    q_x, q_y = share * q_x, share * q_y
+    at = LANES * TAKEN + e
+    work[at] += share
+    work[at + LANES] += q_x
+    work[at + 2 * LANES] += q_y
+    work[at + 3 * LANES] += z * q_x
+    work[at + 4 * LANES] += z * q_y
