@@ -19,7 +19,7 @@ from math import sqrt
 
 from crashsolve.foundation.compile import blockwise, inlined
 from crashsolve.foundation.point import LANES
-from crashsolve.parts._layers import AMPLITUDE, SHEARED, TAKEN, TAKEN_MODES, WEAK
+from crashsolve.parts._layers import AMPLITUDE, SHEARED, TAKEN, TAKEN_MODES, TRIAL, WEAK
 from crashsolve.parts._quad import DRILLING, sides
 from crashsolve.parts._quad_block import (
     AREA,
@@ -54,6 +54,7 @@ def see_shear(blocks, first, work):
     for e in range(LANES):
         at = first + LANES * SHEAR + e
         x, y = blocks[at], blocks[at + LANES]
+        work[LANES * TRIAL + e], work[LANES * (TRIAL + 1) + e] = x, y
         work[LANES * SHEARED + e] = 3.0 * (x * x + y * y)
         for k in range(4):
             work[LANES * (AMPLITUDE + k) + e] = 0.0

@@ -60,9 +60,12 @@ XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED, GROWTH = (
 )
 # of the trial stresses beside those of layers (_beside.py): their square in a layer, of transverse
 # shear alone, amplitudes of the hourglass in the plane and by height; the share that yielding takes
-# from all, and what it takes from the amplitudes; share of the shear stiffness that there is
-BESIDE, SHEARED, AMPLITUDE, TAKEN, TAKEN_MODES, WEAK = (ROWS + k for k in (14, 15, 16, 20, 21, 25))
-ALL_ROWS = ROWS + 26
+# from all, and what it takes from the amplitudes; share of the shear stiffness that there is; the
+# trial transverse shear itself
+BESIDE, SHEARED, AMPLITUDE, TAKEN, TAKEN_MODES, WEAK, TRIAL = (
+    ROWS + k for k in (14, 15, 16, 20, 21, 25, 26)
+)
+ALL_ROWS = ROWS + 28
 # rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
 # energy of elements when they were deleted
 FAILED_ROWS = 2
