@@ -186,8 +186,8 @@ def add_layer(work, seen, at, h, p, zeta, weight):
             add_column(seen, at + e, k, n, t, z, found)
             add_column(seen, at + e, BENDING + k, n * z, t, z, found)
         for k in range(2):
-            way = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0)
-            found = column_of(g, stress, q, by_q[k], still, way, p, c1, c2)
+            one = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0)
+            found = column_of(g, stress, q, by_q[k], still, one, p, c1, c2)
             add_column(seen, at + e, MODES_IN + k, n, t, z, found)
             add_column(seen, at + e, MODES_IN + 2 + k, n * z, t, z, found)
             found = column_of(g, stress, q, by_tau[k], still, no, p, c1, c2)
