@@ -54,6 +54,7 @@ from crashsolve.parts._quad_block import (
     push,
     scatter,
     shape,
+    slow_corners,
     strain,
 )
 from crashsolve.parts._viscous import allow, damp
@@ -85,8 +86,10 @@ def deform(p, clock, h, scene):
         respond(p, h, first, corner, scene)
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
-        scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, p, scene, p.first_element + done, first, corner, live, 4)
+        note_rate(clock, p.first_element + done, scene, first, live, 4)
+        if p.slows == 1:
+            slow_corners(scene, corner, live, 4)
+        scatter(scene.points, scene.corners, corner, live, scene.work, 4)
         done += LANES
 
 

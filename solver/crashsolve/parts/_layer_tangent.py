@@ -35,7 +35,7 @@ from crashsolve.parts._layers import (
     hyperelastic_layer,
     layer_strain,
     modes_at,
-    plastic_layer,
+    plastic_layers,
     softening,
 )
 from crashsolve.parts._quad_block import DEPTH, three
@@ -71,7 +71,7 @@ def layers_and_tangent(blocks, kept, first, work, seen, at, h, p, curves):
             add_layer(work, seen, at, h, p, zeta, weight)
         else:
             clear_flow(work)
-            plastic_layer(blocks, row, work, h, p, zeta, weight, curves)
+            plastic_layers(blocks, first, work, work, h, p, k, k + 1, curves)
             add_layer(work, seen, at, h, p, zeta, weight)
 
 

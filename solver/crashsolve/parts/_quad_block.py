@@ -49,49 +49,62 @@ def gather(points, corners, first, work):
 
 
 @kernel
-def note_rate(clock, p, scene, number, first, corner, live, ends):
-    """Squared frequencies of elements to their corners, by mass; the largest, and whose it is.
+def note_rate(clock, number, scene, first, live, ends):
+    """Shares of the corners in the squared frequencies of a block; the largest, and whose it is.
 
-    Elements with damping share nothing out: half of what they need grows with h, not h^2. Writes:
-    clock, work, scene.points.
+    Writes: clock, scene.work.
     """
-    work, points = scene.work, scene.points
-    weigh(scene.lanes, first, work, ends)
+    work = scene.work
+    if weigh(scene.lanes, first, work, ends, clock.element_rate) == 0.0:
+        return
     for e in range(live):
         rate = work[LANES * RATE + e]
         if rate > clock.element_rate:
             clock.element_rate, clock.limit_element = rate, number + e
-    # corner by corner, as forces are added
-    for c in range(ends):
-        for e in range(live):
-            b = points[scene.corners[corner + LANES * c + e]]
-            if p.slows == 0:
-                load_point(b, work[LANES * LOAD + e], work[LANES * LOAD + LANES + e], 0)
-            elif b.mass_inv > 0.0 and b.J_inv > 0.0:
-                rate = work[LANES * RATE + e]
-                load_point(b, rate / b.mass_inv, rate / b.J_inv, 1)
 
 
 @blockwise
-def weigh(blocks, first, work, ends):
-    """Squared frequencies times mass and inertia at each corner. Writes: work.
+def weigh(blocks, first, work, ends, largest):
+    """Squared frequencies times mass and inertia at each corner; how many are above `largest`.
 
-    In a loop of its own: a product that becomes part of a sum is rounded otherwise, and sums of two
-    threads must be those of one.
+    Rounded here: a product that becomes part of a sum is rounded otherwise, and sums of two threads
+    must be those of one. Writes: work.
     """
+    count = 0.0
     for e in range(LANES):
-        load = work[LANES * RATE + e] * blocks[first + LANES * WEIGHT + e] / ends
+        rate = work[LANES * RATE + e]
+        load = rate * blocks[first + LANES * WEIGHT + e] / ends
         work[LANES * LOAD + e] = load
         work[LANES * LOAD + LANES + e] = load * blocks[first + LANES * RADIUS_2 + e]
+        count += 1.0 if rate > largest else 0.0
+    return count
 
 
 @kernel
-def scatter(points, corners, first, live, work):
-    """Forces and torques of a block onto its corners. Writes: points."""
-    for c in range(4):
+def slow_corners(scene, corner, live, ends):
+    """Squared frequencies of elements with damping to their corners, which keep the largest.
+
+    They share nothing out: half of what they need grows with h, not h^2. Writes: scene.points,
+    scene.work.
+    """
+    work, points = scene.work, scene.points
+    for c in range(ends):
+        for e in range(live):
+            b = points[scene.corners[corner + LANES * c + e]]
+            rate = work[LANES * RATE + e]
+            if b.mass_inv > 0.0 and b.J_inv > 0.0:
+                load_point(b, rate / b.mass_inv, rate / b.J_inv, 1)
+    for e in range(2 * LANES):
+        work[LANES * LOAD + e] = 0.0
+
+
+@kernel
+def scatter(points, corners, first, live, work, ends):
+    """Forces, torques and shares of frequency of a block onto its corners. Writes: points."""
+    for c in range(ends):
         for e in range(0, LANES, EIGHT):
             at = LANES * (FORCE + 3 * c) + e
-            add_forces(points, corners, first + LANES * c + e, work, at, live - e)
+            add_forces(points, corners, first + LANES * c + e, work, at, LANES * LOAD + e, live - e)
 
 
 @inlined

@@ -56,6 +56,7 @@ from crashsolve.parts._quad_block import (
     put_corner,
     scatter,
     shape,
+    slow_corners,
     three,
 )
 from crashsolve.parts._viscous import SLOW_ROWS, allow, damp
@@ -101,8 +102,10 @@ def deform(p, clock, h, scene):
         respond(p, h, first, corner, scene)
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
-        scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, p, scene, p.first_element + quads + done, first, corner, live, 3)
+        note_rate(clock, p.first_element + quads + done, scene, first, live, 3)
+        if p.slows == 1:
+            slow_corners(scene, corner, live, 3)
+        scatter(scene.points, scene.corners, corner, live, scene.work, 3)
         done += LANES
 
 
@@ -282,10 +285,6 @@ def push(blocks, first, work, p):
         put_node(work, 0, e, axes, area, N, M, drill, g1, F3 - F1, s3, F3, s1, F1)
         put_node(work, 1, e, axes, area, N, M, drill, g2, F1 - F2, s1, F1, s2, F2)
         put_node(work, 2, e, axes, area, N, M, drill, g3, F2 - F3, s2, F2, s3, F3)
-        zero = (0.0, 0.0, 0.0)
-        # the fourth corner is the third
-        put_corner(work, 0, 3, e, axes, zero)
-        put_corner(work, TORQUE, 3, e, axes, zero)
         radius_2 = blocks[first + LANES * RADIUS_2 + e]
         work[LANES * RATE + e] = rate_bound(flat, area, t, radius_2, p.young / p.density, p.poisson)
 

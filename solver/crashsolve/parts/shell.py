@@ -51,6 +51,7 @@ from crashsolve.parts._layers import (
     HYPER_ROWS,
     LINE_ROWS,
     METRIC,
+    MOST_LAYERS,
     PLASTIC_ROWS,
     STRAIN,
     grow_rate,
@@ -73,6 +74,7 @@ from crashsolve.parts._quad_block import (
     note_rate,
     push,
     scatter,
+    slow_corners,
     strain,
 )
 from crashsolve.parts._viscous import HEAVIER, SLOW_ROWS, allow, damp
@@ -90,7 +92,6 @@ FAMILY = "matsum"
 ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 Motion = Literal["x", "y", "z", "turn_x", "turn_y", "turn_z"]
-MOST_LAYERS = 10
 # elements worked on at a time where memory counts
 PIECE = 1024
 
@@ -725,8 +726,10 @@ def deform(p, clock, h, scene):
         respond(p, h, first, corner, scene)
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
-        scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, p, scene, p.first_element + done, first, corner, live, 4)
+        note_rate(clock, p.first_element + done, scene, first, live, 4)
+        if p.slows == 1:
+            slow_corners(scene, corner, live, 4)
+        scatter(scene.points, scene.corners, corner, live, scene.work, 4)
         done += LANES
 
 
