@@ -39,7 +39,6 @@ from crashsolve.parts._quad_block import (
     RATE,
     RESULTANT,
     ROWS,
-    SOFT_PLANE,
     THICKNESS,
     three,
 )
@@ -54,15 +53,22 @@ BACK, BACK_ROWS = 4, 3
 # and the strain at which it ends
 LINE_ROWS = 3
 # further rows of `work`: of all layers, the strain across the thickness, the plastic work, the
-# energy of those that fail; of large elastic strain, the largest growth of the stiffness; what
-# yielding leaves of the stiffness in the plane along x and y, and in bending; numbers of the layers
-# that yield
-THIN, LOST, DROPPED, GROWTH, STIFF, NUMBER = (ROWS + k for k in (0, 1, 2, 3, 4, 8))
+# energy of those that fail; of large elastic strain, the largest growth of the stiffness
+THIN, LOST, DROPPED, GROWTH = (ROWS + k for k in range(4))
+# of the trial stresses beside those of layers (_beside.py): square of transverse shear, amplitudes
+# of the hourglass in the plane and by height; the share that yielding takes from all, and what it
+# takes from the amplitudes; share of the shear stiffness that there is; transverse shear itself;
+# numbers of the layers that yield
+SHEARED, AMPLITUDE, TAKEN, TAKEN_MODES, WEAK, TRIAL, NUMBER = (
+    ROWS + k for k in (4, 5, 9, 10, 14, 15, 17)
+)
 # and of each of these: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of rate,
-# what is missing
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP = (ROWS + 9 + k for k in (0, 3, 4, 5, 6, 7, 8, 9))
-MOST_LAYERS, SLOT_ROWS = 10, 10
-ALL_ROWS = ROWS + 9 + MOST_LAYERS * SLOT_ROWS
+# what is missing, square of the stresses beside
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, BESIDE = (
+    ROWS + 18 + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10)
+)
+MOST_LAYERS, SLOT_ROWS = 10, 11
+ALL_ROWS = ROWS + 18 + MOST_LAYERS * SLOT_ROWS
 # rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
 # energy of elements when they were deleted
 FAILED_ROWS = 2
@@ -86,8 +92,8 @@ def clear_resultants(work):
         work[LANES * THIN + e] = 0.0
         work[LANES * LOST + e] = 0.0
         work[LANES * DROPPED + e] = 0.0
-        for k in range(4):
-            work[LANES * (STIFF + k) + e] = 0.0
+        for k in range(5):
+            work[LANES * (TAKEN + k) + e] = 0.0
 
 
 @inlined
@@ -237,9 +243,6 @@ def take_up(blocks, first, stride, work, h, p):
     if p.plastic == 1:
         for e in range(LANES):
             blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
-    if p.plastic == 1 and h > 0.0:
-        for row in range(4 * LANES):
-            blocks[first + LANES * SOFT_PLANE + row] = work[LANES * STIFF + row]
     if p.failure > 0.0:
         for e in range(LANES):
             at = first + stride - FAILED_ROWS * LANES + e
@@ -351,6 +354,8 @@ def drop_failed(blocks, at, work, slots, to, p, weight):
             slots[to + (XI + row) * LANES + e] *= keep
             if p.kinematic > 0.0:
                 blocks[at + (BACK + row) * LANES + e] *= keep
+        # what is beside the layers stays with those that are left
+        slots[to + LANES * BESIDE + e] *= keep
         slots[to + LANES * GAP + e] = -1.0 if has_failed else slots[to + LANES * GAP + e]
 
 
@@ -368,7 +373,7 @@ def scaled(p):
 
 @blockwise
 def find_trial(blocks, at, work, slots, to, p, zeta):
-    """Trial stress less alpha. Writes: slots."""
+    """Trial stress less alpha, and the square of what is beside it. Writes: slots."""
     nu, shear, moves = p.poisson, p.shear, p.kinematic > 0.0
     C, back = p.plane, at + LANES * BACK
     for e in range(LANES):
@@ -381,6 +386,15 @@ def find_trial(blocks, at, work, slots, to, p, zeta):
             s_y -= blocks[back + LANES + e]
             s_xy -= blocks[back + 2 * LANES + e]
         put_three(slots, to + LANES * XI + e, (s_x, s_y, s_xy))
+        q_x, q_y = modes_at(work, e, zeta)
+        slots[to + LANES * BESIDE + e] = work[LANES * SHEARED + e] + q_x * q_x + q_y * q_y
+
+
+@inlined
+def modes_at(work, e, zeta):
+    """Trial stresses of the hourglass along x and y at a height: roots of their mean squares."""
+    z, at = 0.5 * work[LANES * DEPTH + e] * zeta, LANES * AMPLITUDE + e
+    return work[at] + z * work[at + 2 * LANES], work[at + LANES] + z * work[at + 3 * LANES]
 
 
 @inlined
@@ -399,7 +413,7 @@ def find_lines(blocks, at, slots, to, p):
             start, slope = blocks[line + e], blocks[line + LANES + e]
         factor = slots[to + LANES * FACTOR + e] if has_factor else 1.0
         flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
-        s1, s2 = parts_of(three(slots, to + LANES * XI + e))
+        s1, s2 = parts_of(three(slots, to + LANES * XI + e), slots[to + LANES * BESIDE + e])
         gap = s1 + s2 - flow * flow
         put_three(slots, to + LANES * S1 + e, (s1, s2, 0.0))
         put_three(slots, to + LANES * YIELD + e, (flow, factor * slope, factor))
@@ -409,17 +423,17 @@ def find_lines(blocks, at, slots, to, p):
 
 
 @inlined
-def parts_of(xi):
+def parts_of(xi, beside):
     """s1 and s2."""
     both, apart = xi[0] + xi[1], xi[0] - xi[1]
-    return 0.25 * both * both, 0.75 * apart * apart + 3.0 * xi[2] * xi[2]
+    return 0.25 * both * both, 0.75 * apart * apart + 3.0 * xi[2] * xi[2] + beside
 
 
 @blockwise
 def start_return(slots, to):
     """Writes: slots."""
     for e in range(LANES):
-        s1, s2 = parts_of(three(slots, to + LANES * XI + e))
+        s1, s2 = parts_of(three(slots, to + LANES * XI + e), slots[to + LANES * BESIDE + e])
         put_three(slots, to + LANES * S1 + e, (s1, s2, 0.0))
 
 
@@ -624,10 +638,6 @@ def stay(blocks, at, work, slots, to, p, zeta, weight):
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = x, y, xy
         add_resultants(work, e, 0.5 * t * weight, 0.5 * t * zeta, (x, y, xy))
         work[LANES * THIN + e] += 0.5 * weight * thinner
-        work[LANES * STIFF + e] += 0.5 * weight
-        work[LANES * (STIFF + 1) + e] += 0.5 * weight
-        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta
-        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta
 
 
 @blockwise
@@ -668,15 +678,19 @@ def settle(blocks, at, work, slots, to, p, zeta, weight):
         slots[to + LANES * GAP + e] = lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
-        # tangent over elastic modulus of stress along x alone, and along y
-        tangent = (slope + p.kinematic) * size * size
-        m_x, m_y = x - 0.5 * y, y - 0.5 * x
-        f_x, f_y = tangent + p.young * m_x * m_x, tangent + p.young * m_y * m_y
-        k = tangent / (f_x * f_y + 1e-300)
-        left_x, left_y = k * f_y if g > 0.0 else 1.0, k * f_x if g > 0.0 else 1.0
-        work[LANES * STIFF + e] += 0.5 * weight * left_x
-        work[LANES * (STIFF + 1) + e] += 0.5 * weight * left_y
-        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta * left_x
-        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta * left_y
+        take(work, e, 0.5 * weight * (1.0 - k2), zeta)
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y
         work[LANES * THIN + e] += 0.5 * weight * thinner
+
+
+@inlined
+def take(work, e, share, zeta):
+    """What the yielding of a layer takes from the stresses beside those of layers. Writes: work."""
+    z, (q_x, q_y) = 0.5 * work[LANES * DEPTH + e] * zeta, modes_at(work, e, zeta)
+    q_x, q_y = share * q_x, share * q_y
+    at = LANES * TAKEN + e
+    work[at] += share
+    work[at + LANES] += q_x
+    work[at + 2 * LANES] += q_y
+    work[at + 3 * LANES] += z * q_x
+    work[at + 4 * LANES] += z * q_y
