@@ -126,15 +126,16 @@ def stress(blocks, first, work, h, p, curves):
         see_shear(blocks, first, work)
     if p.hyper == 1:
         clear_growth(work)
+    count = 0
     for point in range(4):
         xi, eta = place_of(point)
         strain_at(work, xi, eta, p.poisson)
         clear_resultants(work)
         at = first + LANES * (LAYERS + point * p.layers * p.layer_rows)
-        through_thickness(blocks, at, work, h, p, curves)
+        count += through_thickness(blocks, at, work, h, p, curves)
         add_point(work, xi, eta, p.poisson)
     put_sums(work)
-    if p.plastic == 1:
+    if count > 0:
         relax_shear(blocks, first, work, p)
     take_up(blocks, first, p.stride, work, h, p)
 

@@ -5,8 +5,10 @@
 and so what the layers take from the stresses beside them (_beside.py). What enters at a point of
 the plane, and what comes out,
 
-    X = (eps, kappa, trial amplitudes of the hourglass in the plane and by height, trial tau)
+    X = (eps, kappa, amplitudes of the trial hourglass in the plane and by height, trial tau)
     (dN, dM, what is taken of the amplitudes, of all, strain across) = P dX
+
+the amplitudes being Q_x / (t r_x) and 12 P_x / (t^3 r_x), of the stress s_x.
 
 P is the derivative of the return as it is computed (algorithmic, or consistent), so that Newton's
 method keeps its order beyond yield. With a factor of the rate of strain on the yield stress it is
@@ -27,6 +29,7 @@ from crashsolve.parts._layers import (
     FACTOR,
     METRIC,
     SLOPE,
+    SQUARES,
     TRIAL,
     XI,
     YIELD,
@@ -171,12 +174,19 @@ def add_column(seen, at, column, n, t, z, found):
     seen[at + LANES * SIDE * ACROSS_OUT] += n * found[6]
 
 
+@inlined
+def mode_stress(work, e, zeta):
+    """Trial stresses of the hourglass along x and y at a height: roots of their mean squares."""
+    (a_x, a_y), at = modes_at(work, e, zeta), LANES * SQUARES + e
+    return a_x * sqrt(work[at]), a_y * sqrt(work[at + LANES])
+
+
 @blockwise
 def add_layer(work, seen, at, h, p, zeta, weight):
     """Tangent of an elastic or plastic layer after its return. Writes: seen."""
     (c1, c2), n, no, still = softening(p), 0.5 * weight, (0.0, 0.0), (0.0, 0.0, 0.0)
     for e in range(LANES):
-        t, q = work[LANES * DEPTH + e], modes_at(work, e, zeta)
+        t, q = work[LANES * DEPTH + e], mode_stress(work, e, zeta)
         z = 0.5 * t * zeta
         d = layer_strain(work, e, z)
         g, stress, by, by_q, by_tau = flow_of(work, e, d, q, h, p, c1, c2)

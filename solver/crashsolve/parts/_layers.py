@@ -55,20 +55,20 @@ LINE_ROWS = 3
 # further rows of `work`: of all layers, the strain across the thickness, the plastic work, the
 # energy of those that fail; of large elastic strain, the largest growth of the stiffness
 THIN, LOST, DROPPED, GROWTH = (ROWS + k for k in range(4))
-# of the trial stresses beside those of layers (_beside.py): square of transverse shear, amplitudes
-# of the hourglass in the plane and by height; the share that yielding takes from all, and what it
-# takes from the amplitudes; share of the shear stiffness that there is; transverse shear itself;
-# numbers of the layers that yield
-SHEARED, AMPLITUDE, TAKEN, TAKEN_MODES, WEAK, TRIAL, NUMBER = (
-    ROWS + k for k in (4, 5, 9, 10, 14, 15, 17)
+# of the trial stresses beside those of layers (_beside.py): square of transverse shear; of the
+# hourglass what a_x and a_y have at all heights, and by height, 1 / (t r)^2; the share that
+# yielding takes from all, and what it takes from Q and P; share of the shear stiffness that there
+# is; transverse shear itself; numbers of the layers that yield
+SHEARED, AMPLITUDE, SQUARES, TAKEN, TAKEN_MODES, WEAK, TRIAL, NUMBER = (
+    ROWS + k for k in (4, 5, 9, 11, 12, 16, 17, 19)
 )
 # and of each of these: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of rate,
 # what is missing, square of the stresses beside
 XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, BESIDE = (
-    ROWS + 18 + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10)
+    ROWS + 20 + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10)
 )
 MOST_LAYERS, SLOT_ROWS = 10, 11
-ALL_ROWS = ROWS + 18 + MOST_LAYERS * SLOT_ROWS
+ALL_ROWS = ROWS + 20 + MOST_LAYERS * SLOT_ROWS
 # rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
 # energy of elements when they were deleted
 FAILED_ROWS = 2
@@ -207,36 +207,37 @@ def square_of(a, b, c):
 def layers(blocks, first, stride, work, h, p, curves):
     """Stresses of all layers of a block after a step of h, their resultants, the thickness.
 
-    Writes: blocks, work.
+    Returns how many layers yield somewhere. Writes: blocks, work.
     """
     if p.hyper == 1:
         clear_growth(work)
     clear_resultants(work)
-    through_thickness(blocks, first + LANES * LAYERS, work, h, p, curves)
+    count = through_thickness(blocks, first + LANES * LAYERS, work, h, p, curves)
     take_up(blocks, first, stride, work, h, p)
+    return count
 
 
 @blockwise
 def through_thickness(blocks, first, work, h, p, curves):
     """Stresses of the layers at one point of the plane of every element, added to the resultants.
 
-    Writes: blocks, work.
+    Returns how many layers yield somewhere. Writes: blocks, work.
     """
     # a step of no length changes nothing, whatever the rate was
     if p.plastic == 1 and h != 0.0:
-        plastic_layers(blocks, first, work, work, h, p, 0, p.layers, curves)
-        return
+        return plastic_layers(blocks, first, work, work, h, p, 0, p.layers, curves)
     for k in range(p.layers):
         at = first + LANES * p.layer_rows * k
         if p.hyper == 1:
             hyperelastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
         else:
             elastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
+    return 0
 
 
 @blockwise
 def take_up(blocks, first, stride, work, h, p):
-    """Plastic work, softening, failure and thickness of the elements after a step of h.
+    """Plastic work, failure and thickness of the elements after a step of h.
 
     Writes: blocks, work.
     """
@@ -260,7 +261,8 @@ def plastic_layers(blocks, first, work, slots, h, p, begin, end, curves):
     """Stresses of plastic layers after the strains of a step of h, all those beyond yield together.
 
     One layer alone waits for each of its divisions and roots. `slots` are rows of `work` as well,
-    but none that the loops know by that name. Writes: blocks, work, slots.
+    but none that the loops know by that name. Returns how many are beyond yield somewhere. Writes:
+    blocks, work, slots.
     """
     count = 0
     for k in range(begin, end):
@@ -282,6 +284,7 @@ def plastic_layers(blocks, first, work, slots, h, p, begin, end, curves):
         settle(blocks, at, work, slots, to, p, p.zeta[k], p.weight[k])
         if p.heating > 0.0:
             heat(blocks, at, slots, to, p)
+    return count
 
 
 @blockwise
@@ -386,13 +389,14 @@ def find_trial(blocks, at, work, slots, to, p, zeta):
             s_y -= blocks[back + LANES + e]
             s_xy -= blocks[back + 2 * LANES + e]
         put_three(slots, to + LANES * XI + e, (s_x, s_y, s_xy))
-        q_x, q_y = modes_at(work, e, zeta)
-        slots[to + LANES * BESIDE + e] = work[LANES * SHEARED + e] + q_x * q_x + q_y * q_y
+        a_x, a_y = modes_at(work, e, zeta)
+        beside = work[LANES * SHEARED + e] + work[LANES * SQUARES + e] * a_x * a_x
+        slots[to + LANES * BESIDE + e] = beside + work[LANES * (SQUARES + 1) + e] * a_y * a_y
 
 
 @inlined
 def modes_at(work, e, zeta):
-    """Trial stresses of the hourglass along x and y at a height: roots of their mean squares."""
+    """Trial a_x and a_y of the hourglass at a height."""
     z, at = 0.5 * work[LANES * DEPTH + e] * zeta, LANES * AMPLITUDE + e
     return work[at] + z * work[at + 2 * LANES], work[at + LANES] + z * work[at + 3 * LANES]
 
@@ -686,11 +690,11 @@ def settle(blocks, at, work, slots, to, p, zeta, weight):
 @inlined
 def take(work, e, share, zeta):
     """What the yielding of a layer takes from the stresses beside those of layers. Writes: work."""
-    z, (q_x, q_y) = 0.5 * work[LANES * DEPTH + e] * zeta, modes_at(work, e, zeta)
-    q_x, q_y = share * q_x, share * q_y
+    z, (a_x, a_y) = 0.5 * work[LANES * DEPTH + e] * zeta, modes_at(work, e, zeta)
+    a_x, a_y = share * a_x, share * a_y
     at = LANES * TAKEN + e
     work[at] += share
-    work[at + LANES] += q_x
-    work[at + 2 * LANES] += q_y
-    work[at + 3 * LANES] += z * q_x
-    work[at + 4 * LANES] += z * q_y
+    work[at + LANES] += a_x
+    work[at + 2 * LANES] += a_y
+    work[at + 3 * LANES] += z * a_x
+    work[at + 4 * LANES] += z * a_y

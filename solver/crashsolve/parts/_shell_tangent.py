@@ -9,6 +9,8 @@ differences of the forces give the same, in large turns and beyond yield.
 References: those of _quad.py and _layer_tangent.py.
 """
 
+from math import sqrt
+
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._beside import (
@@ -27,9 +29,9 @@ from crashsolve.parts._layer_tangent import (
     layers_and_tangent,
 )
 from crashsolve.parts._layers import AMPLITUDE as WORK_AMPLITUDE
+from crashsolve.parts._layers import SQUARES, clear_resultants, take_up
 from crashsolve.parts._layers import TAKEN as WORK_TAKEN
 from crashsolve.parts._layers import TAKEN_MODES as WORK_TAKEN_MODES
-from crashsolve.parts._layers import clear_resultants, take_up
 from crashsolve.parts._quad import cross3, dot3, hourglass_stiffness, plane_axes, sides
 from crashsolve.parts._quad_block import (
     DRILLING,
@@ -267,8 +269,11 @@ def see_stress(blocks, kept, first, work, seen):
 def see_taken(work, seen, e):
     """What yielding takes, and of what. Writes: seen."""
     seen[LANES * TAKEN + e] = work[LANES * WORK_TAKEN + e]
-    put_four(seen, LANES * TAKEN_MODES + e, four(work, LANES * WORK_TAKEN_MODES + e))
-    put_four(seen, LANES * AMPLITUDE + e, four(work, LANES * WORK_AMPLITUDE + e))
+    for m in range(4):
+        # of stresses, as the tangent of the layers has them
+        over = sqrt(work[LANES * (SQUARES + m % 2) + e])
+        seen[LANES * (TAKEN_MODES + m) + e] = over * work[LANES * (WORK_TAKEN_MODES + m) + e]
+        seen[LANES * (AMPLITUDE + m) + e] = over * work[LANES * (WORK_AMPLITUDE + m) + e]
 
 
 @inlined
@@ -398,10 +403,11 @@ def enter_shear(change, e, stiff):
 
 @inlined
 def sizes_at(seen, change, e):
-    """mode_sizes() of the middle, and their change."""
+    """r_x and r_y of the middle, and their change."""
     flat = four(seen, LANES * (MID + SIDES) + e)
     (a_x, a_y, b_x, b_y), moved = sides(flat), sides(four(change, LANES * MOVED + e))
-    r_x, r_y = mode_sizes(flat)
+    x, y = mode_sizes(flat)
+    r_x, r_y = sqrt(x), sqrt(y)
     d_x = 4.0 / 3.0 * (a_y * moved[1] + b_y * moved[3]) / r_x
     d_y = 4.0 / 3.0 * (a_x * moved[0] + b_x * moved[2]) / r_y
     return (r_x, r_y), (d_x, d_y)

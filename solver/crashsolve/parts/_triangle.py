@@ -119,8 +119,7 @@ def respond(p, h, first, corner, scene):
         mute_strains(blocks, first, work)
     if p.plastic == 1:
         see_shear(blocks, first, work)
-    layers(blocks, first, stride, work, h, p, scene.curves)
-    if p.plastic == 1:
+    if layers(blocks, first, stride, work, h, p, scene.curves) > 0:
         relax_shear(blocks, first, work, p)
     if p.slows == 1:
         damp(blocks, first, stride, work, h, p)

@@ -745,8 +745,7 @@ def respond(p, h, first, corner, scene):
         clear_weak(work)
         see_shear(blocks, first, work)
         see_modes(blocks, first, work)
-    layers(blocks, first, p.stride, work, h, p, scene.curves)
-    if p.plastic == 1:
+    if layers(blocks, first, p.stride, work, h, p, scene.curves) > 0:
         relax_modes(blocks, first, work)
         relax_shear(blocks, first, work, p)
     if p.slows == 1:
