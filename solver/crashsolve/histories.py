@@ -1,6 +1,6 @@
 """From outputs to channels: the families of a scene and their values at a sample."""
 
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container
 from typing import Any
 
 import numpy as np
@@ -88,20 +88,13 @@ class Histories:
     def _momenta(self) -> list[np.ndarray]:
         """Momentum, angular momentum about the world origin, and sums of the sizes of both."""
         nodes = self.engine.nodes[1:]
-        total = _moments(nodes["r"], nodes["v"] / nodes["mass_inv"][:, None], nodes["L"])
-        for b in self._free_points():
-            # columns side by side: rows are two cache lines long
-            r, v, w, m, J = (b[name] for name in ("r", "v", "w", "mass_inv", "J_inv"))
-            own = _moments(r, v / m[:, None], w / J[:, None])
-            total = [x + y for x, y in zip(total, own, strict=True)]
-        return total
-
-    def _free_points(self) -> Iterator[np.ndarray]:
-        """Points that ride on no body; some at a time, for what is computed of them takes room."""
+        total = _moments(nodes["r"].T, nodes["v"].T / nodes["mass_inv"], nodes["L"].T)
         points = self.engine.state.points
         for start in range(0, len(points), PIECE):
-            piece = points[start : start + PIECE]
-            yield piece[piece["held"] < RIDES]
+            # some at a time: what is computed of them takes room
+            own = _moments(*_free_motion(points[start : start + PIECE]))
+            total = [x + y for x, y in zip(total, own, strict=True)]
+        return total
 
     def _bodies(self) -> Part:
         columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]
@@ -223,18 +216,27 @@ class Histories:
         return family, lambda: _flat(group.output, names)
 
 
+def _free_motion(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places (3, n), momenta and spins times inertia of points; of those on bodies nothing."""
+    # as if these were of no mass
+    is_free = points["held"] < RIDES
+    mass, inertia = (1.0 / np.where(is_free, points[q], np.inf) for q in ("mass_inv", "J_inv"))
+    return points["r"].T, points["v"].T * mass, points["w"].T * inertia
+
+
 def _moments(r: np.ndarray, p: np.ndarray, L: np.ndarray) -> list[np.ndarray]:
-    """Sums over rows (n, 3) of p, of r x p + L, and of the sizes of p and of |r| |p| + |L|."""
-    # three columns at a time: np.cross and np.linalg.norm take ten times as long
-    (x, y, z), (a, b, c) = np.ascontiguousarray(r.T), np.ascontiguousarray(p.T)
+    """Sums over columns (3, n) of p, of r x p + L, and of the sizes of p and of |r| |p| + |L|."""
+    # rows side by side: np.cross and np.linalg.norm take ten times as long
+    r, p, L = (np.ascontiguousarray(u) for u in (r, p, L))
+    (x, y, z), (a, b, c) = r, p
     turned = np.array([y @ c - z @ b, z @ a - x @ c, x @ b - y @ a])
-    size = np.sqrt(a * a + b * b + c * c)
-    sizes = [size.sum(), np.sqrt(x * x + y * y + z * z) @ size + _lengths(L).sum()]
-    return [p.sum(0), turned + L.sum(0), np.array(sizes)]
+    size = _lengths(p)
+    sizes = [size.sum(), _lengths(r) @ size + _lengths(L).sum()]
+    return [p.sum(1), turned + L.sum(1), np.array(sizes)]
 
 
 def _lengths(u: np.ndarray) -> np.ndarray:
-    return np.sqrt(np.einsum("ij,ij->i", u, u))
+    return np.sqrt(np.einsum("ij,ij->j", u, u))
 
 
 def _share(error: np.ndarray, scale: float) -> float:

@@ -21,7 +21,8 @@ def there_and_back(number, flag, scene):
     for c in range(4):
         for e in range(0, 16, 8):
             at = LANES * 3 * c + e
-            add_forces(scene.points, scene.corners, LANES * c + e, scene.lanes, at, 13 - e)
+            loads = LANES * 38 + e
+            add_forces(scene.points, scene.corners, LANES * c + e, scene.lanes, at, loads, 13 - e)
 
 
 def arrays() -> dict[str, np.ndarray]:
@@ -29,20 +30,27 @@ def arrays() -> dict[str, np.ndarray]:
     points = np.zeros(20, POINT.dtype)
     for name in ("r", "v", "w", "force", "torque"):
         points[name] = rng.normal(size=(20, 3))
-    corners = rng.integers(0, 20, 4 * LANES).astype(np.int32)
-    return {"points": points, "corners": corners, "lanes": np.zeros(40 * LANES)}
+    points["load"], points["spin_load"] = rng.normal(size=(2, 20))
+    corners, lanes = rng.integers(0, 20, 4 * LANES).astype(np.int32), np.zeros(40 * LANES)
+    lanes[38 * LANES :] = rng.normal(size=2 * LANES)
+    return {"points": points, "corners": corners, "lanes": lanes}
 
 
 def test_points_go_to_lanes_and_back() -> None:
-    compiled, plain = arrays(), arrays()
+    compiled, plain, before = arrays(), arrays(), arrays()
     tables = Tables(compiled)
     machine_code(Path(__file__), "there_and_back", tables)(0.0, False, tables)
     there_and_back.py_func(0.0, False, Tables(plain))  # type: ignore[attr-defined]
     for name in plain:
         assert compiled[name].tobytes() == plain[name].tobytes(), name
-    # place, velocity and spin of the last corner of the tenth element, and four rows left alone
+    # place, velocity and spin of the last corner of the tenth element, and two rows left alone
     point = plain["points"][plain["corners"][3 * LANES + 9]]
     rows = plain["lanes"].reshape(-1, LANES)[:, 9]
     for row, name in ((9, "r"), (21, "v"), (33, "w")):
         assert (rows[row : row + 3] == point[name]).all()
-    assert (rows[36:] == 0.0).all()
+    assert (rows[36:38] == 0.0).all()
+    # what 13 elements share out
+    for name, row in (("load", 38), ("spin_load", 39)):
+        shares = before["lanes"].reshape(-1, LANES)[row, :13]
+        total = before["points"][name].sum() + 4.0 * shares.sum()
+        assert abs(plain["points"][name].sum() - total) < 1e-13 * LANES

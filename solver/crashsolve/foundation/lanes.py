@@ -23,10 +23,15 @@ def take_motion(points, corners, first, work, at):
             work[at + LANES * (2 * NEXT + k) + e] = b.w[k]
 
 
-def add_forces(points, corners, first, work, at, live):
-    """Forces and torques in rows of `work` onto as many of eight points. Writes: points."""
+def add_forces(points, corners, first, work, at, loads, live):
+    """Forces, torques and both loads in rows of `work` onto as many of eight points.
+
+    Writes: points.
+    """
     for e in range(min(live, EIGHT)):
         b = points[corners[first + e]]
         for k in range(3):
             b.force[k] += work[at + LANES * k + e]
             b.torque[k] += work[at + LANES * (NEXT + k) + e]
+        b.load += work[loads + e]
+        b.spin_load += work[loads + LANES + e]

@@ -31,9 +31,11 @@ def _type_take(context: Any) -> Any:
 
 @type_callable(add_forces)
 def _type_add(context: Any) -> Any:
-    def typer(points: Any, corners: Any, first: Any, work: Any, at: Any, live: Any) -> Any:
+    def typer(
+        points: Any, corners: Any, first: Any, work: Any, at: Any, loads: Any, live: Any
+    ) -> Any:
         if isinstance(points, Table):
-            ints = (types.intp, types.intp)
+            ints = (types.intp, types.intp, types.intp)
             return signature(types.none, points, corners, types.intp, work, *ints)
         return None
 
@@ -62,9 +64,9 @@ class Places:
         offset = builder.add(offset, WORD(record.offset(name) + SIZE * k))
         return self.pointer(builder.gep(self.data, [offset], inbounds=True), size)
 
-    def row(self, k: int, size: int = EIGHT, e: int = 0) -> Any:
-        """Where the numbers of eight lanes in the k-th row begin."""
-        at = self.builder.add(self.args[4], WORD(LANES * k + e))
+    def row(self, k: int, size: int = EIGHT, e: int = 0, first: int = 4) -> Any:
+        """Where the numbers of eight lanes begin, k rows after that of an argument."""
+        at = self.builder.add(self.args[first], WORD(LANES * k + e))
         sig = signature(types.float64, self.work, types.intp)
         place = number_place(self.context, self.builder, sig, (self.args[3], at))
         return self.pointer(place, size)
@@ -103,25 +105,19 @@ def _take(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
-@lower_builtin(add_forces, Table, Column, types.intp, Column, types.intp, types.intp)
+@lower_builtin(add_forces, Table, Column, types.intp, Column, types.intp, types.intp, types.intp)
 def _add(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     places = Places(context, builder, sig, args)
     record = places.table.row.record
-    assert record.offset("torque") == record.offset("force") + 3 * SIZE
+    names = ("force", "torque", "load", "spin_load")
+    begins = [record.offset(name) - record.offset("force") for name in names]
+    assert begins == [0, 3 * SIZE, 6 * SIZE, 7 * SIZE]
     rows = [places.row(NEXT * (k // 3) + k % 3) for k in range(6)]
-    loads = [builder.load(row, align=SIZE) for row in rows]
-    empty = ir.Constant(ir.VectorType(DOUBLE, EIGHT), None)
-    points = transposed(builder, [*loads, empty, empty])
+    rows += [places.row(k, first=5) for k in range(2)]
+    points = transposed(builder, [builder.load(row, align=SIZE) for row in rows])
     for e, forces in enumerate(points):
-        with builder.if_then(builder.icmp_signed("<", WORD(e), args[5]), likely=True):
-            # six numbers: four and two
-            for first, size in ((0, 4), (4, 2)):
-                mask = ir.Constant(
-                    ir.VectorType(ir.IntType(32), size), list(range(first, first + size))
-                )
-                place = places.number(e, "force", first, size)
-                total = builder.fadd(
-                    builder.load(place, align=SIZE), builder.shuffle_vector(forces, forces, mask)
-                )
-                builder.store(total, place, align=SIZE)
+        with builder.if_then(builder.icmp_signed("<", WORD(e), args[6]), likely=True):
+            place = places.number(e, "force", 0, EIGHT)
+            total = builder.fadd(builder.load(place, align=SIZE), forces)
+            builder.store(total, place, align=SIZE)
     return context.get_dummy_value()

@@ -17,6 +17,7 @@ element for general nonlinear analysis, Engineering Computations 1, 77-88.
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.parts._beside import clear_weak, relax_shear, see_shear
 from crashsolve.parts._failure import (
     add_losses,
     delete,
@@ -29,7 +30,7 @@ from crashsolve.parts._layers import (
     ALL_ROWS,
     DROPPED,
     LOST,
-    STIFF,
+    TAKEN,
     THIN,
     clear_growth,
     clear_resultants,
@@ -53,6 +54,7 @@ from crashsolve.parts._quad_block import (
     push,
     scatter,
     shape,
+    slow_corners,
     strain,
 )
 from crashsolve.parts._viscous import allow, damp
@@ -66,7 +68,7 @@ from crashsolve.parts.shell import (
 
 # further rows of `work`: strains of the middle; sums over the points of resultants, of resultants
 # less nu times those across times xi and eta, of the change of thickness, of
-# plastic work, of what failed layers lose and of what yielding leaves of the stiffness
+# plastic work, of what failed layers lose and of what yielding takes
 MEAN, SUM, XI_ETA, CHANGES = ALL_ROWS, ALL_ROWS + 6, ALL_ROWS + 12, ALL_ROWS + 20
 PLACE_OF_POINT = 3.0**-0.5
 
@@ -84,8 +86,10 @@ def deform(p, clock, h, scene):
         respond(p, h, first, corner, scene)
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
-        scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, p, scene, p.first_element + done, first, corner, live, 4)
+        note_rate(clock, p.first_element + done, scene, first, live, 4)
+        if p.slows == 1:
+            slow_corners(scene, corner, live, 4)
+        scatter(scene.points, scene.corners, corner, live, scene.work, 4)
         done += LANES
 
 
@@ -117,6 +121,9 @@ def stress(blocks, first, work, h, p, curves):
     Writes: blocks, work.
     """
     keep_mean(work)
+    if p.plastic == 1:
+        clear_weak(work)
+        see_shear(blocks, first, work)
     if p.hyper == 1:
         clear_growth(work)
     for point in range(4):
@@ -127,6 +134,8 @@ def stress(blocks, first, work, h, p, curves):
         through_thickness(blocks, at, work, h, p, curves)
         add_point(work, xi, eta, p.poisson)
     put_sums(work)
+    if p.plastic == 1:
+        relax_shear(blocks, first, work, p)
     take_up(blocks, first, p.stride, work, h, p)
 
 
@@ -142,7 +151,7 @@ def keep_mean(work):
     """Strains of the middle aside, and no sums yet. Writes: work."""
     for row in range(6 * LANES):
         work[LANES * MEAN + row] = work[LANES * MEMBRANE + row]
-    for row in range(19 * LANES):
+    for row in range(18 * LANES):
         work[LANES * SUM + row] = 0.0
 
 
@@ -156,8 +165,7 @@ def put_sums(work):
         work[LANES * THIN + e] = work[LANES * CHANGES + e]
         work[LANES * LOST + e] = work[LANES * (CHANGES + 1) + e]
         work[LANES * DROPPED + e] = work[LANES * (CHANGES + 2) + e]
-        work[LANES * STIFF + e] = work[LANES * (CHANGES + 3) + e]
-        work[LANES * (STIFF + 1) + e] = work[LANES * (CHANGES + 4) + e]
+        work[LANES * TAKEN + e] = work[LANES * (CHANGES + 3) + e]
 
 
 @kernel
@@ -212,8 +220,7 @@ def add_point(work, xi, eta, nu):
         work[LANES * CHANGES + e] += 0.25 * work[LANES * THIN + e]
         work[LANES * (CHANGES + 1) + e] += 0.25 * work[LANES * LOST + e]
         work[LANES * (CHANGES + 2) + e] += 0.25 * work[LANES * DROPPED + e]
-        work[LANES * (CHANGES + 3) + e] += 0.25 * work[LANES * STIFF + e]
-        work[LANES * (CHANGES + 4) + e] += 0.25 * work[LANES * (STIFF + 1) + e]
+        work[LANES * (CHANGES + 3) + e] += 0.25 * work[LANES * TAKEN + e]
 
 
 @blockwise

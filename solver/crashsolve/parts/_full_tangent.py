@@ -10,6 +10,7 @@ References: those of _full.py and _layer_tangent.py.
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.parts._beside import clear_weak, relax_shear, see_shear
 from crashsolve.parts._full import (
     XI_ETA,
     add_point,
@@ -20,11 +21,19 @@ from crashsolve.parts._full import (
     slopes_at,
     strain_at,
 )
-from crashsolve.parts._layer_tangent import POINT_ROWS, clear_tangent, layers_and_tangent
+from crashsolve.parts._layer_tangent import (
+    ACROSS_OUT,
+    BENDING,
+    POINT_ROWS,
+    TAKEN_OUT,
+    clear_tangent,
+    layers_and_tangent,
+)
 from crashsolve.parts._layers import clear_resultants, take_up
 from crashsolve.parts._quad_block import LAYERS, gather, strain, three
 from crashsolve.parts._shell_tangent import (
     end_moved,
+    enter_shear,
     geometry_at,
     push_at_rest,
     push_by_place,
@@ -36,7 +45,9 @@ from crashsolve.parts._shell_tangent import (
 )
 from crashsolve.parts._tangent import (
     ACROSS,
+    COMES,
     END,
+    ENTERS,
     MID,
     MODE,
     MOVED,
@@ -44,11 +55,13 @@ from crashsolve.parts._tangent import (
     STRAIN,
     STRESSED,
     SUMS,
+    TOOK,
     add_column,
     add_damping,
+    enter_strains,
     four,
     put_three,
-    resultants,
+    respond,
     shares,
     turn_arms,
     turn_corner,
@@ -87,6 +100,8 @@ def stress(blocks, kept, first, work, seen, h, p, curves):
     Writes: blocks, work, seen.
     """
     keep_mean(work)
+    clear_weak(work)
+    see_shear(blocks, first, work)
     for point in range(4):
         xi, eta = place_of(point)
         strain_at(work, xi, eta, p.poisson)
@@ -96,6 +111,7 @@ def stress(blocks, kept, first, work, seen, h, p, curves):
         layers_and_tangent(blocks, kept, at, work, seen, to, h, p, curves)
         add_point(work, xi, eta, p.poisson)
     put_sums(work)
+    relax_shear(blocks, first, work, p)
     take_up(blocks, first, p.stride, work, h, p)
 
 
@@ -127,12 +143,13 @@ def add_columns(p, h, scene, corner, live):
 @blockwise
 def stress_by(seen, change, p):
     """Change of the stresses with that of strains and geometry. Writes: change."""
+    enter_strains(change)
+    respond(seen, DAMPING, change)
+    for row in range(6 * LANES):
+        change[LANES * STRESSED + row] = change[LANES * COMES + row]
     for e in range(LANES):
-        at, to = LANES * STRAIN + e, LANES * STRESSED + e
-        N, M, _ = resultants(seen, DAMPING + e, three(change, at), three(change, at + 3 * LANES))
-        put_three(change, to, N)
-        put_three(change, to + 3 * LANES, M)
-        change[LANES * ACROSS + e] = 0.0
+        enter_shear(change, e, 5.0 / 6.0 * p.shear)
+        change[LANES * ACROSS + e] = change[LANES * TOOK + e] = 0.0
         for k in range(8):
             change[LANES * (SUMS + k) + e] = 0.0
     for point in range(4):
@@ -161,12 +178,15 @@ def add_point_by(seen, change, place, xi, eta, nu):
         h, dh = slopes_at(flat, xi, eta), slopes_at(moved, xi, eta)
         h = (h[0] / area, h[1] / area)
         dh = (dh[0] / area - share * h[0], dh[1] / area - share * h[1])
-        d = strains_by(seen, change, e, 0, h, dh, nu)
-        b = strains_by(seen, change, e, 1, h, dh, nu)
-        N, M, across = resultants(seen, place + e, d, b)
-        change[LANES * ACROSS + e] += 0.25 * across
+        put_three(change, LANES * ENTERS + e, strains_by(seen, change, e, 0, h, dh, nu))
+        bent = strains_by(seen, change, e, 1, h, dh, nu)
+        put_three(change, LANES * (ENTERS + BENDING) + e, bent)
+    respond(seen, place, change)
+    for e in range(LANES):
+        change[LANES * TOOK + e] += 0.25 * change[LANES * (COMES + TAKEN_OUT) + e]
+        change[LANES * ACROSS + e] += 0.25 * change[LANES * (COMES + ACROSS_OUT) + e]
         for pair in range(2):
-            s = N if pair == 0 else M
+            s = three(change, LANES * (COMES + BENDING * pair) + e)
             at, to = LANES * (STRESSED + 3 * pair) + e, LANES * (SUMS + 4 * pair) + e
             for k in range(3):
                 change[at + LANES * k] += 0.25 * s[k]

@@ -2,9 +2,13 @@
 
     d sigma = C d eps - (C n + ...) dg,   dg from the yield condition, whose root g is
 
-    dN = A d eps + B d kappa,   dM = B d eps + D d kappa,   A, B, D = int (1, z, z^2) C_t dz
+and so what the layers take from the stresses beside them (_beside.py). What enters at a point of
+the plane, and what comes out,
 
-C_t is the derivative of the return as it is computed (algorithmic, or consistent), so that Newton's
+    X = (eps, kappa, trial amplitudes of the hourglass in the plane and by height, trial tau)
+    (dN, dM, what is taken of the amplitudes, of all, strain across) = P dX
+
+P is the derivative of the return as it is computed (algorithmic, or consistent), so that Newton's
 method keeps its order beyond yield. With a factor of the rate of strain on the yield stress it is
 not symmetric. Consequence to test: it is the derivative of the resultants.
 
@@ -19,23 +23,27 @@ from crashsolve.foundation.compile import blockwise, inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._layers import (
     ACROSS,
+    BESIDE,
     FACTOR,
     METRIC,
     SLOPE,
+    TRIAL,
     XI,
     YIELD,
     G,
     elastic_layer,
     hyperelastic_layer,
     layer_strain,
-    plastic_layer,
+    modes_at,
+    plastic_layers,
     softening,
 )
 from crashsolve.parts._quad_block import DEPTH, three
 
-# rows of the tangent of a point of the plane: A, B and D by rows of three, and what the mean strain
-# across the thickness grows by with strains and with curvatures
-A, B, D, THIN_STRAIN, THIN_BEND, POINT_ROWS = 0, 9, 18, 27, 30, 33
+# numbers that enter and come out, and where in X and in the columns of P what follows begins
+SIDE = 12
+BENDING, MODES_IN, SHEAR_IN, TAKEN_OUT, ACROSS_OUT = 3, 6, 10, 10, 11
+POINT_ROWS = SIDE * SIDE
 
 
 @blockwise
@@ -63,7 +71,7 @@ def layers_and_tangent(blocks, kept, first, work, seen, at, h, p, curves):
             add_layer(work, seen, at, h, p, zeta, weight)
         else:
             clear_flow(work)
-            plastic_layer(blocks, row, work, h, p, zeta, weight, curves)
+            plastic_layers(blocks, first, work, work, h, p, k, k + 1, curves)
             add_layer(work, seen, at, h, p, zeta, weight)
 
 
@@ -73,6 +81,7 @@ def clear_flow(work):
     for e in range(LANES):
         work[LANES * G + e], work[LANES * SLOPE + e] = 0.0, 0.0
         work[LANES * YIELD + e], work[LANES * FACTOR + e] = 1.0, 1.0
+        work[LANES * BESIDE + e] = 0.0
 
 
 @inlined
@@ -94,18 +103,19 @@ def factor_slopes(d, factor, h, p):
 
 
 @inlined
-def flow_of(work, e, d, h, p, c1, c2):
-    """g, the stress of the end less alpha as (sum, difference, shear), and slopes of g by strains.
+def flow_of(work, e, d, q, h, p, c1, c2):
+    """g, the stress of the end less alpha as (sum, difference, shear), and slopes of g.
 
-    All slopes are 0 within yield.
+    They are those by the strains d, the stresses q of the hourglass and tau: 0 within yield.
     """
     g, flow, slope = work[LANES * G + e], work[LANES * YIELD + e], work[LANES * SLOPE + e]
     factor, (x, y, xy) = work[LANES * FACTOR + e], three(work, LANES * XI + e)
     u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * slope * g
     both, apart, s = (x + y) / u1, (x - y) / u2, xy / u2
-    size = flow / u3
+    size, beside = flow / u3, work[LANES * BESIDE + e] / (u2 * u2)
     square = size * size
-    falls = 0.5 * c1 / u1 * both * both + c2 / u2 * (1.5 * apart * apart + 6.0 * s * s)
+    falls = 0.5 * c1 / u1 * both * both
+    falls += c2 / u2 * (1.5 * apart * apart + 6.0 * s * s + 2.0 * beside)
     falls += 4.0 / 3.0 * square * slope / u3
     over = 1.0 / falls if g > 0.0 else 0.0
     f_x, f_y, f_s = factor_slopes(d, factor, h, p)
@@ -114,7 +124,9 @@ def flow_of(work, e, d, h, p, c1, c2):
     p_1 = 0.5 * both / u1 * p.young / (1.0 - p.poisson)
     p_2, p_3 = 3.0 * apart / u2 * p.shear, 6.0 * s / u2 * p.shear
     by = (over * (p_1 + p_2 - k * f_x), over * (p_1 - p_2 - k * f_y), over * (p_3 - k * f_s))
-    return (g, u1, u2), (both, apart, s), by
+    more, tau = 2.0 * over / (u2 * u2), LANES * TRIAL + e
+    by_tau = (3.0 * more * work[tau], 3.0 * more * work[tau + LANES])
+    return (g, u1, u2), (both, apart, s), by, (more * q[0], more * q[1]), by_tau
 
 
 @inlined
@@ -134,42 +146,52 @@ def stress_slopes(g, stress, by, d, p, c1, c2):
 
 
 @inlined
-def add_column(seen, at, column, n, z, s):
-    """Share of a layer in A, B and D, of the stress and the strain across by one strain.
+def column_of(g, stress, q, by, d, dq, p, c1, c2):
+    """Change of stress, what is taken of the hourglass, of all, strain across; by is that of g."""
+    x, y, s, across = stress_slopes(g, stress, by, d, p, c1, c2)
+    u2 = g[2]
+    left, taken = 1.0 / u2, c2 / (u2 * u2) * by
+    q_x, q_y = (1.0 - left) * dq[0] + taken * q[0], (1.0 - left) * dq[1] + taken * q[1]
+    return x, y, s, q_x, q_y, taken, across
 
-    Writes: seen.
-    """
+
+@inlined
+def add_column(seen, at, column, n, t, z, found):
+    """Share n of a layer at the height z in a column of P. Writes: seen."""
+    at += LANES * column
     for k in range(3):
-        row = at + LANES * (3 * k + column)
-        seen[row] += n * s[k]
-        seen[row + LANES * B] += n * z * s[k]
-        seen[row + LANES * D] += n * z * z * s[k]
+        row = at + LANES * SIDE * k
+        seen[row] += n * t * found[k]
+        seen[row + LANES * SIDE * BENDING] += n * t * z * found[k]
+    for k in range(2):
+        row = at + LANES * SIDE * (MODES_IN + k)
+        seen[row] += n * found[3 + k]
+        seen[row + LANES * SIDE * 2] += n * z * found[3 + k]
+    seen[at + LANES * SIDE * TAKEN_OUT] += n * found[5]
+    seen[at + LANES * SIDE * ACROSS_OUT] += n * found[6]
 
 
 @blockwise
 def add_layer(work, seen, at, h, p, zeta, weight):
     """Tangent of an elastic or plastic layer after its return. Writes: seen."""
-    c1, c2 = softening(p)
+    (c1, c2), n, no, still = softening(p), 0.5 * weight, (0.0, 0.0), (0.0, 0.0, 0.0)
     for e in range(LANES):
-        t = work[LANES * DEPTH + e]
-        z, n = 0.5 * t * zeta, 0.5 * t * weight
+        t, q = work[LANES * DEPTH + e], modes_at(work, e, zeta)
+        z = 0.5 * t * zeta
         d = layer_strain(work, e, z)
-        g, stress, by = flow_of(work, e, d, h, p, c1, c2)
-        x = stress_slopes(g, stress, by[0], (1.0, 0.0, 0.0), p, c1, c2)
-        y = stress_slopes(g, stress, by[1], (0.0, 1.0, 0.0), p, c1, c2)
-        s = stress_slopes(g, stress, by[2], (0.0, 0.0, 1.0), p, c1, c2)
-        add_column(seen, at + e, 0, n, z, x)
-        add_column(seen, at + e, 1, n, z, y)
-        add_column(seen, at + e, 2, n, z, s)
-        add_across(seen, at + e, 0.5 * weight, z, (x[3], y[3], s[3]))
-
-
-@inlined
-def add_across(seen, at, n, z, across):
-    """Share of a layer in the growth of the thickness. Writes: seen."""
-    for k in range(3):
-        seen[at + LANES * (THIN_STRAIN + k)] += n * across[k]
-        seen[at + LANES * (THIN_BEND + k)] += n * z * across[k]
+        g, stress, by, by_q, by_tau = flow_of(work, e, d, q, h, p, c1, c2)
+        for k in range(3):
+            way = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+            found = column_of(g, stress, q, by[k], way, no, p, c1, c2)
+            add_column(seen, at + e, k, n, t, z, found)
+            add_column(seen, at + e, BENDING + k, n * z, t, z, found)
+        for k in range(2):
+            one = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0)
+            found = column_of(g, stress, q, by_q[k], still, one, p, c1, c2)
+            add_column(seen, at + e, MODES_IN + k, n, t, z, found)
+            add_column(seen, at + e, MODES_IN + 2 + k, n * z, t, z, found)
+            found = column_of(g, stress, q, by_tau[k], still, no, p, c1, c2)
+            add_column(seen, at + e, SHEAR_IN + k, n, t, z, found)
 
 
 @blockwise
@@ -177,17 +199,16 @@ def add_hyperelastic(blocks, kept, at, work, seen, to, p, zeta, weight):
     """Tangent of a neo-Hookean layer after a step. Writes: seen."""
     for e in range(LANES):
         t = work[LANES * DEPTH + e]
-        z, n = 0.5 * t * zeta, 0.5 * t * weight
+        z, n = 0.5 * t * zeta, 0.5 * weight
         d, row = layer_strain(work, e, z), at + LANES * METRIC + e
         old, new = three(kept, row), three(blocks, row)
         across = blocks[at + LANES * ACROSS + e]
-        x = hyper_slopes(old, new, across, d, (1.0, 0.0, 0.0), p)
-        y = hyper_slopes(old, new, across, d, (0.0, 1.0, 0.0), p)
-        s = hyper_slopes(old, new, across, d, (0.0, 0.0, 0.5), p)
-        add_column(seen, to + e, 0, n, z, x)
-        add_column(seen, to + e, 1, n, z, y)
-        add_column(seen, to + e, 2, n, z, s)
-        add_across(seen, to + e, 0.5 * weight, z, (x[3], y[3], s[3]))
+        for k in range(3):
+            way = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 0.5 if k == 2 else 0.0)
+            x, y, s, more = hyper_slopes(old, new, across, d, way, p)
+            found = (x, y, s, 0.0, 0.0, 0.0, more)
+            add_column(seen, to + e, k, n, t, z, found)
+            add_column(seen, to + e, BENDING + k, n * z, t, z, found)
 
 
 @inlined

@@ -39,7 +39,6 @@ from crashsolve.parts._quad_block import (
     RATE,
     RESULTANT,
     ROWS,
-    SOFT_PLANE,
     THICKNESS,
     three,
 )
@@ -53,14 +52,23 @@ BACK, BACK_ROWS = 4, 3
 # with a curve, the last three: of its tangent at the strain the value at no strain and the slope,
 # and the strain at which it ends
 LINE_ROWS = 3
-# further rows of `work`: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of
-# rate, what is missing; of all layers, the strain across the thickness, the plastic work, the
-# energy of those that fail; of large elastic strain, the largest growth of the stiffness; what
-# yielding leaves of the stiffness in the plane along x and y, and in bending
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, THIN, LOST, DROPPED, GROWTH, STIFF = (
-    ROWS + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14)
+# further rows of `work`: of all layers, the strain across the thickness, the plastic work, the
+# energy of those that fail; of large elastic strain, the largest growth of the stiffness
+THIN, LOST, DROPPED, GROWTH = (ROWS + k for k in range(4))
+# of the trial stresses beside those of layers (_beside.py): square of transverse shear, amplitudes
+# of the hourglass in the plane and by height; the share that yielding takes from all, and what it
+# takes from the amplitudes; share of the shear stiffness that there is; transverse shear itself;
+# numbers of the layers that yield
+SHEARED, AMPLITUDE, TAKEN, TAKEN_MODES, WEAK, TRIAL, NUMBER = (
+    ROWS + k for k in (4, 5, 9, 10, 14, 15, 17)
 )
-ALL_ROWS = ROWS + 18
+# and of each of these: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of rate,
+# what is missing, square of the stresses beside
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, BESIDE = (
+    ROWS + 18 + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10)
+)
+MOST_LAYERS, SLOT_ROWS = 10, 11
+ALL_ROWS = ROWS + 18 + MOST_LAYERS * SLOT_ROWS
 # rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
 # energy of elements when they were deleted
 FAILED_ROWS = 2
@@ -84,8 +92,8 @@ def clear_resultants(work):
         work[LANES * THIN + e] = 0.0
         work[LANES * LOST + e] = 0.0
         work[LANES * DROPPED + e] = 0.0
-        for k in range(4):
-            work[LANES * (STIFF + k) + e] = 0.0
+        for k in range(5):
+            work[LANES * (TAKEN + k) + e] = 0.0
 
 
 @inlined
@@ -214,15 +222,16 @@ def through_thickness(blocks, first, work, h, p, curves):
 
     Writes: blocks, work.
     """
+    # a step of no length changes nothing, whatever the rate was
+    if p.plastic == 1 and h != 0.0:
+        plastic_layers(blocks, first, work, work, h, p, 0, p.layers, curves)
+        return
     for k in range(p.layers):
         at = first + LANES * p.layer_rows * k
-        # a step of no length changes nothing, whatever the rate was
         if p.hyper == 1:
             hyperelastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
-        elif p.plastic == 0 or h == 0.0:
-            elastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
         else:
-            plastic_layer(blocks, at, work, h, p, p.zeta[k], p.weight[k], curves)
+            elastic_layer(blocks, at, work, p, p.zeta[k], p.weight[k])
 
 
 @blockwise
@@ -234,9 +243,6 @@ def take_up(blocks, first, stride, work, h, p):
     if p.plastic == 1:
         for e in range(LANES):
             blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
-    if p.plastic == 1 and h > 0.0:
-        for row in range(4 * LANES):
-            blocks[first + LANES * SOFT_PLANE + row] = work[LANES * STIFF + row]
     if p.failure > 0.0:
         for e in range(LANES):
             at = first + stride - FAILED_ROWS * LANES + e
@@ -250,39 +256,61 @@ def take_up(blocks, first, stride, work, h, p):
 
 
 @blockwise
-def plastic_layer(blocks, at, work, h, p, zeta, weight, curves):
-    """Stress of a plastic layer after the strains of a step of h. Writes: blocks, work."""
-    if p.rate_D > 0.0 or p.rate_C > 0.0:
-        find_factors(work, h, p, zeta)
-    if p.heating > 0.0:
-        soften(blocks, at, work, p)
-    find_trial(blocks, at, work, p, zeta)
-    if p.power > 0.0:
-        start_return(work)
-        follow_power(blocks, at, work, p)
-    else:
-        find_lines(blocks, at, work, p)
-    if p.failure > 0.0:
-        drop_failed(blocks, at, work, p, weight)
-    if count_beyond(work) == 0.0:
-        stay(blocks, at, work, p, zeta, weight)
-        return
-    if p.power > 0.0 or p.failure > 0.0:
-        # failed layers have lost their stress
-        start_return(work)
-    if p.power > 0.0:
-        begin(work, p)
-    return_to_yield(blocks, at, work, p, curves)
-    settle(blocks, at, work, p, zeta, weight)
-    if p.heating > 0.0:
-        heat(blocks, at, work, p)
+def plastic_layers(blocks, first, work, slots, h, p, begin, end, curves):
+    """Stresses of plastic layers after the strains of a step of h, all those beyond yield together.
+
+    One layer alone waits for each of its divisions and roots. `slots` are rows of `work` as well,
+    but none that the loops know by that name. Writes: blocks, work, slots.
+    """
+    count = 0
+    for k in range(begin, end):
+        at, to = first + LANES * p.layer_rows * k, LANES * SLOT_ROWS * count
+        if try_layer(blocks, at, work, slots, to, h, p, p.zeta[k], p.weight[k]) == 0.0:
+            stay(blocks, at, work, slots, to, p, p.zeta[k], p.weight[k])
+        else:
+            slots[LANES * NUMBER + count] = k
+            count += 1
+    if p.power == 0.0:
+        close_gaps(slots, 0, count, p)
+    for slot in range(count):
+        k, to = int(slots[LANES * NUMBER + slot]), LANES * SLOT_ROWS * slot
+        at = first + LANES * p.layer_rows * k
+        if p.power > 0.0:
+            return_to_power(blocks, at, slots, to, p)
+        elif p.curve > 0:
+            follow_lines(blocks, at, slots, to, p, curves)
+        settle(blocks, at, work, slots, to, p, p.zeta[k], p.weight[k])
+        if p.heating > 0.0:
+            heat(blocks, at, slots, to, p)
 
 
 @blockwise
-def find_factors(work, h, p, zeta):
+def try_layer(blocks, at, work, slots, to, h, p, zeta, weight):
+    """Trial stress of a layer; in how many lanes it is beyond yield. Writes: blocks, slots."""
+    if p.rate_D > 0.0 or p.rate_C > 0.0:
+        find_factors(work, slots, to, h, p, zeta)
+    if p.heating > 0.0:
+        soften(blocks, at, slots, to, p)
+    find_trial(blocks, at, work, slots, to, p, zeta)
+    if p.power > 0.0:
+        start_return(slots, to)
+        follow_power(blocks, at, slots, to, p)
+        count = count_beyond(slots, to)
+    else:
+        count = find_lines(blocks, at, slots, to, p)
+    if p.failure > 0.0:
+        drop_failed(blocks, at, work, slots, to, p, weight)
+        # failed layers have lost their stress
+        start_return(slots, to)
+        count = count_beyond(slots, to)
+    return count
+
+
+@blockwise
+def find_factors(work, slots, to, h, p, zeta):
     """Factor of the rate of strain on the yield stress: of Cowper and Symonds, or logarithmic.
 
-    Writes: work.
+    Writes: slots.
     """
     for e in range(LANES):
         x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
@@ -291,28 +319,28 @@ def find_factors(work, h, p, zeta):
             factor = 1.0 + (rate / p.rate_D) ** (1.0 / p.rate_q)
         else:
             factor = 1.0 + p.rate_C * log(max(rate / p.rate_0, 1.0))
-        work[LANES * FACTOR + e] = factor
+        slots[to + LANES * FACTOR + e] = factor
 
 
 @blockwise
-def soften(blocks, at, work, p):
-    """Factor of temperature on the yield stress, beside that of rate. Writes: work."""
+def soften(blocks, at, slots, to, p):
+    """Factor of temperature on the yield stress, beside that of rate. Writes: slots."""
     has_rate = p.rate_C > 0.0
     for e in range(LANES):
-        factor = work[LANES * FACTOR + e] if has_rate else 1.0
+        factor = slots[to + LANES * FACTOR + e] if has_rate else 1.0
         hot = min(blocks[at + HEAT * LANES + e], 1.0) ** p.softening
-        work[LANES * FACTOR + e] = factor * max(1.0 - hot, MOLTEN)
+        slots[to + LANES * FACTOR + e] = factor * max(1.0 - hot, MOLTEN)
 
 
 @blockwise
-def heat(blocks, at, work, p):
+def heat(blocks, at, slots, to, p):
     """Temperature of the layer from the plastic work of the step. Writes: blocks."""
     for e in range(LANES):
-        blocks[at + HEAT * LANES + e] += p.heating * work[LANES * GAP + e]
+        blocks[at + HEAT * LANES + e] += p.heating * slots[to + LANES * GAP + e]
 
 
 @blockwise
-def drop_failed(blocks, at, work, p, weight):
+def drop_failed(blocks, at, work, slots, to, p, weight):
     """Stress of layers that have failed, and the energy it had. Writes: blocks, work."""
     for e in range(LANES):
         has_failed = blocks[at + STRAIN * LANES + e] >= p.failure
@@ -323,10 +351,12 @@ def drop_failed(blocks, at, work, p, weight):
         work[LANES * DROPPED + e] += (1.0 - keep) * volume * energy / (2.0 * p.young)
         for row in range(3):
             blocks[at + row * LANES + e] *= keep
-            work[(XI + row) * LANES + e] *= keep
+            slots[to + (XI + row) * LANES + e] *= keep
             if p.kinematic > 0.0:
                 blocks[at + (BACK + row) * LANES + e] *= keep
-        work[LANES * GAP + e] = -1.0 if has_failed else work[LANES * GAP + e]
+        # what is beside the layers stays with those that are left
+        slots[to + LANES * BESIDE + e] *= keep
+        slots[to + LANES * GAP + e] = -1.0 if has_failed else slots[to + LANES * GAP + e]
 
 
 @inlined
@@ -342,8 +372,8 @@ def scaled(p):
 
 
 @blockwise
-def find_trial(blocks, at, work, p, zeta):
-    """Trial stress less alpha. Writes: work."""
+def find_trial(blocks, at, work, slots, to, p, zeta):
+    """Trial stress less alpha, and the square of what is beside it. Writes: slots."""
     nu, shear, moves = p.poisson, p.shear, p.kinematic > 0.0
     C, back = p.plane, at + LANES * BACK
     for e in range(LANES):
@@ -355,83 +385,99 @@ def find_trial(blocks, at, work, p, zeta):
             s_x -= blocks[back + e]
             s_y -= blocks[back + LANES + e]
             s_xy -= blocks[back + 2 * LANES + e]
-        put = LANES * XI + e
-        work[put], work[put + LANES], work[put + 2 * LANES] = s_x, s_y, s_xy
-
-
-@blockwise
-def find_lines(blocks, at, work, p):
-    """Yield stress, its slope, what of the trial stress is beyond it; g is 0. Writes: work."""
-    start, slope, has_factor, has_curve = p.yield_stress, p.isotropic, scaled(p), p.curve > 0
-    line = at + LANES * line_row(p)
-    for e in range(LANES):
-        if has_curve:
-            start, slope = blocks[line + e], blocks[line + LANES + e]
-        factor = work[LANES * FACTOR + e] if has_factor else 1.0
-        flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
-        s1, s2 = parts_of(three(work, LANES * XI + e))
-        work[LANES * FACTOR + e] = factor
-        work[LANES * YIELD + e], work[LANES * SLOPE + e] = flow, factor * slope
-        work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
-        work[LANES * GAP + e] = s1 + s2 - flow * flow
+        put_three(slots, to + LANES * XI + e, (s_x, s_y, s_xy))
+        q_x, q_y = modes_at(work, e, zeta)
+        slots[to + LANES * BESIDE + e] = work[LANES * SHEARED + e] + q_x * q_x + q_y * q_y
 
 
 @inlined
-def parts_of(xi):
+def modes_at(work, e, zeta):
+    """Trial stresses of the hourglass along x and y at a height: roots of their mean squares."""
+    z, at = 0.5 * work[LANES * DEPTH + e] * zeta, LANES * AMPLITUDE + e
+    return work[at] + z * work[at + 2 * LANES], work[at + LANES] + z * work[at + 3 * LANES]
+
+
+@inlined
+def put_three(slots, at, s):
+    """Writes: slots."""
+    slots[at], slots[at + LANES], slots[at + 2 * LANES] = s
+
+
+@blockwise
+def find_lines(blocks, at, slots, to, p):
+    """Yield stress, its slope, what is beyond it; in how many lanes something is. Writes: slots."""
+    start, slope, has_factor, has_curve = p.yield_stress, p.isotropic, scaled(p), p.curve > 0
+    line, count = at + LANES * line_row(p), 0.0
+    for e in range(LANES):
+        if has_curve:
+            start, slope = blocks[line + e], blocks[line + LANES + e]
+        factor = slots[to + LANES * FACTOR + e] if has_factor else 1.0
+        flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
+        s1, s2 = parts_of(three(slots, to + LANES * XI + e), slots[to + LANES * BESIDE + e])
+        gap = s1 + s2 - flow * flow
+        put_three(slots, to + LANES * S1 + e, (s1, s2, 0.0))
+        put_three(slots, to + LANES * YIELD + e, (flow, factor * slope, factor))
+        slots[to + LANES * GAP + e] = gap
+        count += 1.0 if gap > 0.0 else 0.0
+    return count
+
+
+@inlined
+def parts_of(xi, beside):
     """s1 and s2."""
     both, apart = xi[0] + xi[1], xi[0] - xi[1]
-    return 0.25 * both * both, 0.75 * apart * apart + 3.0 * xi[2] * xi[2]
+    return 0.25 * both * both, 0.75 * apart * apart + 3.0 * xi[2] * xi[2] + beside
 
 
 @blockwise
-def start_return(work):
-    """Writes: work."""
+def start_return(slots, to):
+    """Writes: slots."""
     for e in range(LANES):
-        s1, s2 = parts_of(three(work, LANES * XI + e))
-        work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * G + e] = s1, s2, 0.0
+        s1, s2 = parts_of(three(slots, to + LANES * XI + e), slots[to + LANES * BESIDE + e])
+        put_three(slots, to + LANES * S1 + e, (s1, s2, 0.0))
 
 
 @blockwise
-def follow_power(blocks, at, work, p):
-    """Tangent of a power at the present strain, and what is beyond it. Writes: work."""
+def follow_power(blocks, at, slots, to, p):
+    """Tangent of a power at the present strain, and what is beyond it. Writes: slots."""
     c1, c2 = softening(p)
     has_factor = scaled(p)
     for e in range(LANES):
-        factor = work[LANES * FACTOR + e] if has_factor else 1.0
-        grown, size = growth(work, e, c1, c2)
+        factor = slots[to + LANES * FACTOR + e] if has_factor else 1.0
+        grown, size = growth(slots, to, e, c1, c2)
         strain = blocks[at + STRAIN * LANES + e] + grown
         rises = p.power * strain**p.exponent
         # from below: its slope at no strain has no bound
         flow, slope = p.yield_stress + rises, p.exponent * rises / max(strain, 1e-300)
-        work[LANES * FACTOR + e], work[LANES * SLOPE + e] = factor, factor * slope
-        work[LANES * YIELD + e] = factor * (flow - slope * grown)
-        work[LANES * GAP + e] = size / (factor * flow) - 1.0
+        slots[to + LANES * FACTOR + e], slots[to + LANES * SLOPE + e] = factor, factor * slope
+        slots[to + LANES * YIELD + e] = factor * (flow - slope * grown)
+        slots[to + LANES * GAP + e] = size / (factor * flow) - 1.0
 
 
 @inlined
-def growth(work, e, c1, c2):
+def growth(slots, to, e, c1, c2):
     """Plastic strain of the step for the present g, and the size of the stress."""
-    g = work[LANES * G + e]
+    g = slots[to + LANES * G + e]
     k1, k2 = 1.0 / (1.0 + c1 * g), 1.0 / (1.0 + c2 * g)
-    size = sqrt(work[LANES * S1 + e] * k1 * k1 + work[LANES * S2 + e] * k2 * k2)
+    size = sqrt(slots[to + LANES * S1 + e] * k1 * k1 + slots[to + LANES * S2 + e] * k2 * k2)
     return 2.0 / 3.0 * g * size, size
 
 
 @blockwise
-def count_beyond(work):
+def count_beyond(slots, to):
     """How many lanes have a gap; a sum, since the compiler does not vectorise a maximum."""
     count = 0.0
     for e in range(LANES):
-        count += 1.0 if work[LANES * GAP + e] > 0.0 else 0.0
+        count += 1.0 if slots[to + LANES * GAP + e] > 0.0 else 0.0
     return count
 
 
 @blockwise
-def worst_gap(work):
+def worst_gap(slots, to):
     """Largest of what is beyond yield."""
     worst = -1.0
     for e in range(LANES):
-        worst = max(worst, work[LANES * GAP + e])
+        worst = max(worst, slots[to + LANES * GAP + e])
     return worst
 
 
@@ -442,58 +488,78 @@ def softening(p):
 
 
 @blockwise
-def begin(work, p):
-    """A first g for the power law, below the root. Writes: work."""
+def begin(slots, to, p):
+    """A first g for the power law, below the root. Writes: slots."""
     c1, c2 = softening(p)
     for e in range(LANES):
-        a, b, factor = work[LANES * S1 + e], work[LANES * S2 + e], work[LANES * FACTOR + e]
+        a, b, factor = (
+            slots[to + LANES * S1 + e],
+            slots[to + LANES * S2 + e],
+            slots[to + LANES * FACTOR + e],
+        )
         size = sqrt(a + b) + 1e-300
         # half of what is beyond yield: the stress falls at most as at first, and the power grows
         # at most as from no strain
-        half = 0.5 * max(size - size / (1.0 + work[LANES * GAP + e]), 0.0)
+        half = 0.5 * max(size - size / (1.0 + slots[to + LANES * GAP + e]), 0.0)
         falls = half * size / (a * c1 + b * c2 + 1e-300)
         grows = 1.5 / size * (half / (factor * p.power)) ** (1.0 / p.exponent)
-        work[LANES * G + e] = min(falls, grows)
+        slots[to + LANES * G + e] = min(falls, grows)
 
 
 @blockwise
-def return_to_yield(blocks, at, work, p, curves):
-    """g of all lanes; of those within yield it is 0. Writes: work, blocks."""
-    before, passes = 1e300, PASSES
-    if p.power > 0.0:
-        follow_power(blocks, at, work, p)
-    if p.curve > 0:
-        # one for each of its lines
-        passes += curves[p.curve].last - p.curve
-    for _ in range(passes):
-        close_gaps(work, p)
-        if p.power > 0.0:
-            follow_power(blocks, at, work, p)
-            worst = worst_gap(work)
-        elif p.curve > 0 and has_passed(blocks, at, work, p):
-            worst = renew_lines(blocks, at, work, p, curves)
-        else:
-            return
-        # as good as round-off lets it be
-        if worst <= CLOSE or (worst < 1e-10 and worst >= before):
+def return_to_power(blocks, at, slots, to, p):
+    """g of a layer whose yield stress is a power; of lanes within yield it is 0. Writes: slots."""
+    before = 1e300
+    begin(slots, to, p)
+    follow_power(blocks, at, slots, to, p)
+    for _ in range(PASSES):
+        close_gaps(slots, to, 1, p)
+        follow_power(blocks, at, slots, to, p)
+        worst = worst_gap(slots, to)
+        if is_closed(worst, before):
             return
         before = worst
 
 
 @blockwise
-def close_gaps(work, p):
-    """g where the yield stress is a straight line. Writes: work."""
+def follow_lines(blocks, at, slots, to, p, curves):
+    """g of a layer with a curve from that of the line it had. Writes: slots, blocks."""
+    before = 1e300
+    # one more for each of its lines
+    for _ in range(PASSES + curves[p.curve].last - p.curve):
+        if not has_passed(blocks, at, slots, to, p):
+            return
+        worst = renew_lines(blocks, at, slots, to, p, curves)
+        if is_closed(worst, before):
+            return
+        before = worst
+        close_gaps(slots, to, 1, p)
+
+
+@inlined
+def is_closed(worst, before):
+    """Whether the gap is as small as round-off lets it be."""
+    return worst <= CLOSE or (worst < 1e-10 and worst >= before)
+
+
+@blockwise
+def close_gaps(slots, first, count, p):
+    """g of layers in slots one after the other, yield stresses being lines. Writes: slots."""
     c1, c2 = softening(p)
     for _ in range(PASSES):
         moving = 0.0
-        for e in range(LANES):
-            g, s1, s2 = work[LANES * G + e], work[LANES * S1 + e], work[LANES * S2 + e]
-            flow, rise = work[LANES * YIELD + e], 2.0 / 3.0 * work[LANES * SLOPE + e]
-            # a lane within yield stays there; none beyond it falls back to it
-            ahead = max(0.5 * g, g + step_to_root(g, s1, s2, flow, rise, c1, c2))
-            work[LANES * G + e] = ahead
-            is_near = c2 * abs(ahead - g) <= NEAR * (1.0 + c2 * ahead)
-            moving += 0.0 if is_near else 1.0
+        for slot in range(count):
+            to = first + LANES * SLOT_ROWS * slot
+            for e in range(LANES):
+                g = slots[to + LANES * G + e]
+                s1, s2 = slots[to + LANES * S1 + e], slots[to + LANES * S2 + e]
+                flow = slots[to + LANES * YIELD + e]
+                rise = 2.0 / 3.0 * slots[to + LANES * SLOPE + e]
+                # a lane within yield stays there; none beyond it falls back to it
+                ahead = max(0.5 * g, g + step_to_root(g, s1, s2, flow, rise, c1, c2))
+                slots[to + LANES * G + e] = ahead
+                is_near = c2 * abs(ahead - g) <= NEAR * (1.0 + c2 * ahead)
+                moving += 0.0 if is_near else 1.0
         if moving == 0.0:
             return
 
@@ -521,35 +587,35 @@ def step_to_root(g, s1, s2, flow, rise, c1, c2):
 
 
 @blockwise
-def has_passed(blocks, at, work, p):
+def has_passed(blocks, at, slots, to, p):
     """Whether a layer is beyond the end of its line of the yield stress."""
     count, end = 0.0, at + LANES * (line_row(p) + 2)
     for e in range(LANES):
-        g, rise = work[LANES * G + e], 2.0 / 3.0 * work[LANES * SLOPE + e]
+        g, rise = slots[to + LANES * G + e], 2.0 / 3.0 * slots[to + LANES * SLOPE + e]
         left = blocks[end + e] - blocks[at + STRAIN * LANES + e]
-        passed = 2.0 / 3.0 * g * work[LANES * YIELD + e] - left * (1.0 - rise * g)
+        passed = 2.0 / 3.0 * g * slots[to + LANES * YIELD + e] - left * (1.0 - rise * g)
         count += 1.0 if passed > 0.0 and g > 0.0 else 0.0
     return count > 0.0
 
 
 @blockwise
-def renew_lines(blocks, at, work, p, curves):
+def renew_lines(blocks, at, slots, to, p, curves):
     """The next lines of layers beyond the end of theirs. Returns how far they are from yield.
 
     Writes: blocks, work.
     """
     worst, (c1, c2) = 0.0, softening(p)
     for e in range(LANES):
-        grown, size = growth(work, e, c1, c2)
+        grown, size = growth(slots, to, e, c1, c2)
         old, place = blocks[at + STRAIN * LANES + e], at + LANES * line_row(p) + e
         end = blocks[place + 2 * LANES]
-        if work[LANES * G + e] == 0.0 or old + grown <= end:
+        if slots[to + LANES * G + e] == 0.0 or old + grown <= end:
             continue
         x = end if end > old else old + grown
         base, rise, end = curve_line(curves, p.curve, x)
         blocks[place], blocks[place + LANES], blocks[place + 2 * LANES] = base, rise, end
-        factor = work[LANES * FACTOR + e]
-        work[LANES * YIELD + e], work[LANES * SLOPE + e] = (
+        factor = slots[to + LANES * FACTOR + e]
+        slots[to + LANES * YIELD + e], slots[to + LANES * SLOPE + e] = (
             factor * (base + rise * old),
             factor * rise,
         )
@@ -558,12 +624,12 @@ def renew_lines(blocks, at, work, p, curves):
 
 
 @blockwise
-def stay(blocks, at, work, p, zeta, weight):
+def stay(blocks, at, work, slots, to, p, zeta, weight):
     """Stress, resultants and thinning of layers that do not yield. Writes: blocks, work."""
     softness, moves, back = -p.softness, p.kinematic > 0.0, at + LANES * BACK
     for e in range(LANES):
         t = work[LANES * DEPTH + e]
-        x, y, xy = three(work, LANES * XI + e)
+        x, y, xy = three(slots, to + LANES * XI + e)
         if moves:
             x += blocks[back + e]
             y += blocks[back + LANES + e]
@@ -572,14 +638,10 @@ def stay(blocks, at, work, p, zeta, weight):
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = x, y, xy
         add_resultants(work, e, 0.5 * t * weight, 0.5 * t * zeta, (x, y, xy))
         work[LANES * THIN + e] += 0.5 * weight * thinner
-        work[LANES * STIFF + e] += 0.5 * weight
-        work[LANES * (STIFF + 1) + e] += 0.5 * weight
-        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta
-        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta
 
 
 @blockwise
-def settle(blocks, at, work, p, zeta, weight):
+def settle(blocks, at, work, slots, to, p, zeta, weight):
     """Stress, plastic strain and alpha from g; resultants, plastic work, thinning.
 
     Writes: blocks, work.
@@ -588,14 +650,18 @@ def settle(blocks, at, work, p, zeta, weight):
     shift, softness, moves = 2.0 / 3.0 * p.kinematic, -p.softness, p.kinematic > 0.0
     back = at + LANES * BACK
     for e in range(LANES):
-        g, t, flow = work[LANES * G + e], work[LANES * DEPTH + e], work[LANES * YIELD + e]
-        u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * work[LANES * SLOPE + e] * g
+        g, t, flow = (
+            slots[to + LANES * G + e],
+            work[LANES * DEPTH + e],
+            slots[to + LANES * YIELD + e],
+        )
+        u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * slots[to + LANES * SLOPE + e] * g
         # three factors by one division; the last is the yield stress at the end over that before
         k = 1.0 / (u1 * u2 * u3)
         k1, k2, size = k * u2 * u3, k * u1 * u3, k * u1 * u2 * flow
-        x, y = work[LANES * XI + e], work[LANES * (XI + 1) + e]
+        x, y = slots[to + LANES * XI + e], slots[to + LANES * (XI + 1) + e]
         both, apart = k1 * (x + y), k2 * (x - y)
-        x, y, xy = 0.5 * (both + apart), 0.5 * (both - apart), k2 * work[LANES * (XI + 2) + e]
+        x, y, xy = 0.5 * (both + apart), 0.5 * (both - apart), k2 * slots[to + LANES * (XI + 2) + e]
         s_x, s_y, s_xy = x, y, xy
         if moves:
             a_x = blocks[back + e] + g * shift * x
@@ -612,18 +678,22 @@ def settle(blocks, at, work, p, zeta, weight):
         share, z = 0.5 * weight * t, 0.5 * t * zeta
         work[LANES * LOST + e] += share * work[LANES * AREA + e] * lost
         # the gap is closed; its row is free
-        work[LANES * GAP + e] = lost
+        slots[to + LANES * GAP + e] = lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
-        # tangent over elastic modulus of stress along x alone, and along y
-        tangent = (work[LANES * SLOPE + e] + p.kinematic) * size * size
-        m_x, m_y = x - 0.5 * y, y - 0.5 * x
-        f_x, f_y = tangent + p.young * m_x * m_x, tangent + p.young * m_y * m_y
-        k = tangent / (f_x * f_y + 1e-300)
-        left_x, left_y = k * f_y if g > 0.0 else 1.0, k * f_x if g > 0.0 else 1.0
-        work[LANES * STIFF + e] += 0.5 * weight * left_x
-        work[LANES * (STIFF + 1) + e] += 0.5 * weight * left_y
-        work[LANES * (STIFF + 2) + e] += 1.5 * weight * zeta * zeta * left_x
-        work[LANES * (STIFF + 3) + e] += 1.5 * weight * zeta * zeta * left_y
+        take(work, e, 0.5 * weight * (1.0 - k2), zeta)
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y
         work[LANES * THIN + e] += 0.5 * weight * thinner
+
+
+@inlined
+def take(work, e, share, zeta):
+    """What the yielding of a layer takes from the stresses beside those of layers. Writes: work."""
+    z, (q_x, q_y) = 0.5 * work[LANES * DEPTH + e] * zeta, modes_at(work, e, zeta)
+    q_x, q_y = share * q_x, share * q_y
+    at = LANES * TAKEN + e
+    work[at] += share
+    work[at + LANES] += q_x
+    work[at + 2 * LANES] += q_y
+    work[at + 3 * LANES] += z * q_x
+    work[at + 4 * LANES] += z * q_y

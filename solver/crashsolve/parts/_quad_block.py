@@ -24,8 +24,8 @@ from crashsolve.parts._quad import (
 THICKNESS, SHAPE, RADIUS_2, WEIGHT, LOSS, PLANE_Q, BEND_Q, SHEAR_Q, SHEAR, DRILL = (
     *(0, 1, 5, 6, 7, 8, 10, 12, 14, 16),
 )
-# work on the hourglass; how much of its stiffness yielding leaves, in the plane and in bending
-HOURGLASS, SOFT_PLANE, SOFT_BEND, LAYERS = 17, 18, 20, 22
+# work on the hourglass
+HOURGLASS, LAYERS = 17, 18
 # rows of `work`: places, velocities and spins of the corners; afterwards their forces and torques
 PLACE, VELOCITY, SPIN = 0, 12, 24
 FORCE, TORQUE = 0, 12
@@ -33,7 +33,9 @@ FORCE, TORQUE = 0, 12
 MEMBRANE, CURVATURE, RESULTANT, MOMENT, RATE, AREA, DEPTH = 36, 39, 42, 45, 48, 49, 50
 # of the step: what differs from a linear field, of the plane and of the turns; diagonals
 MODES, FLAT = 51, 55
-ROWS = 59
+# transverse shear stress, and that of the tie of spins, before the step
+HELD = 59
+ROWS = 62
 # when all that is done: squared frequency times mass, and times inertia
 LOAD = MODES
 
@@ -47,49 +49,62 @@ def gather(points, corners, first, work):
 
 
 @kernel
-def note_rate(clock, p, scene, number, first, corner, live, ends):
-    """Squared frequencies of elements to their corners, by mass; the largest, and whose it is.
+def note_rate(clock, number, scene, first, live, ends):
+    """Shares of the corners in the squared frequencies of a block; the largest, and whose it is.
 
-    Elements with damping share nothing out: half of what they need grows with h, not h^2. Writes:
-    clock, work, scene.points.
+    Writes: clock, scene.work.
     """
-    work, points = scene.work, scene.points
-    weigh(scene.lanes, first, work, ends)
+    work = scene.work
+    if weigh(scene.lanes, first, work, ends, clock.element_rate) == 0.0:
+        return
     for e in range(live):
         rate = work[LANES * RATE + e]
         if rate > clock.element_rate:
             clock.element_rate, clock.limit_element = rate, number + e
-    # corner by corner, as forces are added
-    for c in range(ends):
-        for e in range(live):
-            b = points[scene.corners[corner + LANES * c + e]]
-            if p.slows == 0:
-                load_point(b, work[LANES * LOAD + e], work[LANES * LOAD + LANES + e], 0)
-            elif b.mass_inv > 0.0 and b.J_inv > 0.0:
-                rate = work[LANES * RATE + e]
-                load_point(b, rate / b.mass_inv, rate / b.J_inv, 1)
 
 
 @blockwise
-def weigh(blocks, first, work, ends):
-    """Squared frequencies times mass and inertia at each corner. Writes: work.
+def weigh(blocks, first, work, ends, largest):
+    """Squared frequencies times mass and inertia at each corner; how many are above `largest`.
 
-    In a loop of its own: a product that becomes part of a sum is rounded otherwise, and sums of two
-    threads must be those of one.
+    Rounded here: a product that becomes part of a sum is rounded otherwise, and sums of two threads
+    must be those of one. Writes: work.
     """
+    count = 0.0
     for e in range(LANES):
-        load = work[LANES * RATE + e] * blocks[first + LANES * WEIGHT + e] / ends
+        rate = work[LANES * RATE + e]
+        load = rate * blocks[first + LANES * WEIGHT + e] / ends
         work[LANES * LOAD + e] = load
         work[LANES * LOAD + LANES + e] = load * blocks[first + LANES * RADIUS_2 + e]
+        count += 1.0 if rate > largest else 0.0
+    return count
 
 
 @kernel
-def scatter(points, corners, first, live, work):
-    """Forces and torques of a block onto its corners. Writes: points."""
-    for c in range(4):
+def slow_corners(scene, corner, live, ends):
+    """Squared frequencies of elements with damping to their corners, which keep the largest.
+
+    They share nothing out: half of what they need grows with h, not h^2. Writes: scene.points,
+    scene.work.
+    """
+    work, points = scene.work, scene.points
+    for c in range(ends):
+        for e in range(live):
+            b = points[scene.corners[corner + LANES * c + e]]
+            rate = work[LANES * RATE + e]
+            if b.mass_inv > 0.0 and b.J_inv > 0.0:
+                load_point(b, rate / b.mass_inv, rate / b.J_inv, 1)
+    for e in range(2 * LANES):
+        work[LANES * LOAD + e] = 0.0
+
+
+@kernel
+def scatter(points, corners, first, live, work, ends):
+    """Forces, torques and shares of frequency of a block onto its corners. Writes: points."""
+    for c in range(ends):
         for e in range(0, LANES, EIGHT):
             at = LANES * (FORCE + 3 * c) + e
-            add_forces(points, corners, first + LANES * c + e, work, at, live - e)
+            add_forces(points, corners, first + LANES * c + e, work, at, LANES * LOAD + e, live - e)
 
 
 @inlined
@@ -134,14 +149,9 @@ def shape(blocks, at):
 
 
 @inlined
-def grow(blocks, at, soft, more, rate):
-    """Let a stress grow, softer where it yields; its mean over the step times what it works on.
-
-    Writes: blocks.
-    """
+def grow(blocks, at, more, rate):
+    """Let a stress grow; its mean over the step times what it works on. Writes: blocks."""
     old = blocks[at]
-    # what was taken up softly is given back elastically: nothing is gained in a cycle
-    more = soft * more if old * rate > 0.0 else more
     blocks[at] = old + more
     return (old + 0.5 * more) * rate
 
@@ -152,44 +162,28 @@ def grow_modes(blocks, at, h, t, k, k_s, q, change):
 
     Writes: blocks.
     """
-    soft, row = at + LANES * SOFT_PLANE, at + LANES * PLANE_Q
+    row = at + LANES * PLANE_Q
     q_x, q_y, p_x, p_y = q
     k_b = h * t * t / 12.0
-    more = (
-        h * (k[0] * q_x + k[2] * q_y),
-        h * (k[1] * q_y + k[2] * q_x),
-        k_b * (k[0] * p_x + k[2] * p_y),
-        k_b * (k[1] * p_y + k[2] * p_x),
-    )
-    work_on = grow(blocks, row, blocks[soft], more[0], q_x)
-    work_on += grow(blocks, row + LANES, blocks[soft + LANES], more[1], q_y)
-    work_on += grow(blocks, row + 2 * LANES, blocks[soft + 2 * LANES], more[2], p_x)
-    work_on += grow(blocks, row + 3 * LANES, blocks[soft + 3 * LANES], more[3], p_y)
-    work_on += grow(blocks, row + 4 * LANES, 1.0, h * k_s[0] * change[0], change[0])
-    work_on += grow(blocks, row + 5 * LANES, 1.0, h * k_s[1] * change[1], change[1])
+    work_on = grow(blocks, row, h * (k[0] * q_x + k[2] * q_y), q_x)
+    work_on += grow(blocks, row + LANES, h * (k[1] * q_y + k[2] * q_x), q_y)
+    work_on += grow(blocks, row + 2 * LANES, k_b * (k[0] * p_x + k[2] * p_y), p_x)
+    work_on += grow(blocks, row + 3 * LANES, k_b * (k[1] * p_y + k[2] * p_x), p_y)
+    work_on += grow(blocks, row + 4 * LANES, h * k_s[0] * change[0], change[0])
+    work_on += grow(blocks, row + 5 * LANES, h * k_s[1] * change[1], change[1])
     blocks[at + LANES * HOURGLASS] += h * work_on
 
 
 @inlined
-def tied(blocks, at, turn):
-    """What yielding leaves of the stiffness that ties; what it took up comes back elastically."""
-    soft = at + LANES * SOFT_PLANE
-    is_more = blocks[at + LANES * DRILL] * turn > 0.0
-    return 0.5 * (blocks[soft] + blocks[soft + LANES]) if is_more else 1.0
+def grow_held(blocks, work, first, e, x, y, tie):
+    """Let transverse shear, and the stress that ties spins to the plane, grow.
 
-
-@inlined
-def tie(blocks, at, stiff, turn):
-    """Let the stress grow that ties spins about the normal to the plane, softer where that yields.
-
-    `stiff` is that of the plane against shear. Writes: blocks.
+    Writes: blocks, work.
     """
-    row, share = at + LANES * DRILL, tied(blocks, at, turn)
-    old = blocks[row]
-    more = share * DRILLING * stiff * turn
-    blocks[row] = old + more
-    # what is not given back
-    blocks[at + LANES * LOSS] += (old + 0.5 * more) * (1.0 - share) * turn
+    at, to = first + LANES * SHEAR + e, LANES * HELD + e
+    old_x, old_y, old = three(blocks, at)
+    work[to], work[to + LANES], work[to + 2 * LANES] = old_x, old_y, old
+    blocks[at], blocks[at + LANES], blocks[at + 2 * LANES] = old_x + x, old_y + y, old + tie
 
 
 @inlined
@@ -231,10 +225,8 @@ def strain(blocks, first, work, h, p):
         t = blocks[first + LANES * THICKNESS + e]
         k, k_s = hourglass_stiffness(flat, area, E, G, nu, t)
         grow_modes(blocks, first + e, h, t, k, k_s, (q_x, q_y, p_x, p_y), change)
-        at = first + LANES * PLANE_Q + e
-        blocks[at + 6 * LANES] += h * 5.0 / 6.0 * G * gamma[0]
-        blocks[at + 7 * LANES] += h * 5.0 / 6.0 * G * gamma[1]
-        tie(blocks, first + e, G * t * area, h * drill)
+        shear, tie = h * 5.0 / 6.0 * G, h * DRILLING * G * t * area * drill
+        grow_held(blocks, work, first, e, shear * gamma[0], shear * gamma[1], tie)
         work[LANES * AREA + e] = area
         work[LANES * DEPTH + e] = t
         put_four(work, MODES, e, (h * q_x, h * q_y, h * p_x, h * p_y))

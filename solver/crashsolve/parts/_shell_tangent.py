@@ -11,7 +11,24 @@ References: those of _quad.py and _layer_tangent.py.
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.parts._layer_tangent import layers_and_tangent
+from crashsolve.parts._beside import (
+    clear_weak,
+    mode_sizes,
+    relax_modes,
+    relax_shear,
+    see_modes,
+    see_shear,
+)
+from crashsolve.parts._layer_tangent import (
+    ACROSS_OUT,
+    MODES_IN,
+    SHEAR_IN,
+    TAKEN_OUT,
+    layers_and_tangent,
+)
+from crashsolve.parts._layers import AMPLITUDE as WORK_AMPLITUDE
+from crashsolve.parts._layers import TAKEN as WORK_TAKEN
+from crashsolve.parts._layers import TAKEN_MODES as WORK_TAKEN_MODES
 from crashsolve.parts._layers import clear_resultants, take_up
 from crashsolve.parts._quad import cross3, dot3, hourglass_stiffness, plane_axes, sides
 from crashsolve.parts._quad_block import (
@@ -21,7 +38,6 @@ from crashsolve.parts._quad_block import (
     PLACE,
     PLANE_Q,
     RESULTANT,
-    SOFT_PLANE,
     SPIN,
     THICKNESS,
     VELOCITY,
@@ -33,7 +49,6 @@ from crashsolve.parts._quad_block import (
     shape,
     strain,
     three,
-    tied,
 )
 from crashsolve.parts._quad_moved import (
     NONE,
@@ -49,10 +64,13 @@ from crashsolve.parts._tangent import (
     ABOUT,
     ACROSS,
     AFTER,
+    AMPLITUDE,
     AXES,
     BEFORE,
+    COMES,
     DIRECTION,
     END,
+    ENTERS,
     MID,
     MODE,
     MOVED,
@@ -62,22 +80,24 @@ from crashsolve.parts._tangent import (
     SIDES,
     SIZE,
     SKEW,
-    SOFT,
     STRAIN,
     STRESS,
     STRESSED,
+    TAKEN,
+    TAKEN_MODES,
     TAU,
-    TIED,
+    TOOK,
     TURNED,
     WAY,
     add_column,
     add_damping,
     axes_at,
+    enter_strains,
     four,
     put_axes,
     put_four,
     put_three,
-    resultants,
+    respond,
     shares,
     turn_arms,
     turn_corner,
@@ -99,10 +119,15 @@ def tangent(p, h, scene):
         gather(scene.points, scene.corners, corner, work)
         strain(blocks, first, work, h, p)
         clear_resultants(work)
+        clear_weak(work)
+        see_shear(blocks, first, work)
+        see_modes(blocks, first, work)
         at = first + LANES * LAYERS
         layers_and_tangent(
             blocks, scene.lanes_before, at, work, seen, LANES * POINTS, h, p, scene.curves
         )
+        relax_modes(blocks, first, work)
+        relax_shear(blocks, first, work, p)
         take_up(blocks, first, p.stride, work, h, p)
         if p.slows == 1:
             damp(blocks, first, p.stride, work, h, p)
@@ -235,12 +260,15 @@ def see_stress(blocks, kept, first, work, seen):
         )
         put_four(seen, LANES * MODE + e, q)
         put_three(seen, LANES * (MODE + 4) + e, (*change, drill))
-        old, soft = four(kept, first + LANES * PLANE_Q + e), first + LANES * SOFT_PLANE + e
-        # what was taken up softly is given back elastically
-        for k in range(4):
-            left = kept[soft + LANES * k] if old[k] * q[k] > 0.0 else 1.0
-            seen[LANES * (SOFT + k) + e] = left
-        seen[LANES * TIED + e] = tied(kept, first + e, drill)
+        see_taken(work, seen, e)
+
+
+@inlined
+def see_taken(work, seen, e):
+    """What yielding takes, and of what. Writes: seen."""
+    seen[LANES * TAKEN + e] = work[LANES * WORK_TAKEN + e]
+    put_four(seen, LANES * TAKEN_MODES + e, four(work, LANES * WORK_TAKEN_MODES + e))
+    put_four(seen, LANES * AMPLITUDE + e, four(work, LANES * WORK_AMPLITUDE + e))
 
 
 @inlined
@@ -347,20 +375,41 @@ def stiffness_moved(flat, moved, area, grown_by, p, t):
 @blockwise
 def stress_by(seen, change, p):
     """Change of the stresses with that of strains and geometry. Writes: change."""
+    enter_strains(change)
     for e in range(LANES):
-        at, to = LANES * STRAIN + e, LANES * STRESSED + e
-        d, b = three(change, at), three(change, at + 3 * LANES)
-        N, M, across = resultants(seen, LANES * POINTS + e, d, b)
-        put_three(change, to, N)
-        put_three(change, to + 3 * LANES, M)
-        change[LANES * ACROSS + e] = across
         modes_by(seen, change, e, p)
+        enter_shear(change, e, 5.0 / 6.0 * p.shear)
+    respond(seen, LANES * POINTS, change)
+    for row in range(6 * LANES):
+        change[LANES * STRESSED + row] = change[LANES * COMES + row]
+    for e in range(LANES):
+        change[LANES * TOOK + e] = change[LANES * (COMES + TAKEN_OUT) + e]
+        change[LANES * ACROSS + e] = change[LANES * (COMES + ACROSS_OUT) + e]
+        relax_modes_by(seen, change, e)
     stress_of_shear(seen, change, p)
 
 
 @inlined
+def enter_shear(change, e, stiff):
+    """The trial transverse shear enters at a point. Writes: change."""
+    at, to = LANES * (STRAIN + 10) + e, LANES * (ENTERS + SHEAR_IN) + e
+    change[to], change[to + LANES] = stiff * change[at], stiff * change[at + LANES]
+
+
+@inlined
+def sizes_at(seen, change, e):
+    """mode_sizes() of the middle, and their change."""
+    flat = four(seen, LANES * (MID + SIDES) + e)
+    (a_x, a_y, b_x, b_y), moved = sides(flat), sides(four(change, LANES * MOVED + e))
+    r_x, r_y = mode_sizes(flat)
+    d_x = 4.0 / 3.0 * (a_y * moved[1] + b_y * moved[3]) / r_x
+    d_y = 4.0 / 3.0 * (a_x * moved[0] + b_x * moved[2]) / r_y
+    return (r_x, r_y), (d_x, d_y)
+
+
+@inlined
 def modes_by(seen, change, e, p):
-    """Change of what acts on the modes. Writes: change."""
+    """Change of the trial stresses of the modes; their amplitudes enter. Writes: change."""
     frame, to, at = LANES * MID + e, LANES * (STRESSED + 6) + e, LANES * (STRAIN + 6) + e
     flat, area, t = (
         four(seen, frame + LANES * SIDES),
@@ -370,18 +419,31 @@ def modes_by(seen, change, e, p):
     moved, more = four(change, LANES * MOVED + e), change[LANES * (MOVED + 4) + e]
     k, _ = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
     j, _ = stiffness_moved(flat, moved, area, more, p, t)
-    u, d = four(seen, LANES * MODE + e), four(change, at)
-    soft, bend = four(seen, LANES * SOFT + e), t * t / 12.0
-    put_four(
-        change,
-        to,
-        (
-            soft[0] * (k[0] * d[0] + k[2] * d[1] + j[0] * u[0] + j[2] * u[1]),
-            soft[1] * (k[1] * d[1] + k[2] * d[0] + j[1] * u[1] + j[2] * u[0]),
-            soft[2] * bend * (k[0] * d[2] + k[2] * d[3] + j[0] * u[2] + j[2] * u[3]),
-            soft[3] * bend * (k[1] * d[3] + k[2] * d[2] + j[1] * u[3] + j[2] * u[2]),
-        ),
+    u, d, bend = four(seen, LANES * MODE + e), four(change, at), t * t / 12.0
+    Q = (
+        k[0] * d[0] + k[2] * d[1] + j[0] * u[0] + j[2] * u[1],
+        k[1] * d[1] + k[2] * d[0] + j[1] * u[1] + j[2] * u[0],
+        bend * (k[0] * d[2] + k[2] * d[3] + j[0] * u[2] + j[2] * u[3]),
+        bend * (k[1] * d[3] + k[2] * d[2] + j[1] * u[3] + j[2] * u[2]),
     )
+    put_four(change, to, Q)
+    sizes, grow = sizes_at(seen, change, e)
+    for m in range(4):
+        over = (1.0 if m < 2 else 1.0 / bend) / (t * sizes[m % 2])
+        share = grow[m % 2] / sizes[m % 2]
+        amplitude = seen[LANES * (AMPLITUDE + m) + e]
+        change[LANES * (ENTERS + MODES_IN + m) + e] = over * Q[m] - share * amplitude
+
+
+@inlined
+def relax_modes_by(seen, change, e):
+    """What yielding takes of the change of the stresses of the modes. Writes: change."""
+    t, (sizes, grow) = seen[LANES * BEFORE + e], sizes_at(seen, change, e)
+    for m in range(4):
+        taken = seen[LANES * (TAKEN_MODES + m) + e]
+        more = change[LANES * (COMES + MODES_IN + m) + e]
+        less = t * (grow[m % 2] * taken + sizes[m % 2] * more)
+        change[LANES * (STRESSED + 6 + m) + e] -= less
 
 
 @blockwise
@@ -398,14 +460,23 @@ def stress_of_shear(seen, change, p):
         # large strain grows the logarithm of the thickness
         thick = seen[LANES * AFTER + e] if p.hyper == 1 else t
         thinner = thick * change[LANES * ACROSS + e] if p.thins == 1 else 0.0
-        tau, stiff = LANES * TAU + e, 5.0 / 6.0 * p.shear * seen[LANES * AFTER + e]
+        tau, after = LANES * TAU + e, seen[LANES * AFTER + e]
+        left, less = relaxation(seen, change, e)
+        stiff, still = left * after * 5.0 / 6.0 * p.shear, thinner - after * less
         V = (
-            stiff * change[at] + thinner * seen[tau],
-            stiff * change[at + LANES] + thinner * seen[tau + LANES],
+            stiff * change[at] + still * seen[tau],
+            stiff * change[at + LANES] + still * seen[tau + LANES],
         )
         put_four(change, to, (k[0] * d[0] + j[0] * u[0], k[1] * d[1] + j[1] * u[1], *V))
-        stiff = 0.5 * seen[LANES * TIED + e] * DRILLING * p.shear * t
-        change[to + 4 * LANES] = stiff * (area * d[2] + more * u[2])
+        tie = 0.5 * left * DRILLING * p.shear * t * (area * d[2] + more * u[2])
+        change[to + 4 * LANES] = tie - less * seen[LANES * (STRESS + 14) + e]
+
+
+@inlined
+def relaxation(seen, change, e):
+    """What yielding leaves of transverse shear, and its change over that, by what is taken."""
+    left = 1.0 - seen[LANES * TAKEN + e]
+    return left, change[LANES * TOOK + e] / left
 
 
 @inlined

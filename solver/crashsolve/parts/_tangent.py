@@ -11,7 +11,7 @@ Consequence to test: the columns are derivatives of the forces.
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.parts._layer_tangent import POINT_ROWS, THIN_BEND, THIN_STRAIN, A, B, D
+from crashsolve.parts._layer_tangent import BENDING, POINT_ROWS, SIDE
 from crashsolve.parts._quad import cross3, dot3
 from crashsolve.parts._quad_block import DEPTH, SPIN, three
 
@@ -21,15 +21,19 @@ AXES, SIDES, SKEW, SIZE, ABOUT, MID, END = 0, 9, 13, 16, 17, 0, 21
 # displacements and turns of the step along the axes of its middle; what acts on those of the end
 WAY, TURNED, PUSHED = 42, 54, 66
 # stresses: N, M, of the modes, of the change of shear, V, half of the drilling; transverse shear;
-# thickness before the step and after it; what yielding leaves of the modes, and of drilling; modes,
-# change of shear and drilling
-STRESS, TAU, BEFORE, AFTER, SOFT, TIED, MODE = 87, 102, 104, 105, 106, 110, 111
+# thickness before the step and after it; what yielding takes of all, and of the amplitudes of the
+# modes; modes, change of shear and drilling; amplitudes
+STRESS, TAU, BEFORE, AFTER, TAKEN, TAKEN_MODES, MODE = 87, 102, 104, 105, 106, 107, 111
+AMPLITUDE = 118
 # tangents of the layers, of each point of the plane, and of damping
-POINTS = 118
+POINTS = 122
 SEEN_ROWS = POINTS + 5 * POINT_ROWS
 # rows of `change`: turn of the corner; strains; moved geometry of the middle; stresses; forces and
-# torques of the corners; strain across the thickness; sums over the points
-DIRECTION, STRAIN, MOVED, STRESSED, OUT, ACROSS, SUMS, CHANGE_ROWS = 0, 3, 18, 23, 38, 62, 63, 71
+# torques of the corners; strain across the thickness; sums over the points; what is taken of all;
+# what enters at a point and what comes out
+DIRECTION, STRAIN, MOVED, STRESSED, OUT, ACROSS, SUMS, TOOK = 0, 3, 18, 23, 38, 62, 63, 71
+ENTERS, COMES = 72, 72 + SIDE
+CHANGE_ROWS = COMES + SIDE
 
 
 @inlined
@@ -96,37 +100,34 @@ def add_damping(seen, place, work, h, p):
         t, at = work[LANES * DEPTH + e], place + e
         for part in range(2):
             k = plane * t if part == 0 else plane * t * t * t / 12.0
-            row = at + LANES * A if part == 0 else at + LANES * D
+            row = at + LANES * (SIDE + 1) * BENDING * part
             seen[row] += k
             seen[row + LANES] += nu * k
-            seen[row + 3 * LANES] += nu * k
-            seen[row + 4 * LANES] += k
-            seen[row + 8 * LANES] += shear * k
+            seen[row + LANES * SIDE] += nu * k
+            seen[row + LANES * (SIDE + 1)] += k
+            seen[row + LANES * (2 * SIDE + 2)] += shear * k
 
 
-@inlined
-def times(seen, at, d):
-    """A matrix of three rows times a vector."""
-    u, v, w = three(seen, at), three(seen, at + 3 * LANES), three(seen, at + 6 * LANES)
-    return (
-        u[0] * d[0] + u[1] * d[1] + u[2] * d[2],
-        v[0] * d[0] + v[1] * d[1] + v[2] * d[2],
-        w[0] * d[0] + w[1] * d[1] + w[2] * d[2],
-    )
+@blockwise
+def respond(seen, place, change):
+    """What comes out of a point of the plane for what enters there. Writes: change."""
+    for row in range(SIDE):
+        at = LANES * (COMES + row)
+        for e in range(LANES):
+            change[at + e] = 0.0
+        for k in range(SIDE):
+            P = place + LANES * (SIDE * row + k)
+            for e in range(LANES):
+                change[at + e] += seen[P + e] * change[LANES * (ENTERS + k) + e]
 
 
-@inlined
-def resultants(seen, at, d, b):
-    """Changes of N and M at a point with strains d and curvatures b, and of the strain across."""
-    n, m = times(seen, at + LANES * A, d), times(seen, at + LANES * B, d)
-    o, q = times(seen, at + LANES * B, b), times(seen, at + LANES * D, b)
-    u, v = three(seen, at + LANES * THIN_STRAIN), three(seen, at + LANES * THIN_BEND)
-    across = u[0] * d[0] + u[1] * d[1] + u[2] * d[2] + v[0] * b[0] + v[1] * b[1] + v[2] * b[2]
-    return (
-        (n[0] + o[0], n[1] + o[1], n[2] + o[2]),
-        (m[0] + q[0], m[1] + q[1], m[2] + q[2]),
-        across,
-    )
+@blockwise
+def enter_strains(change):
+    """Strains and curvatures enter, and nothing else yet. Writes: change."""
+    for row in range(LANES * SIDE):
+        change[LANES * ENTERS + row] = 0.0
+    for row in range(6 * LANES):
+        change[LANES * ENTERS + row] = change[LANES * STRAIN + row]
 
 
 @kernel

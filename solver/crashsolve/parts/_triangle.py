@@ -4,8 +4,8 @@
     gamma = sum G (N_i grad N_j - N_j grad N_i),   tau = 5/6 G gamma t^2 / (t^2 + 0.3 h^2)
 
 with h^2 the mean square of the sides. The stress is weakened where the triangle is wide for its
-thickness, which keeps thin plates from locking and vanishes as the mesh is refined. Shear is
-elastic: its mean in the element, and what goes round its middle.
+thickness, which keeps thin plates from locking and vanishes as the mesh is refined. Its mean in
+the element yields with the layers; what goes round its middle is elastic.
 Triangles are quadrilaterals whose last corner is their third, and share the axes of those; as both
 have linear turns along a side, they go together in one mesh. Consequence to test: any patch of
 either holds constant strain and constant curvature.
@@ -19,6 +19,7 @@ theory and assumed shear strain fields, part I, Int. J. Num. Meth. Eng. 36, 1859
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.parts._beside import relax_shear, see_shear
 from crashsolve.parts._failure import (
     add_losses,
     delete,
@@ -27,8 +28,8 @@ from crashsolve.parts._failure import (
     mute_forces,
     mute_strains,
 )
-from crashsolve.parts._layers import FAILED_ROWS, grow_rate, layers
-from crashsolve.parts._quad import dot3, plane_axes
+from crashsolve.parts._layers import FAILED_ROWS, WEAK, grow_rate, layers
+from crashsolve.parts._quad import DRILLING, dot3, plane_axes
 from crashsolve.parts._quad_block import (
     AREA,
     CURVATURE,
@@ -50,12 +51,13 @@ from crashsolve.parts._quad_block import (
     before,
     corner,
     gather,
+    grow_held,
     note_rate,
     put_corner,
     scatter,
     shape,
+    slow_corners,
     three,
-    tie,
 )
 from crashsolve.parts._viscous import SLOW_ROWS, allow, damp
 from crashsolve.parts.shell import (
@@ -100,8 +102,10 @@ def deform(p, clock, h, scene):
         respond(p, h, first, corner, scene)
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
-        scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, p, scene, p.first_element + quads + done, first, corner, live, 3)
+        note_rate(clock, p.first_element + quads + done, scene, first, live, 3)
+        if p.slows == 1:
+            slow_corners(scene, corner, live, 3)
+        scatter(scene.points, scene.corners, corner, live, scene.work, 3)
         done += LANES
 
 
@@ -113,7 +117,11 @@ def respond(p, h, first, corner, scene):
     strain(blocks, first, work, h, p)
     if p.failure > 0.0:
         mute_strains(blocks, first, work)
+    if p.plastic == 1:
+        see_shear(blocks, first, work)
     layers(blocks, first, stride, work, h, p, scene.curves)
+    if p.plastic == 1:
+        relax_shear(blocks, first, work, p)
     if p.slows == 1:
         damp(blocks, first, stride, work, h, p)
     push(blocks, first, work, p)
@@ -232,11 +240,11 @@ def strain(blocks, first, work, h, p):
         stiff = h * t * whirl_stiffness(s, area, t, G)
         blocks[first + LANES * PLANE_Q + e] += stiff * (G1 + G2 + G3)
         m1, m2, m3 = mean_shears(g1, g2, g3)
-        stiff = h * 5.0 / 6.0 * G * weakened(s, t)
-        at = first + LANES * SHEAR + e
-        blocks[at] += stiff * (m1[0] * G1 + m2[0] * G2 + m3[0] * G3)
-        blocks[at + LANES] += stiff * (m1[1] * G1 + m2[1] * G2 + m3[1] * G3)
-        tie(blocks, first + e, G * t * area, h * drill)
+        weak = weakened(s, t)
+        work[LANES * WEAK + e] = weak
+        stiff, tie = h * 5.0 / 6.0 * G * weak, h * DRILLING * G * t * area * drill
+        x, y = m1[0] * G1 + m2[0] * G2 + m3[0] * G3, m1[1] * G1 + m2[1] * G2 + m3[1] * G3
+        grow_held(blocks, work, first, e, stiff * x, stiff * y, tie)
         work[LANES * AREA + e] = area
         work[LANES * DEPTH + e] = t
 
@@ -277,10 +285,6 @@ def push(blocks, first, work, p):
         put_node(work, 0, e, axes, area, N, M, drill, g1, F3 - F1, s3, F3, s1, F1)
         put_node(work, 1, e, axes, area, N, M, drill, g2, F1 - F2, s1, F1, s2, F2)
         put_node(work, 2, e, axes, area, N, M, drill, g3, F2 - F3, s2, F2, s3, F3)
-        zero = (0.0, 0.0, 0.0)
-        # the fourth corner is the third
-        put_corner(work, 0, 3, e, axes, zero)
-        put_corner(work, TORQUE, 3, e, axes, zero)
         radius_2 = blocks[first + LANES * RADIUS_2 + e]
         work[LANES * RATE + e] = rate_bound(flat, area, t, radius_2, p.young / p.density, p.poisson)
 

@@ -10,7 +10,13 @@ References: those of _triangle.py and _layer_tangent.py.
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.parts._layer_tangent import layers_and_tangent
+from crashsolve.parts._beside import relax_shear, see_shear
+from crashsolve.parts._layer_tangent import (
+    ACROSS_OUT,
+    SHEAR_IN,
+    TAKEN_OUT,
+    layers_and_tangent,
+)
 from crashsolve.parts._layers import clear_growth, clear_resultants, take_up
 from crashsolve.parts._quad import dot3, plane_axes, slopes
 from crashsolve.parts._quad_block import (
@@ -30,7 +36,6 @@ from crashsolve.parts._quad_block import (
     put_corner,
     shape,
     three,
-    tied,
 )
 from crashsolve.parts._quad_moved import NONE, change_of, slopes_moved, turn_of_axes
 from crashsolve.parts._shell_tangent import (
@@ -39,6 +44,8 @@ from crashsolve.parts._shell_tangent import (
     geometry_at,
     motions_at,
     put_frame,
+    relaxation,
+    see_taken,
     sum_turned,
     times3,
 )
@@ -47,8 +54,10 @@ from crashsolve.parts._tangent import (
     AFTER,
     AXES,
     BEFORE,
+    COMES,
     DIRECTION,
     END,
+    ENTERS,
     MID,
     MODE,
     MOVED,
@@ -59,16 +68,17 @@ from crashsolve.parts._tangent import (
     STRESS,
     STRESSED,
     TAU,
-    TIED,
+    TOOK,
     TURNED,
     WAY,
     add_column,
     add_damping,
     axes_at,
+    enter_strains,
     four,
     put_four,
     put_three,
-    resultants,
+    respond,
     turn_arms,
     turn_corner,
 )
@@ -106,10 +116,12 @@ def tangent(p, h, scene):
         strain(blocks, first, work, h, p)
         clear_growth(work)
         clear_resultants(work)
+        see_shear(blocks, first, work)
         at = first + LANES * LAYERS
         layers_and_tangent(
             blocks, scene.lanes_before, at, work, seen, LANES * POINTS, h, p, scene.curves
         )
+        relax_shear(blocks, first, work, p)
         take_up(blocks, first, stride, work, h, p)
         if p.slows == 1:
             damp(blocks, first, stride, work, h, p)
@@ -163,7 +175,7 @@ def see(blocks, kept, first, work, seen, h):
         u, turn = motions_at(seen, LANES * WAY + e), motions_at(seen, LANES * TURNED + e)
         _, _, others = strains(u, turn, geometry_at(seen, LANES * MID + e))
         put_four(seen, LANES * MODE + e, others)
-        seen[LANES * TIED + e] = tied(kept, at, others[3])
+        see_taken(work, seen, e)
     for e in range(LANES):
         forces, torques = pushes(stress_at(seen, e), geometry_at(seen, LANES * END + e))
         at = LANES * PUSHED + e
@@ -314,28 +326,55 @@ def softer_by(s, ds, t):
 @blockwise
 def stress_by(seen, change, p):
     """Change of the stresses with that of strains and geometry. Writes: change."""
+    enter_strains(change)
     for e in range(LANES):
-        at, to = LANES * STRAIN + e, LANES * STRESSED + e
-        d, b = three(change, at), three(change, at + 3 * LANES)
-        N, M, across = resultants(seen, LANES * POINTS + e, d, b)
-        put_three(change, to, N)
-        put_three(change, to + 3 * LANES, M)
-        (flat, _, _, area), t = geometry_at(seen, LANES * MID + e), seen[LANES * BEFORE + e]
-        more, after = change[LANES * (MOVED + 4) + e], seen[LANES * AFTER + e]
-        s = edges(flat)
-        weaker, wider = softer_by(s, edges(four(change, LANES * MOVED + e)), t)
-        u, du = four(seen, LANES * MODE + e), four(change, at + 6 * LANES)
-        k = t * whirl_stiffness(s, area, t, p.shear)
-        Q = k * (du[2] + (weaker + wider - more / area) * u[2])
-        put_four(change, to + 6 * LANES, (Q, 0.0, 0.0, 0.0))
-        # large strain grows the logarithm of the thickness
-        thinner = (after if p.hyper == 1 else t) * across if p.thins == 1 else 0.0
-        k, tau = after * 5.0 / 6.0 * p.shear * weakened(s, t), LANES * TAU + e
-        V_x = k * (du[0] + weaker * u[0]) + thinner * seen[tau]
-        V_y = k * (du[1] + weaker * u[1]) + thinner * seen[tau + LANES]
-        put_four(change, to + 10 * LANES, (0.0, 0.0, V_x, V_y))
-        drill = seen[LANES * TIED + e] * DRILLING * p.shear * t * (area * du[3] + more * u[3])
-        change[to + 14 * LANES] = 0.5 * drill
+        tau = LANES * (ENTERS + SHEAR_IN) + e
+        change[tau], change[tau + LANES] = shear_by(seen, change, e, p)
+    respond(seen, LANES * POINTS, change)
+    for row in range(6 * LANES):
+        change[LANES * STRESSED + row] = change[LANES * COMES + row]
+    for e in range(LANES):
+        change[LANES * TOOK + e] = change[LANES * (COMES + TAKEN_OUT) + e]
+        shear_and_tie_by(seen, change, e, p)
+
+
+@inlined
+def side_changes(seen, change, e):
+    """Sides, thickness before the step; softer_by()."""
+    s, t = edges(geometry_at(seen, LANES * MID + e)[0]), seen[LANES * BEFORE + e]
+    weaker, wider = softer_by(s, edges(four(change, LANES * MOVED + e)), t)
+    return s, t, weaker, wider
+
+
+@inlined
+def shear_by(seen, change, e, p):
+    """Change of the trial transverse shear."""
+    s, t, weaker, _ = side_changes(seen, change, e)
+    k = 5.0 / 6.0 * p.shear * weakened(s, t)
+    u, du = four(seen, LANES * MODE + e), four(change, LANES * (STRAIN + 6) + e)
+    return k * (du[0] + weaker * u[0]), k * (du[1] + weaker * u[1])
+
+
+@inlined
+def shear_and_tie_by(seen, change, e, p):
+    """Change of what goes round, of transverse shear and of drilling. Writes: change."""
+    s, t, weaker, wider = side_changes(seen, change, e)
+    area, to = geometry_at(seen, LANES * MID + e)[3], LANES * STRESSED + e
+    more, after = change[LANES * (MOVED + 4) + e], seen[LANES * AFTER + e]
+    u, du = four(seen, LANES * MODE + e), four(change, LANES * (STRAIN + 6) + e)
+    k = t * whirl_stiffness(s, area, t, p.shear)
+    Q = k * (du[2] + (weaker + wider - more / area) * u[2])
+    put_four(change, to + 6 * LANES, (Q, 0.0, 0.0, 0.0))
+    # large strain grows the logarithm of the thickness
+    across = change[LANES * (COMES + ACROSS_OUT) + e]
+    thinner = (after if p.hyper == 1 else t) * across if p.thins == 1 else 0.0
+    left, less = relaxation(seen, change, e)
+    still, tau, trial = thinner - after * less, LANES * TAU + e, LANES * (ENTERS + SHEAR_IN) + e
+    V_x = after * left * change[trial] + still * seen[tau]
+    V_y = after * left * change[trial + LANES] + still * seen[tau + LANES]
+    put_four(change, to + 10 * LANES, (0.0, 0.0, V_x, V_y))
+    drill = 0.5 * left * DRILLING * p.shear * t * (area * du[3] + more * u[3])
+    change[to + 14 * LANES] = drill - less * seen[LANES * (STRESS + 14) + e]
 
 
 @inlined

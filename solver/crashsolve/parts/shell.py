@@ -27,6 +27,13 @@ from crashsolve.foundation.curve import curve_line
 from crashsolve.foundation.point import LANES, OWN, RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, vec
+from crashsolve.parts._beside import (
+    clear_weak,
+    relax_modes,
+    relax_shear,
+    see_modes,
+    see_shear,
+)
 from crashsolve.parts._damping import Damped, coefficients, heavier, report_added
 from crashsolve.parts._failure import (
     add_losses,
@@ -44,6 +51,7 @@ from crashsolve.parts._layers import (
     HYPER_ROWS,
     LINE_ROWS,
     METRIC,
+    MOST_LAYERS,
     PLASTIC_ROWS,
     STRAIN,
     grow_rate,
@@ -60,13 +68,13 @@ from crashsolve.parts._quad_block import (
     RADIUS_2,
     SHAPE,
     SHEAR,
-    SOFT_PLANE,
     THICKNESS,
     WEIGHT,
     gather,
     note_rate,
     push,
     scatter,
+    slow_corners,
     strain,
 )
 from crashsolve.parts._viscous import HEAVIER, SLOW_ROWS, allow, damp
@@ -79,12 +87,11 @@ KINDS = {"one_point": "shell", "four_points": "_full", "triangles": "_triangle"}
 # points in the plane of a quadrilateral
 POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 # beside the rows of layers, sums over the points of a plane
-ROWS = ALL_ROWS + 25
+ROWS = ALL_ROWS + 24
 FAMILY = "matsum"
 ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 Motion = Literal["x", "y", "z", "turn_x", "turn_y", "turn_z"]
-MOST_LAYERS = 10
 # elements worked on at a time where memory counts
 PIECE = 1024
 
@@ -518,8 +525,6 @@ class Laid:
                 *((SHAPE + k, column) for k, column in enumerate(values[1:])),
             ):
                 table[:, row] = in_lanes(column[own])
-            # nothing has yielded
-            table[:, SOFT_PLANE : SOFT_PLANE + 4] = 1.0
             if self.follows_curve:
                 end = LAYERS + points * self.card.layers * self.layer_rows
                 for k, value in enumerate(self._first_line(scene)):
@@ -721,8 +726,10 @@ def deform(p, clock, h, scene):
         respond(p, h, first, corner, scene)
         if p.failure > 0.0:
             erode(p, scene, first, corner, live)
-        scatter(scene.points, scene.corners, corner, live, scene.work)
-        note_rate(clock, p, scene, p.first_element + done, first, corner, live, 4)
+        note_rate(clock, p.first_element + done, scene, first, live, 4)
+        if p.slows == 1:
+            slow_corners(scene, corner, live, 4)
+        scatter(scene.points, scene.corners, corner, live, scene.work, 4)
         done += LANES
 
 
@@ -734,7 +741,14 @@ def respond(p, h, first, corner, scene):
     strain(blocks, first, work, h, p)
     if p.failure > 0.0:
         mute_strains(blocks, first, work)
+    if p.plastic == 1:
+        clear_weak(work)
+        see_shear(blocks, first, work)
+        see_modes(blocks, first, work)
     layers(blocks, first, p.stride, work, h, p, scene.curves)
+    if p.plastic == 1:
+        relax_modes(blocks, first, work)
+        relax_shear(blocks, first, work, p)
     if p.slows == 1:
         damp(blocks, first, p.stride, work, h, p)
     push(blocks, first, work, p)

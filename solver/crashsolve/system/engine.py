@@ -189,10 +189,11 @@ class Engine:
             copy[...] = history
         points = self.state.points
         # dampers push by a foretold velocity in a step, by the present one in a sample
-        forces = points[["force", "torque"]].copy() if self.model.nodal_groups else None
+        names = ("force", "torque") if self.model.nodal_groups else ()
+        forces = {name: points[name].copy() for name in names}
         self._advance(clock["time"] if time is None else time, True, self._sampled)
-        if forces is not None:
-            points["force"], points["torque"] = forces["force"], forces["torque"]
+        for name, kept in forces.items():
+            points[name] = kept
         self.state.clock[0]["sampled"] = clock["time"]
         is_stopped = clock["status"] in (NOT_FINITE, ENERGY, POSITION)
         is_judged = clock["cycle"] >= FIRST_JUDGED

@@ -1,0 +1,107 @@
+"""Stresses of a shell beside those of its layers, which yield with them.
+
+Transverse shear tau is one number for all layers, and what one point does not see has in a layer at
+the height z stresses whose mean squares over the element are those of
+
+    s_x = Q_x / (t r_x) + z 12 P_x / (t^3 r_x),   r_x = sqrt(A int h_x^2),   likewise along y
+
+with Q and P of the hourglass in the plane and in bending, and h_x the slopes of xi eta. A layer
+yields by von Mises' stress of all of them, s_x^2 + s_y^2 + 3 tau^2 beside that of its plane, and
+where it does all shrink by 1 / (1 + c2 g), as its own deviator; the stress that ties spins to the
+plane shrinks as tau. Consequence to test: at large strain none of them is beyond the yield stress.
+
+References: Simo and Taylor (1986), A return mapping algorithm for plane stress elastoplasticity,
+Int. J. Num. Meth. Eng. 22, 649-670. Zeng and Combescure (1998), A new one-point quadrature, general
+non-linear quadrilateral shell element with physical stabilization, the same 42, 1307-1338.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.compile import blockwise, inlined
+from crashsolve.foundation.point import LANES
+from crashsolve.parts._layers import AMPLITUDE, SHEARED, TAKEN, TAKEN_MODES, TRIAL, WEAK
+from crashsolve.parts._quad import DRILLING, sides
+from crashsolve.parts._quad_block import (
+    AREA,
+    DEPTH,
+    FLAT,
+    HELD,
+    HOURGLASS,
+    LOSS,
+    MODES,
+    PLANE_Q,
+    SHEAR,
+)
+
+
+@inlined
+def mode_sizes(flat):
+    """r_x and r_y."""
+    a_x, a_y, b_x, b_y = sides(flat)
+    return sqrt(4.0 / 3.0 * (a_y * a_y + b_y * b_y)), sqrt(4.0 / 3.0 * (a_x * a_x + b_x * b_x))
+
+
+@inlined
+def flat_at(work, e):
+    """Diagonals in the middle of the step."""
+    at = LANES * FLAT + e
+    return work[at], work[at + LANES], work[at + 2 * LANES], work[at + 3 * LANES]
+
+
+@blockwise
+def see_shear(blocks, first, work):
+    """Square of the trial transverse shear, and no hourglass. Writes: work."""
+    for e in range(LANES):
+        at = first + LANES * SHEAR + e
+        x, y = blocks[at], blocks[at + LANES]
+        work[LANES * TRIAL + e], work[LANES * (TRIAL + 1) + e] = x, y
+        work[LANES * SHEARED + e] = 3.0 * (x * x + y * y)
+        for k in range(4):
+            work[LANES * (AMPLITUDE + k) + e] = 0.0
+
+
+@blockwise
+def see_modes(blocks, first, work):
+    """Trial stresses of the hourglass, root of their mean squares. Writes: work."""
+    for e in range(LANES):
+        # that of a deleted element is 0, and so is its stress
+        t, sizes = work[LANES * DEPTH + e] + 1e-30, mode_sizes(flat_at(work, e))
+        for k in range(2):
+            at, over = first + LANES * (PLANE_Q + k) + e, 1.0 / (t * sizes[k])
+            work[LANES * (AMPLITUDE + k) + e] = over * blocks[at]
+            work[LANES * (AMPLITUDE + 2 + k) + e] = 12.0 / (t * t) * over * blocks[at + 2 * LANES]
+
+
+@blockwise
+def relax_modes(blocks, first, work):
+    """Hourglass stresses after yielding, and the work on them. Writes: blocks."""
+    for e in range(LANES):
+        t, sizes, less = work[LANES * DEPTH + e], mode_sizes(flat_at(work, e)), 0.0
+        for k in range(4):
+            taken = t * sizes[k % 2] * work[LANES * (TAKEN_MODES + k) + e]
+            blocks[first + LANES * (PLANE_Q + k) + e] -= taken
+            less += 0.5 * taken * work[LANES * (MODES + k) + e]
+        blocks[first + LANES * HOURGLASS + e] -= less
+
+
+@blockwise
+def relax_shear(blocks, first, work, p):
+    """Transverse shear and the tie of spins after yielding, and what is lost. Writes: blocks."""
+    for e in range(LANES):
+        at, old, taken = first + LANES * SHEAR + e, LANES * HELD + e, work[LANES * TAKEN + e]
+        volume = work[LANES * DEPTH + e] * work[LANES * AREA + e]
+        x, y, tie = blocks[at], blocks[at + LANES], blocks[at + 2 * LANES]
+        left = 1.0 - taken
+        blocks[at], blocks[at + LANES], blocks[at + 2 * LANES] = left * x, left * y, left * tie
+        # the mean stress of the step times what yields
+        lost = (work[old] + left * x) * x + (work[old + LANES] + left * y) * y
+        lost *= 1.2 / (work[LANES * WEAK + e] + 1e-30) * volume
+        lost += (work[old + 2 * LANES] + left * tie) * tie / (DRILLING * volume + 1e-300)
+        blocks[first + LANES * LOSS + e] += 0.5 * taken / p.shear * lost
+
+
+@blockwise
+def clear_weak(work):
+    """Quadrilaterals have all of their shear stiffness. Writes: work."""
+    for e in range(LANES):
+        work[LANES * WEAK + e] = 1.0
