@@ -7,7 +7,8 @@ of a matrix as large as there are rows; an element of a shell has thirteen of th
 of its nodes with three others, so that here nodes are the unknowns: 6 of them where there are 13
 rows. And rows hold no more of a tangent than D^T k D, while blocks hold what turns forces too. K of
 the elements stands in the blocks of the matrix (stiffness.py, parts/_beam_turn.py), that of springs
-and contacts comes from their compliant rows, and so does damping. Consequence to test: the same corrections as by rows.
+and contacts comes from their compliant rows, and so does damping. Consequence to test: the same
+corrections as by rows.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
