@@ -33,6 +33,7 @@ MESHES: dict[str, dict[str, Any]] = {
 FRAMES = (0, 2, 4, 8, 12, 20)  # ms
 WINDOW = 1e-4  # of the mean force [s]
 SAMPLE, LENGTH, KINETIC = 2e-5, 360.0, 3050.9  # s, mm, J
+PLACES = (3, 4, 5, 6, 7, 8, 9, 10, 12, 13)  # shortening [mm]
 SHOWN = 160.0  # height of the pictures [mm]
 # OpenRadioss bd4557b: peak [kN], shortening [mm], mean, mean over 20-80 mm [kN], final length [mm],
 # rebound [m/s], hourglass [%]
@@ -111,6 +112,17 @@ def compared(runs: dict[str, Result]) -> str:
     lines += [[f"crashsolve, {mesh}", *figures(result)] for mesh, result in runs.items()]
     head = "code, element, mesh|peak [kN]|shortening [mm]|mean force [kN]|mean over 20-80 mm [kN]"
     return table(f"{head}|final length [mm]|rebound [m/s]|hourglass [%]", lines)
+
+
+def fold(runs: dict[str, Result]) -> str:
+    """Lines of the first fold: force at PLACES."""
+    lines = []
+    for mesh, result in runs.items():
+        way, mean = force(result)
+        stop = int(way.argmax())
+        found = np.interp(PLACES, way[:stop], mean[:stop])
+        lines.append(f"| {mesh.removesuffix(', 5 mm')} | {' | '.join(f'{F:.1f}' for F in found)} |")
+    return "\n".join(lines)
 
 
 def checked(runs: dict[str, Result]) -> str:
@@ -199,7 +211,7 @@ def main() -> None:
         coarse = {mesh: result for mesh, result in runs.items() if "across" in MESHES[mesh]}
         draw_curves(coarse, plt, "first_fold", 25.0)
         draw_film(runs["reduced, 5 mm"], plt)
-        parts = {"COMPARED": compared(runs), "CHECKED": checked(runs)}
+        parts = {"COMPARED": compared(runs), "CHECKED": checked(runs), "FOLD": fold(coarse)}
     text = (PICTURES / "page.txt").read_text("utf-8")
     for name, part in parts.items():
         text = text.replace(f"@{name}@", part)
