@@ -33,7 +33,8 @@ def pressed(folder: Path, **words: Any) -> tuple[Any, Any]:
     old, new = group.history.view(np.recarray)[:, 0]
     points, nodes = state.points.view(np.recarray), state.nodes.view(np.recarray)
     assert model.elements is not None
-    scene = SimpleNamespace(points=points, corners=model.elements.corners)
+    elements = model.elements
+    scene = SimpleNamespace(points=points, corners=elements.corners, work=elements.work)
     curves = model.curves.view(np.recarray)
     plain(group.module.force)(p, old, new, out, 0.0, 0.0, nodes, None, curves)
     plain(group.module.force_on_points)(p, old, new, out, 0.0, 0.0, nodes, curves, scene)

@@ -113,7 +113,7 @@ class Implicit:
         self.scene.points.force = self.scene.points.torque = 0.0
         self.elements()
         self.nodes.force, self.nodes.torque = 0.0, 0.0
-        plain(points.unload)(self.nodes, self.scene.points, self.riders)
+        plain(points.unload)(self.clock, self.nodes, self.scene.points, self.riders)
         return np.hstack([self.nodes.force, self.nodes.torque])[1:]
 
     def stiffness(self) -> np.ndarray:

@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Any
 
 # what two threads share of a scene with elements, in the names that numba gives
-APART = re.compile(r"\d(deform|open_points|close_points)B")
+APART = re.compile(r"\d(deform|open_points|close_points|press)B")
 
 
 def import_file(source: Path) -> ModuleType:

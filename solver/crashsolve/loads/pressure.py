@@ -9,12 +9,13 @@ Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 from typing import Any
 
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
 from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, put, scale, sub
 
 
 class Pressure(Card):
@@ -34,6 +35,10 @@ PARAMETERS = Record(
 )
 HISTORY = Record(pressure=("Pa", "pressure at the last step"))
 OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
+# rows of `work` behind those that motion is taken to: force on a corner; sums over the blocks of
+# it, of its moment and of its work; torques NEXT rows behind forces, and loads, of which none is
+FORCE, TOTAL, MOMENT, LOSS = (3 * NEXT + k for k in (0, 3, 6, 9))
+EMPTY = FORCE + NEXT + 3
 
 
 def build(card: Pressure, scene: Any) -> dict[str, Any]:
@@ -74,29 +79,79 @@ def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
 
 @kernel
 def press(first, count, sides, old, out, h, nodes, scene):
-    """Elements of one number of sides. Writes: scene.points, nodes, out."""
-    points, corners = scene.points, scene.corners
-    share, zero = -0.5 / sides, (0.0, 0.0, 0.0)
-    # sums in memory would wait for each other
-    total, moment, loss = zero, zero, 0.0
-    for i in range(count):
-        lane = i % LANES
-        at = first + 4 * (i - lane) + lane
-        a, b = points[corners[at]], points[corners[at + LANES]]
-        c, d = points[corners[at + 2 * LANES]], points[corners[at + 3 * LANES]]
-        x, y = sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r))
-        f = scale(share * out.pressure, cross(x, y))
+    """Elements of one number of sides, by blocks. Writes: scene.points, work, nodes, out."""
+    points, corners, work, done, share = scene.points, scene.corners, scene.work, 0, -0.5 / sides
+    clear(work)
+    while done < count:
+        corner, live = first + 4 * done, min(LANES, count - done)
+        for c in range(4):
+            for e in range(0, LANES, EIGHT):
+                take_motion(points, corners, corner + LANES * c + e, work, LANES * 3 * c + e)
+        press_block(work, live, sides, h, share * out.pressure, share * old.pressure)
+        for c in range(sides):
+            for e in range(0, LANES, EIGHT):
+                rows = (LANES * FORCE + e, LANES * EMPTY + e)
+                add_forces(
+                    points, corners, corner + LANES * c + e, work, rows[0], rows[1], live - e
+                )
+        done += LANES
+    total = scale(sides, sum_three(work, TOTAL))
+    out.loss += h * sum_lanes(work, LOSS)
+    add_to(out.force, total)
+    act_from_outside(nodes[0], total, sum_three(work, MOMENT))
+
+
+@blockwise
+def clear(work):
+    """No forces yet, and no torques and loads ever. Writes: work."""
+    for e in range(LANES * (EMPTY + 2 - FORCE)):
+        work[LANES * FORCE + e] = 0.0
+
+
+@inlined
+def row_of(work, quantity, c, e):
+    """Place or velocity of a corner."""
+    at = LANES * (NEXT * quantity + 3 * c) + e
+    return work[at], work[at + LANES], work[at + 2 * LANES]
+
+
+@blockwise
+def press_block(work, live, sides, h, now, before):
+    """Force on each corner of a block, and what it adds to the sums. Writes: work.
+
+    `now` and `before` are shares of a corner in the pressure over the cross product of diagonals.
+    """
+    fourth = 1.0 if sides == 4 else 0.0
+    for e in range(LANES):
+        a, b = row_of(work, 0, 0, e), row_of(work, 0, 1, e)
+        c, d = row_of(work, 0, 2, e), row_of(work, 0, 3, e)
+        v_a, v_b = row_of(work, 1, 0, e), row_of(work, 1, 1, e)
+        v_c, v_d = row_of(work, 1, 2, e), row_of(work, 1, 3, e)
+        x, y = sub(c, a), sub(d, b)
+        f = scale(now if e < live else 0.0, cross(x, y))
         # velocities are those of the step: before it, the diagonals were shorter by them
-        x = add_scaled(x, -h, sub(vec(c.v), vec(a.v)))
-        y = add_scaled(y, -h, sub(vec(d.v), vec(b.v)))
-        mean = scale(0.5, add_scaled(f, share * old.pressure, cross(x, y)))
-        place, way = zero, zero
-        for k in range(sides):
-            point = points[corners[at + k * LANES]]
-            add_to(point.force, f)
-            place, way = add(place, vec(point.r)), add(way, vec(point.v))
-        total, moment = add(total, f), add(moment, cross(place, f))
-        loss += dot(mean, way)
-    out.loss += h * loss
-    add_to(out.force, scale(sides, total))
-    act_from_outside(nodes[0], scale(sides, total), moment)
+        x, y = add_scaled(x, -h, sub(v_c, v_a)), add_scaled(y, -h, sub(v_d, v_b))
+        mean = scale(0.5, add_scaled(f, before if e < live else 0.0, cross(x, y)))
+        place = add_scaled(add(add(a, b), c), fourth, d)
+        way = add_scaled(add(add(v_a, v_b), v_c), fourth, v_d)
+        turn = cross(place, f)
+        for k in range(3):
+            work[LANES * (FORCE + k) + e] = f[k]
+            work[LANES * (TOTAL + k) + e] += f[k]
+            work[LANES * (MOMENT + k) + e] += turn[k]
+        work[LANES * LOSS + e] += dot(mean, way)
+
+
+@kernel
+def sum_lanes(work, row):
+    """Sum over a row."""
+    total = 0.0
+    for e in range(LANES):
+        total += work[LANES * row + e]
+    return total
+
+
+@kernel
+def sum_three(work, row):
+    """Sums over three rows."""
+    return sum_lanes(work, row), sum_lanes(work, row + 1), sum_lanes(work, row + 2)

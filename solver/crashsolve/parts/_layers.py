@@ -650,12 +650,9 @@ def settle(blocks, at, work, slots, to, p, zeta, weight):
     shift, softness, moves = 2.0 / 3.0 * p.kinematic, -p.softness, p.kinematic > 0.0
     back = at + LANES * BACK
     for e in range(LANES):
-        g, t, flow = (
-            slots[to + LANES * G + e],
-            work[LANES * DEPTH + e],
-            slots[to + LANES * YIELD + e],
-        )
-        u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * slots[to + LANES * SLOPE + e] * g
+        g, flow = slots[to + LANES * G + e], slots[to + LANES * YIELD + e]
+        t, slope = work[LANES * DEPTH + e], slots[to + LANES * SLOPE + e]
+        u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * slope * g
         # three factors by one division; the last is the yield stress at the end over that before
         k = 1.0 / (u1 * u2 * u3)
         k1, k2, size = k * u2 * u3, k * u1 * u3, k * u1 * u2 * flow

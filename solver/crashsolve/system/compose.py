@@ -45,7 +45,7 @@ SIGNATURES = {
     "renew": "clock, nodes, rows, curves, compliant, matrix, t, tt, groups",
     "open_share": "clock, h, groups",
     "deform_share": "clock, h, groups",
-    "close_share": "h, nodes, groups",
+    "close_share": "clock, h, nodes, groups",
     "force_pass": "clock, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
     "approach_before": "current, groups",
@@ -314,7 +314,8 @@ def _force_calls(model: Any) -> list[str]:
             lines += ["nodal.close_loads(clock, groups)"]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
     if model.elements and not model.nodal_groups and not is_assembled(model):
-        lines += ["points.bound_rate(clock, groups.points)"]
+        # that of the mesh takes the place of that of its elements
+        lines += ["clock.element_rate = 0.0"]
     lines += _closing_calls(model)
     return lines + ["slaves.collect(groups.slaves, nodes)"] * has_slaves(model)
 
@@ -412,14 +413,15 @@ def _closing_calls(model: Any) -> list[str]:
     if model.elements and is_assembled(model):
         return [
             "points.hold_riders(nodes, groups.points)",
-            "points.unload(nodes, groups.points, groups.riders)",
+            "points.unload(clock, nodes, groups.points, groups.riders)",
         ]
-    lines = ["points.unload(nodes, groups.points, groups.riders)"] if model.elements else []
+    lines = ["points.unload(clock, nodes, groups.points, groups.riders)"] if model.elements else []
     if is_halved(model):
         return [
             *lines,
             "crew.hold_all(nodes, groups)",
-            *_shared("CLOSE", "close_share(h, nodes, groups)"),
+            *_shared("CLOSE", "close_share(clock, h, nodes, groups)"),
+            "crew.keep_faster(clock, groups)",
         ]
     return lines + _kick_calls(model)
 
@@ -431,7 +433,7 @@ def _kick_calls(model: Any) -> list[str]:
         lines += [
             f"p = {_rows(model, g)}",
             "for i in range(p.shape[0]):",
-            "    points.close_points(h, p[i], groups.points, nodes)",
+            "    points.close_points(clock, h, p[i], groups.points, nodes)",
         ]
     return lines
 

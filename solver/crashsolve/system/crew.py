@@ -84,6 +84,12 @@ def take_back(clock, scene):
 
 
 @kernel
+def keep_faster(clock, scene):
+    """The larger bound of frequency of the two halves. Writes: clock."""
+    clock.element_rate = max(clock.element_rate, scene.second_clock[0].element_rate)
+
+
+@kernel
 def hold_all(nodes, scene):
     """What holds points acts from outside; in the order of the points. Writes: points, nodes."""
     for k in range(scene.holds.shape[0]):

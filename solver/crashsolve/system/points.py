@@ -84,24 +84,21 @@ def half_turn(old, new):
 
 
 @kernel
-def bound_rate(clock, points):
-    """Largest squared frequency of the mesh, from the shares of its elements. Writes: clock.
+def bound_rate(rate, b):
+    """The larger of a squared frequency and of what the elements share out to a point.
 
     K <= sum omega_e^2 M_e, a diagonal matrix, so omega^2 <= max_i sum omega_e^2 m_ei / m_i.
     """
-    largest = 0.0
-    for i in range(points.shape[0]):
-        b = points[i]
-        largest = max(largest, b.load * b.mass_inv, b.spin_load * b.J_inv)
-    clock.element_rate = largest
+    return max(rate, b.load * b.mass_inv, b.spin_load * b.J_inv)
 
 
 @kernel
-def close_points(h, p, points, nodes):
-    """Second kick of the points of a part; what holds points acts from outside.
+def close_points(clock, h, p, points, nodes):
+    """Second kick of the points of a part, whose bound of frequency may be the largest.
 
-    Writes: points, nodes.
+    What holds points acts from outside. Writes: clock, points, nodes.
     """
+    rate = clock.element_rate
     for i in range(p.first_point, p.first_point + p.point_count):
         b = points[i]
         if b.held > 0 and b.held < RIDES:
@@ -111,6 +108,8 @@ def close_points(h, p, points, nodes):
         w = add_scaled(scale(1.0 - drag, vec(b.w)), 0.5 * h * b.J_inv, vec(b.torque))
         put(b.v, v)
         put(b.w, w)
+        rate = bound_rate(rate, b)
+    clock.element_rate = rate
 
 
 @kernel
@@ -139,8 +138,11 @@ def hold_riders(nodes, points):
 
 
 @kernel
-def unload(nodes, points, riders):
-    """Forces on riders go to their bodies. Writes: nodes, points."""
+def unload(clock, nodes, points, riders):
+    """Forces on riders go to their bodies, their bound of frequency to the others'.
+
+    Writes: nodes, points, clock.
+    """
     for i in range(riders.shape[0]):
         rider = riders[i]
         b, body = points[rider.point], nodes[rider.node]
@@ -149,6 +151,7 @@ def unload(nodes, points, riders):
         add_to(body.torque, add(vec(b.torque), cross(d, f)))
         put(b.force, (0.0, 0.0, 0.0))
         put(b.torque, (0.0, 0.0, 0.0))
+        clock.element_rate = bound_rate(clock.element_rate, b)
         b.load = b.spin_load = 0.0
 
 

@@ -27,7 +27,8 @@ def assist(until, sampling, scene):
             crew.lend(scene)
             deform_share(clock, job.h, scene)
         else:
-            close_share(job.h, nodes, scene)
+            clock.element_rate = 0.0
+            close_share(clock, job.h, nodes, scene)
         crew.store_release(scene.turns, crew.DONE, called)
 """
 
