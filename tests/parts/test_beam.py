@@ -7,6 +7,7 @@ import pytest
 from bench import Bench, Law, exponential, plain, written
 
 from crashsolve.deck.read import read_deck
+from crashsolve.foundation.bordered import BLOCK, PLACE
 from crashsolve.foundation.posture import matrix
 from crashsolve.model.build import build
 from crashsolve.model.nodes import COMPLIANT
@@ -157,30 +158,58 @@ def test_forces_by_motions_are_their_derivatives(tmp_path: Path, text: str, turn
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("moves", ["place", "velocity"])
-def test_the_tangent_is_the_derivative_of_the_force(tmp_path: Path, seed: int, moves: str) -> None:
-    """dF = dD^T f - D^T (k D dq + c D dv), as tests/springs/test_tangents.py has it."""
-    law = element(tmp_path, seed, speed=0.0 if moves == "place" else 1.0)
-    start, direction = law.bench.state(), np.random.default_rng(seed).normal(size=12)
-    way = direction if moves == "place" else np.zeros(12)
-    rate = direction - way
+VISCOUS = "0.02\n    viscosity: {linear: 0.1, quadratic: 0.5}"
 
-    def rows() -> np.recarray:
-        found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
-        plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
-        return found
 
-    here = rows()
-    answer = np.linalg.solve(here.D @ here.D.T, here.D @ load(law))
-    # the six rows carry the whole force
-    np.testing.assert_allclose(here.D.T @ answer, load(law), atol=1e-11 * np.abs(answer).max())
-    ends = []
+@pytest.mark.parametrize("text", [DECK, FRAME], ids=["beam", "frame"])
+def test_rows_are_the_derivative_by_the_velocity(tmp_path: Path, text: str, seed: int) -> None:
+    """dF = -D^T c D dv, as tests/springs/test_tangents.py has it."""
+    law = Bench(tmp_path, "", text.replace("DAMPING", VISCOUS)).law("parts", "s_1")
+    law.bench.shake(seed, 1.0, 0.8)
+    found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
+    plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+    start, rate, ends = law.bench.state(), np.random.default_rng(seed).normal(size=12), []
     for side in (-STEP, STEP):
-        shift(law, start, way, rate, side)
-        ends.append((load(law), rows().D.copy()))
-    change = ((ends[1][0] - ends[0][0]) - (ends[1][1] - ends[0][1]).T @ answer) / (2.0 * STEP)
-    told = -here.D.T @ (here.stiffness * (here.D @ way) + here.damping * (here.D @ rate))
+        shift(law, start, np.zeros(12), rate, side)
+        ends.append(load(law))
+    change = (ends[1] - ends[0]) / (2.0 * STEP)
+    told = -found.D.T @ (found.damping * (found.D @ rate))
     np.testing.assert_allclose(told, change, atol=1e-8 * np.abs(change).max())
+
+
+def whole_tangent(law: Law, flips: int) -> np.ndarray:
+    """Blocks of the element as one matrix (12, 12) of the nodes."""
+    blocks = np.zeros(3, BLOCK.dtype).view(np.recarray)
+    place = np.array((0, 1, 2, flips), PLACE.dtype).view(np.recarray)
+    plain(law.module.bend)(law.p, law.bench.nodes, place, blocks)
+    K = np.zeros((12, 12))
+    K[:6, :6] += blocks[0].stiff.reshape(6, 6)
+    K[6:, 6:] += blocks[1].stiff.reshape(6, 6)
+    below, above = blocks[2].stiff.reshape(6, 6), blocks[2].stiff_above.reshape(6, 6).T
+    K[:6, 6:] += above if flips else below
+    K[6:, :6] += below if flips else above
+    return K
+
+
+@pytest.mark.parametrize("speed", [0.0, 1.0])
+@pytest.mark.parametrize("turn", [0.0, 0.8])
+@pytest.mark.parametrize("text", [DECK, FRAME], ids=["beam", "frame"])
+def test_blocks_are_the_derivative_by_the_place(
+    tmp_path: Path, text: str, turn: float, speed: float
+) -> None:
+    """In any posture, with damping and viscosity while it moves."""
+    law = Bench(tmp_path, "", text.replace("DAMPING", VISCOUS)).law("parts", "s_1")
+    law.bench.shake(1, speed, turn)
+    rigid(law, np.array([1.1, -0.7, 0.4]))
+    start, still, wanted = law.bench.state(), np.zeros(12), np.zeros((12, 12))
+    found = [whole_tangent(law, flips) for flips in (0, 1)]
+    for k, way in enumerate(np.eye(12)):
+        # as above
+        for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
+            shift(law, start, way, still, steps * 1e-3)
+            wanted[:, k] -= weight * load(law) / 12e-3
+    for K in found:
+        np.testing.assert_allclose(K, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
 
 
 def test_stiffness_for_the_step_bounds_the_highest_frequency(tmp_path: Path, seed: int) -> None:

@@ -61,6 +61,19 @@ def test_a_numerical_stop_names_time_place_cause_and_advice(name: str, tmp_path:
     assert_finite(tmp_path)
 
 
+def test_energy_out_of_nothing_stops_the_run_within_a_few_steps(tmp_path: Path) -> None:
+    text = (HERE / "stops" / "long_step.yaml").read_text("utf-8")
+    # ten steps to a sample, and a balance judged from the hundredth on
+    assert "check_every: 10," in text
+    deck, folder = tmp_path / "deck.yaml", tmp_path / "out"
+    deck.write_text(text.replace("check_every: 10,", "check_every: 100,"), "utf-8")
+    done = crashsolve(deck, "-o", folder, NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 4
+    judge(folder, 4, STOPS["long_step"])
+    assert_finite(folder)
+    assert len(Result(folder).series("glstat.model.energy.kinetic").values) == 1
+
+
 def test_a_motion_that_is_not_finite_stops_the_run_and_reaches_no_file(tmp_path: Path) -> None:
     deck = HERE / "stops" / "long_step.yaml"
     done = crashsolve(deck, "-o", tmp_path, "--set", "limit=1e9", NUMBA_DISABLE_JIT="1")

@@ -146,8 +146,8 @@ def assemble(matrix, rows, joint_rows, position, velocity):
         for j in range(12):
             row.X[j] = max(sigma, 0.0) * row.D[j]
         if sigma > 0.0:
-            add_product(blocks, place.a, row, 0, 0)
-            add_product(blocks, place.b, row, 6, 6)
+            add_square(blocks, place.a, row, 0)
+            add_square(blocks, place.b, row, 6)
             first = 6 if place.flips else 0
             add_product(blocks, place.across, row, first, 6 - first)
 
@@ -178,6 +178,16 @@ def put_row(blocks, block, D, half, line):
         for j in range(6):
             blocks[block].x[6 * line + j] += D[half + j]
             blocks[block].above[6 * line + j] += D[half + j]
+
+
+@inlined
+def add_square(blocks, block, row, a):
+    """sigma B^T B of one half of a row, where there is nothing above. Writes: blocks."""
+    if block >= 0:
+        x = blocks[block].x
+        for i in range(6):
+            for j in range(6):
+                x[6 * i + j] += row.X[a + i] * row.D[a + j]
 
 
 @inlined

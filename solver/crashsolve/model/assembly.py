@@ -51,12 +51,11 @@ def embody(model: Any, state: Any) -> None:
     points["held"] |= RIDES
 
 
-def assembled(model: Any, state: Any, laws: list[Any]) -> dict[str, np.ndarray]:
-    """Tables of the matrix and of the compliant rows beside it.
+def assembled(model: Any, state: Any, laws: list[Any], factors: int) -> dict[str, np.ndarray]:
+    """Tables of so many matrices and of the compliant rows beside each.
 
     `laws` are the rows of every group that has tangents, and the nodes of each of its members.
     """
-    elements = model.elements
     joints = [(joint.rows, joint.nodes) for joint in model.joints]
     whole = joints + [(rows, nodes) for rows, own in laws for nodes in own]
     ends = [
@@ -65,24 +64,34 @@ def assembled(model: Any, state: Any, laws: list[Any]) -> dict[str, np.ndarray]:
         for k in range(0, len(nodes), 2)
         for _ in range(rows)
     ]
-    body = np.zeros(len(state.points), int)
-    body[elements.riders["point"]] = elements.riders["node"]
-    pairs = pairs_of(body[elements.corners.reshape(-1, 4, LANES)])
+    pairs = shared_by_shells(model, state) if model.elements else []
     given = sum(joint.rows * joint.parts for joint in model.joints)
     near = set(pairs) | set(ends[given:])
     matrix, found = plan(list(range(1, len(state.nodes))), near, joints, ends)
-    counts = np.zeros(1, COUNTS.dtype)
-    counts["numbers"] = len(state.blocks)
-    beside = elements.riders["spot"].any(axis=1) & (elements.riders["node"] > 0)
-    counts["arms"] = beside.sum()
     rows = np.zeros(len(ends), COMPLIANT.dtype)
     rows["node_a"], rows["node_b"] = np.array(ends, int).reshape(-1, 2).T
+    tables = {"compliant_updates": matrix.updates, "compliant_pairs": matrix.pairs}
+    for k in range(factors):
+        tables |= {f"columns_{k}": matrix.columns.copy(), f"blocks_{k}": matrix.blocks.copy()}
+        tables[f"compliant_{k}"] = rows.copy()
+    return tables | (seats_of_shells(model, state, pairs, found) if model.elements else {})
+
+
+def shared_by_shells(model: Any, state: Any) -> list[tuple[int, int]]:
+    """Bodies of every two corners of the elements."""
+    riders, body = model.elements.riders, np.zeros(len(state.points), int)
+    body[riders["point"]] = riders["node"]
+    return pairs_of(body[model.elements.corners.reshape(-1, 4, LANES)])
+
+
+def seats_of_shells(
+    model: Any, state: Any, pairs: list[tuple[int, int]], found: dict[tuple[int, int], int]
+) -> dict[str, np.ndarray]:
+    """What the tangents of shells write, and where it goes."""
+    counts, riders = np.zeros(1, COUNTS.dtype), model.elements.riders
+    counts["numbers"] = len(state.blocks)
+    counts["arms"] = (riders["spot"].any(axis=1) & (riders["node"] > 0)).sum()
     return {
-        "columns_0": matrix.columns,
-        "blocks_0": matrix.blocks,
-        "compliant_updates": matrix.updates,
-        "compliant_pairs": matrix.pairs,
-        "compliant_0": rows,
         "seats": np.array([seat(pair, found) for pair in pairs]),
         "seen": np.zeros(SEEN_ROWS * LANES),
         "change": np.zeros(CHANGE_ROWS * LANES),

@@ -21,6 +21,11 @@ def tangent_groups(model: Any) -> list[Any]:
     return [g for g in model.groups if hasattr(g.module, "tangent")]
 
 
+def has_nodal_tangents(model: Any) -> bool:
+    """Whether there are elements whose tangents are blocks of their nodes."""
+    return bool(model.elements) or any(hasattr(g.module, "bend") for g in model.groups)
+
+
 def tangent_contacts(model: Any) -> list[Any]:
     """Contact groups that keep all their pairs."""
     return [c for c in model.contact_groups if c.search is None]
@@ -43,8 +48,8 @@ def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:
         row += rows * len(ends)
     tangents = np.zeros(len(first), TANGENTS.dtype)
     tangents["first"] = first
-    if model.elements:
-        return {"tangents": tangents} | assembled(model, state, groups)
+    if has_nodal_tangents(model):
+        return {"tangents": tangents} | assembled(model, state, groups, factors)
     both = joints + laws
     saddle = plan([rows for rows, _ in both], [nodes for _, nodes in both])
     table = np.zeros(row, COMPLIANT.dtype)

@@ -3,6 +3,8 @@
 Entries behind the imbalance are shares of others: they are told, and summed nowhere.
 """
 
+import numpy as np
+
 ENTRIES = (
     "kinetic",
     "potential",
@@ -41,3 +43,16 @@ ENTRIES = (
 ) = range(len(ENTRIES))
 # what the energy at the start is the sum of
 STORED = (KINETIC, POTENTIAL, SPRING_STORED, CONTACT_STORED, FRICTION_STORED)
+# a step far too long makes so many times the energy there should be, within a few steps
+OUT_OF_NOTHING = 10.0
+
+
+def is_broken(ledger: np.ndarray, limit: float) -> bool:
+    """Whether the imbalance exceeds `limit` times the largest energy (0: never asked)."""
+    return limit > 0.0 and not abs(ledger[IMBALANCE]) <= limit * ledger[LARGEST]
+
+
+def is_out_of_nothing(ledger: np.ndarray, limit: float) -> bool:
+    """Whether motion and laws have many times the energy that was there or came in."""
+    due = ledger[INITIAL] - ledger[POTENTIAL] + ledger[EXTERNAL_WORK] + ledger[DRIVER_WORK]
+    return is_broken(ledger, limit) and not ledger[IMBALANCE] <= OUT_OF_NOTHING * abs(due)

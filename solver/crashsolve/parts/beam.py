@@ -24,6 +24,7 @@ import numpy as np
 
 from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.posture import perpendicular, quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import (
@@ -39,6 +40,7 @@ from crashsolve.foundation.vec3 import (
     vec,
 )
 from crashsolve.parts import _beam_tangent
+from crashsolve.parts._beam_turn import bend_blocks, slope_of_viscosity
 from crashsolve.parts._damping import Damped, brake, coefficients, heavier, report_added
 from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
 
@@ -389,28 +391,42 @@ def tell(body, rate, damping, viscosity):
 
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
-    """Writes: rows."""
+    """By the velocities; by the places see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
     yield_rows(p, a, b, R, v, w, rows, first)
 
 
 @kernel
+def bend(p, nodes, place, blocks):
+    """Tangent by the places. Writes: blocks."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    R, v, w = halfway(a, b)
+    bend_blocks(p, a, b, R, v, w, deformation(p, a, b, R, v, w), place, blocks)
+
+
+@kernel
 def yield_rows(p, a, b, R, v, w, rows, first):
-    """Rows of an element whose frame is R. Writes: rows."""
+    """Rows of the damping of an element whose frame is R. Writes: rows."""
+    for k in range(TANGENTS):
+        no_tangent(rows[first + k])
+    if not (p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0):
+        return
     eta = half_angle_over_sine(v, w)
     y = matvec_t(R, sub(vec(b.r), vec(a.r)))
     for k in range(3):
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
         c = scale(0.5, cross(e, y))
         m = scale(2.0, swing_of(v, w, c))
-        resist(rows[first + k], R, e, sub(m, c), add(m, c), p.stiffness[k], p.damping)
+        resist(rows[first + k], R, e, sub(m, c), add(m, c), p.damping * p.stiffness[k])
         m = turned_rate(eta, v, e)
-        resist(rows[first + 3 + k], R, ZERO, m, m, p.turning_stiffness[k], p.damping)
+        resist(rows[first + 3 + k], R, ZERO, m, m, p.damping * p.turning_stiffness[k])
+    _, _, _, u_dot, _ = deformation(p, a, b, R, v, w)
+    rows[first].damping += slope_of_viscosity(p, u_dot[0])
 
 
 @kernel
-def resist(row, R, f, m_a, m_b, stiffness, damping):
+def resist(row, R, f, m_a, m_b, damping):
     """Tangent of a unit force f with moments m_a and m_b at the ends, axes of R. Writes: row."""
     f, m_a, m_b = matvec(R, f), matvec(R, m_a), matvec(R, m_b)
     for k in range(3):
@@ -418,5 +434,4 @@ def resist(row, R, f, m_a, m_b, stiffness, damping):
         row.D[3 + k], row.D[9 + k] = m_a[k], -m_b[k]
     for k in range(12):
         row.G[k] = 0.0
-    row.stiffness = stiffness
-    row.damping = damping * stiffness
+    row.damping = damping

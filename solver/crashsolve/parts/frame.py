@@ -20,6 +20,7 @@ from crashsolve.foundation.posture import products, quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
 from crashsolve.parts import _beam_tangent, _ends, beam
+from crashsolve.parts._beam_turn import bend_blocks
 from crashsolve.parts._damping import Damped, report_added
 from crashsolve.parts._halfway import halfway_of
 
@@ -166,8 +167,17 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
+def bend(p, nodes, place, blocks):
+    """Tangent by the places. Writes: blocks."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
+    strained = beam.deformation(p, a, b, R, v, w)
+    bend_blocks(p, a, b, R, v, w, strained, place, blocks)
+
+
+@kernel
 def tangent(p, state, nodes, curves, rows, first):
-    """Writes: rows."""
+    """By the velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
     beam.yield_rows(p, a, b, R, v, w, rows, first)

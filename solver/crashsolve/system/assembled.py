@@ -1,12 +1,14 @@
-"""Linear equations of an implicit stage with shells: all bodies at once, joints beside them.
+"""Linear equations of an implicit stage with elements: all bodies at once, joints beside them.
 
     (M + t C + t^2 K) dv - D^T m = M b - t K a - C_G a,   D dv = D b
 
 with a and b what is missing in places and velocities (compliance.py). There every spring is a row
 of a matrix as large as there are rows; an element of a shell has thirteen of them, and shares each
 of its nodes with three others, so that here nodes are the unknowns: 6 of them where there are 13
-rows. K of the elements stands in the blocks of the matrix (stiffness.py), that of springs and
-contacts comes from their compliant rows. Consequence to test: the same corrections as by rows.
+rows. And rows hold no more of a tangent than D^T k D, while blocks hold what turns forces too. K of
+the elements stands in the blocks of the matrix (stiffness.py, parts/_beam_turn.py), that of springs
+and contacts comes from their compliant rows, and so does damping. Consequence to test: the same
+corrections as by rows.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
@@ -38,12 +40,27 @@ from crashsolve.system.alpha import (  # noqa: F401
 )
 from crashsolve.system.collocation import (  # noqa: F401
     correction_size,
+    guess,
+    improve,
+    keep_past,
     keep_spin_rates,
+    miss,
+    stand,
     turned_by,
     turning_of,
+    weigh_estimate,
 )
 from crashsolve.system.compliance import lean
 from crashsolve.system.stages import along_row
+
+
+@kernel
+def open_blocks(nodes, matrix):
+    """Masses of the nodes, and no stiffness yet. Writes: matrix."""
+    weigh(nodes, matrix.columns)
+    for e in range(matrix.blocks.shape[0]):
+        for k in range(36):
+            matrix.blocks[e].stiff[k] = matrix.blocks[e].stiff_above[k] = 0.0
 
 
 @kernel
@@ -218,6 +235,8 @@ def way(body, s):
 @kernel
 def resist_row(nodes, stages, i, row, place, matrix):
     """The same of a spring: X (G a). Writes: matrix.columns.work."""
+    if row.stiffness == 0.0 and row.damping == 0.0:
+        return
     x = 0.0
     if row.node_a > 0:
         s = stages[i, row.node_a]

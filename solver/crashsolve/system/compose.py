@@ -16,12 +16,23 @@ import numpy as np
 from crashsolve.foundation.compile import PACKAGE, cache_folder
 from crashsolve.foundation.machine import Function, machine_code, machine_codes
 from crashsolve.foundation.table import Tables
-from crashsolve.model.compliance import contact_rows, tangent_contacts, tangent_groups
+from crashsolve.model.compliance import (
+    contact_rows,
+    has_nodal_tangents,
+    tangent_contacts,
+    tangent_groups,
+)
 from crashsolve.system import sharing
 from crashsolve.system.nodal_text import nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
 CARRY = "points.carry(h, nodes, groups.points, groups.riders)"
+RENEWAL = [
+    "tangents(clock, nodes, curves, compliant, groups)",
+    "bend(nodes, matrix, groups)",
+    "assembled.linearise(rows, compliant, nodes, t, tt)",
+    "assembled.factor_compliant(matrix, compliant, rows.shape[0], tt, t)",
+]
 TABLEAUX = ("dormand_prince_5", "radau_iia_5")  # those that recitals name as examples
 SIGNATURES = {
     "residual": "current, time, nodes, rows, curves, groups",
@@ -30,6 +41,8 @@ SIGNATURES = {
     "tangents": "clock, nodes, curves, compliant, groups",
     "elements": "clock, h, groups",
     "keep_elements": "groups",
+    "bend": "nodes, matrix, groups",
+    "renew": "clock, nodes, rows, curves, compliant, matrix, t, tt, groups",
     "open_share": "clock, h, groups",
     "deform_share": "clock, h, groups",
     "close_share": "clock, h, nodes, groups",
@@ -166,8 +179,10 @@ def scene_text(model: Any) -> str:
         parts.append("CAPTURES = True\n")
     if is_assembled(model):
         parts.append("ASSEMBLED = True\n")
-        parts.append(_function("elements", _strain_calls(model)))
-        parts.append(_function("keep_elements", ["stiffness.keep(groups)"]))
+        if model.elements:
+            parts.append(_function("elements", _strain_calls(model)))
+        parts.append(_function("keep_elements", ["stiffness.keep(groups)"] * bool(model.elements)))
+        parts += [_function("bend", _bend_calls(model)), _function("renew", RENEWAL)]
     if is_halved(model):
         parts += [
             _function("open_share", _open_calls(model)),
@@ -307,10 +322,10 @@ def _force_calls(model: Any) -> list[str]:
 
 def _element_calls(model: Any) -> list[str]:
     """Motion of the points, and forces of the elements between them."""
-    if is_assembled(model):
-        return [CARRY, "elements(clock, h, groups)"]
     if not model.elements:
         return []
+    if is_assembled(model):
+        return [CARRY, "elements(clock, h, groups)"]
     between = [CARRY, "clock.element_rate = 0.0"]
     if not is_halved(model):
         return [*_open_calls(model), *between, *_deform_calls(model)]
@@ -368,7 +383,7 @@ def _strain_calls(model: Any) -> list[str]:
 
 def _stiffness_calls(model: Any) -> list[str]:
     """Stiffness of the elements and masses of all bodies, in the blocks of the matrix."""
-    if not is_assembled(model):
+    if not (model.elements and is_assembled(model)):
         return []
     lines = [
         "h = 2.0 * clock.lead",
@@ -395,7 +410,7 @@ def _kinds(group: Any) -> list[Any]:
 
 def _closing_calls(model: Any) -> list[str]:
     """What the points end a force pass with."""
-    if is_assembled(model):
+    if model.elements and is_assembled(model):
         return [
             "points.hold_riders(nodes, groups.points)",
             "points.unload(clock, nodes, groups.points, groups.riders)",
@@ -592,8 +607,22 @@ def is_implicit(model: Any) -> bool:
 
 
 def is_assembled(model: Any) -> bool:
-    """Whether implicit equations are those of all nodes at once, for the elements of shells."""
-    return bool(model.elements) and is_implicit(model)
+    """Whether implicit equations are those of all nodes at once, for shells and beams."""
+    return is_implicit(model) and has_nodal_tangents(model)
+
+
+def _bend_calls(model: Any) -> list[str]:
+    """What turns the forces of beams, in the blocks of the matrix."""
+    lines = ["assembled.open_blocks(nodes, matrix)"] * (not model.elements)
+    for k, g in enumerate(tangent_groups(model)):
+        if hasattr(g.module, "bend"):
+            lines += [
+                f"p, first = groups.{g.word}_p, groups.tangents[{k}].first",
+                "for i in range(p.shape[0]):",
+                f"    place = matrix.pairs[first + {g.module.TANGENTS} * i]",
+                f"    {g.word}.bend(p[i], nodes, place, matrix.blocks)",
+            ]
+    return lines
 
 
 def _tangent_calls(model: Any) -> list[str]:

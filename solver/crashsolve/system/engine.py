@@ -42,6 +42,8 @@ MANY_PASSES = 4.0
 # steps of the first call of the compiled loop, and seconds that a call may take: nobody waits
 # longer for an answer to a signal
 FIRST_CALL, LONGEST_CALL = 16, 0.2
+# steps after which work from outside, of a force that grows from nothing, can be compared with
+FIRST_JUDGED = 5
 # at most so many passes for friction and reactions of the initial state to agree
 PASSES = 60
 
@@ -53,6 +55,7 @@ class Engine:
         self.model, self.state = model, state
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
+        self._limit = float(model.control[0]["energy_limit"])
         self.is_dense = samples_within_steps(model)
         self.tableau = self._tableau()
         self.stages = self._stages()
@@ -177,7 +180,7 @@ class Engine:
     def sample(self, time: float | None = None) -> None:
         """Outputs, reactions and energies at present, or at a time [s] within the last step.
 
-        Raises SolverError.
+        Raises SolverError, after a few steps already where energy comes out of nothing.
         """
         self.nodes[:], self.rows[:] = self.state.nodes, self.state.rows
         self.ledger[:], self._clock[:] = self.state.ledger, self.state.clock
@@ -192,14 +195,15 @@ class Engine:
         for name, kept in forces.items():
             points[name] = kept
         self.state.clock[0]["sampled"] = clock["time"]
-        if clock["status"] in (NOT_FINITE, ENERGY, POSITION):
+        is_stopped = clock["status"] in (NOT_FINITE, ENERGY, POSITION)
+        is_judged = clock["cycle"] >= FIRST_JUDGED
+        if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
-        limit, largest = self.model.control[0]["energy_limit"], self.ledger[energy.LARGEST]
-        if limit > 0.0 and not abs(self.ledger[energy.IMBALANCE]) <= limit * largest:
+        if energy.is_broken(self.ledger, self._limit):
             raise diagnose(self.model, self.state, self.clock, self.ledger)
 
     def law_warnings(self) -> list[str]:

@@ -6,7 +6,7 @@ and to the checks; none of it is ever called.
 
 JOINTS = True  # has constraint rows
 CAPTURES = True  # has unilateral constraints; without, what asks for it is not in the step at all
-ASSEMBLED = True  # has shells; without, what keeps their elements is not in an implicit step
+ASSEMBLED = True  # has shells or beams; without, no matrix of nodes is in an implicit step
 CONTACTS = True  # has contact pairs
 DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
@@ -32,6 +32,14 @@ def tangents(clock, nodes, curves, compliant, groups):
 
 def elements(clock, h, groups):
     """Forces of elements after a step of h from what they kept before it. Writes: points, lanes."""
+
+
+def bend(nodes, matrix, groups):
+    """What turns the forces of beams. Writes: matrix."""
+
+
+def renew(clock, nodes, rows, curves, compliant, matrix, t, tt, groups):
+    """All tangents and the factor, at the present place. Writes: matrix, compliant."""
 
 
 def keep_elements(groups):

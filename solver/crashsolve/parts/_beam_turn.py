@@ -1,0 +1,181 @@
+"""Tangent of a beam's element within implicit steps: blocks of its nodes, while it moves.
+
+    dF = R (df - f x omega),   dM_a = R (dm' - dc - (m' - c) x omega),   dM_b = -R (dm' + ...)
+    df = K (dy + beta du_dot),   dm = K_r (dtheta + beta dtheta_dot)
+    dm' = T dm + (dT) m + 2 (dg x c + g x dc)
+
+in axes of R, with omega, dy, dtheta and c as `_beam_tangent.py` has them. u_dot and theta_dot
+change with the place as well: each world vector in them by x x omega, T and g by themselves.
+Derivatives by the velocities are rows (beam.py). Consequence to test: central differences of the
+forces of an element that moves, with damping and viscosity.
+
+Reference: Crisfield (1990), Computer Methods in Applied Mechanics and Engineering 81, 131-150.
+"""
+
+from math import cos, sin, sqrt, tan
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.vec3 import add, cross, dot, matvec, matvec_t, scale, sub, vec
+from crashsolve.parts._halfway import half_angle_over_sine, turned_rate
+
+# turns below: T and g are those of no turn, to round-off
+SMALL = 1e-8
+NONE = (0.0, 0.0, 0.0)
+
+
+@kernel
+def bend_blocks(p, a, b, R, v, w, strained, place, blocks):
+    """Less the derivatives by every motion of both ends. Writes: blocks.
+
+    `strained` is what beam.deformation tells.
+    """
+    eta, g = half_angle_over_sine(v, w), scale(0.5 / (1.0 + w), v)
+    spins = matvec_t(R, sub(vec(b.w), vec(a.w))), scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
+    here = v, eta, g, matvec_t(R, sub(vec(b.v), vec(a.v))), spins[0], spins[1], bends(strained[2])
+    held = stresses(p, strained, eta, v, g)
+    for k in range(3):
+        e = (R[3 * k], R[3 * k + 1], R[3 * k + 2])
+        way = changes(p, strained, here, held, e, NONE, NONE)
+        turn = changes(p, strained, here, held, NONE, e, NONE)
+        mean = changes(p, strained, here, held, NONE, NONE, scale(0.5, e))
+        put_column(blocks, place, R, k, scaled(-1.0, way), way)
+        put_column(blocks, place, R, 3 + k, summed(mean, scaled(-1.0, turn)), summed(mean, turn))
+
+
+@kernel
+def stresses(p, strained, eta, v, g):
+    """Force f and moments m with their damping, c, and the moment m' of both ends."""
+    y, u, theta, u_dot, theta_dot = strained
+    k, k_r, beta = p.stiffness, p.turning_stiffness, p.damping
+    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    f = (
+        k[0] * (u[0] + beta * u_dot[0]) + slow * u_dot[0],
+        k[1] * (u[1] + beta * u_dot[1]),
+        k[2] * (u[2] + beta * u_dot[2]),
+    )
+    m = times(k_r, add(theta, scale(beta, theta_dot)))
+    c = scale(0.5, cross(f, y))
+    return f, m, c, add(turned_rate(eta, v, m), scale(2.0, cross(g, c)))
+
+
+@kernel
+def changes(p, strained, here, held, dr, s, w_0):
+    """Changes of the force on a, and of the moments on a and b, axes of R.
+
+    `dr`, `s` and `w_0` are the change of the way from a to b, the turn of b over a, the mean turn.
+    """
+    v, eta, g, _, _, _, bend = here
+    y, (f, m, c, moment) = strained[0], held
+    omega = sub(w_0, cross(g, s))
+    dy = sub(dr, cross(omega, y))
+    d_theta = turned_rate(eta, v, s)
+    dg = change_of_swing(bend, d_theta)
+    df, dm = times(p.stiffness, dy), times(p.turning_stiffness, d_theta)
+    if p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0:
+        lag, slow = damped(p, strained, here, omega, dy, d_theta, dg)
+        df, dm = add(df, lag), add(dm, slow)
+    dm = add(turned_rate(eta, v, dm), change_of_turning(bend, m, d_theta))
+    dc = scale(0.5, add(cross(f, dy), cross(df, y)))
+    dm = add(dm, scale(2.0, add(cross(dg, c), cross(g, dc))))
+    on_a = sub(sub(dm, dc), cross(sub(moment, c), omega))
+    on_b = sub(cross(add(moment, c), omega), add(dm, dc))
+    return sub(df, cross(f, omega)), on_a, on_b
+
+
+@kernel
+def damped(p, strained, here, omega, dy, d_theta, dg):
+    """Changes of the force and of the moments of damping."""
+    y, _, _, u_dot, _ = strained
+    v, eta, g, speed, spin, mean, bend = here
+    d_spin, d_mean = cross(spin, omega), cross(mean, omega)
+    d_swing = add(cross(dg, spin), cross(g, d_spin))
+    du_dot = sub(cross(speed, omega), cross(sub(d_mean, d_swing), y))
+    du_dot = sub(du_dot, cross(sub(mean, cross(g, spin)), dy))
+    d_theta_dot = add(turned_rate(eta, v, d_spin), change_of_turning(bend, spin, d_theta))
+    df = scale(p.damping, times(p.stiffness, du_dot))
+    df = (df[0] + slope_of_viscosity(p, u_dot[0]) * du_dot[0], df[1], df[2])
+    return df, scale(p.damping, times(p.turning_stiffness, d_theta_dot))
+
+
+@kernel
+def slope_of_viscosity(p, u_dot):
+    """Rise of the viscous tension over the rate of stretch."""
+    return p.viscosity - 2.0 * p.quick_viscosity * min(u_dot, 0.0)
+
+
+@kernel
+def times(k, x):
+    """K x of a diagonal K."""
+    return (k[0] * x[0], k[1] * x[1], k[2] * x[2])
+
+
+@kernel
+def bends(theta):
+    """n of a turn, and the numbers by which T and g change along it and across."""
+    angle = sqrt(dot(theta, theta))
+    if angle < SMALL:
+        return NONE, 0.0, 0.0, 0.125, 0.125
+    half, quarter = 0.5 * angle, tan(0.25 * angle)
+    sine = sin(half)
+    turning = 0.5 * (sine - half * cos(half)) / (sine * sine), (1.0 - half / sine) / angle
+    swing = 0.125 * (1.0 + quarter * quarter), 0.5 * quarter / angle
+    return scale(1.0 / angle, theta), turning[0], turning[1], swing[0], swing[1]
+
+
+@kernel
+def change_of_turning(bend, m, d_theta):
+    """(dT) m with m held."""
+    n, slope, per, _, _ = bend
+    m_along, along = dot(n, m), dot(n, d_theta)
+    m_across, across = sub(m, scale(m_along, n)), sub(d_theta, scale(along, n))
+    bent = add(scale(m_along, across), scale(dot(m_across, d_theta), n))
+    return add(scale(slope * along, m_across), scale(per, bent))
+
+
+@kernel
+def change_of_swing(bend, d_theta):
+    """dg."""
+    n, _, _, lengthwise, per = bend
+    along = dot(n, d_theta)
+    return add(scale(per, d_theta), scale((lengthwise - per) * along, n))
+
+
+@kernel
+def scaled(s, x):
+    """Three vectors times a number."""
+    return scale(s, x[0]), scale(s, x[1]), scale(s, x[2])
+
+
+@kernel
+def summed(x, y):
+    """Sums of three vectors."""
+    return add(x[0], y[0]), add(x[1], y[1]), add(x[2], y[2])
+
+
+@kernel
+def put_column(blocks, place, R, k, by_a, by_b):
+    """What motion k of the ends a and b does. Writes: blocks."""
+    put_half(blocks, place, R, k, 0, by_a)
+    put_half(blocks, place, R, k, 1, by_b)
+
+
+@kernel
+def put_half(blocks, place, R, k, side, found):
+    """Column k of one end, in the blocks of both. Writes: blocks."""
+    f, on_a, on_b = matvec(R, found[0]), matvec(R, found[1]), matvec(R, found[2])
+    own = blocks[place.b if side == 1 else place.a].stiff
+    other = blocks[place.across]
+    # the block of both has rows of a and columns of b, or the other way round
+    is_column = (side == 1) != (place.flips == 1)
+    for i in range(3):
+        at_a, at_b = (-f[i], -on_a[i]), (f[i], -on_b[i])
+        own_f, own_m = at_b if side == 1 else at_a
+        far_f, far_m = at_a if side == 1 else at_b
+        own[6 * i + k] += own_f
+        own[18 + 6 * i + k] += own_m
+        if is_column:
+            other.stiff[6 * i + k] += far_f
+            other.stiff[18 + 6 * i + k] += far_m
+        else:
+            other.stiff_above[6 * k + i] += far_f
+            other.stiff_above[6 * k + 3 + i] += far_m
