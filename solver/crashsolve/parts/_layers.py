@@ -272,7 +272,7 @@ def plastic_layers(blocks, first, work, slots, h, p, begin, end, curves):
         else:
             slots[LANES * NUMBER + count] = k
             count += 1
-    if p.power == 0.0:
+    if p.power == 0.0 and open_gaps(slots, count, p) > 0.0:
         close_gaps(slots, 0, count, p)
     for slot in range(count):
         k, to = int(slots[LANES * NUMBER + slot]), LANES * SLOT_ROWS * slot
@@ -547,6 +547,22 @@ def is_closed(worst, before):
 
 
 @blockwise
+def open_gaps(slots, count, p):
+    """First step of close_gaps() from no g; how many lanes want more. Writes: slots."""
+    (c1, c2), moving = softening(p), 0.0
+    for slot in range(count):
+        to = LANES * SLOT_ROWS * slot
+        for e in range(LANES):
+            s1, s2 = slots[to + LANES * S1 + e], slots[to + LANES * S2 + e]
+            flow = slots[to + LANES * YIELD + e]
+            rise = 2.0 / 3.0 * slots[to + LANES * SLOPE + e]
+            g = max(0.0, step_at(1.0, 1.0, 1.0, s1, s2, flow, rise, c1, c2))
+            slots[to + LANES * G + e] = g
+            moving += 0.0 if c2 * g <= NEAR * (1.0 + c2 * g) else 1.0
+    return moving
+
+
+@blockwise
 def close_gaps(slots, first, count, p):
     """g of layers in slots one after the other, yield stresses being lines. Writes: slots."""
     c1, c2 = softening(p)
@@ -570,16 +586,21 @@ def close_gaps(slots, first, count, p):
 
 @inlined
 def step_to_root(g, s1, s2, flow, rise, c1, c2):
-    """Step of Householder's method of fourth order to the root of flow / size - 1 + rise g.
+    """Step of Householder's method of fourth order to the root of flow / size - 1 + rise g."""
+    return step_at(1.0 + c1 * g, 1.0 + c2 * g, 1.0 - rise * g, s1, s2, flow, rise, c1, c2)
+
+
+@inlined
+def step_at(u1, u2, left, s1, s2, flow, rise, c1, c2):
+    """The same by 1 + c1 g, 1 + c2 g and 1 - rise g.
 
     With N that of Newton it is N (1 - b) / (1 - 2 b + b t): b and t from the second and third
     derivatives, multiplied out so that there is one division.
     """
-    u1, u2 = 1.0 + c1 * g, 1.0 + c2 * g
     both, a, b = u1 * u2, s1 * u2 * u2, s2 * u1 * u1
     square = a + b + 1e-300
     size = sqrt(square)
-    gap = (1.0 - rise * g) * size - flow * both
+    gap = left * size - flow * both
     falls = a * c1 * u2 + b * c2 * u1
     steep = flow * falls + rise * size * square
     bend = 1.5 * gap * flow * both * s1 * s2 * (c1 - c2) * (c1 - c2)
