@@ -35,6 +35,9 @@ from crashsolve.parts._quad_block import (
     SHEAR,
 )
 
+# beside a square of the thickness [m^2], or that times one of a side [m^4]
+NOTHING = 1e-60
+
 
 @inlined
 def mode_sizes(flat):
@@ -66,14 +69,14 @@ def see_shear(blocks, first, work):
 def see_modes(blocks, first, work):
     """Trial a_x and a_y of the hourglass, by what they have for all heights. Writes: work."""
     for e in range(LANES):
-        # that of a deleted element is 0, and so is its stress
-        t = work[LANES * DEPTH + e] + 1e-30
-        over, sizes = 1.0 / (t * t), mode_sizes(flat_at(work, e))
+        # of a deleted element all of these are 0
+        t, sizes = work[LANES * DEPTH + e], mode_sizes(flat_at(work, e))
+        over = 1.0 / (t * t + NOTHING)
         for k in range(2):
             at = first + LANES * (PLANE_Q + k) + e
             work[LANES * (AMPLITUDE + k) + e] = blocks[at]
             work[LANES * (AMPLITUDE + 2 + k) + e] = 12.0 * over * blocks[at + 2 * LANES]
-            work[LANES * (SQUARES + k) + e] = over / sizes[k]
+            work[LANES * (SQUARES + k) + e] = 1.0 / (t * t * sizes[k] + NOTHING)
 
 
 @blockwise

@@ -27,7 +27,10 @@ from crashsolve.parts._viscous import TAKEN, slow_row
 
 @kernel
 def mute_strains(blocks, first, work):
-    """Deleted elements have no strains, whatever becomes of their shape. Writes: work."""
+    """Deleted elements have no strains or stresses, whatever becomes of their shape.
+
+    Writes: blocks, work.
+    """
     for e in range(LANES):
         if blocks[first + LANES * THICKNESS + e] == 0.0:
             for row in range(3):
@@ -35,6 +38,8 @@ def mute_strains(blocks, first, work):
                 work[LANES * (CURVATURE + row) + e] = 0.0
             for row in range(4):
                 work[LANES * (MODES + row) + e] = 0.0
+            for row in range(PLANE_Q, LAYERS):
+                blocks[first + LANES * row + e] = 0.0
 
 
 @kernel
