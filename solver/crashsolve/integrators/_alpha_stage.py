@@ -95,14 +95,14 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         if count == 0 and not kept:
             tangents(clock, nodes, curves, compliant, scene)
             if ASSEMBLED:
-                bend(nodes, factor, scene)
+                bend(h, nodes, factor, scene)
             clock.factored = h
             linearise(rows, compliant, nodes, t, tt)
             factor_compliant(factor, compliant, rows.shape[0], tt, t)
         if ASSEMBLED:  # noqa: SIM102
             # elements bend far within a step: tangents of its start do not serve
             if count > 0 and (share > 3.0 * SHARE or previous > 0.01):
-                renew(clock, nodes, rows, curves, compliant, factor, t, tt, scene)
+                renew(h, clock, nodes, rows, curves, compliant, factor, t, tt, scene)
         missing_accelerations(nodes, scene.stages)
         velocity_residual(rows, nodes)
         ask_rates(rows, compliant, scene.stages, t)

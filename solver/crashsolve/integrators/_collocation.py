@@ -26,7 +26,7 @@ from crashsolve.system.collocation import (
     weigh_estimate,
 )
 from crashsolve.system.compliance import factor_compliant, linearise
-from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS, bend, tangents
+from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS, bend, keep_elements, tangents
 from crashsolve.system.stages import keep_rates
 
 PASSES = 20
@@ -45,6 +45,8 @@ def open_step(clock, nodes, rows, scene):
     keep_rates(nodes, rows, scene.stages, 0)
     keep_spin_rates(nodes, scene.stages, 0)
     keep_past(scene.stages)
+    if ASSEMBLED:
+        keep_elements(scene)
 
 
 @stage
@@ -105,7 +107,7 @@ def visit_stages(h, anew, clock, nodes, rows, saddle, curves, scene):
             t = h * scene.T[(STAGES + 1) * i]
             tangents(clock, nodes, curves, tables[i - 1], scene)
             if ASSEMBLED:
-                bend(nodes, factors[i - 1], scene)
+                bend(time, nodes, factors[i - 1], scene)
             clock.factored = h
             linearise(rows, tables[i - 1], nodes, t, t * t)
             factor_compliant(factors[i - 1], tables[i - 1], rows.shape[0], t * t, t)

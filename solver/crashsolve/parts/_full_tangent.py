@@ -72,10 +72,10 @@ DAMPING = LANES * (POINTS + 4 * POINT_ROWS)
 
 
 @kernel
-def tangent(p, h, scene):
+def tangent(p, h, scene, matrix):
     """Tangents of the elements with 2 by 2 points of a part at the end of a step of h.
 
-    Writes: scene.blocks_0, lanes, work, seen, change.
+    Writes: matrix.blocks, scene.lanes, work, seen, change.
     """
     done, blocks, work, seen = 0, scene.lanes, scene.work, scene.seen
     while done < p.four_points:
@@ -89,7 +89,7 @@ def tangent(p, h, scene):
             add_damping(seen, DAMPING, work, h, p)
         resist(blocks, first, work)
         see(blocks, scene.lanes_before, first, work, seen, h)
-        add_columns(p, h, scene, corner, min(LANES, p.four_points - done))
+        add_columns(p, h, scene, matrix, corner, min(LANES, p.four_points - done))
         done += LANES
 
 
@@ -116,12 +116,12 @@ def stress(blocks, kept, first, work, seen, h, p, curves):
 
 
 @kernel
-def add_columns(p, h, scene, corner, live):
-    """All columns of a block into the matrix. Writes: scene.blocks_0, change."""
+def add_columns(p, h, scene, matrix, corner, live):
+    """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
     work, seen, change = scene.work, scene.seen, scene.change
     if scene.counts[0].arms > 0:
         push_at_rest(seen, change)
-        turn_arms(scene, change, corner, live, 4)
+        turn_arms(scene, matrix, change, corner, live, 4)
     for b in range(4):
         d, c, g = shares(b)
         for k in range(3):
@@ -130,14 +130,14 @@ def add_columns(p, h, scene, corner, live):
             resist_by(seen, change)
             resist_moved(work, seen, change, k, d, c, g)
             push_by_place(seen, change, k, d, c, g)
-            add_column(scene, change, corner, live, b, k, 4)
+            add_column(scene, matrix, change, corner, live, b, k, 4)
         for k in range(3):
             turn_corner(work, change, b, k, h)
             strain_by_turn(seen, change, d, c, g)
             stress_by(seen, change, p)
             resist_by(seen, change)
             push_by_turn(seen, change)
-            add_column(scene, change, corner, live, b, 3 + k, 4)
+            add_column(scene, matrix, change, corner, live, b, 3 + k, 4)
 
 
 @blockwise

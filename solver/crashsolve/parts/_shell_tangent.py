@@ -110,10 +110,10 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @kernel
-def tangent(p, h, scene):
+def tangent(p, h, scene, matrix):
     """Tangents of the one-point elements of a part at the end of a step of h.
 
-    Writes: scene.blocks_0, lanes, work, seen, change.
+    Writes: matrix.blocks, scene.lanes, work, seen, change.
     """
     done, blocks, work, seen = 0, scene.lanes, scene.work, scene.seen
     while done < p.one_point:
@@ -135,30 +135,30 @@ def tangent(p, h, scene):
             damp(blocks, first, p.stride, work, h, p)
             add_damping(seen, LANES * POINTS, work, h, p)
         see(blocks, scene.lanes_before, first, work, seen, h)
-        add_columns(p, h, scene, corner, min(LANES, p.one_point - done))
+        add_columns(p, h, scene, matrix, corner, min(LANES, p.one_point - done))
         done += LANES
 
 
 @kernel
-def add_columns(p, h, scene, corner, live):
-    """All columns of a block into the matrix. Writes: scene.blocks_0, change."""
+def add_columns(p, h, scene, matrix, corner, live):
+    """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
     seen, change = scene.seen, scene.change
     if scene.counts[0].arms > 0:
         push_at_rest(seen, change)
-        turn_arms(scene, change, corner, live, 4)
+        turn_arms(scene, matrix, change, corner, live, 4)
     for b in range(4):
         d, c, g = shares(b)
         for k in range(3):
             strain_by_place(seen, change, k, d, c, g)
             stress_by(seen, change, p)
             push_by_place(seen, change, k, d, c, g)
-            add_column(scene, change, corner, live, b, k, 4)
+            add_column(scene, matrix, change, corner, live, b, k, 4)
         for k in range(3):
             turn_corner(scene.work, change, b, k, h)
             strain_by_turn(seen, change, d, c, g)
             stress_by(seen, change, p)
             push_by_turn(seen, change)
-            add_column(scene, change, corner, live, b, 3 + k, 4)
+            add_column(scene, matrix, change, corner, live, b, 3 + k, 4)
 
 
 @inlined

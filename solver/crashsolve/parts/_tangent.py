@@ -131,10 +131,10 @@ def enter_strains(change):
 
 
 @kernel
-def add_column(scene, change, corner, live, b, k, count):
+def add_column(scene, matrix, change, corner, live, b, k, count):
     """A column of the elements of a block, for motion k of their corner b, into the matrix.
 
-    `count` is that of their corners. Writes: scene.blocks_0, change.
+    `count` is that of their corners. Writes: matrix.blocks, change.
     """
     has_arms = scene.counts[0].arms > 0
     if has_arms:
@@ -143,13 +143,13 @@ def add_column(scene, change, corner, live, b, k, count):
         at = corner + LANES * b + e
         if scene.points[scene.corners[at]].held >> k & 1:
             continue
-        put_column(scene, change, corner, e, b, k, 1.0, count)
+        put_column(scene, matrix, change, corner, e, b, k, 1.0, count)
         if has_arms and k < 3:
             # a turn about axis j moves the end of an arm along axis k
             d = three_of(scene.arms, scene.corners[at])
             i, j = (k + 1) % 3, (k + 2) % 3
-            put_column(scene, change, corner, e, b, 3 + i, d[j], count)
-            put_column(scene, change, corner, e, b, 3 + j, -d[i], count)
+            put_column(scene, matrix, change, corner, e, b, 3 + i, d[j], count)
+            put_column(scene, matrix, change, corner, e, b, 3 + j, -d[i], count)
 
 
 @inlined
@@ -158,14 +158,14 @@ def three_of(arms, point):
 
 
 @kernel
-def put_column(scene, change, corner, e, b, k, share, count):
-    """Share of a column of one element in that of motion k of the body. Writes: scene.blocks_0."""
+def put_column(scene, matrix, change, corner, e, b, k, share, count):
+    """Share of a column of one element in that of motion k of the body. Writes: matrix.blocks."""
     for a in range(count):
         seat = scene.seats[4 * corner + LANES * (4 * a + b) + e]
         if seat < 0:
             continue
         held = scene.points[scene.corners[corner + LANES * a + e]].held
-        block, at = scene.blocks_0[seat // 2], LANES * (OUT + 3 * a) + e
+        block, at = matrix.blocks[seat // 2], LANES * (OUT + 3 * a) + e
         for i in range(6):
             if held >> i & 1:
                 continue
@@ -190,15 +190,15 @@ def add_moments(scene, change, corner, live, count):
 
 
 @kernel
-def turn_arms(scene, change, corner, live, count):
-    """What turning the arms of corners adds, by the forces there. Writes: scene.blocks_0."""
+def turn_arms(scene, matrix, change, corner, live, count):
+    """What turning the arms of corners adds, by the forces there. Writes: matrix.blocks."""
     for e in range(live):
         for a in range(count):
             d = three_of(scene.arms, scene.corners[corner + LANES * a + e])
             seat = scene.seats[4 * corner + LANES * 5 * a + e]
             if seat < 0:
                 continue
-            f, block = three(change, LANES * (OUT + 3 * a) + e), scene.blocks_0[seat // 2]
+            f, block = three(change, LANES * (OUT + 3 * a) + e), matrix.blocks[seat // 2]
             along = dot3(d, f)
             for i in range(3):
                 for k in range(3):

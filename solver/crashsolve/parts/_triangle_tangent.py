@@ -103,10 +103,10 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @kernel
-def tangent(p, h, scene):
+def tangent(p, h, scene, matrix):
     """Tangents of the triangles of a part at the end of a step of h.
 
-    Writes: scene.blocks_0, lanes, work, seen, change.
+    Writes: matrix.blocks, scene.lanes, work, seen, change.
     """
     start, start_corner, _ = start_of(p)
     stride, done, blocks, work, seen = stride_of(p), 0, scene.lanes, scene.work, scene.seen
@@ -127,17 +127,17 @@ def tangent(p, h, scene):
             damp(blocks, first, stride, work, h, p)
             add_damping(seen, LANES * POINTS, work, h, p)
         see(blocks, scene.lanes_before, first, work, seen, h)
-        add_columns(p, h, scene, corner, min(LANES, p.triangles - done))
+        add_columns(p, h, scene, matrix, corner, min(LANES, p.triangles - done))
         done += LANES
 
 
 @kernel
-def add_columns(p, h, scene, corner, live):
-    """All columns of a block into the matrix. Writes: scene.blocks_0, change."""
+def add_columns(p, h, scene, matrix, corner, live):
+    """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
     seen, change = scene.seen, scene.change
     if scene.counts[0].arms > 0:
         push_at_rest(seen, change)
-        turn_arms(scene, change, corner, live, 3)
+        turn_arms(scene, matrix, change, corner, live, 3)
     for b in range(3):
         # shares of a corner in D and E
         d, c = b - 1.0, 0.5 * b * (3.0 * b - 5.0)
@@ -145,13 +145,13 @@ def add_columns(p, h, scene, corner, live):
             strain_by_place(seen, change, k, d, c)
             stress_by(seen, change, p)
             push_by_place(seen, change, k, d, c)
-            add_column(scene, change, corner, live, b, k, 3)
+            add_column(scene, matrix, change, corner, live, b, k, 3)
         for k in range(3):
             turn_corner(scene.work, change, b, k, h)
             strain_by_turn(seen, change, b)
             stress_by(seen, change, p)
             push_by_turn(seen, change)
-            add_column(scene, change, corner, live, b, 3 + k, 3)
+            add_column(scene, matrix, change, corner, live, b, 3 + k, 3)
 
 
 @blockwise
@@ -273,12 +273,13 @@ def strains_moved(u, turn, geometry, moved):
 @inlined
 def put_strains(change, e, a, b):
     """The sum of two changes of strains. Writes: change."""
+    (d, bent, others), (d_moved, bent_moved, others_moved) = a, b
     at = LANES * STRAIN + e
-    for part in range(2):
-        for k in range(3):
-            change[at + LANES * (3 * part + k)] = a[part][k] + b[part][k]
+    for k in range(3):
+        change[at + LANES * k] = d[k] + d_moved[k]
+        change[at + LANES * (3 + k)] = bent[k] + bent_moved[k]
     for k in range(4):
-        change[at + LANES * (6 + k)] = a[2][k] + b[2][k]
+        change[at + LANES * (6 + k)] = others[k] + others_moved[k]
 
 
 @blockwise

@@ -80,8 +80,8 @@ from crashsolve.parts._quad_block import (
 from crashsolve.parts._viscous import HEAVIER, SLOW_ROWS, allow, damp
 
 STEPWISE = True
-# but for these, which take the forces of elements at the end of a step
-IMPLICIT = ("generalized_alpha",)
+# but for these, which strain elements from the start of a step to its end, and to its stages
+IMPLICIT = ("generalized_alpha", "radau_iia_5")
 # the column that counts elements of a kind, and the file of its kernels
 KINDS = {"one_point": "shell", "four_points": "_full", "triangles": "_triangle"}
 # points in the plane of a quadrilateral

@@ -29,7 +29,7 @@ INTEGRATORS = "crashsolve.integrators"
 CARRY = "points.carry(h, nodes, groups.points, groups.riders)"
 RENEWAL = [
     "tangents(clock, nodes, curves, compliant, groups)",
-    "bend(nodes, matrix, groups)",
+    "bend(h, nodes, matrix, groups)",
     "assembled.linearise(rows, compliant, nodes, t, tt)",
     "assembled.factor_compliant(matrix, compliant, rows.shape[0], tt, t)",
 ]
@@ -41,8 +41,8 @@ SIGNATURES = {
     "tangents": "clock, nodes, curves, compliant, groups",
     "elements": "clock, h, groups",
     "keep_elements": "groups",
-    "bend": "nodes, matrix, groups",
-    "renew": "clock, nodes, rows, curves, compliant, matrix, t, tt, groups",
+    "bend": "h, nodes, matrix, groups",
+    "renew": "h, clock, nodes, rows, curves, compliant, matrix, t, tt, groups",
     "open_share": "clock, h, groups",
     "deform_share": "clock, h, groups",
     "close_share": "clock, h, nodes, groups",
@@ -382,21 +382,15 @@ def _strain_calls(model: Any) -> list[str]:
 
 
 def _stiffness_calls(model: Any) -> list[str]:
-    """Stiffness of the elements and masses of all bodies, in the blocks of the matrix."""
-    if not (model.elements and is_assembled(model)):
+    """Stiffness of shells after a step of h."""
+    if not model.elements:
         return []
-    lines = [
-        "h = 2.0 * clock.lead",
-        "assembled.weigh(nodes, groups.columns_0)",
-        "stiffness.clear(groups)",
-        "stiffness.take_back(h, groups)",
-        "stiffness.reach(nodes, groups)",
-    ]
+    lines = ["stiffness.take_back(h, groups)", "stiffness.reach(nodes, groups)"]
     for g in model.element_groups():
         lines += [
             f"p = groups.{g.word}_p",
             "for i in range(p.shape[0]):",
-            *(f"    {_alias(_tangent_of(kind))}.tangent(p[i], h, groups)" for kind in _kinds(g)),
+            *(f"    {_alias(_tangent_of(k))}.tangent(p[i], h, groups, matrix)" for k in _kinds(g)),
         ]
     return lines
 
@@ -612,8 +606,8 @@ def is_assembled(model: Any) -> bool:
 
 
 def _bend_calls(model: Any) -> list[str]:
-    """What turns the forces of beams, in the blocks of the matrix."""
-    lines = ["assembled.open_blocks(nodes, matrix)"] * (not model.elements)
+    """Stiffness of shells, and what turns the forces of beams, in the blocks of the matrix."""
+    lines = ["assembled.open_blocks(nodes, matrix)", *_stiffness_calls(model)]
     for k, g in enumerate(tangent_groups(model)):
         if hasattr(g.module, "bend"):
             lines += [
@@ -626,7 +620,7 @@ def _bend_calls(model: Any) -> list[str]:
 
 
 def _tangent_calls(model: Any) -> list[str]:
-    lines, k = _stiffness_calls(model), 0
+    lines, k = [], 0
     for g in tangent_groups(model):
         lines += [
             f"p, history = groups.{g.word}_p, groups.{g.word}_h",

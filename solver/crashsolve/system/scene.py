@@ -34,11 +34,11 @@ def elements(clock, h, groups):
     """Forces of elements after a step of h from what they kept before it. Writes: points, lanes."""
 
 
-def bend(nodes, matrix, groups):
-    """What turns the forces of beams. Writes: matrix."""
+def bend(h, nodes, matrix, groups):
+    """Tangents of shells after a step of h, and what turns the forces of beams. Writes: matrix."""
 
 
-def renew(clock, nodes, rows, curves, compliant, matrix, t, tt, groups):
+def renew(h, clock, nodes, rows, curves, compliant, matrix, t, tt, groups):
     """All tangents and the factor, at the present place. Writes: matrix, compliant."""
 
 

@@ -1,8 +1,9 @@
 """Elements of shells within implicit steps: what they keep, and the matrix of their tangents.
 
-    K_ab = -df_a / dx_b,   at the end of the step as iterated
+    K_ab = -df_a / dx_b,   at the end of the step, or at a stage of it, as iterated
 
-A pass of the iteration strains the elements from what they kept at the start of the step. Their
+A pass of the iteration strains the elements from what they kept at the start of the step to its
+end, or to one of its stages as if that were a step of its own; the last of them is the end. Their
 tangents (parts/_shell_tangent.py, _full_tangent.py, _triangle_tangent.py) are those of the step as
 it is computed, with the return of what yields, the stress that stiffens, the turn of the axes and
 the middle of the step in which strains are measured. K is not symmetric: strains are those of the
@@ -12,14 +13,6 @@ against a step that turns by theta, more than bending resists.
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.vec3 import matvec, vec
-
-
-@kernel
-def clear(scene):
-    """Writes: scene.blocks_0."""
-    for e in range(scene.blocks_0.shape[0]):
-        for k in range(36):
-            scene.blocks_0[e].stiff[k] = scene.blocks_0[e].stiff_above[k] = 0.0
 
 
 @kernel
