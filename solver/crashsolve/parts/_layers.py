@@ -293,12 +293,12 @@ def try_layer(blocks, at, work, slots, to, h, p, zeta, weight):
         find_factors(work, slots, to, h, p, zeta)
     if p.heating > 0.0:
         soften(blocks, at, slots, to, p)
+    find_trial(blocks, at, work, slots, to, p, zeta)
     if p.power > 0.0:
-        find_trial(blocks, at, work, slots, to, p, zeta)
         follow_power(blocks, at, slots, to, p)
         count = count_beyond(slots, to)
     else:
-        count = find_lines(blocks, at, work, slots, to, p, zeta)
+        count = find_lines(blocks, at, slots, to, p)
     if p.failure > 0.0:
         drop_failed(blocks, at, work, slots, to, p, weight)
         count = count_beyond(slots, to)
@@ -371,30 +371,24 @@ def scaled(p):
     return p.rate_D > 0.0 or p.rate_C > 0.0 or p.heating > 0.0
 
 
-@inlined
-def trial_at(blocks, at, work, e, p, zeta):
-    """Trial stress of a layer less alpha, s1 and s2."""
-    nu, C, back = p.poisson, p.plane, at + LANES * BACK + e
-    x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
-    s_x = blocks[at + e] + C * (x + nu * y)
-    s_y = blocks[at + LANES + e] + C * (y + nu * x)
-    s_xy = blocks[at + 2 * LANES + e] + p.shear * xy
-    if p.kinematic > 0.0:
-        s_x -= blocks[back]
-        s_y -= blocks[back + LANES]
-        s_xy -= blocks[back + 2 * LANES]
-    both, apart = s_x + s_y, s_x - s_y
-    s2 = 0.75 * apart * apart + 3.0 * s_xy * s_xy + beside_at(work, e, zeta)
-    return (s_x, s_y, s_xy), 0.25 * both * both, s2
-
-
 @blockwise
 def find_trial(blocks, at, work, slots, to, p, zeta):
-    """Trial stress of a layer, and no g yet. Writes: slots."""
+    """Trial stress of a layer less alpha, s1 and s2, and no g yet. Writes: slots."""
+    nu, shear, moves = p.poisson, p.shear, p.kinematic > 0.0
+    C, back = p.plane, at + LANES * BACK
     for e in range(LANES):
-        xi, s1, s2 = trial_at(blocks, at, work, e, p, zeta)
-        put_three(slots, to + LANES * XI + e, xi)
-        put_three(slots, to + LANES * S1 + e, (s1, s2, 0.0))
+        x, y, xy = layer_strain(work, e, 0.5 * work[LANES * DEPTH + e] * zeta)
+        s_x = blocks[at + e] + C * (x + nu * y)
+        s_y = blocks[at + LANES + e] + C * (y + nu * x)
+        s_xy = blocks[at + 2 * LANES + e] + shear * xy
+        if moves:
+            s_x -= blocks[back + e]
+            s_y -= blocks[back + LANES + e]
+            s_xy -= blocks[back + 2 * LANES + e]
+        both, apart = s_x + s_y, s_x - s_y
+        s2 = 0.75 * apart * apart + 3.0 * s_xy * s_xy + beside_at(work, e, zeta)
+        put_three(slots, to + LANES * XI + e, (s_x, s_y, s_xy))
+        put_three(slots, to + LANES * S1 + e, (0.25 * both * both, s2, 0.0))
 
 
 @inlined
@@ -419,23 +413,17 @@ def put_three(slots, at, s):
 
 
 @blockwise
-def find_lines(blocks, at, work, slots, to, p, zeta):
-    """Trial stress, yield stress and its slope; in how many lanes the stress is beyond it.
-
-    Writes: slots.
-    """
+def find_lines(blocks, at, slots, to, p):
+    """Yield stress, its slope, what is beyond it; in how many lanes something is. Writes: slots."""
     start, slope, has_factor, has_curve = p.yield_stress, p.isotropic, scaled(p), p.curve > 0
     line, count = at + LANES * line_row(p), 0.0
     for e in range(LANES):
-        xi, s1, s2 = trial_at(blocks, at, work, e, p, zeta)
-        put_three(slots, to + LANES * XI + e, xi)
-        slots[to + LANES * S1 + e], slots[to + LANES * S2 + e] = s1, s2
         if has_curve:
             start, slope = blocks[line + e], blocks[line + LANES + e]
         factor = slots[to + LANES * FACTOR + e] if has_factor else 1.0
         flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
+        gap = slots[to + LANES * S1 + e] + slots[to + LANES * S2 + e] - flow * flow
         put_three(slots, to + LANES * YIELD + e, (flow, factor * slope, factor))
-        gap = s1 + s2 - flow * flow
         slots[to + LANES * GAP + e] = gap
         count += 1.0 if gap > 0.0 else 0.0
     return count
