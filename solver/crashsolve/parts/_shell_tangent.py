@@ -14,8 +14,8 @@ from math import sqrt
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._beside import (
-    mode_sizes,
     clear_weak,
+    mode_sizes,
     relax_modes,
     relax_shear,
     see_modes,

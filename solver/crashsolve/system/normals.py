@@ -3,10 +3,10 @@
     x = sum N_k (x_k + lambda n_k),   n = sum N_k n_k / |sum N_k n_k|,   d = lambda |sum N_k n_k|
 
 N_k are bilinear in a quadrilateral and linear in a triangle; n_k is the normal at a corner, that of
-the faces there weighted by angle. The place is found by Newton's method from the nearest one, over a side where it lies in the
-next face. The force acts along the line through x and c as before, so momenta are kept to
-round-off; the energy of a touch is kept as far as n is normal to the face. Consequence to test: on
-a faceted cylinder the force points to the axis, wherever it is touched.
+the faces there weighted by angle. The place is found by Newton's method from the nearest one, over
+a side where it lies in the next face. The force acts along the line through x and c as before, so
+momenta are kept to round-off; the energy of a touch is kept as far as n is normal to the face.
+Consequence to test: on a faceted cylinder the force points to the axis, wherever it is touched.
 
 Reference: Puso and Laursen (2004), Computer Methods in Applied Mechanics and Engineering 193,
 601-629.
