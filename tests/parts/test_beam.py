@@ -242,7 +242,7 @@ def test_blocks_are_the_derivative_by_the_place(
     law = on_its_way(tmp_path, kind, 5, speed, turn)
     load(law)
     # some fibres flow, and with a turn some do not
-    assert not is_plastic(kind) or law.new.hardening.sum() > law.old.hardening.sum()
+    assert not is_plastic(kind) or (law.new.hardening > law.old.hardening).any()
     start, still, wanted = law.bench.state(), np.zeros(12), np.zeros((12, 12))
     found = [whole_tangent(law, flips) for flips in (0, 1)]
     for k, way in enumerate(np.eye(12)):
