@@ -7,8 +7,9 @@ at the one point of an element, its middle. Shear and torsion are elastic, and t
 warping; so is what varies along the element (the term l^3 / 12 E I of the beam). A hinge forms in
 the middle of an element: a cantilever of length L bears M_p / (L - l / 2) at its end. Elastic, it
 is the beam. Implicit steps have the tangent of the step as it is computed: the beam's, with the
-forces that there are, and what the fibres change it by (_beam_turn.py). Consequence to test: the limit moment of a rectangle is Y b h^2 / 4, and its moment
-beyond yield 1 - (kappa_Y / kappa)^2 / 3 of it.
+forces that there are, and what the fibres change it by (_beam_turn.py). Consequence to test: the
+limit moment of a rectangle is Y b h^2 / 4, and its moment beyond yield 1 - (kappa_Y / kappa)^2 / 3
+of it.
 
 References: those of the beam and of _fibres.py.
 """
