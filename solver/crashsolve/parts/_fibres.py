@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.vec3 import add_scaled, dot
 
@@ -77,13 +77,13 @@ def growth(p, size, hardening, rate, curves):
     return g
 
 
-@kernel
+@inlined
 def factor_of(p, rate):
     """By which the yield stress is higher at a rate of strain."""
     return 1.0 + (rate / p.rate_D) ** (1.0 / p.rate_q) if p.rate_D > 0.0 else 1.0
 
 
-@kernel
+@inlined
 def flow_of(p, hardening, curves):
     """Yield stress Y at no rate, and its slope."""
     if p.curve > 0:
