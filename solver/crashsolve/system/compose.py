@@ -29,7 +29,7 @@ INTEGRATORS = "crashsolve.integrators"
 CARRY = "points.carry(h, nodes, groups.points, groups.riders)"
 RENEWAL = [
     "tangents(clock, nodes, curves, compliant, groups)",
-    "bend(nodes, matrix, groups)",
+    "bend(clock, nodes, curves, matrix, groups)",
     "assembled.linearise(rows, compliant, nodes, t, tt)",
     "assembled.factor_compliant(matrix, compliant, rows.shape[0], tt, t)",
 ]
@@ -41,7 +41,7 @@ SIGNATURES = {
     "tangents": "clock, nodes, curves, compliant, groups",
     "elements": "clock, h, groups",
     "keep_elements": "groups",
-    "bend": "nodes, matrix, groups",
+    "bend": "clock, nodes, curves, matrix, groups",
     "renew": "clock, nodes, rows, curves, compliant, matrix, t, tt, groups",
     "open_share": "clock, h, groups",
     "deform_share": "clock, h, groups",
@@ -648,10 +648,12 @@ def _bend_calls(model: Any) -> list[str]:
     for k, g in enumerate(tangent_groups(model)):
         if hasattr(g.module, "bend"):
             lines += [
-                f"p, first = groups.{g.word}_p, groups.tangents[{k}].first",
+                f"p, history = groups.{g.word}_p, groups.{g.word}_h",
+                f"first = groups.tangents[{k}].first",
                 "for i in range(p.shape[0]):",
+                "    old = history[clock.current, i]",
                 f"    place = matrix.pairs[first + {g.module.TANGENTS} * i]",
-                f"    {g.word}.bend(p[i], nodes, place, matrix.blocks)",
+                f"    {g.word}.bend(p[i], old, nodes, curves, place, matrix.blocks)",
             ]
     return lines
 

@@ -34,7 +34,7 @@ def elements(clock, h, groups):
     """Forces of elements after a step of h from what they kept before it. Writes: points, lanes."""
 
 
-def bend(nodes, matrix, groups):
+def bend(clock, nodes, curves, matrix, groups):
     """What turns the forces of beams. Writes: matrix."""
 
 
