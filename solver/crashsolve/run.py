@@ -27,6 +27,7 @@ from crashsolve.foundation.machine import forget_linker
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
 from crashsolve.model.model import Model, State
+from crashsolve.model.statics import goes_by_steps
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
@@ -78,7 +79,7 @@ def _engine(deck: Deck, model: Model, state: State) -> Engine:
         return Engine(model, state)
     from crashsolve.system.equilibrium import StaticEngine
 
-    if model.elements:
+    if goes_by_steps(model.groups):
         from crashsolve.system.rest import RestEngine
 
         return RestEngine(model, state, deck.control.tolerance)

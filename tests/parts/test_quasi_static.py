@@ -89,7 +89,7 @@ REFUSED = {
     "welded": (
         "parts:",
         f"bodies: {{hub: {{mass: 1, inertia: [1, 1, 1], welded: [p_2]}}}}\nparts:\n{SHELL}",
-        "a quasi-static solution with shells has no welded nodes",
+        "a quasi-static solution with shells or fibre beams has no welded nodes",
     ),
     "driver": (
         "joints: {",

@@ -95,7 +95,7 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         if count == 0 and not kept:
             tangents(clock, nodes, curves, compliant, scene)
             if ASSEMBLED:
-                bend(h, nodes, factor, scene)
+                bend(h, clock, nodes, curves, factor, scene)
             clock.factored = h
             linearise(rows, compliant, nodes, t, tt)
             factor_compliant(factor, compliant, rows.shape[0], tt, t)

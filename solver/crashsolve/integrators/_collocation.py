@@ -107,7 +107,7 @@ def visit_stages(h, anew, clock, nodes, rows, saddle, curves, scene):
             t = h * scene.T[(STAGES + 1) * i]
             tangents(clock, nodes, curves, tables[i - 1], scene)
             if ASSEMBLED:
-                bend(time, nodes, factors[i - 1], scene)
+                bend(time, clock, nodes, curves, factors[i - 1], scene)
             clock.factored = h
             linearise(rows, tables[i - 1], nodes, t, t * t)
             factor_compliant(factors[i - 1], tables[i - 1], rows.shape[0], t * t, t)

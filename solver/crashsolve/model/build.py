@@ -30,7 +30,7 @@ from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodal import loads_of_points
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.scene import Scene
-from crashsolve.model.statics import refuse_motion
+from crashsolve.model.statics import goes_by_steps, refuse_motion
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
@@ -94,7 +94,7 @@ def build(deck: Deck) -> tuple[Model, State]:
         elements=tables_of_elements(groups, deck, scene),
         nodal_groups=nodal_groups,
     )
-    if model.elements and deck.control.solution == "quasi_static":
+    if deck.control.solution == "quasi_static" and goes_by_steps(groups):
         # by steps from rest (system/rest.py)
         model.integrator, model.control[0]["spectral_radius"] = "generalized_alpha", 0.0
     state = _state(model, scene)

@@ -9,6 +9,11 @@ from crashsolve.foundation.errors import DeckErrors
 KEPT = {"dissipated", "power", "unused"}
 
 
+def goes_by_steps(groups: list[Any]) -> bool:
+    """Whether there are parts that remember their way: steps from rest take them along it."""
+    return any(g.keyword == "parts" and getattr(g.module, "STEPWISE", False) for g in groups)
+
+
 def refuse_motion(deck: Any, groups: list[Any]) -> None:
     """Raises DeckErrors for the cards whose laws need the course of time."""
     if deck.control.solution != "quasi_static":
@@ -24,16 +29,17 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
 def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
-    has_shells = any(hasattr(e.card, "thickness") for e in deck.entries["parts"].values())
+    by_steps = goes_by_steps(groups)
     for entry in deck.entries["bodies"].values():
-        if has_shells and entry.card.welded:
-            yield entry, "a quasi-static solution with shells has no welded nodes, but joints"
+        if by_steps and entry.card.welded:
+            message = "a quasi-static solution with shells or fibre beams has no welded nodes"
+            yield entry, f"{message}, but joints"
     for g in groups:
         if g.keyword == "joints" and "curve" in (g.parameters.dtype.names or ()):
             for name in g.names:
                 yield deck.entries["joints"][name], "a quasi-static solution has no drivers yet"
         remembers = set(g.history.dtype.names or ()) - KEPT
-        if hasattr(g.module, "force") and remembers:
+        if hasattr(g.module, "force") and remembers and g.keyword != "parts":
             keyword = deck.entries[g.keyword]
             for entry in (e for e in keyword.values() if e.type == g.type):
                 yield entry, "a quasi-static solution has no laws that remember yet"

@@ -6,8 +6,10 @@
 
 in axes of R, with omega, dy, dtheta and c as `_beam_tangent.py` has them. u_dot and theta_dot
 change with the place as well: each world vector in them by x x omega, T and g by themselves.
-Derivatives by the velocities are rows (beam.py). Consequence to test: central differences of the
-forces of an element that moves, with damping and viscosity.
+Derivatives by the velocities are rows (beam.py). A section that yields (_fibres.py) adds what it
+has besides K: N, M_y and M_z, and what they change by with stretch and bending and the rates of
+these. Consequence to test: central differences of the forces of an element that moves, with
+damping and viscosity, elastic and yielding.
 
 Reference: Crisfield (1990), Computer Methods in Applied Mechanics and Engineering 81, 131-150.
 """
@@ -24,26 +26,26 @@ NONE = (0.0, 0.0, 0.0)
 
 
 @kernel
-def bend_blocks(p, a, b, R, v, w, strained, place, blocks):
+def bend_blocks(p, section, a, b, R, v, w, strained, place, blocks):
     """Less the derivatives by every motion of both ends. Writes: blocks.
 
-    `strained` is what beam.deformation tells.
+    `section` is what yields, or None; `strained` is what beam.deformation tells.
     """
     eta, g = half_angle_over_sine(v, w), scale(0.5 / (1.0 + w), v)
     spins = matvec_t(R, sub(vec(b.w), vec(a.w))), scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
     here = v, eta, g, matvec_t(R, sub(vec(b.v), vec(a.v))), spins[0], spins[1], bends(strained[2])
-    held = stresses(p, strained, eta, v, g)
+    held = stresses(p, section, strained, eta, v, g)
     for k in range(3):
         e = (R[3 * k], R[3 * k + 1], R[3 * k + 2])
-        way = changes(p, strained, here, held, e, NONE, NONE)
-        turn = changes(p, strained, here, held, NONE, e, NONE)
-        mean = changes(p, strained, here, held, NONE, NONE, scale(0.5, e))
+        way = changes(p, section, strained, here, held, e, NONE, NONE)
+        turn = changes(p, section, strained, here, held, NONE, e, NONE)
+        mean = changes(p, section, strained, here, held, NONE, NONE, scale(0.5, e))
         put_column(blocks, place, R, k, scaled(-1.0, way), way)
         put_column(blocks, place, R, 3 + k, summed(mean, scaled(-1.0, turn)), summed(mean, turn))
 
 
 @kernel
-def stresses(p, strained, eta, v, g):
+def stresses(p, section, strained, eta, v, g):
     """Force f and moments m with their damping, c, and the moment m' of both ends."""
     y, u, theta, u_dot, theta_dot = strained
     k, k_r, beta = p.stiffness, p.turning_stiffness, p.damping
@@ -54,12 +56,14 @@ def stresses(p, strained, eta, v, g):
         k[2] * (u[2] + beta * u_dot[2]),
     )
     m = times(k_r, add(theta, scale(beta, theta_dot)))
+    if section is not None:
+        f, m = with_fibres(f, m, section[0])
     c = scale(0.5, cross(f, y))
     return f, m, c, add(turned_rate(eta, v, m), scale(2.0, cross(g, c)))
 
 
 @kernel
-def changes(p, strained, here, held, dr, s, w_0):
+def changes(p, section, strained, here, held, dr, s, w_0):
     """Changes of the force on a, and of the moments on a and b, axes of R.
 
     `dr`, `s` and `w_0` are the change of the way from a to b, the turn of b over a, the mean turn.
@@ -71,8 +75,15 @@ def changes(p, strained, here, held, dr, s, w_0):
     d_theta = turned_rate(eta, v, s)
     dg = change_of_swing(bend, d_theta)
     df, dm = times(p.stiffness, dy), times(p.turning_stiffness, d_theta)
-    if p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0:
-        lag, slow = damped(p, strained, here, omega, dy, d_theta, dg)
+    if section is not None or p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0:
+        du_dot, d_theta_dot = quickened(strained, here, omega, dy, d_theta, dg)
+        lag, slow = damped(p, strained, du_dot, d_theta_dot)
+        if section is not None:
+            flow = add(
+                symmetric(section[1], (dy[0], d_theta[1], d_theta[2])),
+                symmetric(section[2], (du_dot[0], d_theta_dot[1], d_theta_dot[2])),
+            )
+            lag, slow = with_fibres(lag, slow, flow)
         df, dm = add(df, lag), add(dm, slow)
     dm = add(turned_rate(eta, v, dm), change_of_turning(bend, m, d_theta))
     dc = scale(0.5, add(cross(f, dy), cross(df, y)))
@@ -83,15 +94,22 @@ def changes(p, strained, here, held, dr, s, w_0):
 
 
 @kernel
-def damped(p, strained, here, omega, dy, d_theta, dg):
-    """Changes of the force and of the moments of damping."""
-    y, _, _, u_dot, _ = strained
+def quickened(strained, here, omega, dy, d_theta, dg):
+    """Changes of u_dot and theta_dot by the place."""
+    y = strained[0]
     v, eta, g, speed, spin, mean, bend = here
     d_spin, d_mean = cross(spin, omega), cross(mean, omega)
     d_swing = add(cross(dg, spin), cross(g, d_spin))
     du_dot = sub(cross(speed, omega), cross(sub(d_mean, d_swing), y))
     du_dot = sub(du_dot, cross(sub(mean, cross(g, spin)), dy))
     d_theta_dot = add(turned_rate(eta, v, d_spin), change_of_turning(bend, spin, d_theta))
+    return du_dot, d_theta_dot
+
+
+@kernel
+def damped(p, strained, du_dot, d_theta_dot):
+    """Changes of the force and of the moments of damping."""
+    _, _, _, u_dot, _ = strained
     df = scale(p.damping, times(p.stiffness, du_dot))
     df = (df[0] + slope_of_viscosity(p, u_dot[0]) * du_dot[0], df[1], df[2])
     return df, scale(p.damping, times(p.turning_stiffness, d_theta_dot))
@@ -101,6 +119,22 @@ def damped(p, strained, here, omega, dy, d_theta, dg):
 def slope_of_viscosity(p, u_dot):
     """Rise of the viscous tension over the rate of stretch."""
     return p.viscosity - 2.0 * p.quick_viscosity * min(u_dot, 0.0)
+
+
+@kernel
+def with_fibres(f, m, flow):
+    """A force and moments, and tension and moments about y and z of the fibres besides."""
+    return (f[0] + flow[0], f[1], f[2]), (m[0], m[1] + flow[1], m[2] + flow[2])
+
+
+@kernel
+def symmetric(C, x):
+    """C x of a symmetric C, by the rows of its upper half (6)."""
+    return (
+        C[0] * x[0] + C[1] * x[1] + C[2] * x[2],
+        C[1] * x[0] + C[3] * x[1] + C[4] * x[2],
+        C[2] * x[0] + C[4] * x[1] + C[5] * x[2],
+    )
 
 
 @kernel

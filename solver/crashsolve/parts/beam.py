@@ -398,11 +398,12 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def bend(p, nodes, place, blocks):
+def bend(p, state, nodes, curves, place, blocks):
     """Tangent by the places. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
-    bend_blocks(p, a, b, R, v, w, deformation(p, a, b, R, v, w), place, blocks)
+    strained = deformation(p, a, b, R, v, w)
+    bend_blocks(p, None, a, b, R, v, w, strained, place, blocks)
 
 
 @kernel

@@ -6,8 +6,10 @@
 at the one point of an element, its middle. Shear and torsion are elastic, and torsion is free of
 warping; so is what varies along the element (the term l^3 / 12 E I of the beam). A hinge forms in
 the middle of an element: a cantilever of length L bears M_p / (L - l / 2) at its end. Elastic, it
-is the beam. Consequence to test: the limit moment of a rectangle is Y b h^2 / 4, and its moment
-beyond yield 1 - (kappa_Y / kappa)^2 / 3 of it.
+is the beam. Implicit steps have the tangent of the step as it is computed: the beam's, with the
+forces that there are, and what the fibres change it by (_beam_turn.py). Consequence to test: the
+limit moment of a rectangle is Y b h^2 / 4, and its moment beyond yield 1 - (kappa_Y / kappa)^2 / 3
+of it.
 
 References: those of the beam and of _fibres.py.
 """
@@ -18,12 +20,18 @@ import numpy as np
 
 from crashsolve.deck.card import word
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, dot, scale
+from crashsolve.foundation.vec3 import add, cross, dot, scale, sub
 from crashsolve.parts import _fibres, beam
-from crashsolve.parts._halfway import halfway
+from crashsolve.parts._beam_turn import bend_blocks
+from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
 
 STEPWISE = True
+IMPLICIT = ("generalized_alpha", "radau_iia_5")
+# a row each for what the rates of N, M_y and M_z resist
+RATES = 3
+TANGENTS = beam.TANGENTS + RATES
 ORDER, DESCRIPTIONS = 1, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(
     count=("count", "fibres"),
@@ -100,13 +108,10 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
-    y, u, theta, u_dot, theta_dot = beam.deformation(p, a, b, R, v, w)
-    per = 1.0 / p.length
-    N, M_y, M_z, stored, lost = _fibres.resultants(
-        p, old, new, h, curves,
-        (per * u[0], per * theta[1], per * theta[2]),
-        (per * u_dot[0], per * theta_dot[1], per * theta_dot[2]),
-    )  # fmt: skip
+    strained = beam.deformation(p, a, b, R, v, w)
+    y, u, theta, u_dot, theta_dot = strained
+    strain, rate = at_section(p, strained)
+    N, M_y, M_z, stored, lost = _fibres.resultants(p, old, new, h, curves, strain, rate)
     k, k_r = p.stiffness, p.turning_stiffness
     f, m = (N, k[1] * u[1], k[2] * u[2]), (k_r[0] * theta[0], M_y, M_z)
     elastic = k[1] * u[1] * u[1] + k[2] * u[2] * u[2] + k_r[0] * theta[0] * theta[0]
@@ -126,3 +131,61 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.plastic_work, out.plastic_strain = new.work, 0.0
     for i in range(p.count):
         out.plastic_strain = max(out.plastic_strain, new.hardening[i])
+
+
+@kernel
+def at_section(p, strained):
+    """Stretch and bending of the section, and their rates; of what beam.deformation tells."""
+    _, u, theta, u_dot, theta_dot = strained
+    per = 1.0 / p.length
+    strain = (per * u[0], per * theta[1], per * theta[2])
+    return strain, (per * u_dot[0], per * theta_dot[1], per * theta_dot[2])
+
+
+@kernel
+def yielding(p, old, curves, strained):
+    """What fibres have besides K: N, M_y, M_z, and derivatives by u_x, theta_y, theta_z (6 each).
+
+    Those by the rates of these follow.
+    """
+    lack, by_strain, by_rate = _fibres.moduli(p, old, curves, *at_section(p, strained))
+    per = 1.0 / p.length
+    return lack, _fibres.scaled(per, by_strain), _fibres.scaled(per, by_rate)
+
+
+@kernel
+def bend(p, state, nodes, curves, place, blocks):
+    """Tangent by the places. Writes: blocks."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    R, v, w = halfway(a, b)
+    strained = beam.deformation(p, a, b, R, v, w)
+    section = yielding(p, state, curves, strained)
+    bend_blocks(p, section, a, b, R, v, w, strained, place, blocks)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """By the velocities; by the places see bend. Writes: rows."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    R, v, w = halfway(a, b)
+    beam.yield_rows(p, a, b, R, v, w, rows, first)
+    first += beam.TANGENTS
+    for k in range(RATES):
+        no_tangent(rows[first + k])
+    if p.rate_D == 0.0:
+        return
+    strained = beam.deformation(p, a, b, R, v, w)
+    _, _, by_rate = yielding(p, state, curves, strained)
+    weight, side = _fibres.squares(by_rate)
+    resist_rate(rows[first], R, v, w, strained[0], (1.0, side[0], side[1]), weight[0])
+    resist_rate(rows[first + 1], R, v, w, strained[0], (0.0, 1.0, side[2]), weight[1])
+    resist_rate(rows[first + 2], R, v, w, strained[0], (0.0, 0.0, 1.0), weight[2])
+
+
+@kernel
+def resist_rate(row, R, v, w, y, flow, damping):
+    """Tangent of N, M_y and M_z in this proportion. Writes: row."""
+    f, m = (flow[0], 0.0, 0.0), (0.0, flow[1], flow[2])
+    c = scale(0.5, cross(f, y))
+    m = add(turned_rate(half_angle_over_sine(v, w), v, m), scale(2.0, swing_of(v, w, c)))
+    beam.resist(row, R, f, sub(m, c), add(m, c), damping)

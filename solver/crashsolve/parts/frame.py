@@ -167,12 +167,12 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def bend(p, nodes, place, blocks):
+def bend(p, state, nodes, curves, place, blocks):
     """Tangent by the places. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
     strained = beam.deformation(p, a, b, R, v, w)
-    bend_blocks(p, a, b, R, v, w, strained, place, blocks)
+    bend_blocks(p, None, a, b, R, v, w, strained, place, blocks)
 
 
 @kernel

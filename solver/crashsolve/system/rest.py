@@ -1,11 +1,12 @@
-"""Quasi-static solution with shells: implicit steps that begin at rest, until nothing moves.
+"""Quasi-static solution of what remembers its way: implicit steps from rest, until nothing moves.
 
     2 M / h^2 delta = g(q + delta)         generalized-alpha, spectral radius 0, v = 0 at its start
 
 A step leaves 1 / (1 + (omega h)^2 / 2) of what is missing to the equilibrium of its load in a
 vibration of frequency omega: few are enough where the load step h is long beside the vibrations.
 Inertia holds what no stiffness does, as some spins of the nodes of a shell about its normal.
-Elements strain on the way from equilibrium to equilibrium, as what yields must. Consequence to
+Elements of shells and fibre beams strain on the way from equilibrium to equilibrium, as what yields
+must. Consequence to
 test: work of the loads is the energy stored.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.

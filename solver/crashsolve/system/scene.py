@@ -34,7 +34,7 @@ def elements(clock, h, groups):
     """Forces of elements after a step of h from what they kept before it. Writes: points, lanes."""
 
 
-def bend(h, nodes, matrix, groups):
+def bend(h, clock, nodes, curves, matrix, groups):
     """Tangents of shells after a step of h, and what turns the forces of beams. Writes: matrix."""
 
 
