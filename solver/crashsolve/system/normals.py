@@ -6,8 +6,8 @@ N_k are bilinear in a quadrilateral and linear in a triangle; n_k is the normal 
 the faces there weighted by angle. The place is found by Newton's method from the nearest one, over
 a side where it lies in the next face. The force acts along the line through x and c as before, so
 momenta are kept to round-off; the energy of a touch is kept as far as n is normal to the face.
-An ellipsoid is the ball that touches within it at the foot with this normal (`ellipsoids.py`), whose
-centre x turns with n. Consequence to test: on a faceted cylinder the force points to the axis,
+An ellipsoid is the ball that touches within it at the foot with this normal (`ellipsoids.py`), and
+its centre x turns with n. Consequence to test: on a faceted cylinder the force points to the axis,
 wherever it is touched.
 
 Reference: Puso and Laursen (2004), Computer Methods in Applied Mechanics and Engineering 193,
