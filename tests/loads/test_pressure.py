@@ -37,7 +37,9 @@ def pressed(folder: Path, **words: Any) -> tuple[Any, Any]:
     scene = SimpleNamespace(points=points, corners=elements.corners, work=elements.work)
     curves = model.curves.view(np.recarray)
     plain(group.module.force)(p, old, new, out, 0.0, 0.0, nodes, None, curves)
-    plain(group.module.force_on_points)(p, old, new, out, 0.0, 0.0, nodes, curves, scene)
+    for half in range(2):
+        plain(group.module.load_half)(p, half, old, out, 0.0, scene)
+        plain(group.module.add_up)(out, 0.0, nodes, elements.work)
     return points, out
 
 

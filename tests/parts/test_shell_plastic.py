@@ -11,12 +11,13 @@ from shells import KINDS, ODD, SQUARE, Elements
 from crashsolve.foundation.curve import curve_line, curve_value, pack
 from crashsolve.parts._layers import (
     BACK,
-    BESIDE,
     FACTOR,
     NEAR,
+    NUMBER,
     SLOT_ROWS,
     STRAIN,
     G,
+    beside_at,
     step_to_root,
 )
 from crashsolve.parts._quad_block import PLANE_Q, SHEAR, THICKNESS
@@ -50,9 +51,11 @@ def size(xi: np.ndarray) -> np.ndarray:
 
 def whole(shell: Elements, slot: int, xi: np.ndarray) -> float:
     """Von Mises' stress of the layer in a slot, with what is beside its plane."""
-    rows = shell.scene.work.reshape(-1, 16)[SLOT_ROWS * slot :, 0]
-    left = 1.0 / (1.0 + shell.p.falls_2 * rows[G])
-    return float(np.hypot(size(xi[None])[0], left * np.sqrt(rows[BESIDE])))
+    work = shell.scene.work
+    left = 1.0 / (1.0 + shell.p.falls_2 * work.reshape(-1, 16)[SLOT_ROWS * slot + G, 0])
+    zeta = shell.p.zeta[int(work.reshape(-1, 16)[NUMBER, slot])]
+    beside: Any = plain(beside_at)
+    return float(np.hypot(size(xi[None])[0], left * np.sqrt(beside(work, 0, zeta))))
 
 
 def stretched(strain: Any) -> np.ndarray:

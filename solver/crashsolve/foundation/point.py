@@ -15,6 +15,14 @@ RIDES = 64
 # beside it: the body is there for the point alone, in implicit steps
 OWN = 128
 
+
+def first_half(quads: int, triangles: int) -> tuple[int, int, int]:
+    """Of a part in two halves, the first: its blocks, its quadrilaterals, its triangles."""
+    filled, more = -(-quads // LANES), -(-triangles // LANES)
+    head = (filled + more + 1) // 2
+    return head, min(LANES * head, quads), min(LANES * max(head - filled, 0), triangles)
+
+
 POINT = Record(
     r=("m", 3, "position"),
     v=("m/s", 3, "velocity; during a step that of its middle"),

@@ -13,7 +13,7 @@ from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
 from crashsolve.foundation.motion import act_from_outside
-from crashsolve.foundation.point import LANES
+from crashsolve.foundation.point import LANES, first_half
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, put, scale, sub
 
@@ -29,9 +29,9 @@ class Pressure(Card):
 PARAMETERS = Record(
     pressure=("Pa", "p"),
     curve=("index", "factor over time; 0 for none"),
-    first_corner=("index", "of the part's corners"),
-    quads=("count", "quadrilaterals"),
-    triangles=("count", "triangles, in the blocks after theirs"),
+    first_corner=("index", 2, "of the corners of each half of the part"),
+    quads=("count", 2, "quadrilaterals there"),
+    triangles=("count", 2, "triangles there, in the blocks after theirs"),
 )
 HISTORY = Record(pressure=("Pa", "pressure at the last step"))
 OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
@@ -48,12 +48,13 @@ def build(card: Pressure, scene: Any) -> dict[str, Any]:
         )
         raise scene.fail(message, "part")
     corner, quads, triangles = scene.faces(card.part, "part")
+    head, n, m = first_half(quads, triangles)
     return {
         "pressure": card.pressure,
         "curve": scene.curve(card.curve) if card.curve else 0,
-        "first_corner": corner,
-        "quads": quads,
-        "triangles": triangles,
+        "first_corner": (corner, corner + 4 * LANES * head),
+        "quads": (n, quads - n),
+        "triangles": (m, triangles - m),
     }
 
 
@@ -70,18 +71,28 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
-    """Writes: scene.points, nodes, out."""
-    press(p.first_corner, p.quads, 4, old, out, h, nodes, scene)
-    filled = (p.quads + LANES - 1) // LANES * LANES
-    press(p.first_corner + 4 * filled, p.triangles, 3, old, out, h, nodes, scene)
+def load_half(p, half, old, out, h, scene):
+    """The elements of one half of the part. Writes: scene.points, work."""
+    clear(scene.work)
+    first, quads = p.first_corner[half], p.quads[half]
+    press(first, quads, 4, old, out, h, scene)
+    filled = (quads + LANES - 1) // LANES * LANES
+    press(first + 4 * filled, p.triangles[half], 3, old, out, h, scene)
 
 
 @kernel
-def press(first, count, sides, old, out, h, nodes, scene):
-    """Elements of one number of sides, by blocks. Writes: scene.points, work, nodes, out."""
+def add_up(out, h, nodes, work):
+    """What loading a half of the part has left in `work`. Writes: nodes, out."""
+    total = sum_three(work, TOTAL)
+    out.loss += h * sum_lanes(work, LOSS)
+    add_to(out.force, total)
+    act_from_outside(nodes[0], total, sum_three(work, MOMENT))
+
+
+@kernel
+def press(first, count, sides, old, out, h, scene):
+    """Elements of one number of sides, by blocks. Writes: scene.points, work."""
     points, corners, work, done, share = scene.points, scene.corners, scene.work, 0, -0.5 / sides
-    clear(work)
     while done < count:
         corner, live = first + 4 * done, min(LANES, count - done)
         for c in range(4):
@@ -95,10 +106,6 @@ def press(first, count, sides, old, out, h, nodes, scene):
                     points, corners, corner + LANES * c + e, work, rows[0], rows[1], live - e
                 )
         done += LANES
-    total = scale(sides, sum_three(work, TOTAL))
-    out.loss += h * sum_lanes(work, LOSS)
-    add_to(out.force, total)
-    act_from_outside(nodes[0], total, sum_three(work, MOMENT))
 
 
 @blockwise
@@ -137,7 +144,7 @@ def press_block(work, live, sides, h, now, before):
         turn = cross(place, f)
         for k in range(3):
             work[LANES * (FORCE + k) + e] = f[k]
-            work[LANES * (TOTAL + k) + e] += f[k]
+            work[LANES * (TOTAL + k) + e] += sides * f[k]
             work[LANES * (MOMENT + k) + e] += turn[k]
         work[LANES * LOSS + e] += dot(mean, way)
 

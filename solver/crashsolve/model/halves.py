@@ -12,12 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.point import LANES, POINT, RIDES
+from crashsolve.foundation.point import LANES, POINT, RIDES, first_half
 from crashsolve.foundation.record import Record
 from crashsolve.model.clock import CLOCK
 from crashsolve.model.model import Model, State
 
-JOB = Record(number=("index", "what the second thread is to do"), h=("s", "step"))
+JOB = Record(
+    number=("index", "what the second thread is to do"),
+    h=("s", "step"),
+    entry=("index", "for which load"),
+    current=("index", "of its history"),
+)
 LOAN = Record(
     point=("index", "that a point stands for"),
     slows=("flag", "whether its element has damping"),
@@ -31,6 +36,7 @@ class Halves:
     """What two threads need beside the tables of one."""
 
     rows: tuple[dict[str, np.ndarray], dict[str, np.ndarray]]  # parameters of groups by word
+    loads: dict[str, np.ndarray]  # those of loads on elements, as the second half has them
     corners: np.ndarray  # of the second half
     points: np.ndarray  # all of them, those that stand for others behind
     loans: np.ndarray  # for which
@@ -48,6 +54,7 @@ def halve(model: Model, state: State) -> Halves:
     rows: tuple[dict[str, np.ndarray], dict[str, np.ndarray]] = ({}, {})
     corners: list[np.ndarray] = []
     loans: list[np.ndarray] = []
+    moved: dict[int, int] = {}
     elements, count = model.elements, len(state.points)
     assert elements is not None
     for g in model.element_groups():
@@ -59,6 +66,7 @@ def halve(model: Model, state: State) -> Halves:
         for row, first, second in zip(g.parameters, rows[0][g.word], rows[1][g.word], strict=True):
             own, lent = _border(row, first, second, elements.corners, count)
             own[own >= count] += sum(map(len, loans))
+            moved[int(second["first_corner"])] = sum(map(len, corners))
             second["first_corner"] = sum(map(len, corners))
             corners.append(own)
             loan = np.zeros(len(lent), LOAN.dtype)
@@ -70,12 +78,20 @@ def halve(model: Model, state: State) -> Halves:
     held = np.flatnonzero((state.points["held"] > 0) & (state.points["held"] < RIDES))
     return Halves(
         rows,
+        {g.word: _moved(g.parameters, moved) for g in model.element_loads()},
         np.concatenate(corners),
         table,
         np.concatenate(loans),
         held.astype(HOLD.dtype),
         np.zeros(1, CLOCK.dtype),
     )
+
+
+def _moved(rows: np.ndarray, moved: dict[int, int]) -> np.ndarray:
+    """Rows of loads on elements whose second half begins at a corner of its own table."""
+    found = rows.copy()
+    found["first_corner"][:, 1] = [moved[int(corner)] for corner in rows["first_corner"][:, 1]]
+    return found
 
 
 def _blocks(elements: int) -> int:
@@ -89,8 +105,7 @@ def _cut(row: Any, laid: Any) -> tuple[Any, Any]:
     triangles = int(row["triangles"])
     quads = int(row["element_count"]) - triangles
     filled = _blocks(quads)
-    head = (filled + _blocks(triangles) + 1) // 2
-    n, m = min(LANES * head, quads), min(LANES * max(head - filled, 0), triangles)
+    head, n, m = first_half(quads, triangles)
     for kind in QUADS:
         own = n if row[kind] else 0
         first[kind], second[kind] = own, row[kind] - own

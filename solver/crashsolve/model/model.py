@@ -210,6 +210,10 @@ class Model:
     def sensor_groups(self) -> list[Group]:
         return [g for g in self.groups if g.keyword == "sensors"]
 
+    def element_loads(self) -> list[Group]:
+        """Loads on the elements of parts, half by half."""
+        return [g for g in self.groups if hasattr(g.module, "load_half")]
+
     def following_groups(self) -> list[Group]:
         """Sensors that must look at every step."""
         return [g for g in self.sensor_groups() if hasattr(g.module, "follow")]

@@ -242,9 +242,6 @@ class NodalBuilder:
         """Probes against the faces of a shell."""
         card = b.entry.card
         laid, corner, first = self.scene.skin(card.part, "part")
-        if laid.quad_count < len(laid.area) and card.normals == "continuous":
-            message = f"part '{card.part}' has triangles, and only quadrilaterals have a field of"
-            raise self.scene.fail(f"{message} normals; leave `normals: continuous` out", "b")
         round_ones = self._ellipsoids(a, probes, b) if a.shape == "ellipsoid" else {}
         is_own = probes.part == card.part
         if is_own and probes.radius == 0.0:

@@ -21,7 +21,15 @@ non-linear quadrilateral shell element with physical stabilization, the same 42,
 
 from crashsolve.foundation.compile import blockwise, inlined
 from crashsolve.foundation.point import LANES
-from crashsolve.parts._layers import AMPLITUDE, SHEARED, SQUARES, TAKEN, TAKEN_MODES, TRIAL, WEAK
+from crashsolve.parts._layers import (
+    AMPLITUDE,
+    SHEARED,
+    SQUARES,
+    TAKEN,
+    TRIAL,
+    WEAK,
+    taken_modes,
+)
 from crashsolve.parts._quad import DRILLING, sides
 from crashsolve.parts._quad_block import (
     AREA,
@@ -83,11 +91,10 @@ def see_modes(blocks, first, work):
 def relax_modes(blocks, first, work):
     """Hourglass stresses after yielding, and the work on them. Writes: blocks."""
     for e in range(LANES):
-        less = 0.0
+        less, taken = 0.0, taken_modes(work, e)
         for k in range(4):
-            taken = work[LANES * (TAKEN_MODES + k) + e]
-            blocks[first + LANES * (PLANE_Q + k) + e] -= taken
-            less += 0.5 * taken * work[LANES * (MODES + k) + e]
+            blocks[first + LANES * (PLANE_Q + k) + e] -= taken[k]
+            less += 0.5 * taken[k] * work[LANES * (MODES + k) + e]
         blocks[first + LANES * HOURGLASS + e] -= less
 
 

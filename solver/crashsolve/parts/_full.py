@@ -80,6 +80,7 @@ def deform(p, clock, h, scene):
     Writes: scene.points, lanes, work, clock.
     """
     done = 0
+    clear_weak(scene.work)
     while done < p.four_points:
         first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
         live = min(LANES, p.four_points - done)
@@ -122,7 +123,6 @@ def stress(blocks, first, work, h, p, curves):
     """
     keep_mean(work)
     if p.plastic == 1:
-        clear_weak(work)
         see_shear(blocks, first, work)
     if p.hyper == 1:
         clear_growth(work)

@@ -78,6 +78,7 @@ def tangent(p, h, scene):
     Writes: scene.blocks_0, lanes, work, seen, change.
     """
     done, blocks, work, seen = 0, scene.lanes, scene.work, scene.seen
+    clear_weak(work)
     while done < p.four_points:
         first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
         gather(scene.points, scene.corners, corner, work)
@@ -100,7 +101,6 @@ def stress(blocks, kept, first, work, seen, h, p, curves):
     Writes: blocks, work, seen.
     """
     keep_mean(work)
-    clear_weak(work)
     see_shear(blocks, first, work)
     for point in range(4):
         xi, eta = place_of(point)

@@ -25,7 +25,6 @@ from crashsolve.foundation.compile import blockwise, inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.parts._layers import (
     ACROSS,
-    BESIDE,
     FACTOR,
     METRIC,
     SLOPE,
@@ -34,6 +33,7 @@ from crashsolve.parts._layers import (
     XI,
     YIELD,
     G,
+    beside_at,
     elastic_layer,
     hyperelastic_layer,
     layer_strain,
@@ -84,7 +84,6 @@ def clear_flow(work):
     for e in range(LANES):
         work[LANES * G + e], work[LANES * SLOPE + e] = 0.0, 0.0
         work[LANES * YIELD + e], work[LANES * FACTOR + e] = 1.0, 1.0
-        work[LANES * BESIDE + e] = 0.0
 
 
 @inlined
@@ -106,7 +105,7 @@ def factor_slopes(d, factor, h, p):
 
 
 @inlined
-def flow_of(work, e, d, q, h, p, c1, c2):
+def flow_of(work, e, d, q, zeta, h, p, c1, c2):
     """g, the stress of the end less alpha as (sum, difference, shear), and slopes of g.
 
     They are those by the strains d, the stresses q of the hourglass and tau: 0 within yield.
@@ -115,7 +114,7 @@ def flow_of(work, e, d, q, h, p, c1, c2):
     factor, (x, y, xy) = work[LANES * FACTOR + e], three(work, LANES * XI + e)
     u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * slope * g
     both, apart, s = (x + y) / u1, (x - y) / u2, xy / u2
-    size, beside = flow / u3, work[LANES * BESIDE + e] / (u2 * u2)
+    size, beside = flow / u3, beside_at(work, e, zeta) / (u2 * u2)
     square = size * size
     falls = 0.5 * c1 / u1 * both * both
     falls += c2 / u2 * (1.5 * apart * apart + 6.0 * s * s + 2.0 * beside)
@@ -189,7 +188,7 @@ def add_layer(work, seen, at, h, p, zeta, weight):
         t, q = work[LANES * DEPTH + e], mode_stress(work, e, zeta)
         z = 0.5 * t * zeta
         d = layer_strain(work, e, z)
-        g, stress, by, by_q, by_tau = flow_of(work, e, d, q, h, p, c1, c2)
+        g, stress, by, by_q, by_tau = flow_of(work, e, d, q, zeta, h, p, c1, c2)
         for k in range(3):
             way = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
             found = column_of(g, stress, q, by[k], way, no, p, c1, c2)

@@ -6,7 +6,8 @@ with the points zeta in -1 ... 1 and weights w of a quadrature rule. Beyond the 
 xi = sigma - alpha, the plastic strain is g P xi and
 
     s1 / (1 + c1 g)^2 + s2 / (1 + c2 g)^2 = Y(e + 2/3 g Y)^2
-    s1 = (xi_x + xi_y)^2 / 4,   s2 = 3 (xi_x - xi_y)^2 / 4 + 3 xi_xy^2   of the trial stress
+    s1 = (xi_x + xi_y)^2 / 4,   s2 = 3 (xi_x - xi_y)^2 / 4 + 3 xi_xy^2   of the trial stress,
+                                s2 with the square of what is beside it (_beside.py)
     c1 = E / (3 - 3 nu) + 2/3 H_k,   c2 = 2 G + 2/3 H_k
 
 whose root g Householder's method finds, where Y is a straight line. It works on
@@ -14,10 +15,10 @@ whose root g Householder's method finds, where Y is a straight line. It works on
     Y(e) / s(g) - 1 + 2/3 H g = 0,   s^2 the left side, H the slope of the line
 
 which is straight in g itself if c1 = c2, and bent so little otherwise that two steps are enough as
-a rule. A curve is followed from line to line. Transverse shear stays elastic. The power law of
-Johnson and Cook, whose slope is endless at e = 0, is followed along its tangents from a g so small
-that neither side of the equation has used up half of what the trial stress is beyond yield. A layer
-whose plastic strain has reached that of failure loses its stress in the next step, for good.
+a rule. A curve is followed from line to line. The power law of Johnson and Cook, whose slope is
+endless at e = 0, is followed along its tangents from a g so small that neither side of the equation
+has used up half of what the trial stress is beyond yield. A layer whose plastic strain has reached
+that of failure loses its stress in the next step, for good.
 
 Reference: Simo and Taylor (1986), A return mapping algorithm for plane stress elastoplasticity,
 Int. J. Num. Meth. Eng. 22, 649-670.
@@ -52,23 +53,21 @@ BACK, BACK_ROWS = 4, 3
 # with a curve, the last three: of its tangent at the strain the value at no strain and the slope,
 # and the strain at which it ends
 LINE_ROWS = 3
-# further rows of `work`: of all layers, the strain across the thickness, the plastic work, the
-# energy of those that fail; of large elastic strain, the largest growth of the stiffness
+# further rows of `work`: of all layers, the strain across the thickness, the plastic work per
+# area, the energy of those that fail; of large elastic strain, the largest growth of the stiffness
 THIN, LOST, DROPPED, GROWTH = (ROWS + k for k in range(4))
 # of the trial stresses beside those of layers (_beside.py): square of transverse shear; of the
-# hourglass what a_x and a_y have at all heights, and by height, 1 / (t r)^2; the share that
-# yielding takes from all, and what it takes from Q and P; share of the shear stiffness that there
-# is; transverse shear itself; numbers of the layers that yield
-SHEARED, AMPLITUDE, SQUARES, TAKEN, TAKEN_MODES, WEAK, TRIAL, NUMBER = (
-    ROWS + k for k in (4, 5, 9, 11, 12, 16, 17, 19)
+# hourglass what a_x and a_y have at all heights, and by height, 1 / (t r)^2; sums over the layers
+# of k, k z and k z^2; share of the shear stiffness that there is; transverse shear itself; numbers
+# of the layers that yield
+SHEARED, AMPLITUDE, SQUARES, TAKEN, WEAK, TRIAL, NUMBER = (
+    ROWS + k for k in (4, 5, 9, 11, 14, 15, 17)
 )
 # and of each of these: trial stress less alpha, s1, s2, g, yield stress, its slope, factor of rate,
-# what is missing, square of the stresses beside
-XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP, BESIDE = (
-    ROWS + 20 + k for k in (0, 3, 4, 5, 6, 7, 8, 9, 10)
-)
-MOST_LAYERS, SLOT_ROWS = 10, 11
-ALL_ROWS = ROWS + 20 + MOST_LAYERS * SLOT_ROWS
+# what is missing
+XI, S1, S2, G, YIELD, SLOPE, FACTOR, GAP = (ROWS + 18 + k for k in (0, 3, 4, 5, 6, 7, 8, 9))
+MOST_LAYERS, SLOT_ROWS = 10, 10
+ALL_ROWS = ROWS + 18 + MOST_LAYERS * SLOT_ROWS
 # rows at the end of a block where elements may fail: energy of the stresses lost, and the kinetic
 # energy of elements when they were deleted
 FAILED_ROWS = 2
@@ -92,7 +91,7 @@ def clear_resultants(work):
         work[LANES * THIN + e] = 0.0
         work[LANES * LOST + e] = 0.0
         work[LANES * DROPPED + e] = 0.0
-        for k in range(5):
+        for k in range(3):
             work[LANES * (TAKEN + k) + e] = 0.0
 
 
@@ -243,7 +242,7 @@ def take_up(blocks, first, stride, work, h, p):
     """
     if p.plastic == 1:
         for e in range(LANES):
-            blocks[first + LANES * LOSS + e] += work[LANES * LOST + e]
+            blocks[first + LANES * LOSS + e] += work[LANES * AREA + e] * work[LANES * LOST + e]
     if p.failure > 0.0:
         for e in range(LANES):
             at = first + stride - FAILED_ROWS * LANES + e
@@ -296,15 +295,12 @@ def try_layer(blocks, at, work, slots, to, h, p, zeta, weight):
         soften(blocks, at, slots, to, p)
     find_trial(blocks, at, work, slots, to, p, zeta)
     if p.power > 0.0:
-        start_return(slots, to)
         follow_power(blocks, at, slots, to, p)
         count = count_beyond(slots, to)
     else:
         count = find_lines(blocks, at, slots, to, p)
     if p.failure > 0.0:
         drop_failed(blocks, at, work, slots, to, p, weight)
-        # failed layers have lost their stress
-        start_return(slots, to)
         count = count_beyond(slots, to)
     return count
 
@@ -358,7 +354,8 @@ def drop_failed(blocks, at, work, slots, to, p, weight):
             if p.kinematic > 0.0:
                 blocks[at + (BACK + row) * LANES + e] *= keep
         # what is beside the layers stays with those that are left
-        slots[to + LANES * BESIDE + e] *= keep
+        slots[to + LANES * S1 + e] *= keep
+        slots[to + LANES * S2 + e] *= keep
         slots[to + LANES * GAP + e] = -1.0 if has_failed else slots[to + LANES * GAP + e]
 
 
@@ -376,7 +373,7 @@ def scaled(p):
 
 @blockwise
 def find_trial(blocks, at, work, slots, to, p, zeta):
-    """Trial stress less alpha, and the square of what is beside it. Writes: slots."""
+    """Trial stress of a layer less alpha, s1 and s2, and no g yet. Writes: slots."""
     nu, shear, moves = p.poisson, p.shear, p.kinematic > 0.0
     C, back = p.plane, at + LANES * BACK
     for e in range(LANES):
@@ -388,10 +385,18 @@ def find_trial(blocks, at, work, slots, to, p, zeta):
             s_x -= blocks[back + e]
             s_y -= blocks[back + LANES + e]
             s_xy -= blocks[back + 2 * LANES + e]
+        both, apart = s_x + s_y, s_x - s_y
+        s2 = 0.75 * apart * apart + 3.0 * s_xy * s_xy + beside_at(work, e, zeta)
         put_three(slots, to + LANES * XI + e, (s_x, s_y, s_xy))
-        a_x, a_y = modes_at(work, e, zeta)
-        beside = work[LANES * SHEARED + e] + work[LANES * SQUARES + e] * a_x * a_x
-        slots[to + LANES * BESIDE + e] = beside + work[LANES * (SQUARES + 1) + e] * a_y * a_y
+        put_three(slots, to + LANES * S1 + e, (0.25 * both * both, s2, 0.0))
+
+
+@inlined
+def beside_at(work, e, zeta):
+    """Square of the trial stresses beside a layer."""
+    a_x, a_y = modes_at(work, e, zeta)
+    beside = work[LANES * SHEARED + e] + work[LANES * SQUARES + e] * a_x * a_x
+    return beside + work[LANES * (SQUARES + 1) + e] * a_y * a_y
 
 
 @inlined
@@ -417,28 +422,11 @@ def find_lines(blocks, at, slots, to, p):
             start, slope = blocks[line + e], blocks[line + LANES + e]
         factor = slots[to + LANES * FACTOR + e] if has_factor else 1.0
         flow = factor * (start + slope * blocks[at + STRAIN * LANES + e])
-        s1, s2 = parts_of(three(slots, to + LANES * XI + e), slots[to + LANES * BESIDE + e])
-        gap = s1 + s2 - flow * flow
-        put_three(slots, to + LANES * S1 + e, (s1, s2, 0.0))
+        gap = slots[to + LANES * S1 + e] + slots[to + LANES * S2 + e] - flow * flow
         put_three(slots, to + LANES * YIELD + e, (flow, factor * slope, factor))
         slots[to + LANES * GAP + e] = gap
         count += 1.0 if gap > 0.0 else 0.0
     return count
-
-
-@inlined
-def parts_of(xi, beside):
-    """s1 and s2."""
-    both, apart = xi[0] + xi[1], xi[0] - xi[1]
-    return 0.25 * both * both, 0.75 * apart * apart + 3.0 * xi[2] * xi[2] + beside
-
-
-@blockwise
-def start_return(slots, to):
-    """Writes: slots."""
-    for e in range(LANES):
-        s1, s2 = parts_of(three(slots, to + LANES * XI + e), slots[to + LANES * BESIDE + e])
-        put_three(slots, to + LANES * S1 + e, (s1, s2, 0.0))
 
 
 @blockwise
@@ -669,9 +657,9 @@ def stay(blocks, at, work, slots, to, p, zeta, weight):
 def settle(blocks, at, work, slots, to, p, zeta, weight):
     """Stress, plastic strain and alpha from g; resultants, plastic work, thinning.
 
-    Writes: blocks, work.
+    Writes: blocks, work, slots.
     """
-    c1, c2 = softening(p)
+    (c1, c2), heats = softening(p), p.heating > 0.0
     shift, softness, moves = 2.0 / 3.0 * p.kinematic, -p.softness, p.kinematic > 0.0
     back = at + LANES * BACK
     for e in range(LANES):
@@ -698,24 +686,31 @@ def settle(blocks, at, work, slots, to, p, zeta, weight):
         p_x, p_y = g * (both / 6.0 + 0.5 * apart), g * (both / 6.0 - 0.5 * apart)
         lost = 0.5 * ((old_x + s_x) * p_x + (old_y + s_y) * p_y) + (old_xy + s_xy) * g * xy
         share, z = 0.5 * weight * t, 0.5 * t * zeta
-        work[LANES * LOST + e] += share * work[LANES * AREA + e] * lost
-        # the gap is closed; its row is free
-        slots[to + LANES * GAP + e] = lost
+        work[LANES * LOST + e] += share * lost
+        if heats:
+            # the gap is closed; its row is free
+            slots[to + LANES * GAP + e] = lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
-        take(work, e, 0.5 * weight * (1.0 - k2), zeta)
+        take(work, e, 0.5 * weight * (1.0 - k2), z)
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y
         work[LANES * THIN + e] += 0.5 * weight * thinner
 
 
 @inlined
-def take(work, e, share, zeta):
-    """What the yielding of a layer takes from the stresses beside those of layers. Writes: work."""
-    z, (a_x, a_y) = 0.5 * work[LANES * DEPTH + e] * zeta, modes_at(work, e, zeta)
-    a_x, a_y = share * a_x, share * a_y
+def take(work, e, share, z):
+    """Share k of a layer in what yielding takes from the stresses beside layers. Writes: work."""
     at = LANES * TAKEN + e
     work[at] += share
-    work[at + LANES] += a_x
-    work[at + 2 * LANES] += a_y
-    work[at + 3 * LANES] += z * a_x
-    work[at + 4 * LANES] += z * a_y
+    work[at + LANES] += share * z
+    work[at + 2 * LANES] += share * z * z
+
+
+@inlined
+def taken_modes(work, e):
+    """What yielding takes from Q and P of the hourglass."""
+    at, to = LANES * TAKEN + e, LANES * AMPLITUDE + e
+    k, k_z, k_zz = three(work, at)
+    q_x, q_y, p_x = three(work, to)
+    p_y = work[to + 3 * LANES]
+    return k * q_x + k_z * p_x, k * q_y + k_z * p_y, k_z * q_x + k_zz * p_x, k_z * q_y + k_zz * p_y

@@ -29,9 +29,8 @@ from crashsolve.parts._layer_tangent import (
     layers_and_tangent,
 )
 from crashsolve.parts._layers import AMPLITUDE as WORK_AMPLITUDE
-from crashsolve.parts._layers import SQUARES, clear_resultants, take_up
+from crashsolve.parts._layers import SQUARES, clear_resultants, take_up, taken_modes
 from crashsolve.parts._layers import TAKEN as WORK_TAKEN
-from crashsolve.parts._layers import TAKEN_MODES as WORK_TAKEN_MODES
 from crashsolve.parts._quad import cross3, dot3, hourglass_stiffness, plane_axes, sides
 from crashsolve.parts._quad_block import (
     DRILLING,
@@ -116,12 +115,12 @@ def tangent(p, h, scene):
     Writes: scene.blocks_0, lanes, work, seen, change.
     """
     done, blocks, work, seen = 0, scene.lanes, scene.work, scene.seen
+    clear_weak(work)
     while done < p.one_point:
         first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
         gather(scene.points, scene.corners, corner, work)
         strain(blocks, first, work, h, p)
         clear_resultants(work)
-        clear_weak(work)
         see_shear(blocks, first, work)
         see_modes(blocks, first, work)
         at = first + LANES * LAYERS
@@ -268,11 +267,11 @@ def see_stress(blocks, kept, first, work, seen):
 @inlined
 def see_taken(work, seen, e):
     """What yielding takes, and of what. Writes: seen."""
-    seen[LANES * TAKEN + e] = work[LANES * WORK_TAKEN + e]
+    seen[LANES * TAKEN + e], taken = work[LANES * WORK_TAKEN + e], taken_modes(work, e)
     for m in range(4):
         # of stresses, as the tangent of the layers has them
         over = sqrt(work[LANES * (SQUARES + m % 2) + e])
-        seen[LANES * (TAKEN_MODES + m) + e] = over * work[LANES * (WORK_TAKEN_MODES + m) + e]
+        seen[LANES * (TAKEN_MODES + m) + e] = over * taken[m]
         seen[LANES * (AMPLITUDE + m) + e] = over * work[LANES * (WORK_AMPLITUDE + m) + e]
 
 

@@ -720,6 +720,7 @@ def deform(p, clock, h, scene):
     Writes: scene.points, lanes, work, clock.
     """
     done = 0
+    clear_weak(scene.work)
     while done < p.one_point:
         first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
         live = min(LANES, p.one_point - done)
@@ -742,7 +743,6 @@ def respond(p, h, first, corner, scene):
     if p.failure > 0.0:
         mute_strains(blocks, first, work)
     if p.plastic == 1:
-        clear_weak(work)
         see_shear(blocks, first, work)
         see_modes(blocks, first, work)
     if layers(blocks, first, p.stride, work, h, p, scene.curves) > 0:

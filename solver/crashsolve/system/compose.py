@@ -45,6 +45,7 @@ SIGNATURES = {
     "renew": "clock, nodes, rows, curves, compliant, matrix, t, tt, groups",
     "open_share": "clock, h, groups",
     "deform_share": "clock, h, groups",
+    "load_share": "job, groups",
     "close_share": "clock, h, nodes, groups",
     "force_pass": "clock, time, h, nodes, rows, curves, groups",
     "approach": "current, nodes, groups",
@@ -188,8 +189,10 @@ def scene_text(model: Any) -> str:
             _function("open_share", _open_calls(model)),
             _function("deform_share", _deform_calls(model)),
             _function("close_share", _kick_calls(model)),
-            sharing.ASSIST,
         ]
+        if model.element_loads():
+            parts.append(_function("load_share", _load_share_calls(model)))
+        parts.append(sharing.assistant(model))
     parts += [_capture(c) if c.captures else _contact(model, c) for c in model.contact_groups]
     parts += [nodal_function(group) for group in model.nodal_groups]
     parts += [
@@ -291,6 +294,7 @@ def _force_calls(model: Any) -> list[str]:
                 [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, curves, groups)"]
                 * (model.elements is not None and hasattr(g.module, "force_on_points"))
             ),
+            *(f"    {line}" for line in _load_calls(model, g)),
             "    lose(clock, old, new, o.power, o.loss)",
             *(
                 [f"    groups.{g.word}_w[clock.stage * p.shape[0] + i] = o.power"]
@@ -318,6 +322,33 @@ def _force_calls(model: Any) -> list[str]:
         lines += ["clock.element_rate = 0.0"]
     lines += _closing_calls(model)
     return lines + ["slaves.collect(groups.slaves, nodes)"] * has_slaves(model)
+
+
+def _load_calls(model: Any, g: Any) -> list[str]:
+    """An entry of a group that loads elements, on both of their halves."""
+    if not hasattr(g.module, "load_half"):
+        return []
+    words, total = "old, o, h, groups", f"{g.word}.add_up(o, h, nodes, groups.work)"
+    if is_halved(model):
+        return [
+            "crew.call_for_load(i, clock.current, h, groups)",
+            f"{g.word}.load_half(p[i], 0, {words})",
+            "crew.wait_for_second(groups)",
+            "crew.take_back(clock, groups)",
+            total,
+            total.replace("work", "second_work"),
+        ]
+    return [
+        line for half in (0, 1) for line in (f"{g.word}.load_half(p[i], {half}, {words})", total)
+    ]
+
+
+def _load_share_calls(model: Any) -> list[str]:
+    """The second half of the entry that is asked for."""
+    g = model.element_loads()[0]
+    arrays = (f"groups.{g.word}_{array}" for array in ("p[i]", "h[job.current, i]", "o[i]"))
+    p, old, out = arrays
+    return ["i = job.entry", f"{g.word}.load_half({p}, 1, {old}, {out}, job.h, groups)"]
 
 
 def _element_calls(model: Any) -> list[str]:

@@ -16,7 +16,7 @@ from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.vec3 import add_to, put, vec
 from crashsolve.system.points import hold
 
-OPEN, DEFORM, CLOSE = range(3)
+OPEN, DEFORM, LOAD, CLOSE = range(4)
 # places in `turns`, as far apart as cache lines; what `called` is when the second thread is to end
 CALLED, DONE, TURNS, HOME = 0, 8, 16, -1
 # looks, some 20 microseconds, before the core is offered to others
@@ -28,6 +28,13 @@ def call(job, h, scene):
     """Have the second thread do its share of a job. Writes: scene.job, turns."""
     scene.job[0].number, scene.job[0].h = job, h
     store_release(scene.turns, CALLED, scene.turns[CALLED] + 1)
+
+
+@kernel
+def call_for_load(entry, current, h, scene):
+    """Have the second thread load its half of the elements. Writes: scene.job, turns."""
+    scene.job[0].entry, scene.job[0].current = entry, current
+    call(LOAD, h, scene)
 
 
 @kernel

@@ -2,11 +2,11 @@
 
     x = sum N_k (x_k + lambda n_k),   n = sum N_k n_k / |sum N_k n_k|,   d = lambda |sum N_k n_k|
 
-N_k are bilinear in a face; n_k is the normal at a corner, that of the faces there weighted by
-angle. The place is found by Newton's method from the nearest one, over a side where it lies in the
-next face. The force acts along the line through x and c as before, so momenta are kept to
-round-off; the energy of a touch is kept as far as n is normal to the face. Consequence to test: on
-a faceted cylinder the force points to the axis, wherever it is touched.
+N_k are bilinear in a quadrilateral and linear in a triangle; n_k is the normal at a corner, that of
+the faces there weighted by angle. The place is found by Newton's method from the nearest one, over
+a side where it lies in the next face. The force acts along the line through x and c as before, so
+momenta are kept to round-off; the energy of a touch is kept as far as n is normal to the face.
+Consequence to test: on a faceted cylinder the force points to the axis, wherever it is touched.
 
 Reference: Puso and Laursen (2004), Computer Methods in Applied Mechanics and Engineering 193,
 601-629.
@@ -37,7 +37,7 @@ def smoothen(i, x, p, mesh, spared, found):
             f, xi, eta, way, n = along_field(i, x, p, found[s], mesh, spared)
             if f < 0:
                 continue
-            N, size = shape(xi, eta), norm(n)
+            N, size = shape(f >= p.quads, xi, eta), norm(n)
             found[s].face = f
             for k in range(4):
                 found[s].N[k] = N[k]
@@ -49,25 +49,45 @@ def smoothen(i, x, p, mesh, spared, found):
 @kernel
 def along_field(i, x, p, hit, mesh, spared):
     """Face (-1: none), xi, eta, lambda and field of normals of the place from which x is seen."""
-    f, N = hit.face, hit.N
-    xi, eta = N[1] + N[2] - N[0] - N[3], N[2] + N[3] - N[0] - N[1]
+    f = hit.face
+    xi, eta = place_of(f >= p.quads, hit.N)
     for _ in range(FACES):
         is_found, xi, eta, way, n = root(x, p, f, xi, eta, mesh)
         if not is_found:
             break
-        side, over = 0, -eta
-        if xi > over:
-            side, over = 1, xi
-        if eta > over:
-            side, over = 2, eta
-        if -xi > over:
-            side, over = 3, -xi
+        side, over = beyond(f >= p.quads, xi, eta)
         if over <= OVER:
             return f, xi, eta, way, n
-        f, xi, eta = mesh[2][4 * f + side], 0.0, 0.0
+        f = mesh[2][4 * f + side]
         if f < 0 or is_spared(i, f, spared):
             break
+        xi = eta = 1.0 / 3.0 if f >= p.quads else 0.0
     return -1, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)
+
+
+@kernel
+def place_of(is_triangle, N):
+    """xi and eta of a place with these weights of the corners."""
+    if is_triangle:
+        return N[1], N[2] + N[3]
+    return N[1] + N[2] - N[0] - N[3], N[2] + N[3] - N[0] - N[1]
+
+
+@kernel
+def beyond(is_triangle, xi, eta):
+    """The side beyond which a place lies farthest, and how far from the opposite: 1 on the side."""
+    first = 1.0 - 2.0 * eta if is_triangle else -eta
+    second = 2.0 * (xi + eta) - 1.0 if is_triangle else xi
+    third = -1.0 if is_triangle else eta
+    last = 1.0 - 2.0 * xi if is_triangle else -xi
+    side, over = 0, first
+    if second > over:
+        side, over = 1, second
+    if third > over:
+        side, over = 2, third
+    if last > over:
+        side, over = 3, last
+    return side, over
 
 
 @kernel
@@ -85,9 +105,9 @@ def root(x, p, f, xi, eta, mesh):
     a, b, c, d = seen_from(x, p, f, mesh)
     n_a, n_b = corner_normal(p, f, 0, mesh), corner_normal(p, f, 1, mesh)
     n_c, n_d = corner_normal(p, f, 2, mesh), corner_normal(p, f, 3, mesh)
-    way, n = 0.0, n_a
+    way, n, is_triangle = 0.0, n_a, f >= p.quads
     for k in range(PASSES):
-        N = shape(xi, eta)
+        N = shape(is_triangle, xi, eta)
         n = point_of(N, n_a, n_b, n_c, n_d)
         if k == 0:
             way = -dot(point_of(N, a, b, c, d), n) / dot(n, n)
@@ -96,8 +116,10 @@ def root(x, p, f, xi, eta, mesh):
         miss = point_of(N, u, v, w, y)
         if dot(miss, miss) <= (CLOSED * p.gap) ** 2:
             return True, xi, eta, way, n
-        by_xi = scale(0.25, add_scaled(scale(1.0 - eta, sub(v, u)), 1.0 + eta, sub(w, y)))
-        by_eta = scale(0.25, add_scaled(scale(1.0 - xi, sub(y, u)), 1.0 + xi, sub(w, v)))
+        by_xi, by_eta = sub(v, u), sub(w, u)
+        if not is_triangle:
+            by_xi = scale(0.25, add_scaled(scale(1.0 - eta, by_xi), 1.0 + eta, sub(w, y)))
+            by_eta = scale(0.25, add_scaled(scale(1.0 - xi, sub(y, u)), 1.0 + xi, sub(w, v)))
         plane = cross(by_xi, by_eta)
         volume = dot(plane, n)
         # lines along the field meet: no place on the face is the one
@@ -112,8 +134,10 @@ def root(x, p, f, xi, eta, mesh):
 
 
 @kernel
-def shape(xi, eta):
-    """Weights of the corners, bilinear."""
+def shape(is_triangle, xi, eta):
+    """Weights of the corners, bilinear or linear."""
+    if is_triangle:
+        return 1.0 - xi - eta, xi, eta, 0.0
     return (
         0.25 * (1.0 - xi) * (1.0 - eta),
         0.25 * (1.0 + xi) * (1.0 - eta),

@@ -22,7 +22,7 @@ def assist(until, sampling, scene):
         job = scene.job[0]
         if job.number == crew.OPEN:
             open_share(clock, job.h, scene)
-        elif job.number == crew.DEFORM:
+LOADS        elif job.number == crew.DEFORM:
             clock.element_rate = 0.0
             crew.lend(scene)
             deform_share(clock, job.h, scene)
@@ -31,6 +31,18 @@ def assist(until, sampling, scene):
             close_share(clock, job.h, nodes, scene)
         crew.store_release(scene.turns, crew.DONE, called)
 """
+
+# of it, where loads on elements are shared
+LOADS = """\
+        elif job.number == crew.LOAD:
+            crew.lend(scene)
+            load_share(job, scene)
+"""
+
+
+def assistant(model: Any) -> str:
+    """Text of the second thread."""
+    return ASSIST.replace("LOADS", LOADS if model.element_loads() else "")
 
 
 def arrays_of_first(model: Any) -> dict[str, Any]:
@@ -44,6 +56,7 @@ def arrays_of_first(model: Any) -> dict[str, Any]:
         "lent": halves.lent,
         "holds": halves.holds,
         "second_clock": halves.second_clock,
+        "second_work": line_up(len(model.elements.work)),
     }
 
 
@@ -51,6 +64,7 @@ def arrays_of_second(model: Any, first: dict[str, Any]) -> dict[str, Any]:
     """Arrays of the second thread: the same but for what it must not share."""
     halves = model.elements.halves
     own = {f"{word}_share": rows for word, rows in halves.rows[1].items()}
+    own |= {f"{word}_p": rows for word, rows in halves.loads.items()}
     # of the ground, and of the history of a part, it writes nothing that counts
     copies = [*(f"{g.word}_h" for g in model.element_groups()), "nodes"]
     return (
@@ -58,7 +72,7 @@ def arrays_of_second(model: Any, first: dict[str, Any]) -> dict[str, Any]:
         | own
         | {name: first[name].copy() for name in copies}
         | {"corners": halves.corners, "points": halves.points, "clock": halves.second_clock}
-        | {"work": line_up(len(first["work"]))}
+        | {"work": first["second_work"]}
     )
 
 
