@@ -12,9 +12,8 @@ from bench import plain
 from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow import _ellipsoid_face, _face, sphere_ellipsoid
 from crashsolve.deck.read import read_deck
-from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
-from crashsolve.system import ellipsoids, faces, nodal
+from crashsolve.system import ellipsoids, faces, nodal, normals
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float) - [0.5, 0.5, 0.0]
 FAR = 1e9
@@ -92,8 +91,16 @@ def test_a_far_face_is_told_to_be_no_nearer_than_it_is(seed: int) -> None:
     assert bound <= distance + 1e-13
 
 
-def bench(folder: Path, semi: Any, normals: str = "nearest") -> Any:
-    """Two faces of a floor and an ellipsoid, its contact moved by hand as plain Python."""
+FLOOR = {
+    **{"type": "grid", "at": [-1, -0.5, 0], "along": [2, 0, 0]},
+    **{"across": [0, 1, 0], "elements": [2, 1]},
+}
+# of quadrilaterals
+DRUM = {"type": "cylinder", "radius": 1, "length": 1, "elements": [24, 1]}
+
+
+def bench(folder: Path, semi: Any, mesh: Any = FLOOR, **words: Any) -> Any:
+    """Faces of a floor and an ellipsoid, its contact moved by hand as plain Python."""
     deck = {
         "control": {"end_time": 1},
         "materials": {"m": {"type": "elastic", "young": 1e6, "poisson": 0.3, "density": 1e3}},
@@ -101,15 +108,12 @@ def bench(folder: Path, semi: Any, normals: str = "nearest") -> Any:
         "parts": {
             "floor": {
                 **{"type": "shell", "thickness": 0.02, "material": "m"},
-                "mesh": {
-                    **{"type": "grid", "at": [-1, -0.5, 0], "along": [2, 0, 0]},
-                    **{"across": [0, 1, 0], "elements": [2, 1]},
-                },
+                "mesh": mesh,
             }
         },
         "surfaces": {
             "egg": {"type": "ellipsoid", "body": "egg", "semi_axes": [float(x) for x in semi]},
-            "floor": {"type": "faces", "part": "floor", "normals": normals},
+            "floor": {"type": "faces", "part": "floor"} | words,
         },
         "contacts": {"c": {"a": ["egg"], "b": ["floor"], "normal": {"type": "penalty"}}},
     }
@@ -125,7 +129,7 @@ def bench(folder: Path, semi: Any, normals: str = "nearest") -> Any:
     return g
 
 
-def look(g: Any, x: Any, A: Any) -> Any:
+def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
     """What the ellipsoid finds at x, a step later each time: side, depth, normal, ball's centre."""
     body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
     body.r, body.A = x, np.ravel(A)
@@ -138,6 +142,10 @@ def look(g: Any, x: Any, A: Any) -> Any:
     plain(ellipsoids.look)(
         *(0, g.p[0], g.tally[0], g.ellipsoids[0], g.nodes, g.slots, g.turns, mesh, lists, g.found),
     )
+    if is_smooth:
+        centre, pen = plain(ellipsoids.pen_of)(g.ellipsoids[0], g.nodes)
+        spared = (g.spared_first, g.spared)
+        plain(normals.smoothen)(0, centre, pen, g.p[0], mesh, spared, g.found)
     hits = []
     for s in range(2):
         old, new, hit = g.slots[g.turns[s], s], g.slots[1 - g.turns[s], s], g.found[s]
@@ -184,9 +192,38 @@ def test_beyond_the_border_its_side_meets_the_edge(tmp_path: Path) -> None:
     np.testing.assert_allclose(z, [1.095, 0, 0], atol=1e-9)
 
 
-def test_a_field_of_normals_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(DeckErrors, match="leave `normals: continuous` out"):
-        bench(tmp_path, (0.3, 0.2, 0.1), normals="continuous")
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("r", [0.9, 1.08])
+def test_along_a_field_it_points_to_the_axis_of_a_drum(r: float, seed: int, tmp_path: Path) -> None:
+    semi, rng = np.array([0.2, 0.14, 0.1]), np.random.default_rng(seed)
+    g, A, sign = bench(tmp_path, semi, DRUM, normals="continuous"), turned(rng), np.sign(r - 1.0)
+    A *= np.sign(np.linalg.det(A))
+    B = A * semi**2 @ A.T
+    for phi in rng.uniform(0.0, 2.0 * np.pi, 5):
+        # the foot, which has the normal -m, is as far from the axis as a ball of 0.1 about r
+        m = sign * np.array([np.cos(phi), np.sin(phi), 0.0])
+        S = B @ m / np.sqrt(m @ B @ m)
+        z = r * sign * m + [0.0, 0.0, 0.5]
+        ((_, depth, normal, found),) = look(g, z + S - 0.1 * m, A, is_smooth=True)
+        np.testing.assert_allclose(normal, m, atol=1e-12)
+        np.testing.assert_allclose(found, z, atol=1e-12)
+        half = np.pi / 24
+        chord = np.cos(half) / np.cos(phi % (2.0 * half) - half)
+        assert depth == pytest.approx(0.11 - abs(r - chord), abs=1e-12)
+        g.slots.active = 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_way_to_the_centre_changes_by_its_derivative(seed: int, tmp_path: Path) -> None:
+    rng = np.random.default_rng(seed)
+    g = bench(tmp_path, (0.3, 0.15, 0.1))
+    g.nodes[1].A = np.ravel(turned(rng))
+    _, pen = plain(ellipsoids.pen_of)(g.ellipsoids[0], g.nodes)
+    n, d, step = rng.normal(size=3), rng.normal(size=3), 1e-5
+    ends = [np.array(plain(ellipsoids.to_centre)(pen, tuple(n + k * step * d))) for k in (1, -1)]
+    found = plain(ellipsoids.to_centre_by)(pen, tuple(n), tuple(d))
+    # central differences: round-off 1e-11, third order 1e-10
+    np.testing.assert_allclose(found, (ends[0] - ends[1]) / (2.0 * step), atol=1e-8)
 
 
 def test_the_corners_of_a_face_are_where_the_shell_is(tmp_path: Path) -> None:

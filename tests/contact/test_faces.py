@@ -155,7 +155,7 @@ class Bench:
         plain(faces.look)(0, place, g.p[0], g.tally[0], g.slots, g.turns, g.mesh, g.lists, g.found)
         if is_smooth:
             spared = (g.spared_first, g.spared)
-            plain(normals.smoothen)(0, place, g.p[0], g.mesh, spared, g.found)
+            plain(normals.smoothen)(0, place, None, g.p[0], g.mesh, spared, g.found)
         hits = []
         for s in range(2):
             old, new = g.slots[g.turns[s], s], g.slots[1 - g.turns[s], s]

@@ -242,7 +242,7 @@ class NodalBuilder:
         """Probes against the faces of a shell."""
         card = b.entry.card
         laid, corner, first = self.scene.skin(card.part, "part")
-        round_ones = self._ellipsoids(a, probes, b) if a.shape == "ellipsoid" else {}
+        round_ones = self._ellipsoids(a, probes) if a.shape == "ellipsoid" else {}
         is_own = probes.part == card.part
         if is_own and probes.radius == 0.0:
             t = card.thickness or laid.card.thickness
@@ -285,11 +285,8 @@ class NodalBuilder:
             values["over"] = max(a.elements[0]["semi"]) - probes.radius
         return None, own | {"values": values}, 2
 
-    def _ellipsoids(self, a: Any, probes: Probes, b: Any) -> dict[str, np.ndarray]:
+    def _ellipsoids(self, a: Any, probes: Probes) -> dict[str, np.ndarray]:
         """Ellipsoids, and the ball that rolls in each."""
-        if b.entry.card.normals == "continuous":
-            message = f"'{a.entry.name}' is an ellipsoid, and only nodes and balls follow a field"
-            raise self.scene.fail(f"{message} of normals; leave `normals: continuous` out", "b")
         record = import_module("crashsolve.contact.shape.ellipsoid").PARAMETERS
         return {"ellipsoids": table_of(a.elements, record), "balls": probes.rows.copy()}
 

@@ -6,14 +6,20 @@ c is the place of a face nearest to the ellipsoid, d their distance and m the no
 holds for balls and faces then holds with z for the centre. Consequence to test: an ellipsoid of
 equal semi-axes does what a ball does; momentum and angular momentum are kept to round-off, since
 the force acts along the line through z, the foot and c.
+
+Along a field of normals n (normals.py) the foot is the place of the ellipsoid with the normal -n:
+
+    z = x - S(n) + s n / |n|,   S(n) = B n / sqrt(n . B n),   x its centre, B its matrix
 """
+
+from math import sqrt
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow._ellipsoid_face import nearest_to_ellipsoid
-from crashsolve.contact.narrow._frame import out_of, seen_from
+from crashsolve.contact.narrow._frame import into, out_of, seen_from
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.motion import arm, point_velocity
-from crashsolve.foundation.vec3 import add_scaled, matvec_t, put, scale, sub, vec
+from crashsolve.foundation.motion import arm, place, point_velocity
+from crashsolve.foundation.vec3 import add_scaled, dot, matvec_t, norm, put, scale, sub, vec
 from crashsolve.system.faces import begin_look, take, tell_depth
 
 
@@ -65,3 +71,40 @@ def roll(ball, p, hit, nodes, points, corners):
     body = nodes[ball.node]
     put(ball.at, matvec_t(body.A, sub(z, vec(body.r))))
     return point_velocity(body, arm(body, vec(ball.at)))
+
+
+@kernel
+def pen_of(ellipsoid, nodes):
+    """Centre of an ellipsoid, and what to_centre() knows of it."""
+    body = nodes[ellipsoid.node]
+    low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
+    return place(body, vec(ellipsoid.point)), (ellipsoid, body, low)
+
+
+@kernel
+def widened(ellipsoid, y):
+    """A direction in the axes of the ellipsoid times its semi-axes squared."""
+    a, b, c = vec(ellipsoid.semi)
+    return a * a * y[0], b * b * y[1], c * c * y[2]
+
+
+@kernel
+def to_centre(pen, n):
+    """From the ball that touches at the foot with the normal -n, any length, to the centre."""
+    ellipsoid, body, low = pen
+    y = into(ellipsoid, body, n)
+    w = widened(ellipsoid, y)
+    S = out_of(ellipsoid, body, scale(1.0 / sqrt(dot(w, y)), w))
+    return add_scaled(S, -low / norm(n), n)
+
+
+@kernel
+def to_centre_by(pen, n, d):
+    """Its change with a change d of n."""
+    ellipsoid, body, low = pen
+    y, y_d = into(ellipsoid, body, n), into(ellipsoid, body, d)
+    w, size = widened(ellipsoid, y), norm(n)
+    k = 1.0 / sqrt(dot(w, y))
+    w_d = add_scaled(widened(ellipsoid, y_d), -k * k * dot(w, y_d), w)
+    way = add_scaled(d, -dot(n, d) / (size * size), n)
+    return add_scaled(out_of(ellipsoid, body, scale(k, w_d)), -low / size, way)

@@ -52,7 +52,8 @@ ELLIPSOID = """\
         ellipsoids.look(i, p, tally, ellipsoid, nodes, slots, turns, mesh, lists, found)
 """
 ROLL = "            v = ellipsoids.roll(ball, p, hit, nodes, points, corners)\n"
-FIELD = "        normals.smoothen(i, x, p, mesh, spared, found)\n"
+PEN = "        x, pen = ellipsoids.pen_of(ellipsoid, nodes)\n"
+FIELD = "        normals.smoothen(i, x, {pen}, p, mesh, spared, found)\n"
 # of parts that may fail
 BURY = "    faces.bury(p, groups.lanes, gone)\n"
 LOSE = "                    faces.let_go(h, tally, old, 0.0, gone)\n"
@@ -146,7 +147,9 @@ def nodal_function(group: Any) -> str:
         end = END.format(friction=friction)
         words |= {"rub": _outdented(rub, deep), "end": _outdented(end, deep)}
     if not is_shape:
-        look = ELLIPSOID.format(**words) if group.is_round else PROBE + FIELD * group.is_smooth
+        look = ELLIPSOID.format(**words) if group.is_round else PROBE
+        if group.is_smooth:
+            look += PEN * group.is_round + FIELD.format(pen="pen" if group.is_round else "None")
         words |= {"look": look, "roll": ROLL * group.is_round, "probe": probe}
         words |= dict(zip(("bury", "lose", "jump"), FAILING[group.can_fail], strict=True))
         return FACES.format(**words)

@@ -6,7 +6,9 @@ N_k are bilinear in a quadrilateral and linear in a triangle; n_k is the normal 
 the faces there weighted by angle. The place is found by Newton's method from the nearest one, over
 a side where it lies in the next face. The force acts along the line through x and c as before, so
 momenta are kept to round-off; the energy of a touch is kept as far as n is normal to the face.
-Consequence to test: on a faceted cylinder the force points to the axis, wherever it is touched.
+An ellipsoid is the ball that touches within it at the foot with this normal (`ellipsoids.py`), and
+its centre x turns with n. Consequence to test: on a faceted cylinder the force points to the axis,
+wherever it is touched.
 
 Reference: Puso and Laursen (2004), Computer Methods in Applied Mechanics and Engineering 193,
 601-629.
@@ -16,7 +18,8 @@ from math import sqrt
 
 from crashsolve.contact.narrow._face import CORNER, point_of
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, put, scale, sub
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub
+from crashsolve.system.ellipsoids import to_centre, to_centre_by
 from crashsolve.system.faces import outward, seen_from
 
 PASSES = 20
@@ -27,32 +30,33 @@ OVER = 1.0 + 1e-9  # a place so far beyond a side still belongs to the face
 
 
 @kernel
-def smoothen(i, x, p, mesh, spared, found):
+def smoothen(i, x, pen, p, mesh, spared, found):
     """Normals, weights and depths of both sides by the field of normals. Writes: found.
 
-    Where a line along it would pass a free border the nearest place stays.
+    x is a probe's place, or the centre of an ellipsoid that `pen` tells of, else None. Where a line
+    along the field would pass a free border the nearest place stays.
     """
     for s in range(2):
         if found[s].face >= 0:
-            f, xi, eta, way, n = along_field(i, x, p, found[s], mesh, spared)
+            sign = 1.0 if s == 0 else -1.0
+            f, xi, eta, way, n = along_field(i, x, pen, sign, p, found[s], mesh, spared)
             if f < 0:
                 continue
             N, size = shape(f >= p.quads, xi, eta), norm(n)
             found[s].face = f
             for k in range(4):
                 found[s].N[k] = N[k]
-            sign = 1.0 if s == 0 else -1.0
             put(found[s].normal, scale(sign / size, n))
             found[s].depth = p.gap - sign * way * size
 
 
 @kernel
-def along_field(i, x, p, hit, mesh, spared):
+def along_field(i, x, pen, sign, p, hit, mesh, spared):
     """Face (-1: none), xi, eta, lambda and field of normals of the place from which x is seen."""
     f = hit.face
     xi, eta = place_of(f >= p.quads, hit.N)
     for _ in range(FACES):
-        is_found, xi, eta, way, n = root(x, p, f, xi, eta, mesh)
+        is_found, xi, eta, way, n = root(x, pen, sign, p, f, xi, eta, mesh)
         if not is_found:
             break
         side, over = beyond(f >= p.quads, xi, eta)
@@ -100,7 +104,7 @@ def is_spared(i, f, spared):
 
 
 @kernel
-def root(x, p, f, xi, eta, mesh):
+def root(x, pen, sign, p, f, xi, eta, mesh):
     """Newton's method within a face: whether it ends, xi, eta, lambda, field of normals."""
     a, b, c, d = seen_from(x, p, f, mesh)
     n_a, n_b = corner_normal(p, f, 0, mesh), corner_normal(p, f, 1, mesh)
@@ -109,17 +113,21 @@ def root(x, p, f, xi, eta, mesh):
     for k in range(PASSES):
         N = shape(is_triangle, xi, eta)
         n = point_of(N, n_a, n_b, n_c, n_d)
+        aside = (0.0, 0.0, 0.0)
+        if pen is not None:
+            aside = scale(sign, to_centre(pen, n))
         if k == 0:
-            way = -dot(point_of(N, a, b, c, d), n) / dot(n, n)
+            way = -dot(add(point_of(N, a, b, c, d), aside), n) / dot(n, n)
         u, v = add_scaled(a, way, n_a), add_scaled(b, way, n_b)
         w, y = add_scaled(c, way, n_c), add_scaled(d, way, n_d)
-        miss = point_of(N, u, v, w, y)
+        miss = add(point_of(N, u, v, w, y), aside)
         if dot(miss, miss) <= (CLOSED * p.gap) ** 2:
             return True, xi, eta, way, n
-        by_xi, by_eta = sub(v, u), sub(w, u)
-        if not is_triangle:
-            by_xi = scale(0.25, add_scaled(scale(1.0 - eta, by_xi), 1.0 + eta, sub(w, y)))
-            by_eta = scale(0.25, add_scaled(scale(1.0 - xi, sub(y, u)), 1.0 + xi, sub(w, v)))
+        by_xi, by_eta = slopes(is_triangle, xi, eta, u, v, w, y)
+        if pen is not None:
+            n_xi, n_eta = slopes(is_triangle, xi, eta, n_a, n_b, n_c, n_d)
+            by_xi = add_scaled(by_xi, sign, to_centre_by(pen, n, n_xi))
+            by_eta = add_scaled(by_eta, sign, to_centre_by(pen, n, n_eta))
         plane = cross(by_xi, by_eta)
         volume = dot(plane, n)
         # lines along the field meet: no place on the face is the one
@@ -144,6 +152,15 @@ def shape(is_triangle, xi, eta):
         0.25 * (1.0 + xi) * (1.0 + eta),
         0.25 * (1.0 - xi) * (1.0 + eta),
     )
+
+
+@kernel
+def slopes(is_triangle, xi, eta, a, b, c, d):
+    """Derivatives by xi and eta of what the corners have."""
+    if is_triangle:
+        return sub(b, a), sub(c, a)
+    by_xi = scale(0.25, add_scaled(scale(1.0 - eta, sub(b, a)), 1.0 + eta, sub(c, d)))
+    return by_xi, scale(0.25, add_scaled(scale(1.0 - xi, sub(d, a)), 1.0 + xi, sub(c, b)))
 
 
 @kernel
