@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.read import read_deck
+from crashsolve.foundation.bordered import BLOCK, PLACE
 from crashsolve.foundation.posture import matrix
 from crashsolve.foundation.record import Record
 from crashsolve.model.build import build
@@ -131,6 +132,21 @@ class Law:
             plain(self.module.follow)(self.p, self.old, self.new, self.out, bench.nodes)
         plain(self.module.measure)(self.p, self.out, t, bench.nodes, bench.rows, bench.curves)
         return self.out
+
+
+def pair_of_blocks(flips: int) -> tuple[Any, Any]:
+    """Place of nodes a and b, and empty blocks of a, b and both; that has rows of b if it flips."""
+    place = np.array((0, 1, 2, flips), PLACE.dtype).view(np.recarray)
+    return place, np.zeros(3, BLOCK.dtype).view(np.recarray)
+
+
+def matrix_of_pair(blocks: Any, flips: int) -> np.ndarray:
+    """Such blocks as one matrix (12, 12)."""
+    K = np.zeros((12, 12))
+    K[:6, :6], K[6:, 6:] = (blocks[k].stiff.reshape(6, 6) for k in (0, 1))
+    below, above = blocks[2].stiff.reshape(6, 6), blocks[2].stiff_above.reshape(6, 6).T
+    K[:6, 6:], K[6:, :6] = (above, below) if flips else (below, above)
+    return K
 
 
 _copies: dict[Any, Callable[..., Any]] = {}

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, Law, exponential, plain, written
+from bench import Bench, Law, exponential, matrix_of_pair, pair_of_blocks, plain, written
 
 from crashsolve.deck.read import read_deck
-from crashsolve.foundation.bordered import BLOCK, PLACE
 from crashsolve.foundation.posture import matrix
 from crashsolve.model.build import build
 from crashsolve.model.nodes import COMPLIANT
@@ -220,16 +219,9 @@ def test_rows_are_the_derivative_by_the_velocity(tmp_path: Path, kind: str, seed
 
 def whole_tangent(law: Law, flips: int) -> np.ndarray:
     """Blocks of the element as one matrix (12, 12) of the nodes."""
-    blocks = np.zeros(3, BLOCK.dtype).view(np.recarray)
-    place = np.array((0, 1, 2, flips), PLACE.dtype).view(np.recarray)
+    place, blocks = pair_of_blocks(flips)
     plain(law.module.bend)(law.p, law.old, law.bench.nodes, law.bench.curves, place, blocks)
-    K = np.zeros((12, 12))
-    K[:6, :6] += blocks[0].stiff.reshape(6, 6)
-    K[6:, 6:] += blocks[1].stiff.reshape(6, 6)
-    below, above = blocks[2].stiff.reshape(6, 6), blocks[2].stiff_above.reshape(6, 6).T
-    K[:6, 6:] += above if flips else below
-    K[6:, :6] += below if flips else above
-    return K
+    return matrix_of_pair(blocks, flips)
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.0])

@@ -4,7 +4,8 @@ A law acts through rows: its force on the bodies is D^T f. Along any change of p
 
     dF = dD^T f - D^T (k D dq + c (D dv + G dq))
 
-The left side and dD come from central differences.
+The left side and dD come from central differences. What dD^T f is of forces along a line stands in
+the blocks of nodes where there are some.
 """
 
 from collections.abc import Callable
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, Law, plain
+from bench import Bench, Law, matrix_of_pair, pair_of_blocks, plain
 from test_contract import ALL, CURVES, REVERSIBLE
 
 from crashsolve.deck.laws import package_folder
@@ -27,6 +28,9 @@ LAWS = ALL | {
     "bushing along": "{type: bushing, a: a, b: b, at_a: [0.1, 0, 0.2], at_b: [0, 0.2, -0.1],"
     " stiffness: [50, 90, 20], damping: [1, 2, 3]}"
 }
+# forces along a line between two points
+ALONG = ("linear", "curve", "elastoplastic")
+LINES = [way for way in SMOOTH if ALL[way].split("type: ")[1].split(",")[0] in ALONG]
 Make = Callable[[str], Law]
 
 
@@ -84,6 +88,54 @@ def test_every_spring_without_whole_steps_has_a_tangent() -> None:
     for path in (package_folder() / "springs").glob("[!_]*.py"):
         text = path.read_text("utf-8")
         assert ("STEPWISE = True" in text) != ("def tangent(" in text), path.stem
+
+
+@pytest.mark.parametrize("flips", [0, 1])
+@pytest.mark.parametrize("way", LINES)
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_and_blocks_are_the_whole_derivative(
+    make: Make, way: str, seed: int, flips: int
+) -> None:
+    """dF = -(K + D^T (k D + c G)) dq, where the force has turned the line and the arms."""
+    law = make(way)
+    law.bench.shake(seed)
+    tension = float(law.force().force)
+    law.accept()
+    law.force()
+    place, blocks = pair_of_blocks(flips)
+    plain(law.module.turn_force)(law.p, law.out, law.bench.nodes, place, blocks)
+    K, here, start = matrix_of_pair(blocks, flips), rows(law), law.bench.state()
+    told = K + here.D.T @ (here.stiffness[:, None] * here.D + here.damping[:, None] * here.G)
+    wanted, motions = np.zeros((12, 12)), np.eye(12)
+    if way not in REVERSIBLE:
+        # what slides stands at a corner of its law: move it at the same length
+        motions -= here.D.T @ here.D / (here.D @ here.D.T)
+    for k, motion in enumerate(motions):
+        for side in (1, -1):
+            shift(law, start, motion, np.zeros(12), side * STEP)
+            wanted[:, k] -= side * load(law) / (2.0 * STEP)
+    # round-off of forces of 1e3 over the step
+    np.testing.assert_allclose(
+        told @ motions, wanted, rtol=0, atol=1e-6 * (1.0 + np.abs(wanted).max())
+    )
+    assert np.abs(K).max() > 0.1 * abs(tension)
+
+
+@pytest.mark.parametrize("at", [1, 2])
+def test_an_end_on_the_ground_has_no_blocks(make: Make, at: int) -> None:
+    law = make("linear")
+    law.bench.shake(1)
+    law.force()
+    found = []
+    for free in (False, True):
+        place, blocks = pair_of_blocks(0)
+        if not free:
+            place["a" if at == 1 else "b"] = place["across"] = -1
+        plain(law.module.turn_force)(law.p, law.out, law.bench.nodes, place, blocks)
+        found.append(matrix_of_pair(blocks, 0))
+    # all that is left is what the other end does to itself
+    found[1][6 * at - 6 : 6 * at] = found[1][:, 6 * at - 6 : 6 * at] = 0.0
+    np.testing.assert_array_equal(found[0], found[1])
 
 
 @pytest.mark.parametrize("way", list(REVERSIBLE))

@@ -152,6 +152,29 @@ def assemble(matrix, rows, joint_rows, position, velocity):
             add_product(blocks, place.across, row, first, 6 - first)
 
 
+@kernel
+def resist_own(block, k, f, moment):
+    """Less the force and moment on a node by its own motion k. Writes: block."""
+    for i in range(3):
+        block.stiff[6 * i + k] -= f[i]
+        block.stiff[18 + 6 * i + k] -= moment[i]
+
+
+@kernel
+def resist_far(block, k, is_column, f, moment):
+    """The same by motion k of another node, whose column of the block it is, or row.
+
+    Rows of a block of nodes a and b are those of a, or of b where it flips. Writes: block.
+    """
+    for i in range(3):
+        if is_column:
+            block.stiff[6 * i + k] -= f[i]
+            block.stiff[18 + 6 * i + k] -= moment[i]
+        else:
+            block.stiff_above[6 * k + i] -= f[i]
+            block.stiff_above[6 * k + 3 + i] -= moment[i]
+
+
 @inlined
 def add_mass(c, x):
     """Writes: x."""

@@ -16,6 +16,7 @@ Reference: Crisfield (1990), Computer Methods in Applied Mechanics and Engineeri
 
 from math import cos, sin, sqrt, tan
 
+from crashsolve.foundation.bordered import resist_far, resist_own
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.vec3 import add, cross, dot, matvec, matvec_t, scale, sub, vec
 from crashsolve.parts._halfway import half_angle_over_sine, turned_rate
@@ -197,19 +198,10 @@ def put_column(blocks, place, R, k, by_a, by_b):
 def put_half(blocks, place, R, k, side, found):
     """Column k of one end, in the blocks of both. Writes: blocks."""
     f, on_a, on_b = matvec(R, found[0]), matvec(R, found[1]), matvec(R, found[2])
-    own = blocks[place.b if side == 1 else place.a].stiff
-    other = blocks[place.across]
-    # the block of both has rows of a and columns of b, or the other way round
-    is_column = (side == 1) != (place.flips == 1)
-    for i in range(3):
-        at_a, at_b = (-f[i], -on_a[i]), (f[i], -on_b[i])
-        own_f, own_m = at_b if side == 1 else at_a
-        far_f, far_m = at_a if side == 1 else at_b
-        own[6 * i + k] += own_f
-        own[18 + 6 * i + k] += own_m
-        if is_column:
-            other.stiff[6 * i + k] += far_f
-            other.stiff[18 + 6 * i + k] += far_m
-        else:
-            other.stiff_above[6 * k + i] += far_f
-            other.stiff_above[6 * k + 3 + i] += far_m
+    back = scale(-1.0, f)
+    if side == 1:
+        resist_own(blocks[place.b], k, back, on_b)
+        resist_far(blocks[place.across], k, place.flips == 0, f, on_a)
+    else:
+        resist_own(blocks[place.a], k, f, on_a)
+        resist_far(blocks[place.across], k, place.flips == 1, back, on_b)

@@ -19,6 +19,7 @@ from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
 from crashsolve.springs._card import PointSpringCard
+from crashsolve.springs._line_turn import turn_line
 
 
 class Elastoplastic(PointSpringCard):
@@ -114,6 +115,12 @@ def tangent(p, state, nodes, curves, rows, first):
         stiffness *= hardening / (p.stiffness + hardening)
     a, b = nodes[p.node_a], nodes[p.node_b]
     line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, 0.0)
+
+
+@kernel
+def turn_force(p, out, nodes, place, blocks):
+    """What turns the force. Writes: blocks."""
+    turn_line(p, out.force, nodes, place, blocks)
 
 
 @kernel

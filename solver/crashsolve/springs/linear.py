@@ -14,6 +14,7 @@ from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
 from crashsolve.springs._card import PointSpringCard
+from crashsolve.springs._line_turn import turn_line
 
 
 class Linear(PointSpringCard):
@@ -64,3 +65,9 @@ def tangent(p, state, nodes, curves, rows, first):
     u, length, _, d_a, d_b = line_of_action(p, nodes)
     a, b = nodes[p.node_a], nodes[p.node_b]
     line_tangent(rows[first], a, b, u, length, d_a, d_b, p.stiffness, p.damping)
+
+
+@kernel
+def turn_force(p, out, nodes, place, blocks):
+    """What turns the force. Writes: blocks."""
+    turn_line(p, out.force, nodes, place, blocks)

@@ -637,7 +637,7 @@ def is_assembled(model: Any) -> bool:
 
 
 def _bend_calls(model: Any) -> list[str]:
-    """Stiffness of shells, and what turns the forces of beams, in the blocks of the matrix."""
+    """Stiffness of shells, and what turns the forces of beams and springs, in the matrix."""
     lines = ["assembled.open_blocks(nodes, matrix)", *_stiffness_calls(model)]
     for k, g in enumerate(tangent_groups(model)):
         if hasattr(g.module, "bend"):
@@ -648,6 +648,14 @@ def _bend_calls(model: Any) -> list[str]:
                 "    old = history[clock.current, i]",
                 f"    place = matrix.pairs[first + {g.module.TANGENTS} * i]",
                 f"    {g.word}.bend(p[i], old, nodes, curves, place, matrix.blocks)",
+            ]
+        if hasattr(g.module, "turn_force"):
+            lines += [
+                f"p, out = groups.{g.word}_p, groups.{g.word}_o",
+                f"first = groups.tangents[{k}].first",
+                "for i in range(p.shape[0]):",
+                f"    place = matrix.pairs[first + {g.module.TANGENTS} * i]",
+                f"    {g.word}.turn_force(p[i], out[i], nodes, place, matrix.blocks)",
             ]
     return lines
 
