@@ -35,7 +35,7 @@ def elements(clock, h, groups):
 
 
 def bend(h, clock, nodes, curves, matrix, groups):
-    """Tangents of shells after a step of h, and what turns the forces of beams and springs. Writes: matrix."""
+    """Tangents of shells after a step of h; what turns forces of beams, springs. Writes: matrix."""
 
 
 def renew(h, clock, nodes, rows, curves, compliant, matrix, t, tt, groups):
