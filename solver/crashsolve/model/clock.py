@@ -51,6 +51,7 @@ CLOCK = Record(
     rate_residual=("1/s", "largest velocity residual over model size so far"),
     limit_node=("index", "node that sets the step; below 0: an element"),
     driver_work=("J", "work of prescribed motions"),
+    supplied=("J", "energy from outside when the balance was last looked at"),
     impulse=("N s", 3, "impulse from outside"),
     angular_impulse=("N m s", 3, "angular impulse from outside about the world origin"),
     kick=("N s", 6, "impulse and its moment that closed the joints at the end of the last step"),

@@ -41,6 +41,7 @@ from crashsolve.parts._quad_block import (
     MODES,
     PLANE_Q,
     SHEAR,
+    four,
 )
 
 # beside a square of the thickness [m^2], or that times one of a side [m^4]
@@ -52,13 +53,6 @@ def mode_sizes(flat):
     """Squares of r_x and r_y."""
     a_x, a_y, b_x, b_y = sides(flat)
     return 4.0 / 3.0 * (a_y * a_y + b_y * b_y), 4.0 / 3.0 * (a_x * a_x + b_x * b_x)
-
-
-@inlined
-def flat_at(work, e):
-    """Diagonals in the middle of the step."""
-    at = LANES * FLAT + e
-    return work[at], work[at + LANES], work[at + 2 * LANES], work[at + 3 * LANES]
 
 
 @blockwise
@@ -78,7 +72,7 @@ def see_modes(blocks, first, work):
     """Trial a_x and a_y of the hourglass, by what they have for all heights. Writes: work."""
     for e in range(LANES):
         # of a deleted element all of these are 0
-        t, sizes = work[LANES * DEPTH + e], mode_sizes(flat_at(work, e))
+        t, sizes = work[LANES * DEPTH + e], mode_sizes(four(work, LANES * FLAT + e))
         over = 1.0 / (t * t + NOTHING)
         for k in range(2):
             at = first + LANES * (PLANE_Q + k) + e

@@ -49,6 +49,7 @@ from crashsolve.parts._quad_block import (
     RESULTANT,
     THICKNESS,
     diagonals,
+    four,
     gather,
     note_rate,
     push,
@@ -190,8 +191,7 @@ def slopes_at(flat, xi, eta):
 def strain_at(work, xi, eta, nu):
     """Strains and curvatures of the step at a point. Writes: work."""
     for e in range(LANES):
-        at = LANES * FLAT + e
-        flat = (work[at], work[at + LANES], work[at + 2 * LANES], work[at + 3 * LANES])
+        flat = four(work, LANES * FLAT + e)
         h_x, h_y = slopes_at(flat, xi, eta)
         a_x, a_y, b_x, b_y = sides(flat)
         over = 1.0 / (a_x * b_y - a_y * b_x)

@@ -30,7 +30,7 @@ from crashsolve.parts._layer_tangent import (
     layers_and_tangent,
 )
 from crashsolve.parts._layers import clear_resultants, take_up
-from crashsolve.parts._quad_block import LAYERS, gather, strain, three
+from crashsolve.parts._quad_block import LAYERS, four, gather, strain, three
 from crashsolve.parts._shell_tangent import (
     end_moved,
     enter_shear,
@@ -59,7 +59,6 @@ from crashsolve.parts._tangent import (
     add_column,
     add_damping,
     enter_strains,
-    four,
     put_three,
     respond,
     shares,

@@ -41,6 +41,7 @@ from crashsolve.parts._quad_block import (
     RESULTANT,
     ROWS,
     THICKNESS,
+    four,
     three,
 )
 
@@ -711,6 +712,5 @@ def taken_modes(work, e):
     """What yielding takes from Q and P of the hourglass."""
     at, to = LANES * TAKEN + e, LANES * AMPLITUDE + e
     k, k_z, k_zz = three(work, at)
-    q_x, q_y, p_x = three(work, to)
-    p_y = work[to + 3 * LANES]
+    q_x, q_y, p_x, p_y = four(work, to)
     return k * q_x + k_z * p_x, k * q_y + k_z * p_y, k_z * q_x + k_zz * p_x, k_z * q_y + k_zz * p_y

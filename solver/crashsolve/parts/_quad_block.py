@@ -144,8 +144,7 @@ def before(x, half, u):
 @inlined
 def shape(blocks, at):
     """Inverse of the diagonals at the start."""
-    at += LANES * SHAPE
-    return blocks[at], blocks[at + LANES], blocks[at + 2 * LANES], blocks[at + 3 * LANES]
+    return four(blocks, at + LANES * SHAPE)
 
 
 @inlined
@@ -253,6 +252,11 @@ def put_corners(work, row, e, axes, D, E, H, S):
 @inlined
 def three(column, at):
     return column[at], column[at + LANES], column[at + 2 * LANES]
+
+
+@inlined
+def four(column, at):
+    return column[at], column[at + LANES], column[at + 2 * LANES], column[at + 3 * LANES]
 
 
 @blockwise

@@ -37,12 +37,6 @@ CHANGE_ROWS = COMES + SIDE
 
 
 @inlined
-def four(table, at):
-    """Numbers of four rows one after the other."""
-    return table[at], table[at + LANES], table[at + 2 * LANES], table[at + 3 * LANES]
-
-
-@inlined
 def put_three(table, at, u):
     """Writes: table."""
     table[at], table[at + LANES], table[at + 2 * LANES] = u[0], u[1], u[2]

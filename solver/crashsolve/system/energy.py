@@ -65,10 +65,16 @@ def balance_broken(ledger, limit):
 
 @kernel
 def check(clock, control, nodes, ledger):
-    """Stop at a bad number or a broken balance. Writes: clock."""
-    bad = bad_node(nodes)
+    """Stop at a bad number or a broken balance. Writes: clock.
+
+    From rest, steps may err by much of the little energy there is while it grows by more than half
+    of itself from one look to the next.
+    """
+    supplied = abs(ledger[EXTERNAL_WORK]) + abs(ledger[DRIVER_WORK])
+    is_starting = supplied - clock.supplied > 0.5 * ledger[LARGEST]
+    clock.supplied = supplied
+    bad, is_due = bad_node(nodes), clock.cycle >= control.check_every and not is_starting
     if bad >= 0:
         clock.status, clock.place = NOT_FINITE, bad
-    elif clock.cycle >= control.check_every and balance_broken(ledger, control.energy_limit):
-        # from rest, the first steps err by much of the little energy there is
+    elif is_due and balance_broken(ledger, control.energy_limit):
         clock.status = ENERGY
