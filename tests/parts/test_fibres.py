@@ -198,6 +198,7 @@ loads: {blow: {type: force, body: mass, force: [5, 2, 3], curve: blow}}
 """  # noqa: E501
 
 
+@pytest.mark.long
 @pytest.mark.xdist_group("implicit fibres")
 def test_implicit_steps_go_through_cycles_of_yield_as_explicit_ones_do(tmp_path: Path) -> None:
     path, found, steps = tmp_path / "deck.yaml", {}, {}

@@ -188,6 +188,7 @@ DECKS = Path(__file__).resolve().parents[2] / "decks/verification/parts"
 RISE = 'curves: {rise: {type: formula, expression: "sin(262.5 * x) ** 4", from: 0, to: 0.02}}'
 
 
+@pytest.mark.long
 @pytest.mark.xdist_group("implicit shells")
 def test_the_order_is_two_and_energy_is_kept(tmp_path: Path) -> None:
     deck = tmp_path / "strips.yaml"
@@ -230,6 +231,7 @@ def tips(text: str, part: str, steps: dict[float, int], tolerance: float, at: Pa
     return found
 
 
+@pytest.mark.long
 @pytest.mark.xdist_group("implicit shells")
 def test_radau_has_its_order_where_elements_turn_little(tmp_path: Path) -> None:
     text = RADAU

@@ -67,12 +67,13 @@ def balance_broken(ledger, limit):
 def check(clock, control, nodes, ledger):
     """Stop at a bad number or a broken balance. Writes: clock.
 
-    From rest, steps may err by much of the little energy there is while it grows by more than half
-    of itself from one look to the next.
+    From rest, the first steps err by much of the little energy there is: what comes from outside is
+    judged where its share that is missing falls no more.
     """
+    lack = abs(ledger[IMBALANCE]) / (ledger[LARGEST] + 1e-300)
     supplied = abs(ledger[EXTERNAL_WORK]) + abs(ledger[DRIVER_WORK])
-    is_starting = supplied - clock.supplied > 0.5 * ledger[LARGEST]
-    clock.supplied = supplied
+    falls = clock.lack == 0.0 or lack < clock.lack
+    is_starting, clock.lack = falls and supplied > 0.5 * ledger[LARGEST], lack
     bad, is_due = bad_node(nodes), clock.cycle >= control.check_every and not is_starting
     if bad >= 0:
         clock.status, clock.place = NOT_FINITE, bad
