@@ -243,6 +243,7 @@ def test_radau_has_its_order_where_elements_turn_little(tmp_path: Path) -> None:
     assert np.log2((b - a) / (c - b)) == pytest.approx(5.0, abs=0.5)
 
 
+@pytest.mark.long
 @pytest.mark.xdist_group("implicit shells")
 def test_radau_has_the_order_of_the_elements_where_they_turn_far(tmp_path: Path) -> None:
     a, b, c = tips(RADAU, "bent", {1e-4: 60, 5e-5: 120, 2.5e-5: 240}, 1e-7, tmp_path)
