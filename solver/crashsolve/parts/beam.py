@@ -419,15 +419,15 @@ def yield_rows(p, a, b, R, v, w, rows, first):
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
         c = scale(0.5, cross(e, y))
         m = scale(2.0, swing_of(v, w, c))
-        resist(rows[first + k], R, e, sub(m, c), add(m, c), p.damping * p.stiffness[k])
+        damp(rows[first + k], R, e, sub(m, c), add(m, c), p.damping * p.stiffness[k])
         m = turned_rate(eta, v, e)
-        resist(rows[first + 3 + k], R, ZERO, m, m, p.damping * p.turning_stiffness[k])
+        damp(rows[first + 3 + k], R, ZERO, m, m, p.damping * p.turning_stiffness[k])
     _, _, _, u_dot, _ = deformation(p, a, b, R, v, w)
     rows[first].damping += slope_of_viscosity(p, u_dot[0])
 
 
 @kernel
-def resist(row, R, f, m_a, m_b, damping):
+def damp(row, R, f, m_a, m_b, damping):
     """Tangent of a unit force f with moments m_a and m_b at the ends, axes of R. Writes: row."""
     f, m_a, m_b = matvec(R, f), matvec(R, m_a), matvec(R, m_b)
     for k in range(3):

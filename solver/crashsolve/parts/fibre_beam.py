@@ -188,4 +188,4 @@ def resist_rate(row, R, v, w, y, flow, damping):
     f, m = (flow[0], 0.0, 0.0), (0.0, flow[1], flow[2])
     c = scale(0.5, cross(f, y))
     m = add(turned_rate(half_angle_over_sine(v, w), v, m), scale(2.0, swing_of(v, w, c)))
-    beam.resist(row, R, f, sub(m, c), add(m, c), damping)
+    beam.damp(row, R, f, sub(m, c), add(m, c), damping)

@@ -18,28 +18,31 @@ NONE = (0.0, 0.0, 0.0)
 
 
 @kernel
-def turn_line(p, tension, nodes, place, blocks):
+def turn_line(p, out, nodes, place, blocks):
     """Less the derivatives by every motion of both ends. Writes: blocks."""
     u, length, _, d_a, d_b = line_of_action(p, nodes)
     if length < SHORTEST:
         return
     for k in range(6):
-        way = unit(k)
         if place.a >= 0:
-            swung = cross(way, d_a) if k >= 3 else NONE
-            f = turned(u, tension / length, scale(-1.0, way if k < 3 else swung))
-            on_a = add(cross(d_a, f), cross(swung, scale(tension, u)))
-            resist_own(blocks[place.a], k, f, on_a)
-            if place.across >= 0:
-                back = scale(-1.0, f)
-                resist_far(blocks[place.across], k, place.flips == 1, back, cross(d_b, back))
+            far = place.across, place.flips == 1
+            turn_end(place.a, far, k, u, out.force, length, d_a, d_b, blocks)
         if place.b >= 0:
-            swung = cross(way, d_b) if k >= 3 else NONE
-            f = turned(u, tension / length, way if k < 3 else swung)
-            on_b = add(cross(d_b, f), cross(swung, scale(tension, u)))
-            resist_own(blocks[place.b], k, scale(-1.0, f), scale(-1.0, on_b))
-            if place.across >= 0:
-                resist_far(blocks[place.across], k, place.flips == 0, f, cross(d_a, f))
+            far = place.across, place.flips == 0
+            turn_end(place.b, far, k, scale(-1.0, u), out.force, length, d_b, d_a, blocks)
+
+
+@kernel
+def turn_end(own, far, k, u, tension, length, d, d_far, blocks):
+    """Motion k of the end at arm d, from which u leads to that at arm d_far. Writes: blocks."""
+    way, (across, is_column) = unit(k), far
+    swung = cross(way, d) if k >= 3 else NONE
+    f = turned(u, tension / length, way if k < 3 else swung)
+    on_own = add(cross(d, f), cross(swung, scale(tension, u)))
+    resist_own(blocks[own], k, f, on_own)
+    if across >= 0:
+        back = scale(-1.0, f)
+        resist_far(blocks[across], k, is_column, back, cross(d_far, back))
 
 
 @kernel
@@ -51,5 +54,5 @@ def unit(k):
 
 @kernel
 def turned(u, per, way):
-    """Change of the force on a as b moves over a; `per` is the tension over the length."""
-    return scale(per, sub(way, scale(dot(u, way), u)))
+    """Change of the force on an end as it goes this way; `per` is the tension over the length."""
+    return scale(per, sub(scale(dot(u, way), u), way))

@@ -84,10 +84,7 @@ def tangent(p, state, nodes, curves, rows, first):
     line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, damping)
 
 
-@kernel
-def turn_force(p, out, nodes, place, blocks):
-    """What turns the force. Writes: blocks."""
-    turn_line(p, out.force, nodes, place, blocks)
+turn_force = turn_line
 
 
 @kernel

@@ -56,26 +56,18 @@ def close_ledger(ledger):
 
 
 @kernel
-def balance_broken(ledger, limit):
-    """Whether the imbalance exceeds `limit` times the largest energy (0: never asked)."""
-    if limit <= 0.0:
-        return False
-    return not abs(ledger[IMBALANCE]) <= limit * ledger[LARGEST]
-
-
-@kernel
 def check(clock, control, nodes, ledger):
     """Stop at a bad number or a broken balance. Writes: clock.
 
     From rest, the first steps err by much of the little energy there is: what comes from outside is
     judged where its share that is missing falls no more.
     """
-    lack = abs(ledger[IMBALANCE]) / (ledger[LARGEST] + 1e-300)
+    lack, limit = abs(ledger[IMBALANCE]) / (ledger[LARGEST] + 1e-300), control.energy_limit
     supplied = abs(ledger[EXTERNAL_WORK]) + abs(ledger[DRIVER_WORK])
     falls = clock.lack == 0.0 or lack < clock.lack
     is_starting, clock.lack = falls and supplied > 0.5 * ledger[LARGEST], lack
     bad, is_due = bad_node(nodes), clock.cycle >= control.check_every and not is_starting
     if bad >= 0:
         clock.status, clock.place = NOT_FINITE, bad
-    elif is_due and balance_broken(ledger, control.energy_limit):
+    elif is_due and limit > 0.0 and not lack <= limit:
         clock.status = ENERGY

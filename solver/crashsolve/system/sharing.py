@@ -22,7 +22,7 @@ def assist(until, sampling, scene):
         job = scene.job[0]
         if job.number == crew.OPEN:
             open_share(clock, job.h, scene)
-LOADS        elif job.number == crew.DEFORM:
+{loads}        elif job.number == crew.DEFORM:
             clock.element_rate = 0.0
             crew.lend(scene)
             deform_share(clock, job.h, scene)
@@ -42,7 +42,7 @@ LOADS = """\
 
 def assistant(model: Any) -> str:
     """Text of the second thread."""
-    return ASSIST.replace("LOADS", LOADS if model.element_loads() else "")
+    return ASSIST.format(loads=LOADS if model.element_loads() else "")
 
 
 def arrays_of_first(model: Any) -> dict[str, Any]:
