@@ -36,16 +36,17 @@ def end_after_first_step(deck: str, folder: str) -> None:
     """Run the command until the first step is done, then say what that has used."""
     from crashsolve.system.engine import Engine
 
-    advance = Engine.advance
+    step = Engine._step
 
-    def one_step(engine: Engine, until: float) -> None:
+    def one_step(engine: Engine, until: float, _: float) -> None:
         # the result is not wanted, only that one step is done
-        advance(engine, min(until, float(engine.clock["time"] + engine.clock["next_step"])))
+        first = min(until, float(engine.clock["time"] + engine.clock["next_step"]))
+        step(engine, first, first)
         peaks = [resource.getrusage(who).ru_maxrss / 1024 for who in PROCESSES]
         print(json.dumps([sum(os.times()[:4]), *peaks]), flush=True)
         os._exit(0)
 
-    Engine.advance = one_step  # type: ignore[method-assign]
+    Engine._step = one_step  # type: ignore[method-assign]
     from crashsolve.cli import main
 
     sys.exit(main([deck, "-o", folder]))
