@@ -4,6 +4,14 @@ from math import sqrt
 
 from crashsolve.foundation.compile import kernel
 
+ZERO = (0.0, 0.0, 0.0)
+
+
+@kernel
+def unit(k):
+    """Along axis k."""
+    return (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+
 
 @kernel
 def vec(a):

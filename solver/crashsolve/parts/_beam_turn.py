@@ -18,12 +18,11 @@ from math import cos, sin, sqrt, tan
 
 from crashsolve.foundation.bordered import resist_far, resist_own
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.vec3 import add, cross, dot, matvec, matvec_t, scale, sub, vec
+from crashsolve.foundation.vec3 import ZERO, add, cross, dot, matvec, matvec_t, scale, sub, vec
 from crashsolve.parts._halfway import half_angle_over_sine, turned_rate
 
 # turns below: T and g are those of no turn, to round-off
 SMALL = 1e-8
-NONE = (0.0, 0.0, 0.0)
 
 
 @kernel
@@ -38,9 +37,9 @@ def bend_blocks(p, section, a, b, R, v, w, strained, place, blocks):
     held = stresses(p, section, strained, eta, v, g)
     for k in range(3):
         e = (R[3 * k], R[3 * k + 1], R[3 * k + 2])
-        way = changes(p, section, strained, here, held, e, NONE, NONE)
-        turn = changes(p, section, strained, here, held, NONE, e, NONE)
-        mean = changes(p, section, strained, here, held, NONE, NONE, scale(0.5, e))
+        way = changes(p, section, strained, here, held, e, ZERO, ZERO)
+        turn = changes(p, section, strained, here, held, ZERO, e, ZERO)
+        mean = changes(p, section, strained, here, held, ZERO, ZERO, scale(0.5, e))
         put_column(blocks, place, R, k, scaled(-1.0, way), way)
         put_column(blocks, place, R, 3 + k, summed(mean, scaled(-1.0, turn)), summed(mean, turn))
 
@@ -149,7 +148,7 @@ def bends(theta):
     """n of a turn, and the numbers by which T and g change along it and across."""
     angle = sqrt(dot(theta, theta))
     if angle < SMALL:
-        return NONE, 0.0, 0.0, 0.125, 0.125
+        return ZERO, 0.0, 0.0, 0.125, 0.125
     half, quarter = 0.5 * angle, tan(0.25 * angle)
     sine = sin(half)
     turning = 0.5 * (sine - half * cos(half)) / (sine * sine), (1.0 - half / sine) / angle

@@ -256,6 +256,7 @@ def three(column, at):
 
 @inlined
 def four(column, at):
+    """Numbers of four rows one after the other."""
     return column[at], column[at + LANES], column[at + 2 * LANES], column[at + 3 * LANES]
 
 

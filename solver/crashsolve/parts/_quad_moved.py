@@ -16,6 +16,7 @@ Reference: Crisfield (1997), Non-linear Finite Element Analysis of Solids and St
 """
 
 from crashsolve.foundation.compile import inlined
+from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts._quad import (
     cross3,
     shears,
@@ -25,7 +26,6 @@ from crashsolve.parts._quad import (
     slopes_transposed,
 )
 
-ZERO = (0.0, 0.0, 0.0)
 NONE = (0.0, 0.0, 0.0, 0.0)
 
 

@@ -13,6 +13,7 @@ from math import sqrt
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts._beside import (
     clear_weak,
     mode_sizes,
@@ -104,8 +105,6 @@ from crashsolve.parts._tangent import (
     turn_corner,
 )
 from crashsolve.parts._viscous import damp
-
-ZERO = (0.0, 0.0, 0.0)
 
 
 @kernel

@@ -10,6 +10,7 @@ References: those of _triangle.py and _layer_tangent.py.
 
 from crashsolve.foundation.compile import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts._beside import relax_shear, see_shear
 from crashsolve.parts._layer_tangent import (
     ACROSS_OUT,
@@ -98,8 +99,6 @@ from crashsolve.parts._triangle import (
     whirl_stiffness,
 )
 from crashsolve.parts._viscous import damp
-
-ZERO = (0.0, 0.0, 0.0)
 
 
 @kernel

@@ -28,6 +28,7 @@ from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.posture import perpendicular, quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import (
+    ZERO,
     add,
     add_to,
     cross,
@@ -37,6 +38,7 @@ from crashsolve.foundation.vec3 import (
     put,
     scale,
     sub,
+    unit,
     vec,
 )
 from crashsolve.parts import _beam_tangent
@@ -44,7 +46,6 @@ from crashsolve.parts._beam_turn import bend_blocks, slope_of_viscosity
 from crashsolve.parts._damping import Damped, brake, coefficients, heavier, report_added
 from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
 
-ZERO = (0.0, 0.0, 0.0)
 DESCRIPTIONS = ("co-rotational",)
 """How deformation may be described; a study runs over them."""
 ORDER = 2
@@ -416,7 +417,7 @@ def yield_rows(p, a, b, R, v, w, rows, first):
     eta = half_angle_over_sine(v, w)
     y = matvec_t(R, sub(vec(b.r), vec(a.r)))
     for k in range(3):
-        e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+        e = unit(k)
         c = scale(0.5, cross(e, y))
         m = scale(2.0, swing_of(v, w, c))
         damp(rows[first + k], R, e, sub(m, c), add(m, c), p.damping * p.stiffness[k])

@@ -19,6 +19,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.posture import products, quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
+from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts import _beam_tangent, _ends, beam
 from crashsolve.parts._beam_turn import bend_blocks
 from crashsolve.parts._damping import Damped, report_added
@@ -43,8 +44,8 @@ class Frame(Damped):
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
-    velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=beam.ZERO)
-    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=beam.ZERO)
+    velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=ZERO)
+    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
 
     def node_names(self, part: str) -> list[str]:
         """Names of the nodes of a part of this name."""
@@ -81,7 +82,7 @@ def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
         {
             "mass": mass[i],
             "inertia": J[i],
-            "mass_centre": beam.ZERO,
+            "mass_centre": ZERO,
             "position": place,
             "quaternion": (1.0, 0.0, 0.0, 0.0),
             "velocity": card.velocity + np.cross(card.angular_velocity, place - places[0]),

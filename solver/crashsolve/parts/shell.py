@@ -26,7 +26,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_line
 from crashsolve.foundation.point import LANES, OWN, RIDES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import dot, vec
+from crashsolve.foundation.vec3 import ZERO, dot, vec
 from crashsolve.parts._beside import (
     clear_weak,
     relax_modes,
@@ -89,7 +89,6 @@ POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 # beside the rows of layers, sums over the points of a plane
 ROWS = ALL_ROWS + 24
 FAMILY = "matsum"
-ZERO = (0.0, 0.0, 0.0)
 MOTIONS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 Motion = Literal["x", "y", "z", "turn_x", "turn_y", "turn_z"]
 # elements worked on at a time where memory counts

@@ -11,10 +11,8 @@ Consequence to test: rows and blocks together are the derivative of the force.
 
 from crashsolve.foundation.bordered import resist_far, resist_own
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.vec3 import add, cross, dot, scale, sub
+from crashsolve.foundation.vec3 import ZERO, add, cross, dot, scale, sub, unit
 from crashsolve.springs._between import SHORTEST, line_of_action
-
-NONE = (0.0, 0.0, 0.0)
 
 
 @kernel
@@ -35,21 +33,14 @@ def turn_line(p, out, nodes, place, blocks):
 @kernel
 def turn_end(own, far, k, u, tension, length, d, d_far, blocks):
     """Motion k of the end at arm d, from which u leads to that at arm d_far. Writes: blocks."""
-    way, (across, is_column) = unit(k), far
-    swung = cross(way, d) if k >= 3 else NONE
+    way, (across, is_column) = unit(k % 3), far
+    swung = cross(way, d) if k >= 3 else ZERO
     f = turned(u, tension / length, way if k < 3 else swung)
     on_own = add(cross(d, f), cross(swung, scale(tension, u)))
     resist_own(blocks[own], k, f, on_own)
     if across >= 0:
         back = scale(-1.0, f)
         resist_far(blocks[across], k, is_column, back, cross(d_far, back))
-
-
-@kernel
-def unit(k):
-    """Direction of motion k: along x, y, z, then about them."""
-    i = k % 3
-    return (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
 
 
 @kernel

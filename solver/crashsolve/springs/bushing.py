@@ -28,11 +28,19 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.posture import relative
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, matvec_t, scale, sub, vec
+from crashsolve.foundation.vec3 import (
+    ZERO,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    matvec_t,
+    scale,
+    sub,
+    vec,
+)
 from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along
 from crashsolve.springs._card import PointSpringCard
-
-ZERO = (0.0, 0.0, 0.0)
 
 
 class Bushing(PointSpringCard):

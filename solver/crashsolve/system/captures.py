@@ -12,6 +12,7 @@ from crashsolve.contact.unilateral import press
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import apply_force, mobility
 from crashsolve.foundation.vec3 import (
+    ZERO,
     add,
     add_scaled,
     add_to,
@@ -27,7 +28,6 @@ from crashsolve.foundation.vec3 import (
 from crashsolve.system.contacts import along, separate, sum_losses
 from crashsolve.system.kinetics import drift_body
 
-ZERO = (0.0, 0.0, 0.0)
 PASSES = 20  # over the drift, until gaps on curved surfaces are closed
 SWEEPS = 200  # over the pairs, until their impulses agree
 SETTLED = 1e-14  # change of an impulse in a sweep, over the largest, that is round-off

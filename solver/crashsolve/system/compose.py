@@ -636,27 +636,26 @@ def is_assembled(model: Any) -> bool:
     return is_implicit(model) and has_nodal_tangents(model)
 
 
+# what adds to the blocks of nodes, with what it is given of one element or spring
+ON_BLOCKS = {
+    "bend": "p[i], history[clock.current, i], nodes, curves",
+    "turn_force": "p[i], out[i], nodes",
+}
+
+
 def _bend_calls(model: Any) -> list[str]:
     """Stiffness of shells, and what turns the forces of beams and springs, in the matrix."""
     lines = ["assembled.open_blocks(nodes, matrix)", *_stiffness_calls(model)]
     for k, g in enumerate(tangent_groups(model)):
-        if hasattr(g.module, "bend"):
-            lines += [
-                f"p, history = groups.{g.word}_p, groups.{g.word}_h",
-                f"first = groups.tangents[{k}].first",
-                "for i in range(p.shape[0]):",
-                "    old = history[clock.current, i]",
-                f"    place = matrix.pairs[first + {g.module.TANGENTS} * i]",
-                f"    {g.word}.bend(p[i], old, nodes, curves, place, matrix.blocks)",
-            ]
-        if hasattr(g.module, "turn_force"):
-            lines += [
-                f"p, out = groups.{g.word}_p, groups.{g.word}_o",
-                f"first = groups.tangents[{k}].first",
-                "for i in range(p.shape[0]):",
-                f"    place = matrix.pairs[first + {g.module.TANGENTS} * i]",
-                f"    {g.word}.turn_force(p[i], out[i], nodes, place, matrix.blocks)",
-            ]
+        for name, given in ON_BLOCKS.items():
+            if hasattr(g.module, name):
+                lines += [
+                    f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
+                    f"first = groups.tangents[{k}].first",
+                    "for i in range(p.shape[0]):",
+                    f"    place = matrix.pairs[first + {g.module.TANGENTS} * i]",
+                    f"    {g.word}.{name}({given}, place, matrix.blocks)",
+                ]
     return lines
 
 

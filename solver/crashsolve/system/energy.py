@@ -62,12 +62,14 @@ def check(clock, control, nodes, ledger):
     From rest, the first steps err by much of the little energy there is: what comes from outside is
     judged where its share that is missing falls no more.
     """
-    lack, limit = abs(ledger[IMBALANCE]) / (ledger[LARGEST] + 1e-300), control.energy_limit
+    lack = abs(ledger[IMBALANCE]) / (ledger[LARGEST] + 1e-300)
     supplied = abs(ledger[EXTERNAL_WORK]) + abs(ledger[DRIVER_WORK])
     falls = clock.lack == 0.0 or lack < clock.lack
-    is_starting, clock.lack = falls and supplied > 0.5 * ledger[LARGEST], lack
-    bad, is_due = bad_node(nodes), clock.cycle >= control.check_every and not is_starting
+    is_starting = falls and supplied > 0.5 * ledger[LARGEST]
+    clock.lack = lack
+    is_due = control.energy_limit > 0.0 and clock.cycle >= control.check_every
+    bad = bad_node(nodes)
     if bad >= 0:
         clock.status, clock.place = NOT_FINITE, bad
-    elif is_due and limit > 0.0 and not lack <= limit:
+    elif is_due and not is_starting and not lack <= control.energy_limit:
         clock.status = ENERGY
