@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.record import Record
 from crashsolve.model import touch
 from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST
@@ -32,8 +31,6 @@ MODEL = (
 )
 CARD_COLUMNS = ("impulse", "peak_normal", "peak_depth", "onsets")
 FAMILY = {"parts": "elout", "springs": "deforc", "loads": "bndout", "sensors": "nodout"}
-# points worked on at a time
-PIECE = 4096
 Part = tuple[Family, Callable[[], np.ndarray]]
 
 
@@ -42,8 +39,8 @@ class Histories:
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
-        # what errors of momentum are measured from, and over
-        self._start = np.stack(self._momenta()[:2])
+        # what errors of momentum are measured from, known at the first sample, and over
+        self._start = np.full((2, 3), np.nan)
         self._largest = np.zeros(2)
         self._margin = self._margins()
         self._parts = [self._model(), self._bodies(), self._joints(), self._contacts()]
@@ -75,6 +72,8 @@ class Histories:
         e = self.engine
         ledger, clock = e.ledger, e.sampled
         linear, angular, sums = self._momenta()
+        if np.isnan(self._start[0, 0]):
+            self._start[:] = linear, angular
         self._largest[:] = np.maximum(self._largest, sums)
         errors = [
             _share(linear - self._start[0] - clock["impulse"], self._largest[0]),
@@ -87,14 +86,13 @@ class Histories:
 
     def _momenta(self) -> list[np.ndarray]:
         """Momentum, angular momentum about the world origin, and sums of the sizes of both."""
-        nodes = self.engine.nodes[1:]
+        nodes, elements = self.engine.nodes[1:], self.engine.model.elements
         total = _moments(nodes["r"].T, nodes["v"].T / nodes["mass_inv"], nodes["L"].T)
-        points = self.engine.state.points
-        for start in range(0, len(points), PIECE):
-            # some at a time: what is computed of them takes room
-            own = _moments(*_free_motion(points[start : start + PIECE]))
-            total = [x + y for x, y in zip(total, own, strict=True)]
-        return total
+        if elements is None:
+            return total
+        own = elements.motion[0]
+        sizes = np.array([own["linear_size"], own["angular_size"]])
+        return [x + y for x, y in zip(total, (own["linear"], own["angular"], sizes), strict=True)]
 
     def _bodies(self) -> Part:
         columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]
@@ -214,14 +212,6 @@ class Histories:
         names = [c.name for c in getattr(group.module, "OUTPUT", Record()).columns]
         family = Family(f"{word}-{group.type}", tuple(group.names), columns)
         return family, lambda: _flat(group.output, names)
-
-
-def _free_motion(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places (3, n), momenta and spins times inertia of points; of those on bodies nothing."""
-    # as if these were of no mass
-    is_free = points["held"] < RIDES
-    mass, inertia = (1.0 / np.where(is_free, points[q], np.inf) for q in ("mass_inv", "J_inv"))
-    return points["r"].T, points["v"].T * mass, points["w"].T * inertia
 
 
 def _moments(r: np.ndarray, p: np.ndarray, L: np.ndarray) -> list[np.ndarray]:

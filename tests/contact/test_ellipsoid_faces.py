@@ -121,8 +121,9 @@ def bench(folder: Path, semi: Any, mesh: Any = FLOOR, **words: Any) -> Any:
     path.write_text(yaml.safe_dump(deck), "utf-8")
     model, state = build(read_deck(path))
     (group,) = model.nodal_groups
+    arrays = group.arrays | model.nodal_loads
     g = SimpleNamespace(
-        **{n: a.view(np.recarray) if a.dtype.names else a for n, a in group.arrays.items()}
+        **{n: a.view(np.recarray) if a.dtype.names else a for n, a in arrays.items()}
     )
     g.points, g.corners = state.points.view(np.recarray), model.elements.corners
     g.nodes = state.nodes.view(np.recarray)
@@ -135,8 +136,9 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
     body.r, body.A = x, np.ravel(A)
     g.tally[0].listed, g.due[:] = -1.0, 0.0
     lists = (g.first, g.near, g.wait, g.due)
+    plain(nodal.open_loads)(g)
     plain(faces.open_faces)(
-        *(0.0, g.p[0], g.tally[0], g.probes, g.nodes, g.points, g.corners),
+        *(0.0, g.p[0], g.tally[0], g.probes, g.nodes, g),
         *((g.cells, g.starts, g.sorted), lists, (g.spared_first, g.spared)),
     )
     plain(ellipsoids.look)(

@@ -124,12 +124,13 @@ class Bench:
         path.write_text(yaml.safe_dump(deck), "utf-8")
         model, self.state = build(read_deck(path))
         self.elements = model.elements
-        self.groups = [self._group(group) for group in model.nodal_groups]
+        loads = model.nodal_loads
+        self.groups = [self._group(group.arrays | loads) for group in model.nodal_groups]
 
-    def _group(self, group: Any) -> Any:
+    def _group(self, arrays: Any) -> Any:
         tables = {
             name: array.view(np.recarray) if array.dtype.names else array
-            for name, array in group.arrays.items()
+            for name, array in arrays.items()
         }
         g = SimpleNamespace(**tables)
         g.points, g.corners = self.state.points.view(np.recarray), self.elements.corners
@@ -140,8 +141,9 @@ class Bench:
         return g
 
     def search(self, g: Any) -> None:
+        plain(nodal.open_loads)(g)
         plain(faces.open_faces)(
-            *(0.0, g.p[0], g.tally[0], g.probes, g.nodes, g.points, g.corners, g.grid, g.lists),
+            *(0.0, g.p[0], g.tally[0], g.probes, g.nodes, g, g.grid, g.lists),
             (g.spared_first, g.spared),
         )
 

@@ -39,6 +39,14 @@ POINT = Record(
     ),
 )
 
+# of all points that ride on no body
+MOTION = Record(
+    linear=("N s", 3, "sum of the momenta"),
+    angular=("N m s", 3, "the same about the origin"),
+    linear_size=("N s", "sum of |p|"),
+    angular_size=("N m s", "sum of |r| |p| + |J w|"),
+)
+
 RIDER = Record(
     point=("index", "point"),
     node=("index", "body it rides on"),

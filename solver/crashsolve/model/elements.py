@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.foundation.point import LANES, POINT, RIDER
+from crashsolve.foundation.point import LANES, MOTION, POINT, RIDER
 from crashsolve.model.model import Elements, Group, Model
 from crashsolve.parts._cut import CUT, TAP
 
@@ -58,7 +58,8 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
     rows = max(g.module.ROWS for g in groups if hasattr(g.module, "deform"))
     work = line_up(rows * LANES)
     taps, cuts = _cuts(groups, parts)
-    return Elements(np.concatenate(corners), np.concatenate(riders), work, parts, mass, taps, cuts)
+    tables = np.concatenate(corners), np.concatenate(riders), work, parts, mass, taps, cuts
+    return Elements(*tables, motion=np.zeros(1, MOTION.dtype))
 
 
 def _cuts(groups: list[Group], parts: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:

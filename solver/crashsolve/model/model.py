@@ -110,6 +110,7 @@ class Elements:
     point_mass: float  # of the points that ride on no body of the deck
     taps: np.ndarray  # elements of sections, block by block, see parts/_cut.py
     cuts: np.ndarray
+    motion: np.ndarray  # momenta of the points at the last sample
     halves: Any = None  # for two threads, see model/halves.py
     # points with bodies behind those that have names, for implicit integrators
     embodied: np.ndarray = field(default_factory=lambda: np.zeros(0, int))

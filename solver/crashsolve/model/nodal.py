@@ -96,9 +96,20 @@ HIT = Record(
     normal=("1", 3, "towards the side where the probe belongs"),
     N=("1", 4, "weights of the corners"),
 )
+# of a point that is touched
+STIFFENED = Record(
+    stiffness=("1/s^2", "sum of k N / m"),
+    damping=("1/s", "sum of c N / m"),
+    listed=("flag", "whether the point is among those that are touched"),
+)
 TOUCHED = Record(
+    count=("count", "points that are touched"),
+    rate=("1/s^2", "largest bound of squared frequency of these"),
     damping=("1/s", "largest sum of c N / m"),
     shortened=("1", "largest factor by which contact has shortened the stable step"),
+    first_seen=("index", "first of the points whose speeds were looked at last"),
+    seen=("count", "points looked at"),
+    speed=("m/s", "largest of their speeds"),
 )
 
 
@@ -382,7 +393,11 @@ def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def loads_of_points(count: int) -> dict[str, np.ndarray]:
     """What all groups together add to the stiffness of points."""
-    return {"touched": np.zeros(1, TOUCHED.dtype), "stiffened": np.zeros(2 * count)}
+    return {
+        "touched": np.zeros(1, TOUCHED.dtype),
+        "stiffened": np.zeros(count, STIFFENED.dtype),
+        "touched_points": np.zeros(count, np.int64),
+    }
 
 
 def give_room(groups: list[NodalGroup]) -> None:

@@ -169,29 +169,32 @@ def turn_bound(largest, both, skew, a_b, bending, turn, nu):
 
 @inlined
 def rate_bound(flat, hourglass, z, area, thickness, radius_2, light, nu):
-    """Bound of the largest squared frequency of the free element [1/s^2]; light is E A t / m.
+    """Bound of the largest squared frequency of the free element [1/s^2].
 
-    Exact for strains of the plane; `held` is the hourglass, which strains share in a skew element
-    and turns in a warped one.
+    light is E A t / m / (1 - nu^2). Exact for strains of the plane; `held` is the hourglass, which
+    strains share in a skew element and turns in a warped one.
     """
     x31, y31, x42, y42 = flat
     a_x, a_y, b_x, b_y = sides(flat)
     h_x, h_y = hourglass
-    k, turn = 2.0 / (area * area), 1.0 / radius_2
+    k, turn = 0.5 / area, 1.0 / radius_2
+    k = 8.0 * k * k
     # sums of the squared slopes of the corners' functions
     xx, yy = k * (y31 * y31 + y42 * y42), k * (x31 * x31 + x42 * x42)
     xy = -k * (x31 * y31 + x42 * y42)
     both, apart = xx + yy, 0.25 * (xx - yy) * (xx - yy) + xy * xy
     plane = 0.5 * both + sqrt(apart + 8.0 * nu * nu * k)
     plane = max(plane, 0.5 * (1.0 - nu) * (both + 0.25 * DRILLING * (both + turn)))
-    held = (1.0 - nu * nu) / 3.0 * both
+    largest = 0.5 * both + sqrt(apart)
+    held = (1.0 - nu * nu) / 3.0 * largest
     slant = (h_x * h_x * xx + 2.0 * h_x * h_y * xy + h_y * h_y * yy) / 16.0
     skew = (h_x * h_x + h_y * h_y) * both / 16.0
     a_b = 0.5 * k * (a_x * a_x + a_y * a_y) * (b_x * b_x + b_y * b_y)
-    bending = stiffer(held, plane, slant) * thickness * thickness * turn / 12.0
-    turned = turn_bound(0.5 * both + sqrt(apart), both, skew, a_b, bending, turn, nu)
     # either with one stiffness for both, or apart, by (x - y)^2 <= (1 + s) x^2 + (1 + 1 / s) y^2
     share, warp = sqrt(slant), z * z * turn
+    strained = plane + held * (share + slant)
+    bending = strained * thickness * thickness * turn / 12.0
+    turned = turn_bound(largest, both, skew, a_b, bending, turn, nu)
     one = stiffer(held, max(plane, turned), slant + warp)
-    two = max(plane + held * (share + slant), stiffer(held * (1.0 + share), turned, warp))
-    return light / (1.0 - nu * nu) * min(one, two)
+    two = max(strained, stiffer(held * (1.0 + share), turned, warp))
+    return light * min(one, two)

@@ -297,7 +297,7 @@ def push(blocks, first, work, p):
             (t_x[2] + z * h_y, t_y[2] - z * h_x, -0.5 * drill),
         )
         at = first + LANES * RADIUS_2 + e
-        light = p.young * t * area / blocks[at + LANES]
+        light = p.plane * t * area / blocks[at + LANES]
         work[LANES * RATE + e] = rate_bound(
             flat, hourglass, z, area, t, blocks[at], light, p.poisson
         )

@@ -424,10 +424,11 @@ class Laid:
         """Bound of the largest squared frequency of an element with these diagonals [1/s^2]."""
         law, t = self.material, self.card.thickness
         area = self.area[element]
-        size = area, t, (area + t * t) / 12.0, law.young / law.density, law.poisson
+        size, light = (area, t, (area + t * t) / 12.0), law.young / law.density
         if element >= self.quad_count:
             # that file builds on this one
-            return float(import_module("crashsolve.parts._triangle").rate_bound(flat, *size))
+            bound = import_module("crashsolve.parts._triangle").rate_bound
+            return float(bound(flat, *size, light, law.poisson))
         x = self.mesh.points[self.mesh.quads[element]]
         axes = np.column_stack([x[2] - x[0], x[3] - x[1]]) @ np.linalg.inv(
             np.reshape(flat, (2, 2)).T
@@ -435,7 +436,9 @@ class Laid:
         odd = x[0] - x[1] + x[2] - x[3]
         skew = odd @ axes
         z = 0.25 * np.sqrt(max(odd @ odd - skew @ skew, 0.0))
-        return float(quad_bound(flat, (float(skew[0]), float(skew[1])), float(z), *size))
+        light /= 1.0 - law.poisson**2
+        hourglass = (float(skew[0]), float(skew[1]))
+        return float(quad_bound(flat, hourglass, float(z), *size, light, law.poisson))
 
     def _held(self, scene: Any) -> np.ndarray:
         """Bits of the motions that every node does not make."""

@@ -157,7 +157,7 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
     if model.elements:
         e = model.elements
         arrays |= {"points": state.points, "lanes": state.blocks}
-        arrays |= {"corners": e.corners, "riders": e.riders, "work": e.work}
+        arrays |= {"corners": e.corners, "riders": e.riders, "work": e.work, "motion": e.motion}
         if len(e.cuts):
             arrays |= {"taps": e.taps, "cuts": e.cuts}
     if is_halved(model):
@@ -315,12 +315,13 @@ def _force_calls(model: Any) -> list[str]:
         if model.nodal_groups:
             lines += ["nodal.open_loads(groups)"]
             lines += [f"{n.word}(clock, h, nodes, curves, groups)" for n in model.nodal_groups]
-            lines += ["nodal.close_loads(clock, groups)"]
+            lines += ["nodal.close_loads(groups)"]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
-    if model.elements and not model.nodal_groups and not is_assembled(model):
+    if model.elements and not is_assembled(model):
         # that of the mesh takes the place of that of its elements
         lines += ["clock.element_rate = 0.0"]
     lines += _closing_calls(model)
+    lines += ["nodal.hasten(clock, groups)"] * bool(model.nodal_groups)
     return lines + ["slaves.collect(groups.slaves, nodes)"] * has_slaves(model)
 
 
@@ -939,7 +940,8 @@ def _cut_calls(model: Any) -> list[str]:
 
 
 def _measure_calls(model: Any) -> list[str]:
-    lines = _cut_calls(model) if model.elements and len(model.elements.cuts) else []
+    lines = ["points.add_up_motion(groups.points, groups.motion[0])"] * bool(model.elements)
+    lines += _cut_calls(model) if model.elements and len(model.elements.cuts) else []
     for g in model.sensor_groups():
         lines += [
             f"p, out = groups.{g.word}_p, groups.{g.word}_o",

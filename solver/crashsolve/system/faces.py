@@ -38,13 +38,14 @@ NO_WAY = 1e-9
 
 
 @kernel
-def open_faces(h, p, tally, probes, nodes, points, corners, grid, lists, spared):
+def open_faces(h, p, tally, probes, nodes, scene, grid, lists, spared):
     """How far all have gone; the lists anew where that is more than their margin.
 
     Writes: tally, grid, lists.
     """
+    points, corners = scene.points, scene.corners
     open_pass(tally)
-    tally.fastest = 2.0 * fastest(h, p, probes, nodes, points)
+    tally.fastest = 2.0 * fastest(h, p, probes, nodes, scene)
     tally.way += h * tally.fastest
     if tally.way <= tally.listed + p.margin:
         return

@@ -40,29 +40,40 @@ STUCK = 1e-30
 
 @kernel
 def open_loads(scene):
-    """Nothing touches yet. Writes: scene.touched, stiffened."""
+    """Nothing touches yet, and no speed is known. Writes: scene.touched, stiffened."""
     total = scene.touched[0]
-    total.damping = 0.0
-    for i in range(2 * scene.points.shape[0]):
-        scene.stiffened[i] = 0.0
+    for j in range(total.count):
+        at = scene.stiffened[scene.touched_points[j]]
+        at.stiffness = at.damping = 0.0
+        at.listed = 0
+    total.count, total.first_seen = 0, -1
+    total.rate = total.damping = 0.0
 
 
 @kernel
-def close_loads(clock, scene):
-    """Contact makes the mesh stiffer: bound of its highest frequency. Writes: clock, touched.
+def close_loads(scene):
+    """Contact makes the mesh stiffer where it touches: bound there. Writes: scene.touched.
 
     omega^2 <= max_i (sum omega_e^2 m_ei + 2 sum k N_i) / m_i, the first as in points.py, the second
     since (x - sum N_i x_i)^2 <= 2 x^2 + 2 sum N_i x_i^2; dampers as in timestep.py.
     """
-    points, total, alone, largest = scene.points, scene.touched[0], 0.0, 0.0
-    for i in range(points.shape[0]):
-        b = points[i]
-        rate = b.load * b.mass_inv
-        alone = max(alone, rate, b.spin_load * b.J_inv)
-        largest = max(largest, rate + 2.0 * scene.stiffened[2 * i])
+    total = scene.touched[0]
+    for j in range(total.count):
+        i = scene.touched_points[j]
+        b, more = scene.points[i], scene.stiffened[i]
+        total.rate = max(total.rate, b.load * b.mass_inv + 2.0 * more.stiffness)
+
+
+@kernel
+def hasten(clock, scene):
+    """Bound of the highest frequency of the mesh without contact, and with it.
+
+    Writes: clock, scene.touched.
+    """
+    total, alone = scene.touched[0], clock.element_rate
     half = total.damping
-    speed = sqrt(max(alone, largest) + half * half) + half
-    clock.element_rate = speed * speed
+    speed = sqrt(max(alone, total.rate) + half * half) + half
+    clock.element_rate = max(alone, speed * speed)
     total.shortened = max(total.shortened, speed / sqrt(alone))
 
 
@@ -98,17 +109,29 @@ def free_part(held, u):
 
 
 @kernel
-def fastest(h, p, probes, nodes, points):
+def fastest(h, p, probes, nodes, scene):
     """Largest speed in this step of the probes, and of the points of the faces."""
-    most = 0.0
-    for i in range(p.first_point, p.first_point + p.point_count):
-        v = vec(points[i].v)
-        most = max(most, dot(v, v))
-    most = sqrt(most)
+    most = fastest_point(p, scene)
     if p.own == 0:
         for i in range(probes.shape[0]):
-            most = max(most, speed_of(probes[i], h, p, nodes, points))
+            most = max(most, speed_of(probes[i], h, p, nodes, scene.points))
     return most
+
+
+@kernel
+def fastest_point(p, scene):
+    """Largest speed of the points of the faces, which another group may have found already.
+
+    Writes: scene.touched.
+    """
+    total, most = scene.touched[0], 0.0
+    if total.first_seen == p.first_point and total.seen == p.point_count:
+        return total.speed
+    for i in range(p.first_point, p.first_point + p.point_count):
+        v = vec(scene.points[i].v)
+        most = max(most, dot(v, v))
+    total.first_seen, total.seen, total.speed = p.first_point, p.point_count, sqrt(most)
+    return total.speed
 
 
 @kernel
@@ -250,17 +273,21 @@ def count(i, share, k, c, scene):
 @kernel
 def load(i, w, k, c, scene):
     """The same for an acceleration w over the force [1/kg]. Writes: scene.stiffened, touched."""
-    total = scene.touched[0]
-    scene.stiffened[2 * i] += k * w
-    scene.stiffened[2 * i + 1] += c * w
-    total.damping = max(total.damping, scene.stiffened[2 * i + 1])
+    total, at = scene.touched[0], scene.stiffened[i]
+    if at.listed == 0:
+        scene.touched_points[total.count] = i
+        total.count += 1
+        at.listed = 1
+    at.stiffness += k * w
+    at.damping += c * w
+    total.damping = max(total.damping, at.damping)
 
 
 # --- rigid shapes: their own gap routines, with the probe as a body among copies of bodies -------
 
 
 @kernel
-def open_shapes(h, p, tally, probes, nodes, points, frames, home):
+def open_shapes(h, p, tally, probes, nodes, scene, frames, home):
     """Copies of the bodies with the shapes; how far probes have gone. Writes: tally, frames."""
     open_pass(tally)
     speed = 0.0
@@ -270,7 +297,7 @@ def open_shapes(h, p, tally, probes, nodes, points, frames, home):
         for j in range(9):
             frame.A[j] = body.A[j]
         speed = max(speed, norm(vec(body.v)) + norm(vec(body.w)) * p.extent)
-    tally.fastest = fastest(h, p, probes, nodes, points) + speed
+    tally.fastest = fastest(h, p, probes, nodes, scene) + speed
     # how far a shape moves is known too late: shapes that do are looked at in every step
     tally.way = tally.way + h * tally.fastest if speed == 0.0 else 1e300
 

@@ -15,7 +15,7 @@ def {word}(clock, h, nodes, curves, groups):
     gone = groups.{word}_gone
     mesh = (points, corners, groups.{word}_beside, around[0], around[1], gone)
     spared = (groups.{word}_spared_first, groups.{word}_spared)
-    faces.open_faces(h, p, tally, probes, nodes, points, corners, grid, lists, spared)
+    faces.open_faces(h, p, tally, probes, nodes, groups, grid, lists, spared)
 {bury}    for i in range(probes.shape[0]):
         if due[i] > tally.way:
             continue
@@ -67,7 +67,7 @@ def {word}(clock, h, nodes, curves, groups):
     points, shapes, due = groups.points, groups.{word}_b, groups.{word}_due
     card, counts = groups.cards[p.card], groups.card_history[1 - clock.current]
     frames, home = groups.{word}_frames, groups.{word}_home
-    nodal.open_shapes(h, p, tally, probes, nodes, points, frames, home)
+    nodal.open_shapes(h, p, tally, probes, nodes, groups, frames, home)
     for i in range(probes.shape[0]):
         if due[i] > tally.way:
             continue

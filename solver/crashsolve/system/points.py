@@ -16,6 +16,7 @@ from crashsolve.foundation.vec3 import (
     cross,
     dot,
     matvec,
+    norm,
     put,
     scale,
     sub,
@@ -153,6 +154,24 @@ def unload(clock, nodes, points, riders):
         put(b.torque, (0.0, 0.0, 0.0))
         clock.element_rate = bound_rate(clock.element_rate, b)
         b.load = b.spin_load = 0.0
+
+
+@kernel
+def add_up_motion(points, total):
+    """Momenta of the points that ride on no body. Writes: total."""
+    zero = (0.0, 0.0, 0.0)
+    put(total.linear, zero)
+    put(total.angular, zero)
+    total.linear_size = total.angular_size = 0.0
+    for i in range(points.shape[0]):
+        b = points[i]
+        if b.held >= RIDES:
+            continue
+        r, p, spin = vec(b.r), scale(1.0 / b.mass_inv, vec(b.v)), scale(1.0 / b.J_inv, vec(b.w))
+        add_to(total.linear, p)
+        add_to(total.angular, add(cross(r, p), spin))
+        total.linear_size += norm(p)
+        total.angular_size += norm(r) * norm(p) + norm(spin)
 
 
 @kernel
