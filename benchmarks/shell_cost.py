@@ -10,6 +10,7 @@ elements read and written, corners read, points read and written twice.
 """
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -59,6 +60,7 @@ def advance(h, flag, scene):
 """
 # of which the fastest counts, a few hundredths of a second each
 RUNS = 50
+REST = 0.05  # s
 # file of the kernels, and elements for each quadrilateral of the mesh
 KINDS = {"reduced": ("shell", 1), "fully_integrated": ("_full", 1), "triangles": ("_triangle", 2)}
 CASES = [(element, material) for element in KINDS for material in ("elastic", "plastic")]
@@ -205,32 +207,66 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
     return cpu / (cycles * count), peak / count, ready
 
 
-def two_threads(folder: Path, n: int, material: str, has_load: bool) -> tuple[float, float]:
-    """Speed with two threads over that with one, by the clock, of many runs in turn.
-
-    The median of pairs, and by the fastest of each, which seldom finds both cores at their best.
-    """
+def plate(folder: Path, n: int, material: str, has_load: bool, threads: int) -> Engine:
+    """The plate of a run without an end, started."""
     values = {"n": n, "material": material, "thickness": 0.1 / n, "pressure": 1e5, "end": 1.0}
     text = DECK.format(element="reduced", **values)
-    text = (
-        text if has_load else text.replace(text[text.index("loads:") : text.index("output:")], "")
-    )
-    engines = []
-    for threads in (1, 2):
-        path = folder / f"{threads}.yaml"
-        path.write_text(text.replace("control: {", f"control: {{threads: {threads}, "), "utf-8")
-        engines.append(Engine(*build(read_deck(path))))
-        engines[-1].start()
-    h, spent = float(engines[0].state.clock["next_step"][0]), np.empty((RUNS, 2))
+    if not has_load:
+        text = text.replace(text[text.index("loads:") : text.index("output:")], "")
+    path = folder / f"{threads}.yaml"
+    path.write_text(text.replace("control: {", f"control: {{threads: {threads}, "), "utf-8")
+    e = Engine(*build(read_deck(path)))
+    e.start()
+    return e
+
+
+def run_on(n: int, material: str, has_load: bool) -> None:
+    """One thread on a plate until it is ended: what two cores can do beside each other."""
+    with tempfile.TemporaryDirectory() as name:
+        e = plate(Path(name), n, material, has_load, 1)
+        print("ready", flush=True)
+        while True:
+            e.advance(float(e.state.clock["time"][0]) + 4.0 * float(e.state.clock["next_step"][0]))
+
+
+def two_threads(folder: Path, n: int, material: str, has_load: bool) -> tuple[float, float, float]:
+    """Speed with two threads over that with one, by the clock, of many runs in turn.
+
+    The median of pairs; by the fastest of each, which seldom finds both cores at their best; and
+    the median of what two runs of one thread do beside each other. A rest between, since who has
+    just used both cores of a shared host gets less of them.
+    """
+    one, two = (plate(folder, n, material, has_load, threads) for threads in (1, 2))
+    words = [sys.executable, __file__, str(n), material, "pressed" if has_load else ""]
+    beside = subprocess.Popen(words, stdout=subprocess.PIPE)
+    assert beside.stdout is not None and beside.stdout.readline() == b"ready\n"
+    beside.send_signal(signal.SIGSTOP)
+    h, spent = float(one.state.clock["next_step"][0]), np.empty((RUNS, 3))
     cycles = max(4, 400_000 // n**2)
     for k in range(RUNS):
-        for m, e in enumerate(engines):
-            begun = time.perf_counter()
-            e.advance((k + 1) * cycles * h)
-            spent[k, m] = time.perf_counter() - begun
-    assert engines[0].state.points.tobytes() == engines[1].state.points.tobytes()
-    fastest = spent.min(axis=0)
-    return float(np.median(spent[:, 0] / spent[:, 1])), fastest[0] / fastest[1]
+        time.sleep(REST)
+        spent[k, 0] = clocked(one, (2 * k + 1) * cycles * h)
+        spent[k, 1] = clocked(two, (k + 1) * cycles * h)
+        beside.send_signal(signal.SIGCONT)
+        time.sleep(REST)
+        spent[k, 2] = clocked(one, (2 * k + 2) * cycles * h)
+        beside.send_signal(signal.SIGSTOP)
+    beside.kill()
+    two.advance(2 * RUNS * cycles * h)
+    assert one.state.points.tobytes() == two.state.points.tobytes()
+    alone, both, crowded = spent.T
+    return (
+        float(np.median(alone / both)),
+        alone.min() / both.min(),
+        float(np.median(2.0 * alone / crowded)),
+    )
+
+
+def clocked(e: Engine, until: float) -> float:
+    """Time that a run takes to go on, by the clock [s]."""
+    begun = time.perf_counter()
+    e.advance(until)
+    return time.perf_counter() - begun
 
 
 def implicit(folder: Path, n: int, method: str) -> tuple[float, float, int]:
@@ -277,7 +313,8 @@ def main(n: int) -> None:
             alone, pressed = (two_threads(folder, n, material, load) for load in (False, True))
             print(
                 f"two threads, {material}: {alone[0]:.2f} times the speed of one (fastest "
-                f"{alone[1]:.2f}), {pressed[0]:.2f} under pressure (fastest {pressed[1]:.2f}); "
+                f"{alone[1]:.2f}), two runs {alone[2]:.2f}; under pressure {pressed[0]:.2f} "
+                f"(fastest {pressed[1]:.2f}), two runs {pressed[2]:.2f}; "
                 f"{os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores"
             )
         for side in (10, 20, 40):
@@ -290,4 +327,6 @@ def main(n: int) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) > 2:
+        run_on(int(sys.argv[1]), sys.argv[2], bool(sys.argv[3]))
     main(int(sys.argv[1]) if len(sys.argv) > 1 else 64)

@@ -30,10 +30,19 @@ MESHES: dict[str, dict[str, Any]] = {
     "reduced, 3 mm": {},
     "fully integrated, 3 mm": {"parts.tube.element": "fully_integrated"},
 }
+# steps of the reduced element on 5 mm
+STEPS: dict[str, dict[str, Any]] = {
+    "0.9 of the bound": {"control.safety": 0.9},
+    "0.99 of the bound": {},
+    "0.55 us": {"control.step": 5.5e-7},
+    "0.62 us": {"control.step": 6.2e-7},
+    "0.7 us": {"control.step": 7e-7},
+}
 FRAMES = (0, 2, 4, 8, 12, 20)  # ms
 WINDOW = 1e-4  # of the mean force [s]
 SAMPLE, LENGTH, KINETIC = 2e-5, 360.0, 3050.9  # s, mm, J
 PLACES = (3, 4, 5, 6, 7, 8, 9, 10, 12, 13)  # shortening [mm]
+STOPPED = 4  # exit code of a numerical stop
 SHOWN = 160.0  # height of the pictures [mm]
 # OpenRadioss bd4557b: peak [kN], shortening [mm], mean, mean over 20-80 mm [kN], final length [mm],
 # rebound [m/s], hourglass [%]
@@ -46,18 +55,28 @@ PUBLISHED = {
 }
 
 
-def run(folder: Path, mesh: str) -> Result:
-    """Result of the deck on a mesh, taken from `folder` if it is there."""
-    out = folder / mesh.replace(",", "").replace(" ", "_")
+def run(folder: Path, name: str, settings: dict[str, Any], codes: tuple[int, ...] = (0,)) -> Path:
+    """Folder of a result of the deck, taken from `folder` if it is there; how it may end."""
+    out = folder / name.replace(",", "").replace(" ", "_")
     if not (out / "status.json").exists():
-        words = [w for name, n in MESHES[mesh].items() for w in ("--set", f"{name}={n}")]
+        words = [w for name, n in settings.items() for w in ("--set", f"{name}={n}")]
         # an estimate of errors would take two runs
         words += ["--set", "control.estimate=off"]
         command = [sys.executable, "-m", "crashsolve", str(DECK), "-o", str(out), *words]
         done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode:
-            raise RuntimeError(f"{mesh}: {done.stdout[-500:]}{done.stderr}")
-    return Result(out)
+        if done.returncode not in codes:
+            raise RuntimeError(f"{name}: {done.stdout[-500:]}{done.stderr}")
+    return out
+
+
+def status(out: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((out / "status.json").read_text("utf-8"))
+    return found
+
+
+def cost(out: Path) -> float:
+    """CPU time of steps and output [s]."""
+    return sum(status(out)["cpu_stages"][stage] for stage in ("steps", "output"))
 
 
 def values(result: Result, channel: str) -> np.ndarray:
@@ -129,8 +148,7 @@ def checked(runs: dict[str, Result]) -> str:
     """Energies, depth of touches, and cost of our runs."""
     lines = []
     for mesh, result in runs.items():
-        status = json.loads((result.folder / "status.json").read_text("utf-8"))
-        cpu = sum(status["cpu_stages"][stage] for stage in ("steps", "output"))
+        cpu = cost(result.folder)
         cycles = values(result, "glstat.model.cycle")[-1]
         with h5py.File(result.folder / "mesh.h5") as file:
             count = len(file["part_tube/cells"])
@@ -144,6 +162,26 @@ def checked(runs: dict[str, Result]) -> str:
         "element, mesh|balance [%]|elastic|hourglass|drilling|plastic [%]|deepest touch [um]|cycles"
     )
     return table(f"{head}|CPU [s]|million element-cycles/s", lines)
+
+
+def stepped(folder: Path) -> str:
+    """What longer steps cost and change."""
+    lines = []
+    for name, settings in STEPS.items():
+        name_of_run = name if settings else "reduced, 5 mm"
+        out = run(folder, name_of_run, COARSE | settings, (0, STOPPED))
+        told, result = status(out), Result(out)
+        line = [name, f"{1e6 * told['time'] / told['cycle']:.3f}", f"{told['cycle']}"]
+        if told["state"] == "finished":
+            _, _, mean, *_ = figures(result)
+            way = LENGTH - 1e3 * values(result, "rbdout.ring.position.z").min()
+            balance = np.abs(values(result, "glstat.model.balance")).max()
+            line += [f"{way:.3f}", mean, f"{balance:.4f}", f"{cost(out):.0f}"]
+        else:
+            line += [f"stopped at {1e3 * told['time']:.1f} ms", "", "", ""]
+        lines.append(line)
+    head = "step|on average [us]|cycles|shortening [mm]|mean force [kN]|balance [%]|CPU [s]"
+    return table(head, lines)
 
 
 # --- pictures -----------------------------------------------------------------------------------
@@ -206,12 +244,14 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(temporary)
-        runs = {mesh: run(folder, mesh) for mesh in MESHES}
+        steps = stepped(folder)
+        runs = {mesh: Result(run(folder, mesh, settings)) for mesh, settings in MESHES.items()}
         draw_curves(runs, plt, "force", 105.0)
         coarse = {mesh: result for mesh, result in runs.items() if "across" in MESHES[mesh]}
         draw_curves(coarse, plt, "first_fold", 25.0)
         draw_film(runs["reduced, 5 mm"], plt)
         parts = {"COMPARED": compared(runs), "CHECKED": checked(runs), "FOLD": fold(coarse)}
+        parts["STEPS"] = steps
     text = (PICTURES / "page.txt").read_text("utf-8")
     for name, part in parts.items():
         text = text.replace(f"@{name}@", part)

@@ -75,3 +75,15 @@ def test_a_step_too_long_is_stopped(tmp_path: Path) -> None:
     # what has no energy to stand on is not answered: the files end before
     kinetic = result.series("glstat.model.energy.kinetic").values
     assert kinetic.max() < 11.0 * kinetic[0]
+
+
+def test_a_curve_that_ends_for_a_step_too_long_says_so(tmp_path: Path) -> None:
+    deck = tmp_path / "ball.yaml"
+    text = BALL.read_text("utf-8").partition("expect:")[0]
+    text = text.replace("type: elastic,", "type: elastoplastic, curve: flow,")
+    deck.write_text(text + "curves: {flow: {points: [[0, 2e8], [0.02, 3e8]]}}\n", "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "long", "--set", "control.step=4.8e-6")
+    assert done.returncode == 4
+    last = done.stderr.splitlines()[-1]
+    # half as long again as is stable
+    assert "curve 'flow': read at 0.02" in last and "with a step 1.6 times" in last

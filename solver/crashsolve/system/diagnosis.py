@@ -41,7 +41,7 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
     elif status == STEP_TOO_SMALL:
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
     elif status == CURVE_END:
-        found = curve_end(model)
+        found = curve_end(model, clock)
     else:
         share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
         cause = f"the energy balance is off by {share:.3g} % of the largest energy"
@@ -119,17 +119,19 @@ def limiter(model: Model, limit_node: int) -> str:
     return model.node_with_element(limit_node) if limit_node else ""
 
 
-def curve_end(model: Model) -> Diagnosis:
-    """A curve read beyond its points."""
+def curve_end(model: Model, clock: Any) -> Diagnosis:
+    """A curve read beyond its points, be it for a step too long for the elements."""
     curves = model.curves
     first, x = int(curves[0]["fault"]), float(curves[0]["x"])
     name = next(n for n, start in model.curve_names.items() if start == first)
     last = curves[int(curves[first]["last"])]["x"]
-    return (
-        f"curve '{name}'",
-        f"read at {x:.6g}, outside its range {curves[first]['x']:.6g} to {last:.6g}",
-        "extend the curve, or say extrapolate: hold or linear on its card",
-    )
+    cause = f"read at {x:.6g}, outside its range {curves[first]['x']:.6g} to {last:.6g}"
+    advice = "extend the curve, or say extrapolate: hold or linear on its card"
+    times = 0.5 * float(clock["step"]) * float(clock["element_rate"]) ** 0.5
+    if model.integrator == "rattle" and times > 1.0:
+        cause += f", with a step {times:.2g} times the one that is sure to be stable"
+        advice = f"take a shorter step; if that does not help, {advice}"
+    return f"curve '{name}'", cause, advice
 
 
 def velocity_error(model: Model, state: State) -> np.ndarray:
