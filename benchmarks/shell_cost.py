@@ -220,10 +220,10 @@ def plate(folder: Path, n: int, material: str, has_load: bool, threads: int) -> 
     return e
 
 
-def run_on(n: int, material: str, has_load: bool) -> None:
-    """One thread on a plate until it is ended: what two cores can do beside each other."""
+def run_on(n: int, material: str) -> None:
+    """One thread on a plate at rest until it is ended: what the other core is kept busy with."""
     with tempfile.TemporaryDirectory() as name:
-        e = plate(Path(name), n, material, has_load, 1)
+        e = plate(Path(name), n, material, False, 1)
         print("ready", flush=True)
         while True:
             e.advance(float(e.state.clock["time"][0]) + 4.0 * float(e.state.clock["next_step"][0]))
@@ -237,8 +237,7 @@ def two_threads(folder: Path, n: int, material: str, has_load: bool) -> tuple[fl
     just used both cores of a shared host gets less of them.
     """
     one, two = (plate(folder, n, material, has_load, threads) for threads in (1, 2))
-    words = [sys.executable, __file__, str(n), material, "pressed" if has_load else ""]
-    beside = subprocess.Popen(words, stdout=subprocess.PIPE)
+    beside = subprocess.Popen([sys.executable, __file__, str(n), material], stdout=subprocess.PIPE)
     assert beside.stdout is not None and beside.stdout.readline() == b"ready\n"
     beside.send_signal(signal.SIGSTOP)
     h, spent = float(one.state.clock["next_step"][0]), np.empty((RUNS, 3))
@@ -246,13 +245,13 @@ def two_threads(folder: Path, n: int, material: str, has_load: bool) -> tuple[fl
     for k in range(RUNS):
         time.sleep(REST)
         spent[k, 0] = clocked(one, (2 * k + 1) * cycles * h)
-        spent[k, 1] = clocked(two, (k + 1) * cycles * h)
+        spent[k, 1] = clocked(two, (2 * k + 1) * cycles * h)
         beside.send_signal(signal.SIGCONT)
         time.sleep(REST)
         spent[k, 2] = clocked(one, (2 * k + 2) * cycles * h)
         beside.send_signal(signal.SIGSTOP)
+        two.advance((2 * k + 2) * cycles * h)
     beside.kill()
-    two.advance(2 * RUNS * cycles * h)
     assert one.state.points.tobytes() == two.state.points.tobytes()
     alone, both, crowded = spent.T
     return (
@@ -328,5 +327,5 @@ def main(n: int) -> None:
 
 if __name__ == "__main__":
     if len(sys.argv) > 2:
-        run_on(int(sys.argv[1]), sys.argv[2], bool(sys.argv[3]))
+        run_on(int(sys.argv[1]), sys.argv[2])
     main(int(sys.argv[1]) if len(sys.argv) > 1 else 64)
