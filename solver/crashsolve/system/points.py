@@ -7,7 +7,7 @@ alpha is a drag proportional to mass. A step of no length leaves everything as i
 to test: the drag takes alpha m v_half^2 h, and nothing else is lost.
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.compile import inlined, kernel
 from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.vec3 import (
     add,
@@ -116,18 +116,24 @@ def close_points(clock, h, p, points, nodes):
 @kernel
 def hold(b, ground):
     """Take the held components from force and torque. Writes: b, ground."""
-    bits = b.held
+    f, t = held_part(vec(b.force), b.held), held_part(vec(b.torque), b.held >> 3)
+    put(b.force, sub(vec(b.force), f))
+    put(b.torque, sub(vec(b.torque), t))
+    # the reaction is -f, and its moment about the origin -r x f
+    turn = add(cross(vec(b.r), f), t)
     for k in range(3):
-        f = b.force[k] if (bits >> k) & 1 else 0.0
-        t = b.torque[k] if (bits >> (3 + k)) & 1 else 0.0
-        b.force[k] -= f
-        b.torque[k] -= t
-        ground.external[k] -= f
-        ground.external[3 + k] -= t
-        # moment of the reaction -f e_k about the origin
-        i, j = (k + 1) % 3, (k + 2) % 3
-        ground.external[3 + i] -= b.r[j] * f
-        ground.external[3 + j] += b.r[i] * f
+        ground.external[k] -= f[k]
+        ground.external[3 + k] -= turn[k]
+
+
+@inlined
+def held_part(u, bits):
+    """Components of a vector whose bits are set."""
+    return (
+        u[0] if bits & 1 else 0.0,
+        u[1] if bits & 2 else 0.0,
+        u[2] if bits & 4 else 0.0,
+    )
 
 
 @kernel
