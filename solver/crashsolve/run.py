@@ -16,6 +16,7 @@ import numpy as np
 
 from crashsolve.account import Account, cpu_time, provenance
 from crashsolve.deck.read import Deck, read_deck
+from crashsolve.engines import engine_of, is_static
 from crashsolve.foundation.errors import (
     CrashsolveError,
     DeckError,
@@ -26,8 +27,6 @@ from crashsolve.foundation.errors import (
 from crashsolve.foundation.machine import forget_linker
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
-from crashsolve.model.model import Model, State
-from crashsolve.model.statics import goes_by_steps
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
@@ -61,29 +60,17 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
     deck = read_deck(deck_path, overrides)
     was_read = cpu_time()
     model, state = build(deck)
-    # runs beside this one must not choose anew
-    control = deck.control.model_copy(update={"integrator": model.integrator})
-    deck = replace(deck, control=control)
+    if not is_static(deck):
+        # runs beside this one must not choose anew
+        control = deck.control.model_copy(update={"integrator": model.integrator})
+        deck = replace(deck, control=control)
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     built = cpu_time()
-    engine = _engine(deck, model, state)
+    engine = engine_of(deck, model, state)
     spent = {"read": was_read - begun, "build": built - was_read}
     spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
     return Run(deck, engine, folder, spent, wall_begun).execute(restart)
-
-
-def _engine(deck: Deck, model: Model, state: State) -> Engine:
-    """What goes from sample to sample: through time, or from equilibrium to equilibrium."""
-    if deck.control.solution == "transient":
-        return Engine(model, state)
-    from crashsolve.system.equilibrium import StaticEngine
-
-    if goes_by_steps(model.groups):
-        from crashsolve.system.rest import RestEngine
-
-        return RestEngine(model, state, deck.control.tolerance)
-    return StaticEngine(model, state, deck.control.tolerance)
 
 
 class Run:
@@ -207,8 +194,8 @@ class Run:
         control = self.deck.control
         if control.estimate == "off" or not (self.deck.watch or self.deck.expect):
             return None
-        if control.solution == "quasi_static":
-            # an equilibrium has no error of steps
+        if is_static(self.deck) and not self.deck.watch:
+            # who only expects an equilibrium does not pay for one more
             return None
         # a deck that watches nothing does not pay for what this imports
         from crashsolve.estimate.conduct import Estimating

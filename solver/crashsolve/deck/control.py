@@ -32,8 +32,9 @@ class Control(Card):
     )
     tolerance: float | None = quantity(
         "1",
-        "error of a step over the model's size and speed, where the method chooses its step; "
-        "1e-6 when neither it nor an accuracy is given",
+        "error of a step over the model's size and speed, where the method chooses its step, "
+        "1e-6 when neither it nor an accuracy is given; of quasi_static, what may be left of a "
+        "force over the largest force or reaction, and of the way of a load step, 1e-8 when absent",
         None,
         gt=0,
         lt=1,
@@ -68,7 +69,8 @@ class Control(Card):
         "transient: motion; quasi_static: equilibria under the loads of each moment", "transient"
     )
     steps: int = word(
-        "of quasi_static, equal load steps, sampled each; output.history.interval goes before",
+        "of quasi_static, equal load steps, sampled each; output.history.interval goes before; "
+        "loads without a curve act from the start",
         default=10,
         ge=1,
     )
@@ -91,6 +93,8 @@ class Control(Card):
         if self.solution == "quasi_static" and (self.accuracy or self.integrator != "rattle"):
             what = "accuracy" if self.accuracy else "integrator"
             raise ValueError(f"{what}: solution quasi_static finds equilibria and needs none")
+        if self.solution == "quasi_static" and self.end_time == self.start_time:
+            raise ValueError("end_time: must come after start_time for a load step to fit between")
         if self.threads > 1 and (self.integrator != "rattle" or self.solution != "transient"):
             raise ValueError("threads: share explicit steps only; say integrator: rattle")
         return self

@@ -4,7 +4,7 @@
 
 q is the order of a step's error, 5 at most. A fixed step has a tolerance too: joints are closed and
 stages solved by it. Where samples bound its steps, a coarser companion goes from every m-th of them
-to the next.
+to the next. From equilibrium to equilibrium a finer one takes 1/m load steps.
 Consequence to test: a companion of coarseness 1 gives the samples of the run to the bit.
 """
 
@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from crashsolve.deck.read import Deck
+from crashsolve.engines import engine_of, is_static
 from crashsolve.estimate.samples import Channel, Samples, gather
 from crashsolve.foundation.errors import SolverError
 from crashsolve.histories import Histories
@@ -64,8 +65,9 @@ class Companions:
         begun = clock.process_time()
         schedule = Schedule.of(self.deck)
         model, state = build(self.deck)
-        coarsen(model.control, coarseness, schedule.interval, self.order)
-        engine = Engine(model, state)
+        if not is_static(self.deck):
+            coarsen(model.control, coarseness, schedule.interval, self.order)
+        engine = engine_of(self.deck, model, state)
         engine.on_pause = self._abandon_on_request
         histories = Histories(engine)
         times, rows = [], []
@@ -81,6 +83,10 @@ class Companions:
             if schedule.is_end(k):
                 break
             self._abandon_on_request()
+            if is_static(self.deck):
+                self._load_finer(engine, schedule.time(k), schedule.time(k + 1), coarseness)
+                k += 1
+                continue
             k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
             engine.reach(schedule.time(k))
         samples = gather(times, rows, self.channels)
@@ -90,6 +96,12 @@ class Companions:
     def _abandon_on_request(self) -> None:
         if self.stopped():
             raise Abandoned
+
+    def _load_finer(self, engine: Engine, begun: float, end: float, coarseness: float) -> None:
+        """From one sample to the next in so many load steps as are finer."""
+        count = max(round(1.0 / coarseness), 1)
+        for i in range(1, count + 1):
+            engine.reach(end if i == count else begun + (end - begun) * i / count)
 
     def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
         """The sample to go to: where a step would pass the next one, the next of every m-th."""

@@ -5,7 +5,8 @@ quarters of the run, and show whether the order holds. Those that choose their s
 get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
 times the run: what they lose at kinks, at impacts and by round-off follows no order, and on the
 battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
-A finer run also serves where coarser steps are unstable.
+A finer run also serves where coarser steps are unstable, and for equilibria: one of twice the load
+steps.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,6 +15,7 @@ from crashsolve.deck.expect import Expect
 from crashsolve.deck.read import Deck
 from crashsolve.deck.source import Position
 from crashsolve.deck.watch import Watch as WatchCard
+from crashsolve.engines import engine_of, is_static
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
 from crashsolve.estimate.samples import Channel, Samples, find
@@ -23,7 +25,6 @@ from crashsolve.model.build import build
 from crashsolve.output.channels import Family
 from crashsolve.study.settings import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
-from crashsolve.system.engine import Engine
 
 COARSER = (4.0, 2.0)
 # the second where the first does not shorten the steps
@@ -61,7 +62,7 @@ class Estimator:
     @property
     def compares_with_coarser(self) -> bool:
         """Whether coarser runs tell the error."""
-        return not chooses_its_step(self.deck.control.integrator)
+        return not is_static(self.deck) and not chooses_its_step(self.deck.control.integrator)
 
     def companion_runs(self, coarseness: float, cycles: int, problems: list[str]) -> list[Samples]:
         """Companions of a run of `cycles` steps. Writes: why one failed. Raises Abandoned."""
@@ -106,7 +107,7 @@ def _look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     """A run without files: its samples, its estimates, and their price over that of the run."""
-    families = Histories(Engine(*build(deck))).families
+    families = Histories(engine_of(deck, *build(deck))).families
     estimator = Estimator(deck, families)
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])

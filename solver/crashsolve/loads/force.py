@@ -23,6 +23,7 @@ class Force(BodyLoadCard):
 
 
 PARAMETERS = BODY_LOAD + Record(point=("m", 3, "from the mass centre, body axes"))
+AMPLITUDE = "vector"
 HISTORY = Record()
 OUTPUT = Record(force=("N", 3, "world axes"))
 

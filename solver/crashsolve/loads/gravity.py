@@ -13,6 +13,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, add_to, cross, dot, put, scale, vec
 
 LEDGER = "potential"
+AMPLITUDE = "acceleration"
 
 
 class Gravity(Card):

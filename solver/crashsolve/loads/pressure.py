@@ -33,6 +33,7 @@ PARAMETERS = Record(
     quads=("count", 2, "quadrilaterals there"),
     triangles=("count", 2, "triangles there, in the blocks after theirs"),
 )
+AMPLITUDE = "pressure"
 HISTORY = Record(pressure=("Pa", "pressure at the last step"))
 OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
 # rows of `work` behind those that motion is taken to: force on a corner; sums over the blocks of

@@ -22,6 +22,7 @@ class Torque(BodyLoadCard):
 
 
 PARAMETERS = BODY_LOAD
+AMPLITUDE = "vector"
 HISTORY = Record()
 OUTPUT = Record(torque=("N m", 3, "world axes"))
 

@@ -96,7 +96,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     )
     if deck.control.solution == "quasi_static" and goes_by_steps(groups):
         # by steps from rest (system/rest.py)
-        model.integrator, model.control[0]["spectral_radius"] = "generalized_alpha", 0.0
+        model.integrator = "newton"
     state = _state(model, scene)
     if nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))

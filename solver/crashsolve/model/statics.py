@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from crashsolve.foundation.errors import DeckErrors
 
 # what every law of force keeps of a step
@@ -27,6 +29,9 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
 
 
 def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+    for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
+        if np.any(entry.card.velocity) or np.any(entry.card.angular_velocity):
+            yield entry, "a quasi-static solution has no velocities"
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
     by_steps = goes_by_steps(groups)
@@ -35,11 +40,8 @@ def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"
             yield entry, f"{message}, but joints"
     for g in groups:
-        if g.keyword == "joints" and "curve" in (g.parameters.dtype.names or ()):
-            for name in g.names:
-                yield deck.entries["joints"][name], "a quasi-static solution has no drivers yet"
         remembers = set(g.history.dtype.names or ()) - KEPT
-        if hasattr(g.module, "force") and remembers and g.keyword != "parts":
+        if hasattr(g.module, "force") and remembers and g.keyword == "springs":
             keyword = deck.entries[g.keyword]
             for entry in (e for e in keyword.values() if e.type == g.type):
                 yield entry, "a quasi-static solution has no laws that remember yet"

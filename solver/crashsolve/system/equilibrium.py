@@ -6,9 +6,9 @@
 A sample at rest tells g, the forces less what the joints hold of them: what vanishes in
 equilibrium. As D M^-1 g = 0 in any posture, both sides of Newton's equation part into g and Phi;
 s only balances them. The tangent is the whole one, by differences of samples, with the turning of
-forces and the reactions of joints, so that corrections fall quadratically. Work of loads is the
-mean of their forces before and after a step on its way. Consequence to test: equilibria are those
-in which damped motion ends.
+forces and the reactions of joints, so that corrections fall quadratically. Equilibrium is a matter
+of forces, beside corrections (`balance.py`), and whether it is stable one of the tangent
+(`stability.py`). Consequence to test: equilibria are those in which damped motion ends.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
@@ -19,34 +19,49 @@ import numpy as np
 
 from crashsolve.foundation.errors import SolverError
 from crashsolve.foundation.posture import matrices, matrix, products
+from crashsolve.model import ledger as energy
 from crashsolve.model.model import Model, State
+from crashsolve.system.balance import Forces, Work
+from crashsolve.system.diagnosis import curve_end
 from crashsolve.system.engine import Engine
+from crashsolve.system.loading import Loading
+from crashsolve.system.stability import way_out
 
 # differences: over the model's size, and rad; their errors only slow Newton's method a little
 STEP = 1e-7
 # largest turn [rad] and way (over the model's size) of a correction
 LARGEST_TURN, LARGEST_WAY = 0.3, 0.2
 PASSES = 40
+# a correction that falls no more is round-off below this, in the model's size or rad
+AS_GOOD_AS_IT_GETS = 1e-9
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
 # of the largest entry: a smaller pivot is round-off, and something moves freely
 SINGULAR = 1e-15
 # a load step is halved so often where no equilibrium is found
-HALVINGS = 5
-# of the size and of a radian: where `control.tolerance` says nothing
-TOLERANCE = 1e-9
+HALVINGS = 7
+# of the largest force, and of the way of a load step: where `control.tolerance` says nothing
+TOLERANCE = 1e-8
 
 
 class StaticEngine(Engine):
     """Goes from equilibrium to equilibrium instead of stepping through time."""
 
-    def __init__(self, model: Model, state: State, tolerance: float | None) -> None:
+    def __init__(self, model: Model, state: State, control: Any) -> None:
+        """`control` is the deck's card."""
+        self.loading = Loading(model, control.start_time)
         super().__init__(model, state)
-        self.tolerance = tolerance or TOLERANCE
+        self.tolerance = control.tolerance or TOLERANCE
+        model.control[0]["tolerance"] = self.tolerance
+        self.limit = 0.0 if control.energy_limit == "off" else float(control.energy_limit)
         slaves = set(model.slaves["node"])
-        self.free = np.array([i for i in range(1, len(state.nodes)) if i not in slaves])
+        self.free = np.array([i for i in range(1, len(state.nodes)) if i not in slaves], int)
         self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]
         self.differs = self._held_otherwise(slaves)
+        self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
+        self.notes: list[str] = []
+        # of the last pass: K (6 n, 6 n) and D (m, 6 n)
+        self.tangent: tuple[np.ndarray, np.ndarray] | None = None
 
     def _held_otherwise(self, slaves: set[int]) -> np.ndarray:
         """Which free nodes (n,) anything but elements of beams may act on."""
@@ -66,66 +81,170 @@ class StaticEngine(Engine):
             named |= {i for pair in ends if slaves & set(pair) for i in pair}
         return np.isin(self.free, list(named))
 
+    def start(self) -> None:
+        """The equilibrium in which the run begins. Raises SolverError."""
+        super().start()
+        loading, clock = self.loading, self.clock
+        if not loading.rising and not self._rest(loading.start, self.state.nodes).any():
+            return
+        # nobody can be answered before the files are open
+        answer, self.on_pause = self.on_pause, lambda: None
+        clock.time = loading.begin
+        self._step(loading.start, loading.start)
+        self.on_pause = answer
+
     def _step(self, until: float, goal: float) -> None:
         """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
-        least = (until - float(self.clock.time)) / 2**HALVINGS
-        while self.clock.time < until:
-            target = until
-            while not self._reaches(target):
-                target = 0.5 * (self.clock.time + target)
-                if target - self.clock.time < least:
-                    raise self._lost()
+        clock, found = self.clock, list[Problem]()
+        least = (until - float(clock.time)) / 2**HALVINGS
+        while clock.time < until:
+            begun, target, kept = float(clock.time), until, self._keep()
+            while (problem := self._tries(target)) is not None:
+                found.append(problem)
+                target = 0.5 * (begun + target)
+                is_last = target - begun < least
+                if is_last and problem.kind == "balance" and begun < self.loading.start:
+                    self._settle()
+                    break
+                self._take_back(kept)
+                if is_last:
+                    raise _first_way_out(found).error(self, begun)
             self.on_pause()
 
+    def _tries(self, target: float) -> "Problem | None":
+        """Go to the equilibrium of a moment; why it cannot be had."""
+        clock, start = self.clock, self.state.nodes.copy()
+        begun, before = float(clock.time), self._missing_energy()
+        self.work.begin()
+        if not self._reaches(target):
+            return Problem("lost", target)
+        self.work.count(start, begun, target)
+        clock.time, clock.step, clock.next_step = target, target - begun, target - begun
+        self._refuse_end_of_curve()
+        place = self._way_out()
+        if place:
+            return Problem("way out", target, place)
+        if self.limit and abs(self._missing_energy() - before) > self.limit * self._largest():
+            return Problem("balance", target)
+        return None
+
+    def _settle(self) -> None:
+        """A first posture far from equilibrium: there is no way, and no balance, from there."""
+        missing = self._missing_energy()
+        self.clock.driver_work += missing
+        self.notes.append(
+            f"the model settles from its first posture: {-missing:.3g} J are lost on the way to "
+            "the equilibrium in which the run begins, and are counted as driver work"
+        )
+
+    def _missing_energy(self) -> float:
+        """Imbalance of the present state [J]."""
+        self._rest(float(self.clock.time), self.state.nodes)
+        self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
+        return float(self.ledger[energy.IMBALANCE])
+
+    def _largest(self) -> float:
+        return float(self.ledger[energy.LARGEST])
+
+    def _kept(self) -> list[np.ndarray]:
+        """Arrays that a load step changes."""
+        s = self.state
+        return [
+            *(s.clock, s.nodes, s.rows, s.ledger, s.points, s.blocks),
+            *(g.history for g in self.model.groups),
+        ]
+
+    def _keep(self) -> list[np.ndarray]:
+        return [array.copy() for array in self._kept()]
+
+    def _take_back(self, kept: list[np.ndarray]) -> None:
+        """As before a load step. Writes: the State."""
+        for array, old in zip(self._kept(), kept, strict=True):
+            array[...] = old
+
+    def finish(self) -> None:
+        """Judge the balance of the whole run. Raises SolverError."""
+        if energy.is_broken(self.ledger, self.limit):
+            raise Problem("balance", float(self.clock.time)).error(self, float(self.clock.time))
+
     def step_warnings(self) -> list[str]:
-        """Nothing: passes of Newton's method are no sign of steps that are too long."""
-        return []
+        """What the start has met; passes of Newton's method are no sign of long steps."""
+        return self.notes
+
+    def sample(self, time: float | None = None) -> None:
+        """As of a run in time; with the loads of the moment."""
+        self.loading.place(float(self.state.clock[0]["time"]) if time is None else time)
+        super().sample(time)
 
     def _reaches(self, time: float) -> bool:
-        """Newton's method for the equilibrium at a time; the State is left alone if it fails."""
+        """Newton's method for the equilibrium at a time."""
         nodes, start = self.state.nodes, self.state.nodes.copy()
-        worst = np.inf
+        previous = np.inf
         for passes in range(PASSES):
             way = self._correction(time)
-            size = max(np.abs(way[:, :3]).max() / self.model.size, np.abs(way[:, 3:]).max())
-            if not np.isfinite(size):
-                break
-            worst = size
+            if passes == 0:
+                self.forces.meet(self._imbalance(time)[0], self)
             turn, far = np.abs(way[:, 3:]).max(), np.abs(way[:, :3]).max() / self.model.size
+            worst = max(turn, far)
+            if not np.isfinite(worst):
+                break
             self._shift(nodes, way / max(1.0, turn / LARGEST_TURN, far / LARGEST_WAY))
-            if worst <= self.tolerance:
-                self._accept(time, start, passes + 1, worst)
-                return True
-        nodes[:] = start
-        self.clock.value = worst
+            share = min(worst / previous, 1.0) if passes else 1.0
+            stays = worst >= 0.5 * previous
+            is_still = worst * share <= self.tolerance * self._size(self._way_from(start))
+            if is_still or (stays and worst <= AS_GOOD_AS_IT_GETS):
+                g, _, phi = self._imbalance(time)
+                self.forces.meet_reactions(self)
+                if self._is_closed(phi) and self.forces.balance(g, self._round_off()):
+                    self._accept(passes + 1)
+                    return True
+            self.clock.value, previous = worst, worst
         return False
 
-    def _accept(self, time: float, start: np.ndarray, passes: int, worst: float) -> None:
-        """The equilibrium becomes the present state, with the work of loads on the way."""
-        clock, span = self.clock, time - float(self.clock.time)
-        way = self._way_from(start) / span
-        powers = [self._powers(when, at, way) for when, at in ((clock.time, start), (time, None))]
-        for g in self._loads():
-            work = 0.5 * span * (powers[0][g.word] + powers[1][g.word])
-            g.history["dissipated"] += work
-        clock.time, clock.step, clock.next_step = time, span, span
+    def _accept(self, passes: int) -> None:
+        """What joints remember of the way, and what the run counts."""
+        clock = self.clock
+        for g in self.model.joint_groups():
+            g.history[:] = g.history[1 - int(clock.current)]
         clock.cycle += 1
         clock.iterations += passes
-        clock.residual = max(clock.residual, worst)
 
-    def _loads(self) -> list[Any]:
-        return [g for g in self.model.force_groups() if g.keyword == "loads"]
+    def _is_closed(self, phi: np.ndarray) -> bool:
+        """Whether the joints are. Writes: clock.residual."""
+        scale = self.state.rows["scale"]
+        error = float((np.abs(phi) / scale[self._whole_rows()]).max(initial=0.0))
+        is_closed = error <= float(self.model.control[0]["constraint_tolerance"])
+        if is_closed:
+            self.clock.residual = max(self.clock.residual, error)
+        return is_closed
 
-    def _powers(self, time: float, at: np.ndarray | None, way: np.ndarray) -> dict[str, np.ndarray]:
-        """Power of every load where the nodes are, moving by `way` [m/s, rad/s]."""
-        nodes = (self.state.nodes if at is None else at).copy()
-        nodes["v"][self.free], nodes["w"][self.free] = way[:, :3], way[:, 3:]
-        A, J = (nodes[name][self.free].reshape(-1, 3, 3) for name in ("A", "J"))
-        inertia = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
-        nodes["L"][self.free] = np.matmul(inertia, way[:, 3:, None])[:, :, 0]
-        self._rest(time, nodes)
-        new = 1 - int(self.clock.current)
-        return {g.word: g.history[new]["power"].copy() for g in self._loads()}
+    def _round_off(self) -> tuple[float, float]:
+        """Forces and moments that round-off of positions leaves [N, N m]."""
+        assert self.tangent is not None
+        n = len(self.free)
+        K = np.abs(self.tangent[0]).reshape(n, 6, n, 6).max(axis=(0, 2))
+        size = self.model.size
+        return size * K[:3, :3].max() + K[:3, 3:].max(), size * K[3:, :3].max() + K[3:, 3:].max()
+
+    def _way_out(self) -> str:
+        """Name of the node that leaves the equilibrium most; empty where it is stable."""
+        assert self.tangent is not None
+        nodes, n = self.state.nodes[self.free], len(self.free)
+        M = np.zeros((n, 6, n, 6))
+        A, J = nodes["A"].reshape(-1, 3, 3), nodes["J"].reshape(-1, 3, 3)
+        M[np.arange(n), :3, np.arange(n), :3] = np.eye(3) / nodes["mass_inv"][:, None, None]
+        turned = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
+        M[np.arange(n), 3:, np.arange(n), 3:] = turned
+        mode = way_out(*self.tangent, M.reshape(6 * n, 6 * n))
+        if mode is None:
+            return ""
+        most = np.abs(mode.reshape(n, 6)) * [*3 * [1.0], *3 * [self.model.size]]
+        return self.name_of(int(self.free[most.max(axis=1).argmax()]))
+
+    def name_of(self, node: int) -> str:
+        """Of a body, or of a node of a shell."""
+        is_body = node < len(self.model.bodies)
+        return f"body '{self.model.bodies[node]}'" if is_body else self.model.part_at(node)
 
     def _way_from(self, start: np.ndarray) -> np.ndarray:
         """Displacements and turns (n, 6) of the free nodes since a posture."""
@@ -133,11 +252,17 @@ class StaticEngine(Engine):
         turns = _turns(start["q"][self.free], here["q"])
         return np.hstack([here["r"] - start["r"][self.free], turns])
 
+    def _size(self, way: np.ndarray) -> float:
+        """Of displacements and turns (n, 6): the largest, in the model's size or rad."""
+        far, turn = np.abs(way[:, :3]).max(initial=0.0), np.abs(way[:, 3:]).max(initial=0.0)
+        return float(max(far / self.model.size, turn))
+
     def _correction(self, time: float) -> np.ndarray:
         """Newton's correction (n, 6) of places and turns of the free nodes."""
         g, D, phi = self._imbalance(time)
         columns = self._tangent(time, g, D)
-        scale = np.abs(columns).max() / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
+        self.tangent = -columns, D
+        scale = np.abs(columns).max(initial=0.0) / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
         held = np.einsum("mi,mj->ij", D, D)
         way = _eliminate(columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi))
         return way.reshape(-1, 6)
@@ -182,17 +307,37 @@ class StaticEngine(Engine):
                 np.add.at(columns, (ends[i], ends[j]), found[:, i, :, j])
         return columns[:n, :n].transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
 
+    def _whole_rows(self) -> np.ndarray:
+        """Rows that stand for themselves: the first parts of the joints'."""
+        return np.array(
+            [j.first_row + k for j in self.model.joints for k in range(j.rows)], dtype=int
+        )
+
     def _imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Forces and moments that nothing holds (6 n,), D (m, 6 n) and Phi (m,)."""
         g, rows = self._rest(time, self.state.nodes), self.rows
         D = np.zeros((len(rows), len(self.nodes), 6))
-        index = np.arange(len(rows))
-        np.add.at(D, (index, rows["node_a"]), rows["D"][:, :6])
-        np.add.at(D, (index, rows["node_b"]), rows["D"][:, 6:])
-        return g, D[:, self.free].reshape(len(rows), -1), rows["phi"].copy()
+        index, first = np.arange(len(rows)), np.arange(len(rows))
+        for j in self.model.joints:
+            # the parts of a row of more than two bodies add up
+            first[j.first_row : j.first_row + j.rows * j.parts] = np.tile(
+                j.first_row + np.arange(j.rows), j.parts
+            )
+        np.add.at(D, (first, rows["node_a"]), rows["D"][index, :6])
+        np.add.at(D, (first, rows["node_b"]), rows["D"][index, 6:])
+        whole = self._whole_rows()
+        return g, D[whole][:, self.free].reshape(len(whole), -1), rows["phi"][whole]
 
-    def _rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
-        """A sample of these nodes: forces and moments (6 n,) that would move the free ones."""
+    def _rest(self, time: float, nodes: np.ndarray, without: Any = None) -> np.ndarray:
+        """A sample of these nodes: forces and moments (6 n,) that would move the free ones.
+
+        `without` is an entry of a group of loads that does not act.
+        """
+        self.loading.place(time)
+        if without is not None:
+            group, i = without
+            group.parameters[group.module.AMPLITUDE][i] = 0.0
+        time = self.loading.time(time)
         self.nodes[:], self.rows[:] = nodes, self.state.rows
         self.ledger[:], self._clock[:] = self.state.ledger, self.state.clock
         self._clock[0]["time"] = time
@@ -212,15 +357,59 @@ class StaticEngine(Engine):
         _move(moved, way)
         nodes[self.free] = moved
 
-    def _lost(self) -> SolverError:
-        """No equilibrium near the last one."""
-        clock = self.clock
-        cause = f"no equilibrium found behind this one (last correction {float(clock.value):.2g})"
-        advice = (
-            "let loads rise along a curve, in more steps; hold what can move freely; "
-            "where a structure snaps through, say solution: transient with damping"
+    def _refuse_end_of_curve(self) -> None:
+        """Raises SolverError for a curve that is read beyond its points."""
+        clock, curves = self.clock, self.model.curves
+        if curves[0]["fault"] > 0:
+            found = curve_end(self.model, clock)
+            raise SolverError(float(clock.time), int(clock.cycle), *found)
+
+
+class Problem:
+    """Why there is no next equilibrium to go to: "lost", "balance" or "way out"."""
+
+    def __init__(self, kind: str, target: float, place: str = "the model") -> None:
+        self.kind, self.target, self.place = kind, target, place
+
+    def error(self, engine: StaticEngine, moment: float) -> SolverError:
+        """What the user reads, who has equilibria up to a moment."""
+        told = {"lost": self._lost, "balance": self._unbalanced, "way out": self._left}
+        cause, advice = told[self.kind](engine, moment)
+        time = engine.loading.time(moment)
+        return SolverError(time, int(engine.clock.cycle), self.place, cause, advice)
+
+    def _lost(self, engine: StaticEngine, moment: float) -> tuple[str, str]:
+        return (
+            f"no equilibrium found behind this one, at {engine.loading.told(self.target)} "
+            f"(last correction {float(engine.clock.value):.2g}, {engine.forces.told()})",
+            "hold what can move freely; let loads rise along a curve, in more steps; beyond a "
+            "limit load there is none: where a structure snaps through or flows, say "
+            "solution: transient with damping",
         )
-        return SolverError(float(clock.time), int(clock.cycle), "the model", cause, advice)
+
+    def _unbalanced(self, engine: StaticEngine, moment: float) -> tuple[str, str]:
+        share = 100.0 * engine.ledger[energy.IMBALANCE] / (engine.ledger[energy.LARGEST] or 1.0)
+        return (
+            f"the energy balance is off on the way to {engine.loading.told(self.target)} "
+            f"({share:.3g} % of the largest energy): the equilibria there are not neighbours",
+            "take more steps; where a structure snaps from one equilibrium to another, say "
+            "solution: transient with damping; control.energy_limit sets the bound",
+        )
+
+    def _left(self, engine: StaticEngine, moment: float) -> tuple[str, str]:
+        told = engine.loading.told
+        return (
+            f"the equilibrium becomes unstable between {told(moment)} and {told(self.target)}: "
+            "beyond it the model leaves this posture by itself, as a column buckles",
+            "the load there is the critical one; to go on give a small imperfection or side load, "
+            "or say solution: transient; what stands upside down needs something that holds it",
+        )
+
+
+def _first_way_out(found: list[Problem]) -> Problem:
+    """A way out says more than what is lost beyond it; else what came last."""
+    ways = [problem for problem in found if problem.kind == "way out"]
+    return min(ways, key=lambda problem: problem.target) if ways else found[-1]
 
 
 def _eliminate(A: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -1,87 +1,135 @@
-"""Quasi-static solution of what remembers its way: implicit steps from rest, until nothing moves.
+"""Quasi-static solution of what remembers its way: steps from rest, until forces are in balance.
 
-    2 M / h^2 delta = g(q + delta)         generalized-alpha, spectral radius 0, v = 0 at its start
+    2 M / h^2 delta = g(q + delta)         h is not a time, but says how little inertia may hold
 
-A step leaves 1 / (1 + (omega h)^2 / 2) of what is missing to the equilibrium of its load in a
-vibration of frequency omega: few are enough where the load step h is long beside the vibrations.
-Inertia holds what no stiffness does, as some spins of the nodes of a shell about its normal.
-Elements of shells and fibre beams strain on the way from equilibrium to equilibrium, as what yields
-must. Consequence to
-test: work of the loads is the energy stored.
+One step leaves 1 / (1 + (omega h)^2 / 2) of what is missing to the equilibrium of its load in a
+vibration of frequency omega (`integrators/_rest_stage.py`); what two steps move tells what is left.
+h begins at so many periods of the fastest vibration, and grows where steps lead too slowly: the
+course of time has no part in it. Inertia holds what no stiffness does, as some spins of the nodes
+of a shell about its normal. Elements of shells and fibre beams strain on the way from equilibrium
+to equilibrium, as what yields must. Consequence to test: the answer is that of any end_time.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
+from math import sqrt
+from typing import Any
+
 import numpy as np
 
-from crashsolve.foundation.errors import SolverError
-from crashsolve.model.clock import PAUSED, REACHED
+from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_TOO_SMALL, UNSOLVED
+from crashsolve.model.model import Model, State
+from crashsolve.system.balance import EQUAL, ROUND
 from crashsolve.system.diagnosis import diagnose
-from crashsolve.system.equilibrium import StaticEngine
+from crashsolve.system.equilibrium import AS_GOOD_AS_IT_GETS, StaticEngine
+from crashsolve.system.stability import ways_out
 
-# steps for one load; what needs more is slower than the load, or moves freely
+# steps for one load; what needs more moves freely
 REPEATS = 60
-STILL = ("v", "w", "L", "force", "torque", "joint_force", "joint_torque", "external")
+# h over 1 / omega of the fastest vibration: at first, at most, and how it grows
+FIRST, MOST, GROWTH = 1e3, 1e8, 32.0
+# the same where ways out are looked for
+CERTAIN = 1e7
+# of what is missing, that a step may leave
+SLOW, UNKNOWN = 0.1, 0.9
+# how h grows where Newton's method has failed
+CAREFUL = 4.0
+STILL = ("v", "w", "L")
 
 
 class RestEngine(StaticEngine):
     """Goes from equilibrium to equilibrium by steps from rest."""
 
-    def _step(self, until: float, goal: float) -> None:
-        """Equilibrium at `until`. Raises SolverError."""
-        begun, clock = float(self.clock.time), self.clock
-        self.model.control[0]["fixed_step"] = clock.next_step = until - begun
-        for repeat in range(REPEATS):
-            clock.time, clock.factored = begun, clock.factored if repeat else 0.0
-            clock.value, pieces = self._go(begun, until)
-            # a step cut short moves little wherever it is
-            if clock.value <= self.tolerance and pieces == 1:
-                return
-        raise self._lost()
+    def __init__(self, model: Model, state: State, control: Any) -> None:
+        super().__init__(model, state, control)
+        self.fastest = self.pseudo = 0.0
 
-    def _go(self, begun: float, until: float) -> tuple[float, int]:
-        """From rest, `begun` to `until`: the way, over the model's size or rad, and its steps."""
-        clock, whole, pieces = self.clock, self.state.nodes.copy(), 0
-        while clock.time < until:
-            pieces += 1
-            start = self.state.nodes.copy()
-            spent = [g.history[clock.current].copy() for g in self._loads()]
-            clock.kinked, clock.pause = 1, clock.cycle + 1
-            self._advance(until, False, self._present)
-            clock.pause = 0
-            if clock.status not in (PAUSED, REACHED):
-                raise diagnose(self.model, self.state, clock, self.state.ledger)
-            self._count_work(start, (begun, until), spent)
-            for name in STILL:
-                self.state.nodes[name] = 0.0
-            self.on_pause()
-        way = self._way_from(whole)
-        size = max(np.abs(way[:, :3]).max() / self.model.size, np.abs(way[:, 3:]).max())
-        return float(size), pieces
+    def _reaches(self, time: float) -> bool:
+        """Steps from rest to the equilibrium at a time."""
+        clock, nodes = self.clock, self.state.nodes
+        begun, whole, previous = float(clock.time), nodes.copy(), np.inf
+        growth, cycle = GROWTH, int(clock.cycle)
+        self.forces.meet(self._rest(time, nodes), self)
+        self._choose_step()
+        for _ in range(REPEATS):
+            kept = self._keep()
+            if not self._relaxes(begun, time):
+                # too far for Newton's method: more inertia, and less at a time
+                self._take_back(kept)
+                self.pseudo /= GROWTH
+                growth = CAREFUL
+                if self.pseudo * self.fastest < 0.5 * FIRST:
+                    return False
+                continue
+            way, total = self._size(self._way_from(kept[1])), self._size(self._way_from(whole))
+            # of one step alone nobody knows
+            left = min(way / previous, UNKNOWN) if previous < np.inf else UNKNOWN * (way > 0.0)
+            g = self._rest(time, nodes)
+            self.forces.meet_reactions(self)
+            balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest()
+            # a load step counts as one
+            clock.cycle = cycle + 1
+            clock.value, is_still = way, way * left <= self.tolerance * total * (1.0 - left)
+            if is_still and (balance == EQUAL or (balance == ROUND and is_longest)):
+                return True
+            if is_longest and balance and left > SLOW and way <= AS_GOOD_AS_IT_GETS * total / SLOW:
+                return True
+            if left > SLOW and previous < np.inf:
+                self.pseudo = min(self.pseudo * growth, MOST / self.fastest)
+            previous = way
+        return False
 
-    def _count_work(
-        self, start: np.ndarray, times: tuple[float, float], spent: list[np.ndarray]
-    ) -> None:
-        """Work of the loads on the way of a step, in the place of what its velocities tell.
+    def _is_longest(self) -> bool:
+        """Whether h grows no more."""
+        return self.pseudo >= 0.5 * MOST / self.fastest
 
-        It is that of the mean of the loads before and after the load step, on all of the way.
+    def _choose_step(self) -> None:
+        """h from the fastest vibration of elements and of springs. Writes: self."""
+        if self.pseudo:
+            return
+        springs = float(self.nodes["stiffness"][1:].max(initial=0.0))
+        self.fastest = sqrt(max(float(self.sampled.element_rate), 2.0 * springs, 1e-300))
+        self.pseudo = FIRST / self.fastest
+
+    def _relaxes(self, begun: float, time: float) -> bool:
+        """One step from rest, with what acts at a time; whether its iteration converges."""
+        clock, control = self.clock, self.model.control[0]
+        told = clock.impulse.copy(), clock.angular_impulse.copy()
+        clock.time, clock.kinked, clock.factored = 0.0, 1, 0.0
+        clock.goal = self.loading.time(time)
+        control["fixed_step"] = control["step_min"] = clock.next_step = self.pseudo
+        clock.pause = clock.cycle + 1
+        self.loading.place(time)
+        self._advance(self.pseudo, False, self._present)
+        clock.pause, clock.time = 0, begun
+        clock.impulse, clock.angular_impulse = told
+        if clock.status == CURVE_END:
+            raise diagnose(self.model, self.state, clock, self.state.ledger)
+        for name in STILL:
+            self.state.nodes[name] = 0.0
+        if clock.status in (UNSOLVED, STEP_TOO_SMALL, NOT_FINITE):
+            clock.rejected += 1
+            return False
+        assert clock.status in (PAUSED, REACHED)
+        return True
+
+    def _round_off(self) -> tuple[float, float]:
+        """Forces and moments that round-off of positions leaves, over epsilon [N, N m]."""
+        columns = self.tableau["columns_0"]
+        diagonal = columns["pivot"][columns["node"] > 0] / (0.5 * self.pseudo**2)
+        stiff, turning = diagonal[:, :3].max(), diagonal[:, 3:].max()
+        size = self.model.size
+        return stiff * size, turning + sqrt(stiff * turning) * size
+
+    def _way_out(self) -> str:
+        """Name of the node that leaves the equilibrium; empty where it is stable.
+
+        A step with hardly any inertia, which would hide a way out, shows the pivots.
         """
-        clock, span = self.clock, float(self.clock.step)
-        way = self._way_from(start) / span
-        kept = [g.history[clock.current].copy() for g in self._loads()]
-        first, last = self._powers(times[0], start, way), self._powers(times[1], None, way)
-        for g, old, new in zip(self._loads(), spent, kept, strict=True):
-            told = 0.5 * span * (old["power"] + new["power"])
-            work = 0.5 * span * (first[g.word] + last[g.word])
-            new["dissipated"] += work - told
-            g.history[clock.current] = new
-
-    def _lost(self) -> SolverError:
-        """Still moving."""
-        clock = self.clock
-        cause = f"no equilibrium in {REPEATS} steps from rest (last way {float(clock.value):.2g})"
-        advice = (
-            "hold what can move freely; let loads rise in a longer time, beside which vibrations "
-            "are short; where a structure snaps through, say solution: transient with damping"
-        )
-        return SolverError(float(clock.time), int(clock.cycle), "the model", cause, advice)
+        kept, pseudo = self._keep(), self.pseudo
+        self.pseudo, now = CERTAIN / self.fastest, float(self.clock.time)
+        self._relaxes(now, now)
+        self.pseudo = pseudo
+        self._take_back(kept)
+        count, node = ways_out(self.tableau["columns_0"])
+        return self.name_of(node) if count > 0 else ""

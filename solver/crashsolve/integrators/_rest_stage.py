@@ -1,0 +1,170 @@
+"""Step from rest to rest: a chapter of the recital `_implicit` for quasi-static runs.
+
+    g(q) + D^T lambda = M a,   q = q_0 + h^2/2 a,   Phi(q) = 0        at the time `clock.goal`
+
+by Newton's method with a new matrix in every pass. h is no time but the size of 2 M / h^2, which
+stands in for stiffness where there is none; nothing moves, and no law sees a velocity. Consequence
+to test: as h grows, one step leads to the equilibrium.
+
+Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
+"""
+
+from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.rotation import rotate_by_vector, write_matrix, write_world_tensor
+from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.vec3 import add_scaled, add_to, matvec_t, norm, put, scale, vec
+from crashsolve.integrators._places import evaluate
+from crashsolve.model.clock import UNSOLVED
+from crashsolve.system.alpha import missing_accelerations
+from crashsolve.system.assembled import answer_rows
+from crashsolve.system.compliance import factor_compliant, linearise
+from crashsolve.system.constraints import scatter_trial, worst_residual
+from crashsolve.system.kinetics import clear_forces
+from crashsolve.system.scene import (
+    JOINTS,
+    bend,
+    force_pass,
+    jacobian,
+    keep_elements,
+    residual,
+    tangents,
+)
+from crashsolve.system.stages import keep_outside
+
+PASSES = 40
+# largest turn [rad] and way (over the model's size) of a correction
+LARGEST_TURN, LARGEST_WAY = 0.3, 0.2
+# a correction that falls no more is round-off below this, in the model's size or rad
+AS_GOOD_AS_IT_GETS = 1e-9
+# the foreseen error of the pass over what the run may leave of the way
+CARE = 0.03
+
+
+@stage
+def open_step(clock, nodes, rows, scene):
+    """Nothing moves yet. Writes: scene.stages."""
+    zero = (0.0, 0.0, 0.0)
+    for n in range(nodes.shape[0]):
+        end = scene.stages[1, n]
+        put(end.rate_v, zero)
+        put(end.rate_w, zero)
+    keep_elements(scene)
+
+
+@stage
+def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
+    """The equilibrium, by iteration. Returns whether that converges.
+
+    Writes: nodes, rows, scene.stages, new histories, clock.value (the last correction).
+    """
+    tt = 0.5 * h * h
+    compliant, factor = scene.compliant_0, end_factor(scene)
+    for k in range(rows.shape[0]):
+        rows[k].trial = rows[k].multiplier
+    previous, converged = 1e300, False
+    for count in range(PASSES):
+        visit_end(h, tt, clock, nodes, rows, curves, scene)
+        tangents(clock, nodes, curves, compliant, scene)
+        bend(h, clock, nodes, curves, factor, scene)
+        linearise(rows, compliant, nodes, 0.0, tt)
+        factor_compliant(factor, compliant, rows.shape[0], tt, 0.0)
+        missing_accelerations(nodes, scene.stages)
+        for k in range(rows.shape[0]):
+            compliant[k].right = -rows[k].phi / tt
+        answer_rows(nodes, rows, scene.stages, compliant, factor)
+        worst, whole = correct_places(scene.stages, tt, control.length)
+        clock.iterations += 1
+        clock.value = worst
+        share = min(worst / previous, 1.0) if count > 0 else 1.0
+        if worst * share <= CARE * control.tolerance * whole:
+            converged = True
+            break
+        if not worst < 1e6:
+            break
+        if worst <= AS_GOOD_AS_IT_GETS and not worst < 0.5 * previous:
+            converged = True
+            break
+        previous = worst
+    visit_end(h, tt, clock, nodes, rows, curves, scene)
+    if JOINTS:
+        for k in range(rows.shape[0]):
+            rows[k].multiplier = rows[k].trial
+        open_by, clock.place = worst_residual(rows)
+        clock.residual = max(clock.residual, open_by) if converged else clock.residual
+        converged = converged and open_by <= control.constraint_tolerance
+    if not converged:
+        clock.fault = UNSOLVED
+    return converged
+
+
+@kernel
+def correct_places(stages, tt, size):
+    """Add the corrections, cut where they lead too far. Returns the largest, and the largest way.
+
+    Both in the model's size and rad. Writes: stages.
+    """
+    worst, whole, far = 0.0, 0.0, 1.0
+    for n in range(1, stages.shape[1]):
+        end = stages[1, n]
+        x, turn = tt * norm(vec(end.right_v)) / size, tt * norm(vec(end.right_w))
+        # a NaN must win the comparison
+        if not x + turn <= worst:
+            worst = x + turn
+        far = max(far, x / LARGEST_WAY, turn / LARGEST_TURN)
+    for n in range(1, stages.shape[1]):
+        end = stages[1, n]
+        add_to(end.rate_v, scale(1.0 / far, vec(end.right_v)))
+        add_to(end.rate_w, scale(1.0 / far, vec(end.right_w)))
+        whole = max(whole, tt * (norm(vec(end.rate_v)) / size + norm(vec(end.rate_w))))
+    return worst, whole
+
+
+@stage
+def visit_end(h, tt, clock, nodes, rows, curves, scene):
+    """Forces and constraints where the iteration stands. Writes: nodes, rows."""
+    stand_at_rest(nodes, scene.stages, tt)
+    clock.opens, clock.closes, clock.ends = 1, 0, 1
+    clock.lead, clock.share = 0.5 * h, 0.0
+    clear_forces(nodes)
+    force_pass(clock, clock.goal, h, nodes, rows, curves, scene)
+    if JOINTS:
+        residual(clock.current, clock.goal, nodes, rows, curves, scene)
+        jacobian(clock.current, clock.goal, nodes, rows, curves, scene)
+    scatter_trial(rows, nodes)
+
+
+@kernel
+def stand_at_rest(nodes, stages, tt):
+    """Put all bodies where the iteration has come to, at rest. Writes: nodes."""
+    zero = (0.0, 0.0, 0.0)
+    for n in range(1, nodes.shape[0]):
+        b, end = nodes[n], stages[1, n]
+        put(b.r, add_scaled(vec(b.start_r), tt, vec(end.rate_v)))
+        rotate_by_vector(b.start_q, matvec_t(b.start_A, scale(tt, vec(end.rate_w))), b.q)
+        write_matrix(b.q, b.A)
+        write_world_tensor(b.A, b.J_inv, b.W)
+        put(b.v, zero)
+        put(b.w, zero)
+        put(b.L, zero)
+
+
+@kernel
+def end_factor(scene):
+    """Where the factor of the matrix stands."""
+    pairs = scene.compliant_pairs
+    return Saddle(scene.columns_0, scene.blocks_0, scene.compliant_updates, pairs)
+
+
+@stage
+def arrive(h, clock, nodes, rows, saddle, curves, scene):
+    """Forces and losses at the end of the step. Writes: nodes, histories, scene.stages."""
+    clock.opens = clock.closes = clock.ends = 1
+    clock.lead = clock.share = 0.5 * h
+    evaluate(clock.goal, h, clock, nodes, rows, saddle, curves, scene)
+    keep_outside(nodes, rows, scene.stages, 1)
+
+
+@kernel
+def estimate(h, clock, nodes, scene, size, speed):
+    """Nothing: the length of a step from rest is given."""
+    return 0.0
