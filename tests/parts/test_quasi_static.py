@@ -29,7 +29,8 @@ pytestmark = pytest.mark.xdist_group("quasi_static")
 def engine(folder: Path, text: str = DECK) -> equilibrium.StaticEngine:
     path = folder / "deck.yaml"
     path.write_text(text, "utf-8")
-    found = equilibrium.StaticEngine(*build(read_deck(path)), None)
+    deck = read_deck(path)
+    found = equilibrium.StaticEngine(*build(deck), deck.control)
     found.start()
     return found
 

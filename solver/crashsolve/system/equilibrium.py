@@ -60,6 +60,7 @@ class StaticEngine(Engine):
         self.differs = self._held_otherwise(slaves)
         self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
         self.notes: list[str] = []
+        self.flutters = False
         # of the last pass: K (6 n, 6 n) and D (m, 6 n)
         self.tangent: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -130,11 +131,10 @@ class StaticEngine(Engine):
 
     def _settle(self) -> None:
         """A first posture far from equilibrium: there is no way, and no balance, from there."""
-        missing = self._missing_energy()
-        self.clock.driver_work += missing
+        self.clock.driver_work += self._missing_energy()
         self.notes.append(
-            f"the model settles from its first posture: {-missing:.3g} J are lost on the way to "
-            "the equilibrium in which the run begins, and are counted as driver work"
+            "the first posture is far from an equilibrium: the energy that is lost on the way to "
+            "the one in which the run begins is counted as driver work"
         )
 
     def _missing_energy(self) -> float:
@@ -235,7 +235,14 @@ class StaticEngine(Engine):
         M[np.arange(n), :3, np.arange(n), :3] = np.eye(3) / nodes["mass_inv"][:, None, None]
         turned = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
         M[np.arange(n), 3:, np.arange(n), 3:] = turned
-        mode = way_out(*self.tangent, M.reshape(6 * n, 6 * n))
+        mode, flutters = way_out(*self.tangent, M.reshape(6 * n, 6 * n))
+        if flutters and not self.flutters:
+            self.flutters = True
+            self.notes.append(
+                f"vibrations about the equilibrium at t = {float(self.clock.time):.6g} s grow "
+                "unless they are damped (flutter): loads follow the motion, or moments keep their "
+                "axis; see with solution: transient"
+            )
         if mode is None:
             return ""
         most = np.abs(mode.reshape(n, 6)) * [*3 * [1.0], *3 * [self.model.size]]

@@ -6,8 +6,8 @@ K is the tangent stiffness with all that turns forces, D that of the joints. Whe
 its reduced form has a negative eigenvalue as soon as the equilibrium is unstable: beyond the load
 at which a column buckles, or a shell snaps. Where loads follow the motion, or moments keep their
 axis, K is not symmetric; an equilibrium then is left without vibration where an eigenvalue of
-M^-1 K is real and negative. What vibrates and grows (flutter) is no matter of equilibria. A
-factor L U shows the same by the signs of its pivots: one negative for each row of a joint, and one
+M^-1 K is real and negative; where one is complex vibrations grow unless they are damped (flutter),
+which is told. A factor L U shows the same by the signs of its pivots: one negative for each row of a joint, and one
 for each way out. Consequence to test: Euler's column is left at pi^2 E I / 4 L^2.
 
 References: Ziegler (1968), Principles of Structural Stability, 2; Bathe (1996), Finite Element
@@ -20,10 +20,12 @@ import numpy as np
 NOTHING = 1e-12
 # asymmetry, of the largest entry, which differences leave; and of an eigenvalue of M^-1 K
 ALIKE = 1e-5
+# imaginary part of an eigenvalue, over its size, that differences do not make
+FLUTTER = 1e-2
 
 
-def way_out(K: np.ndarray, D: np.ndarray, M: np.ndarray) -> np.ndarray | None:
-    """The motion (n,) in which an equilibrium is left; None where it is stable.
+def way_out(K: np.ndarray, D: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
+    """The motion (n,) in which an equilibrium is left, None without; whether it may flutter.
 
     K and M (n, n), D (m, n).
     """
@@ -31,28 +33,36 @@ def way_out(K: np.ndarray, D: np.ndarray, M: np.ndarray) -> np.ndarray | None:
     free = _null_space(D / size)
     reduced = free.T @ (K / np.outer(size, size)) @ free
     if not reduced.size:
-        return None
-    even = 0.5 * (reduced + reduced.T)
-    nothing = NOTHING * np.abs(even).max(initial=0.0)
-    try:
-        np.linalg.cholesky(even + nothing * np.eye(len(even)))
-    except np.linalg.LinAlgError:
-        pass
+        return None, False
+    largest = np.abs(reduced).max()
+    if np.abs(reduced - reduced.T).max() <= ALIKE * largest:
+        mode = _of_even(0.5 * (reduced + reduced.T), NOTHING * largest)
+        flutters = False
     else:
-        return None
-    if np.abs(reduced - reduced.T).max() <= ALIKE * np.abs(reduced).max():
-        values, modes = np.linalg.eigh(even)
-        mode = modes[:, 0]
-        return free @ mode / size if values[0] < -nothing else None
-    mass = free.T @ (M / np.outer(size, size)) @ free
-    found, ways = np.linalg.eig(np.linalg.solve(mass, reduced))
-    leaves = (found.real < -nothing * np.abs(found).max()) & (
-        np.abs(found.imag) <= ALIKE * np.abs(found)
-    )
+        mode, flutters = _of_odd(reduced, free.T @ (M / np.outer(size, size)) @ free)
+    return None if mode is None else free @ mode / size, flutters
+
+
+def _of_even(K: np.ndarray, nothing: float) -> np.ndarray | None:
+    """The motion that a symmetric K drives on."""
+    try:
+        np.linalg.cholesky(K + nothing * np.eye(len(K)))
+    except np.linalg.LinAlgError:
+        values, modes = np.linalg.eigh(K)
+        return modes[:, 0] if values[0] < -nothing else None
+    return None
+
+
+def _of_odd(K: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
+    """The same of any K, and whether vibrations grow."""
+    found, ways = np.linalg.eig(np.linalg.solve(M, K))
+    size = np.abs(found)
+    is_real = np.abs(found.imag) <= ALIKE * size
+    leaves = (found.real < -NOTHING * size.max()) & is_real
+    flutters = bool((np.abs(found.imag) > FLUTTER * size).any())
     if not leaves.any():
-        return None
-    worst = int(np.argmin(np.where(leaves, found.real, np.inf)))
-    return free @ ways[:, worst].real / size
+        return None, flutters
+    return ways[:, int(np.argmin(np.where(leaves, found.real, np.inf)))].real, flutters
 
 
 def _null_space(D: np.ndarray) -> np.ndarray:
