@@ -55,8 +55,8 @@ def test_families_are_those_of_the_code() -> None:
 
 
 def test_versions_and_words_are_those_of_the_code() -> None:
-    assert TEXT.startswith("# The results folder, format version 1\n")
+    assert TEXT.startswith("# The results folder, format version 2\n")
     for module in (layout, restart, states):
-        assert module.FORMAT_VERSION == 1
+        assert module.FORMAT_VERSION == 2
     for words in (layout.FORMAT, states.FORMAT, *restart.SLOTS, NORMAL, ERROR):
         assert words in TEXT

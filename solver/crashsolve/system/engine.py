@@ -132,7 +132,7 @@ class Engine:
                 break
         s.rows["multiplier"] = s.rows["before"] = s.rows["reaction"]
         ledger = s.ledger.tolist()
-        stored = [ledger[k] for k in energy.STORED]
+        stored = [ledger[k] for k in energy.MECHANICAL]
         s.ledger[energy.INITIAL], s.ledger[energy.LARGEST] = sum(stored), max(0.0, *stored)
         s.ledger[energy.IMBALANCE] = 0.0
 
