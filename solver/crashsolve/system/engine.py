@@ -201,6 +201,10 @@ class Engine:
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
 
+    def probe(self, arrays: dict[str, np.ndarray]) -> None:
+        """A sample of other tables of this scene, of other lengths. Writes: arrays."""
+        self._advance(float(arrays["clock"][0]["time"]), True, Tables(arrays))
+
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
         if energy.is_broken(self.ledger, self._limit):
