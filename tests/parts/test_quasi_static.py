@@ -1,4 +1,6 @@
-"""Claims of the quasi-static solution: quadratic convergence, work of loads, clear refusals."""
+"""Claims of the quasi-static solution: quadratic convergence, work of loads, balance of forces,
+stability, clear refusals.
+"""
 
 from pathlib import Path
 
@@ -10,6 +12,8 @@ from crashsolve.foundation.errors import DeckErrors, SolverError
 from crashsolve.model import ledger
 from crashsolve.model.build import build
 from crashsolve.system import equilibrium
+from crashsolve.system.balance import EQUAL, ROUND, Forces
+from crashsolve.system.stability import way_out
 
 DECK = """
 title: cantilever at rest
@@ -78,6 +82,107 @@ def test_where_no_equilibrium_is_found_the_run_says_so(
     np.testing.assert_array_equal(found.state.nodes["r"], before["r"])
 
 
+def run(found: equilibrium.StaticEngine, steps: int = 10) -> None:
+    for k in range(steps):
+        found.reach((k + 1) / steps)
+        found.sample()
+
+
+# of a column with E I = 1 and L = 1, clamped at one end
+EULER = np.pi**2 / 4.0
+
+
+def test_a_column_is_refused_beyond_its_critical_load(tmp_path: Path) -> None:
+    # stiff against stretch and shear, so that Euler's load is that of bending alone
+    stiff = DECK.replace("area: 1,", "area: 1e4,").replace(
+        "shear_y: 1, shear_z: 1", "shear_y: 1e4, shear_z: 1e4"
+    )
+    load = f"force: [{-1.25 * EULER}, 0, 0]"
+    found = engine(tmp_path, stiff.replace("force: [0, 1, 1]", load))
+    with pytest.raises(SolverError, match="becomes unstable between t = .* s and t = ") as caught:
+        run(found)
+    stable, unstable = float(found.clock.time), caught.value.cause.split("t = ")[2].split(" s")[0]
+    # 4 elements leave pi^2 / 48 n^2 = 1.3 % of the critical load
+    assert stable < float(unstable)
+    assert 1.25 * stable == pytest.approx(1.013, abs=5e-3)
+    assert 1.25 * float(unstable) == pytest.approx(1.013, abs=5e-3)
+    assert "p_end" in caught.value.place
+
+
+def test_a_column_below_its_critical_load_is_not(tmp_path: Path) -> None:
+    load = f"force: [{-0.9 * EULER}, 0, 0]"
+    found = engine(tmp_path, DECK.replace("force: [0, 1, 1]", load))
+    run(found, 2)
+    assert float(found.clock.time) == 1.0
+
+
+@pytest.mark.parametrize("factor", [1e-12, 1e12])
+def test_the_answer_scales_with_loads_and_stiffness(tmp_path: Path, factor: float) -> None:
+    plain, scaled = DECK, DECK.replace("young: 1e3", f"young: {1e3 * factor!r}")
+    scaled = scaled.replace("force: [0, 1, 1]", f"force: [0, {factor!r}, {factor!r}]")
+    places = []
+    for text in (plain, scaled):
+        found = engine(tmp_path, text)
+        run(found, 2)
+        places.append(found.state.nodes["r"].copy())
+    np.testing.assert_allclose(places[1], places[0], rtol=0.0, atol=1e-9)
+
+
+def test_the_course_of_time_and_the_number_of_load_steps_do_not_count(tmp_path: Path) -> None:
+    places = []
+    for end, steps in ((1.0, 1), (1e-6, 3), (1e6, 5)):
+        text = DECK.replace("end_time: 1,", f"end_time: {end!r},")
+        found = engine(tmp_path, text.replace("[1, 1]]", f"[{end!r}, 1]]"))
+        for k in range(steps):
+            found.reach(end * (k + 1) / steps)
+        places.append(found.state.nodes["r"].copy())
+    for place in places[1:]:
+        # ten times what the tolerance leaves of the way
+        np.testing.assert_allclose(place, places[0], rtol=0.0, atol=10 * equilibrium.TOLERANCE)
+
+
+def test_loads_without_a_curve_act_from_the_start_and_do_half_their_way(tmp_path: Path) -> None:
+    found = engine(tmp_path, DECK.replace("force: [0, 1, 1], curve: rise", "force: [0, 0.01, 0]"))
+    found.sample()
+    place, stored = found.nodes["r"].copy(), float(found.ledger[ledger.ELASTIC])
+    tip = found.model.bodies.index("p_end")
+    # P L^3 / 3 E I and shear P L / G A; 4 elements leave 1 / 4 n^2 of bending
+    assert place[tip, 1] == pytest.approx(0.01 / 3.0 + 0.01 / 500.0, rel=2e-2)
+    assert stored == pytest.approx(0.005 * place[tip, 1], rel=1e-4)
+    assert abs(found.ledger[ledger.IMBALANCE]) < 1e-4 * stored
+    found.reach(1.0)
+    found.sample()
+    np.testing.assert_allclose(found.nodes["r"], place, rtol=0.0, atol=1e-10)
+
+
+def test_equilibrium_is_a_matter_of_forces() -> None:
+    forces = Forces(size=2.0, tolerance=1e-6)
+    forces._grow(100.0, 0.0)
+    g = np.zeros(12)
+    for force, moment, stiffness, told in (
+        (0.9e-4, 1.9e-4, 0.0, EQUAL),
+        (1.1e-4, 0.0, 0.0, 0),
+        (0.0, 2.1e-4, 0.0, 0),
+        # round-off of positions is no force, but no balance either
+        (1.1e-4, 0.0, 1e12, ROUND),
+    ):
+        g[6], g[9] = force, moment
+        assert forces.balance(g, (stiffness, stiffness)) == told
+
+
+def test_stability_is_that_of_the_constrained_motion() -> None:
+    # two motions of stiffness 1 and -1: stable where the second is held, or loads turn it over
+    K, M = np.diag([1.0, -1.0]), np.eye(2)
+    mode, _ = way_out(K, np.zeros((0, 2)), M)
+    assert mode is not None
+    np.testing.assert_allclose(np.abs(mode / np.abs(mode).max()), [0.0, 1.0], atol=1e-12)
+    assert way_out(K, np.array([[0.0, 1.0], [0.0, 2.0]]), M) == (None, False)
+    # Ziegler: eigenvalues of K are 1 +- 2 i
+    assert way_out(np.array([[1.0, 2.0], [-2.0, 1.0]]), np.zeros((0, 2)), M) == (None, True)
+    # a zero is no way out
+    assert way_out(np.diag([1.0, 0.0]), np.zeros((0, 2)), M) == (None, False)
+
+
 SHELL = """  q:
     type: shell
     mesh: {type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [1, 1]}
@@ -92,10 +197,10 @@ REFUSED = {
         f"bodies: {{hub: {{mass: 1, inertia: [1, 1, 1], welded: [p_2]}}}}\nparts:\n{SHELL}",
         "a quasi-static solution with shells or fibre beams has no welded nodes",
     ),
-    "driver": (
-        "joints: {",
-        "joints: {pull: {type: point_driver, body: p_end, axis: [0, 1, 0], curve: rise}, ",
-        "a quasi-static solution has no drivers yet",
+    "velocity": (
+        "section: s,",
+        "section: s, velocity: [1, 0, 0],",
+        "a quasi-static solution has no velocities",
     ),
     "memory": (
         "loads:",

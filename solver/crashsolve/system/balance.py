@@ -70,6 +70,10 @@ class Forces:
         force, moment = self.largest
         return max(force, moment / self.size), max(moment, force * self.size)
 
+    def energy(self) -> float:
+        """Largest force on a way of the model's size [J]."""
+        return self._scales()[0] * self.size
+
     def told(self) -> str:
         """What is left, for a message."""
         share = max(
@@ -147,15 +151,21 @@ class Work:
 
     def _forces(self, g: Any, moment: float) -> np.ndarray:
         """Forces and moments (entries, 6 n) of loads on the free nodes: with them less without."""
-        engine, found = self.engine, []
+        loading, found = self.engine.loading, []
         for i in range(len(g.names)):
-            sums = []
-            for without in (None, (g, i)):
-                engine._rest(moment, engine.state.nodes, without)
-                own = engine.nodes[engine.free]
-                sums.append(np.hstack([own["force"], own["torque"]]).ravel())
-            found.append(sums[0] - sums[1])
+            whole = self._applied(moment)
+            loading.silent = (g, i)
+            found.append(whole - self._applied(moment))
+            loading.silent = None
+        loading.place(moment)
         return np.array(found)
+
+    def _applied(self, moment: float) -> np.ndarray:
+        """All forces and moments (6 n,) on the free nodes but those of joints."""
+        engine = self.engine
+        engine._rest(moment, engine.state.nodes)
+        own = engine.nodes[engine.free]
+        return np.hstack([own["force"], own["torque"]]).ravel()
 
     def _powers(self, time: float, at: np.ndarray | None, way: np.ndarray) -> dict[str, np.ndarray]:
         """Power of every load where the nodes are, moving by `way` [m/s, rad/s]."""

@@ -26,6 +26,8 @@ class Loading:
         self.start, self.begin = start, start - 1.0
         self.curves, still = model.curves, _still(model)
         self.rising, self.driven = [], []
+        # a group of loads and the number of an entry that does not act
+        self.silent: tuple[Any, int] | None = None
         for g in model.groups:
             p = g.parameters
             if g.keyword == "loads" and hasattr(g.module, "AMPLITUDE"):
@@ -33,8 +35,7 @@ class Loading:
                 has_none = (
                     p["curve"] == 0 if "curve" in (p.dtype.names or ()) else np.ones(len(p), bool)
                 )
-                column = p[g.module.AMPLITUDE]
-                self.rising.append((g.module, column, has_none, column.copy()))
+                self.rising.append((g, has_none, p[g.module.AMPLITUDE].copy()))
             elif g.keyword == "joints" and "curve" in (p.dtype.names or ()):
                 self.driven.append((g.names, p, p["curve"].copy(), p["offset"].copy()))
                 p["curve"] = still
@@ -59,8 +60,12 @@ class Loading:
 
         Raises SolverError for a curve that is read outside its range.
         """
-        for _, column, rises, full in self.rising:
-            column[rises] = self.share(moment) * full[rises]
+        for g, rises, full in self.rising:
+            column = g.parameters[g.module.AMPLITUDE]
+            column[:] = full
+            column[rises] *= self.share(moment)
+            if self.silent is not None and self.silent[0] is g:
+                column[self.silent[1]] = 0.0
         for names, p, curves, offsets in self.driven:
             for i, (curve, offset) in enumerate(zip(curves, offsets, strict=True)):
                 p["offset"][i] = offset - self._read(int(curve), moment, names[i])
@@ -77,7 +82,7 @@ class Loading:
 
     def full(self) -> list[tuple[Any, np.ndarray]]:
         """Modules of loads, and the amplitudes of each."""
-        return [(module, full) for module, _, _, full in self.rising]
+        return [(g.module, full) for g, _, full in self.rising]
 
     def rows(self) -> list[int]:
         """First constraint row of every driver."""

@@ -21,7 +21,7 @@ from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_
 from crashsolve.model.model import Model, State
 from crashsolve.system.balance import EQUAL, ROUND
 from crashsolve.system.diagnosis import diagnose
-from crashsolve.system.equilibrium import AS_GOOD_AS_IT_GETS, StaticEngine
+from crashsolve.system.equilibrium import AS_GOOD_AS_IT_GETS, NOWHERE, StaticEngine
 from crashsolve.system.stability import ways_out
 
 # steps for one load; what needs more moves freely
@@ -43,11 +43,16 @@ class RestEngine(StaticEngine):
     def __init__(self, model: Model, state: State, control: Any) -> None:
         super().__init__(model, state, control)
         self.fastest = self.pseudo = 0.0
+        if any(_follows(g) for g in model.groups):
+            self.notes.append(
+                "loads follow the motion: whether equilibria are stable is judged without how they "
+                "turn; where it is close to the critical load compare with solution: transient"
+            )
 
     def _reaches(self, time: float) -> bool:
         """Steps from rest to the equilibrium at a time."""
         clock, nodes = self.clock, self.state.nodes
-        begun, whole, previous = float(clock.time), nodes.copy(), np.inf
+        begun, start, previous = float(clock.time), nodes.copy(), np.inf
         growth, cycle = GROWTH, int(clock.cycle)
         self.forces.meet(self._rest(time, nodes), self)
         self._choose_step()
@@ -61,7 +66,7 @@ class RestEngine(StaticEngine):
                 if self.pseudo * self.fastest < 0.5 * FIRST:
                     return False
                 continue
-            way, total = self._size(self._way_from(kept[1])), self._size(self._way_from(whole))
+            way, total = self._size(self._way_from(kept[1])), self._whole_way(start)
             # of one step alone nobody knows
             left = min(way / previous, UNKNOWN) if previous < np.inf else UNKNOWN * (way > 0.0)
             g = self._rest(time, nodes)
@@ -69,7 +74,8 @@ class RestEngine(StaticEngine):
             balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest()
             # a load step counts as one
             clock.cycle = cycle + 1
-            clock.value, is_still = way, way * left <= self.tolerance * total * (1.0 - left)
+            clock.value = way
+            is_still = way * left <= self.tolerance * total * (1.0 - left) + NOWHERE
             if is_still and (balance == EQUAL or (balance == ROUND and is_longest)):
                 return True
             if is_longest and balance and left > SLOW and way <= AS_GOOD_AS_IT_GETS * total / SLOW:
@@ -133,3 +139,10 @@ class RestEngine(StaticEngine):
         self._take_back(kept)
         count, node = ways_out(self.tableau["columns_0"])
         return self.name_of(node) if count > 0 else ""
+
+
+def _follows(group: Any) -> bool:
+    """Whether loads of a group turn with what they act on."""
+    p = group.parameters
+    turns = "turns" in (p.dtype.names or ()) and bool(p["turns"].any())
+    return group.keyword == "loads" and (turns or hasattr(group.module, "load_half"))

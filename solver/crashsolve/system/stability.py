@@ -7,8 +7,8 @@ its reduced form has a negative eigenvalue as soon as the equilibrium is unstabl
 at which a column buckles, or a shell snaps. Where loads follow the motion, or moments keep their
 axis, K is not symmetric; an equilibrium then is left without vibration where an eigenvalue of
 M^-1 K is real and negative; where one is complex vibrations grow unless they are damped (flutter),
-which is told. A factor L U shows the same by the signs of its pivots: one negative for each row of a joint, and one
-for each way out. Consequence to test: Euler's column is left at pi^2 E I / 4 L^2.
+which is told. A factor L U shows a way out by the signs of its pivots: one negative for each row of
+a joint, and one for each way out. Consequence to test: Euler's column is left at pi^2 E I / 4 L^2.
 
 References: Ziegler (1968), Principles of Structural Stability, 2; Bathe (1996), Finite Element
 Procedures, 8.2 (signs of pivots).
