@@ -45,8 +45,8 @@ class RestEngine(StaticEngine):
         self.fastest = self.pseudo = 0.0
         if any(_follows(g) for g in model.groups):
             self.notes.append(
-                "loads follow the motion: whether equilibria are stable is judged without how they "
-                "turn; where it is close to the critical load compare with solution: transient"
+                "loads follow the motion, or joints sit beside mass centres: whether equilibria are "
+                "stable is judged without how these forces turn; compare with solution: transient"
             )
 
     def _reaches(self, time: float) -> bool:
@@ -142,7 +142,15 @@ class RestEngine(StaticEngine):
 
 
 def _follows(group: Any) -> bool:
-    """Whether loads of a group turn with what they act on."""
+    """Whether forces of a group turn, or their arms do, with what they act on."""
     p = group.parameters
-    turns = "turns" in (p.dtype.names or ()) and bool(p["turns"].any())
+    names = set(p.dtype.names or ())
+    if group.keyword == "joints":
+        arms = [
+            np.linalg.norm(p[f"point_{side}"], axis=1) * (p[f"node_{side}"] > 0)
+            for side in "ab"
+            if f"point_{side}" in names
+        ]
+        return any(bool(arm.any()) for arm in arms)
+    turns = "turns" in names and bool(p["turns"].any())
     return group.keyword == "loads" and (turns or hasattr(group.module, "load_half"))
