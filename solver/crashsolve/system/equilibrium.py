@@ -239,13 +239,8 @@ class StaticEngine(Engine):
     def _way_out(self) -> str:
         """Name of the node that leaves the equilibrium most; empty where it is stable."""
         assert self.tangent is not None
-        nodes, n = self.state.nodes[self.free], len(self.free)
-        M = np.zeros((n, 6, n, 6))
-        A, J = nodes["A"].reshape(-1, 3, 3), nodes["J"].reshape(-1, 3, 3)
-        M[np.arange(n), :3, np.arange(n), :3] = np.eye(3) / nodes["mass_inv"][:, None, None]
-        turned = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
-        M[np.arange(n), 3:, np.arange(n), 3:] = turned
-        mode, flutters = way_out(*self.tangent, M.reshape(6 * n, 6 * n))
+        n = len(self.free)
+        mode, flutters = way_out(*self.tangent, self._masses())
         if flutters and not self.flutters:
             self.flutters = True
             self.notes.append(
@@ -257,6 +252,15 @@ class StaticEngine(Engine):
             return ""
         most = np.abs(mode.reshape(n, 6)) * [*3 * [1.0], *3 * [self.model.size]]
         return self.name_of(int(self.free[most.max(axis=1).argmax()]))
+
+    def _masses(self) -> np.ndarray:
+        """Mass matrix (6 n, 6 n) of the free nodes, world axes."""
+        nodes, n = self.state.nodes[self.free], len(self.free)
+        M = np.zeros((n, 6, n, 6))
+        A, J = nodes["A"].reshape(-1, 3, 3), nodes["J"].reshape(-1, 3, 3)
+        M[np.arange(n), :3, np.arange(n), :3] = np.eye(3) / nodes["mass_inv"][:, None, None]
+        M[np.arange(n), 3:, np.arange(n), 3:] = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
+        return M.reshape(6 * n, 6 * n)
 
     def name_of(self, node: int) -> str:
         """Of a body, or of a node of a shell."""
@@ -297,7 +301,7 @@ class StaticEngine(Engine):
         for k in np.flatnonzero(np.repeat(self.differs, 6)):
             i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
             kept = nodes[i].copy()
-            _nudge(nodes[i], int(k % 6), size)
+            nudge(nodes[i], int(k % 6), size)
             columns[:, k] = (self._rest(time, nodes) - g) / size
             nodes[i] = kept
         return columns
@@ -410,7 +414,7 @@ def _move(nodes: np.ndarray, way: np.ndarray) -> None:
     nodes["A"] = matrices(nodes["q"]).reshape(-1, 9)
 
 
-def _nudge(row: Any, k: int, size: float) -> None:
+def nudge(row: Any, k: int, size: float) -> None:
     """Move a node along axis k, or turn it about axis k - 3, by very little. Writes: row."""
     if k < 3:
         row["r"][k] += size

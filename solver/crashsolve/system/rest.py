@@ -21,11 +21,11 @@ from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_
 from crashsolve.model.model import Model, State
 from crashsolve.system.balance import EQUAL, ROUND
 from crashsolve.system.diagnosis import diagnose
-from crashsolve.system.equilibrium import AS_GOOD_AS_IT_GETS, NOWHERE, StaticEngine
-from crashsolve.system.stability import ways_out
+from crashsolve.system.equilibrium import AS_GOOD_AS_IT_GETS, NOWHERE, STEP, StaticEngine, nudge
+from crashsolve.system.stability import way_out, ways_out
 
 # steps for one load; what needs more moves freely
-REPEATS = 60
+REPEATS = 150
 # h over 1 / omega of the fastest vibration: at first, at most, and how it grows
 FIRST, MOST, GROWTH = 1e3, 1e8, 32.0
 # the same where ways out are looked for
@@ -33,7 +33,7 @@ CERTAIN = 1e7
 # of what is missing, that a step may leave
 SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
-CAREFUL = 4.0
+CAREFUL, RELENTING = 4.0, 1.2
 STILL = ("v", "w", "L")
 
 
@@ -45,24 +45,25 @@ class RestEngine(StaticEngine):
         self.fastest = self.pseudo = 0.0
         if any(_follows(g) for g in model.groups):
             self.notes.append(
-                "loads follow the motion, or joints sit beside mass centres: whether equilibria are "
-                "stable is judged without how these forces turn; compare with solution: transient"
+                "loads follow the motion, or joints sit beside mass centres: whether equilibria of "
+                "elements are stable is judged without how these forces turn; compare with "
+                "solution: transient"
             )
 
     def _reaches(self, time: float) -> bool:
         """Steps from rest to the equilibrium at a time."""
         clock, nodes = self.clock, self.state.nodes
         begun, start, previous = float(clock.time), nodes.copy(), np.inf
-        growth, cycle = GROWTH, int(clock.cycle)
+        growth, highest, good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
         self.forces.meet(self._rest(time, nodes), self)
         self._choose_step()
         for _ in range(REPEATS):
-            kept = self._keep()
+            kept, used = self._keep(), self.pseudo
             if not self._relaxes(begun, time):
                 # too far for Newton's method: more inertia, and less at a time
                 self._take_back(kept)
-                self.pseudo /= GROWTH
-                growth = CAREFUL
+                self.pseudo = good if good else self.pseudo / GROWTH
+                growth, highest = CAREFUL, self.pseudo * self.fastest * (1.0 if good else GROWTH)
                 if self.pseudo * self.fastest < 0.5 * FIRST:
                     return False
                 continue
@@ -81,8 +82,9 @@ class RestEngine(StaticEngine):
             if is_longest and balance and left > SLOW and way <= AS_GOOD_AS_IT_GETS * total / SLOW:
                 return True
             if left > SLOW and previous < np.inf:
-                self.pseudo = min(self.pseudo * growth, MOST / self.fastest)
-            previous = way
+                self.pseudo = min(self.pseudo * growth, highest / self.fastest)
+            # what has failed far from equilibrium may serve near it
+            highest, good, previous = min(highest * RELENTING, MOST), used, way
         return False
 
     def _is_longest(self) -> bool:
@@ -132,13 +134,41 @@ class RestEngine(StaticEngine):
 
         A step with hardly any inertia, which would hide a way out, shows the pivots.
         """
+        now = float(self.clock.time)
+        place = self._way_out_of_bodies(now)
+        if place:
+            return place
         kept, pseudo = self._keep(), self.pseudo
-        self.pseudo, now = CERTAIN / self.fastest, float(self.clock.time)
+        self.pseudo = CERTAIN / self.fastest
         self._relaxes(now, now)
         self.pseudo = pseudo
         self._take_back(kept)
         count, node = ways_out(self.tableau["columns_0"])
         return self.name_of(node) if count > 0 else ""
+
+    def _way_out_of_bodies(self, now: float) -> str:
+        """The same of bodies alone, where elements stand still; with all that turns forces."""
+        theirs = set(self.model.elements.riders["node"].tolist()) if self.model.elements else set()
+        for g in self.model.groups:
+            if g.keyword == "parts" and "node_a" in (g.parameters.dtype.names or ()):
+                theirs |= set(g.parameters["node_a"].tolist())
+                theirs |= set(g.parameters["node_b"].tolist())
+        own = np.flatnonzero(~np.isin(self.free, list(theirs)))
+        if not len(own):
+            return ""
+        imbalance, D, _ = self._imbalance(now)
+        columns, nodes = [], self.state.nodes.copy()
+        for k in range(6 * len(own)):
+            i, size = int(self.free[own[k // 6]]), STEP * (self.model.size if k % 6 < 3 else 1.0)
+            kept = nodes[i].copy()
+            nudge(nodes[i], k % 6, size)
+            columns.append((imbalance - self._rest(now, nodes)) / size)
+            nodes[i] = kept
+        at = (6 * own[:, None] + np.arange(6)).ravel()
+        mode, _ = way_out(np.array(columns).T[at], D[:, at], self._masses()[np.ix_(at, at)])
+        if mode is None:
+            return ""
+        return self.name_of(int(self.free[own[np.abs(mode).argmax() // 6]]))
 
 
 def _follows(group: Any) -> bool:
