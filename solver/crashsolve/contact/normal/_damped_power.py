@@ -2,14 +2,21 @@
 
     f = K delta^n (1 + chi delta_dot / v_0),   never tensile
 
-v_0 is the closing speed at the onset. The stiffness reported to the step control is that at the
-depth a free impact of speed v_0 will reach, so the first step is already short.
+v_0 is the impact speed: the least with which a free impact could show the speeds of this touch. It
+closes no faster than v_0 and opens no faster than x v_0, x the restitution returned, so
+
+    v_0 = max over the touch of (delta_dot, -delta_dot / x),   not below the speed floor
+
+In a free impact that is the closing speed at the onset. A touch that is driven by others has the
+speed at which it is driven, and one that begins compressed that of the free impact which passes
+its state (`_restitution.py`). The stiffness reported to the step control is that at the depth a
+free impact of speed v_0 will reach, so the first step is already short.
 """
 
 from math import inf
 from typing import Any
 
-from crashsolve.contact.normal._restitution import returned
+from crashsolve.contact.normal._restitution import returned, speed_through
 from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
@@ -22,6 +29,7 @@ PARAMETERS = Record(
     stiffness=("N/m^n", "K"),
     exponent=("1", "n"),
     chi=("1", "damping factor of the law"),
+    returned=("1", "restitution x of a free impact"),
     speed_limit=("m/s", "impact speed beyond which the law is outside its range"),
 )
 HISTORY = Record(too_fast=("flag", "an impact was faster than speed_limit"))
@@ -53,6 +61,7 @@ def power_law(card: PowerCard, scene: Any, pair: Any, chi: float) -> dict[str, A
         "stiffness": card.stiffness if given else hertz_stiffness(card, scene, pair),
         "exponent": card.exponent,
         "chi": chi,
+        "returned": returned(chi),
         "speed_limit": card.speed_limit(),
     }
 
@@ -78,6 +87,7 @@ def damped_law(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> dict
 @kernel
 def normal_force(p, old, new, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
+    new.impact_speed = impact_speed(p, old, new, h, depth, rate, mass)
     new.too_fast = 1 if new.impact_speed > p.speed_limit else old.too_fast
     n = p.exponent
     spring = p.stiffness * depth**n
@@ -92,6 +102,18 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
 
 
 @kernel
+def impact_speed(p, old, new, h, depth, rate, mass):
+    """v_0 of this touch so far [m/s]; `new` has that of its onset, or of the step before."""
+    v = max(new.impact_speed, rate, -rate / p.returned)
+    if old.active == 0 and h == 0.0:
+        # the run begins with it
+        n = p.exponent
+        energy = p.stiffness * depth ** (n + 1.0) / ((n + 1.0) * mass)
+        v = max(v, speed_through(p.chi, p.returned, energy, rate))
+    return v
+
+
+@kernel
 def release(p, old, new):
     """Writes: new."""
     new.too_fast = old.too_fast
@@ -99,10 +121,12 @@ def release(p, old, new):
 
 @kernel
 def normal_tangent(p, state, depth, rate, mass, curves):
-    """Rise of the force over the depth and over its rate."""
+    """Rise of the force over the depth and over its rate; none where v_0 grows with the rate."""
     n = p.exponent
-    factor = 1.0 + p.chi * rate / state.impact_speed
+    v = max(state.impact_speed, rate, -rate / p.returned)
+    factor = 1.0 + p.chi * rate / v
     if factor <= 0.0:
         return 0.0, 0.0
     slope = p.stiffness * depth ** (n - 1.0)
-    return n * slope * factor, p.chi * slope * depth / state.impact_speed
+    damping = p.chi * slope * depth / v if v == state.impact_speed else 0.0
+    return n * slope * factor, damping
