@@ -254,6 +254,8 @@ class GroupBuilder:
     def finish(self, nodes: Any) -> ContactGroup:
         """The group with its pairs, all of them or the near ones."""
         parameters, history = touch.PARAMETERS, touch.HISTORY
+        if self._have_ends():
+            history = history + touch.WAY
         for module in self.modules:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
         elements = (self.sides[0].elements, self.sides[1].elements)
@@ -274,6 +276,13 @@ class GroupBuilder:
             history=resting(len(rows), history.dtype, search),
             output=np.zeros(len(rows), touch.OUTPUT.dtype),
             search=search,
+        )
+
+    def _have_ends(self) -> bool:
+        """Whether there are sides that a body may pass the middle of; impulses let none pass."""
+        thick = (side.arrays().thick for side in self.sides)
+        return hasattr(self.modules[0], "normal_force") and all(
+            bool(np.isfinite(t).any()) for t in thick
         )
 
     def _pairing(self, parameters: Record) -> Pairing:
