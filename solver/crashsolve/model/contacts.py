@@ -20,6 +20,7 @@ import numpy as np
 
 from crashsolve.foundation.record import Record
 from crashsolve.model import touch
+from crashsolve.model.holes import warn_of_holes
 from crashsolve.model.model import ContactGroup, NodalGroup
 from crashsolve.model.nodal import NodalBuilder
 from crashsolve.model.pairs import Block, Elements, Pairing, Search, resting
@@ -68,6 +69,9 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
             _add_card(index, entry, surfaces, builders, nodal, scene)
     if scene.errors:
         return [], []
+    for name, entry in deck.entries["contacts"].items():
+        sides = [[surfaces[word] for word in names] for names in (entry.card.a, entry.card.b)]
+        warn_of_holes(name, sides, scene)
     nodes = scene.placed_nodes()
     return [builder.finish(nodes) for builder in builders.values()], nodal.groups
 

@@ -75,11 +75,12 @@ TALLY = Record(
     bristled=("J", "recoverable energy of friction"),
     rubbed=("J", "lost by friction"),
     depth=("m", "deepest touch"),
+    passed=("s", "time at which a probe has passed through faces; 0: none has"),
 )
 SLOT = Record(
     active=("flag", "touching"),
     depth=("m", "penetration"),
-    impact_speed=("m/s", "closing speed at the onset, not below the floor"),
+    impact_speed=("m/s", "v_0: closing speed at the onset, or more where others drive the pair"),
     power=("W", "dissipated"),
     force=("N", "on the probe"),
     stored=("J", "recoverable energy"),

@@ -85,14 +85,19 @@ def _passed_pairs(model: Model, state: State) -> list[tuple[str, float, str]]:
 
 
 def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
-    """The same for nodes of shells on rigid shapes."""
+    """The same for nodes of shells on rigid shapes, and for nodes and balls on faces."""
     found = []
     for group in model.nodal_groups:
-        if group.narrow is not None and group.has_ends:
+        place = f"contact '{group.card}'"
+        if group.narrow is None:
+            times, what = group.arrays["tally"]["passed"], "a node or ball has passed through faces"
+        elif group.has_ends:
+            what = "a node has passed the middle of what it strikes"
             times = group.arrays["slots"]["passed"]
-            if times.any():
-                what = "a node has passed the middle of what it strikes"
-                found.append((f"contact '{group.card}'", float(times[times > 0.0].min()), what))
+        else:
+            continue
+        if times.any():
+            found.append((place, float(times[times > 0.0].min()), what))
     return found
 
 

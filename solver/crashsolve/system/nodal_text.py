@@ -24,7 +24,8 @@ def {word}(clock, h, nodes, curves, groups):
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
             if hit.depth <= 0.0:
                 if old.active == 1:
-{lose}                    nodal.leave(clock, h, tally, turns, j, old, new)
+{lose}                    faces.note_lost(clock, h, p, tally, old, mesh)
+                    nodal.leave(clock, h, tally, turns, j, old, new)
                     {law}.release(p, old, new)
 {end}                continue
 {roll}            mob = nodal.mobility_of({probe}, hit, nodes, points)
