@@ -550,8 +550,16 @@ def _way_of(c: Any) -> list[str]:
         "            if passing.keeps_face(old, v_a, v_b, n, kept):",
         "                held = True",
         "                depth, n, x, over = kept",
+        *_beyond_middle(c),
         "        passing.note_face(clock, h, p, old, new, held, over, depth, n)",
     ]
+
+
+def _beyond_middle(c: Any) -> list[str]:
+    """How far a pair is beyond the middle of a round face."""
+    past = f"max(over, depth - {_alias(c.narrow)}.middle(a, b, nodes, n))"
+    lines = ["        if depth > a.radius:", f"            over = {past}"]
+    return lines if hasattr(c.narrow, "middle") else []
 
 
 def _own_face(c: Any) -> list[str]:

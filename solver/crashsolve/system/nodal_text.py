@@ -114,6 +114,11 @@ KEEP = """\
                     held = True
                     depth, n, _, over = kept
 """
+MIDDLE = """\
+            if old.face == e and depth > p.gap:
+                past = depth - {narrow}.middle(groups.{word}_a[0], shapes[e], frames, n)
+                over = max(over, past)
+"""
 ON_FACES = """\
             d, e = rubbing.arms(p, hit)
             a = rubbing.probe_foretells({probe}, d, old, points)
@@ -178,7 +183,8 @@ def _ways(group: Any, words: dict[str, str]) -> dict[str, str]:
     note = NOTE_FACE if keeps else NOTE_WAY
     found = {"left": " " * 16 + note, "way": " " * 8 + note}
     found = found if group.has_ends else dict.fromkeys(found, "")
-    return found | {"own": OWN * keeps, "keep": KEEP.format(**words) * keeps}
+    keep = KEEP + MIDDLE * hasattr(group.narrow, "middle")
+    return found | {"own": OWN * keeps, "keep": keep.format(**words) * keeps}
 
 
 def _leaf(module: Any) -> str:

@@ -6,12 +6,15 @@ Inside, mantle and caps are ways out: `gap` takes the nearest, `gap_by` that by 
 on. Point of contact: the deepest of the sphere, c - r n.
 """
 
-from math import copysign, sqrt
+from math import copysign, inf, sqrt
 
 from crashsolve.contact.narrow._frame import into, out_of, seen_from
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import place
-from crashsolve.foundation.vec3 import add_scaled, vec
+from crashsolve.foundation.vec3 import add_scaled, dot, unit, vec
+
+# share of the radius at which the normal turns too fast as a ball goes by the axis
+AXIS = 0.8
 
 
 @kernel
@@ -41,6 +44,13 @@ def gap_by(a, b, nodes, data, normal):
         over = -side * y[2]
         n = out_of(b, body, (0.0, 0.0, side))
     return a.radius - distance, n, add_scaled(centre, -a.radius, n), over
+
+
+@kernel
+def middle(a, b, nodes, n):
+    """Depth beyond which the mantle has no way out that is the right one; none for the caps [m]."""
+    axis = out_of(b, nodes[b.node], unit(2))
+    return a.radius + AXIS * b.radius if abs(dot(n, axis)) < 0.5 else inf
 
 
 @kernel
