@@ -20,9 +20,10 @@ from crashsolve.foundation.vec3 import add, dot, put, sub, vec
 SAME, OPPOSITE = 0.7, -0.5
 # a touch of round bodies beyond this share of the way to the middle of both is one with no way out
 MIDDLE = 0.8
-# a touch that begins deeper, or whose normal turns deeper in one step than a face does (60 deg), has
-# not come from outside: no step brings two sides that are apart so far
-SUDDEN, TURNED = 0.25, 0.5
+# a touch that begins deeper than this share of it has not come from outside, since no step brings
+# two sides that are apart so far; nor does one that is deeper keep its way out when its normal turns
+# farther in a step than that of a round body (60 deg), or of one with faces (a right angle)
+SUDDEN, TURNED, SQUARE = 0.25, 0.5, -0.1
 
 
 @kernel
@@ -49,7 +50,7 @@ def keeps_face(old, v_a, v_b, n, kept):
 def note_face(clock, h, p, old, new, held, over, depth, n):
     """Remember by which face a touch goes on; `over` is how far beyond its middle. Writes: new."""
     new.held = 1 if held else 0
-    astray = over > 0.0 or is_opposite(old, n)
+    astray = over > 0.0 or is_opposite(old, n) or has_leapt(p, old, depth, n, SQUARE)
     mark(clock, h, p, old, new, depth, astray)
     put(new.normal, n)
 
@@ -58,8 +59,8 @@ def note_face(clock, h, p, old, new, held, over, depth, n):
 def note_way(clock, h, p, old, new, depth, n):
     """The same of shapes without faces to be kept. Writes: new."""
     new.held = 0
-    turned = depth > SUDDEN * p.thick and dot(n, vec(old.normal)) < TURNED
-    astray = turned or depth > MIDDLE * p.thick or is_opposite(old, n)
+    is_deep = depth > MIDDLE * p.thick
+    astray = is_deep or is_opposite(old, n) or has_leapt(p, old, depth, n, TURNED)
     mark(clock, h, p, old, new, depth, astray)
     put(new.normal, n)
 
@@ -89,6 +90,12 @@ def is_opposite(old, n):
 
 
 @kernel
+def has_leapt(p, old, depth, n, cosine):
+    """Whether the normal of a deep touch has turned too far in a step."""
+    return max(depth, old.depth) > SUDDEN * p.thick and dot(n, vec(old.normal)) < cosine
+
+
+@kernel
 def mark(clock, h, p, old, new, depth, astray):
     """The time at which a pair has first passed the middle, or begun beyond it. Writes: new."""
     new.passed = old.passed
@@ -100,7 +107,7 @@ def mark(clock, h, p, old, new, depth, astray):
 
 @kernel
 def given_up(clock, h, old, n, stored):
-    """Stored energy that is lost where a touch jumps to another face, or leaves by its side [J]."""
-    if clock.closes == 0 or h == 0.0 or old.active == 0 or dot(n, vec(old.normal)) >= SAME:
+    """Stored energy that is lost where a deep touch leaves its own face sideways [J]."""
+    if clock.closes == 0 or h == 0.0 or old.held == 0 or dot(n, vec(old.normal)) >= SAME:
         return 0.0
     return stored
