@@ -16,7 +16,11 @@ from crashsolve.deck.read import read_deck
 from crashsolve.model.build import build
 
 SQUARE = "vertices: [[-0.05, -0.05, 0], [0.05, -0.05, 0], [0.05, 0.05, 0], [-0.05, 0.05, 0]]"
-PLATE = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) * [5e-2, 5e-2, 1e-3]
+PLATE = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) * [
+    5e-2,
+    5e-2,
+    1e-3,
+]
 FACES = [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4]]
 FACES += [[2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5]]
 BALL = "type: sphere, body: ball, radius: 2.5e-3"
@@ -87,7 +91,11 @@ def fly(folder: Path, striker: str, struck: str, height: float, speed: float, st
         },
         "surfaces": yaml.safe_load(f"{{striker: {{{striker}}}, struck: {{{struck}}}}}"),
         "contacts": {
-            "hit": {"a": ["striker"], "b": ["struck"], "normal": {"type": "hertz", "stiffness": 1e6}}
+            "hit": {
+                "a": ["striker"],
+                "b": ["struck"],
+                "normal": {"type": "hertz", "stiffness": 1e6},
+            }
         },
         "output": {"history": {"interval": 1e-4}, "states": {"interval": 2e-4}},
     }

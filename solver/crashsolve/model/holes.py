@@ -32,8 +32,8 @@ def warn_of_holes(contact: str, sides: list[list[Any]], scene: Any) -> None:
                 continue
             scene.warn(
                 f"contact '{contact}': the points of '{probes.entry.name}' leave holes of radius "
-                f"{radius:.3g} m, which '{other.entry.name}' with a half width of {width:.3g} m may "
-                f"pass without being touched; {INSTEAD[probes.shape]}"
+                f"{radius:.3g} m, which '{other.entry.name}' with a half width of {width:.3g} m "
+                f"may pass without being touched; {INSTEAD[probes.shape]}"
             )
 
 

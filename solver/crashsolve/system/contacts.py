@@ -1,8 +1,8 @@
 """Bookkeeping of contact pairs: onset, slip, application of the force, sums per contact card.
 
-The closing speed is latched at the first evaluation that touches, which the integrator has placed at
-the true onset; laws of restitution may raise it while the touch lasts. A pair that separates forgets
-it.
+The closing speed is latched at the first evaluation that touches, which the integrator has placed
+at the true onset; laws of restitution may raise it while the touch lasts. A pair that separates
+forgets it.
 """
 
 from math import sqrt

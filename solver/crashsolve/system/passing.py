@@ -21,8 +21,8 @@ SAME, OPPOSITE = 0.7, -0.5
 # a touch of round bodies beyond this share of the way to the middle of both is one with no way out
 MIDDLE = 0.8
 # a touch that begins deeper than this share of it has not come from outside, since no step brings
-# two sides that are apart so far; nor does one that is deeper keep its way out when its normal turns
-# farther in a step than that of a round body (60 deg), or of one with faces (a right angle)
+# two sides that are apart so far; nor does one that is deeper keep its way out when its normal
+# turns farther in a step than that of a round body (60 deg), or of one with faces (a right angle)
 SUDDEN, TURNED, SQUARE = 0.25, 0.5, -0.1
 
 
