@@ -1,4 +1,4 @@
-"""Claim: a body that passes the middle of what it strikes stops the run; holes between points are told.
+"""Claim: a body that passes the middle of what it strikes stops the run; holes are told.
 
 What pushes back by the right face is in decks/verification/contact/kept_face.yaml.
 """

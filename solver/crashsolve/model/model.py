@@ -67,7 +67,7 @@ class NodalGroup:
     @property
     def has_ends(self) -> bool:
         """Whether nodes press on shapes that they may pass the middle of."""
-        return "passed" in self.arrays["slots"].dtype.names
+        return "passed" in (self.arrays["slots"].dtype.names or ())
 
     @property
     def is_round(self) -> bool:
