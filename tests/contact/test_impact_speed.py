@@ -48,7 +48,7 @@ def test_every_state_of_a_free_impact_has_its_impact_speed(
         depth = ((N + 1) * MASS * v * v / K * work(chi, s)) ** (1 / (N + 1))
         contact.press(depth, s * v, mass=MASS)
         # round-off of differences of numbers of size one, over shares of a twentieth
-        assert contact.new.impact_speed == pytest.approx(v, rel=1e-11)
+        assert contact.new.damping_speed == pytest.approx(v, rel=1e-11)
 
 
 @pytest.mark.parametrize("name", LAWS)

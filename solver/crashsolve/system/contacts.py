@@ -1,8 +1,7 @@
 """Bookkeeping of contact pairs: onset, slip, application of the force, sums per contact card.
 
 The closing speed is latched at the first evaluation that touches, which the integrator has placed
-at the true onset; laws of restitution may raise it while the touch lasts. A pair that separates
-forgets it.
+at the true onset. A pair that separates forgets it.
 """
 
 from math import sqrt
@@ -73,7 +72,7 @@ def pair_mobility(a, b, d_a, d_b, n):
 
 @kernel
 def latch(p, old, new, depth, rate, cards):
-    """Impact speed of this contact so far. Writes: new, onset count of the card."""
+    """Impact speed of this contact. Writes: new, onset count of the card."""
     new.active = 1
     new.depth = depth
     if old.active == 1:

@@ -32,7 +32,10 @@ PARAMETERS = Record(
     returned=("1", "restitution x of a free impact"),
     speed_limit=("m/s", "impact speed beyond which the law is outside its range"),
 )
-HISTORY = Record(too_fast=("flag", "an impact was faster than speed_limit"))
+HISTORY = Record(
+    damping_speed=("m/s", "v_0"),
+    too_fast=("flag", "an impact was faster than speed_limit"),
+)
 # flags of HISTORY that the log reports at the end of a run, with the words for it
 WARNINGS = {"too_fast": "impact faster than 1e-5 sqrt(E/rho): outside the law's range of validity"}
 
@@ -87,25 +90,28 @@ def damped_law(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> dict
 @kernel
 def normal_force(p, old, new, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
-    new.impact_speed = impact_speed(p, old, new, h, depth, rate, mass)
-    new.too_fast = 1 if new.impact_speed > p.speed_limit else old.too_fast
+    v = damping_speed(p, old, new, h, depth, rate, mass)
+    new.damping_speed = v
+    new.too_fast = 1 if v > p.speed_limit else old.too_fast
     n = p.exponent
     spring = p.stiffness * depth**n
-    factor = max(0.0, 1.0 + p.chi * rate / new.impact_speed)
+    factor = max(0.0, 1.0 + p.chi * rate / v)
     stored = spring * depth / (n + 1.0)
     # energy that a free impact puts into the spring gives the depth to come
-    reach = (0.5 * (n + 1.0) * mass * new.impact_speed**2 / p.stiffness) ** (1.0 / (n + 1.0))
+    reach = (0.5 * (n + 1.0) * mass * v**2 / p.stiffness) ** (1.0 / (n + 1.0))
     slope = p.stiffness * max(depth, reach) ** (n - 1.0)
     stiffness = n * slope * max(1.0 + p.chi, factor)
-    damping = p.chi * slope * max(depth, reach) / new.impact_speed
+    damping = p.chi * slope * max(depth, reach) / v
     return spring * factor, stored, spring * (factor - 1.0) * rate, 0.0, stiffness, damping
 
 
 @kernel
-def impact_speed(p, old, new, h, depth, rate, mass):
-    """v_0 of this touch so far [m/s]; `new` has that of its onset, or of the step before."""
+def damping_speed(p, old, new, h, depth, rate, mass):
+    """v_0 of this touch so far [m/s]."""
     v = max(new.impact_speed, rate, -rate / p.returned)
-    if old.active == 0 and h == 0.0:
+    if old.active == 1:
+        return max(v, old.damping_speed)
+    if h == 0.0:
         # the run begins with it
         n = p.exponent
         energy = p.stiffness * depth ** (n + 1.0) / ((n + 1.0) * mass)
@@ -116,6 +122,7 @@ def impact_speed(p, old, new, h, depth, rate, mass):
 @kernel
 def release(p, old, new):
     """Writes: new."""
+    new.damping_speed = 0.0
     new.too_fast = old.too_fast
 
 
@@ -123,10 +130,11 @@ def release(p, old, new):
 def normal_tangent(p, state, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate; none where v_0 grows with the rate."""
     n = p.exponent
-    v = max(state.impact_speed, rate, -rate / p.returned)
+    kept = max(state.impact_speed, state.damping_speed)
+    v = max(kept, rate, -rate / p.returned)
     factor = 1.0 + p.chi * rate / v
     if factor <= 0.0:
         return 0.0, 0.0
     slope = p.stiffness * depth ** (n - 1.0)
-    damping = p.chi * slope * depth / v if v == state.impact_speed else 0.0
+    damping = p.chi * slope * depth / v if v == kept else 0.0
     return n * slope * factor, damping
