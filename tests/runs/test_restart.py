@@ -125,6 +125,8 @@ def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> No
         cache = str(tmp_path / "cache")
         done = crashsolve(HEAP, "-o", tmp_path / name, CRASHSOLVE_CACHE=cache)
         assert done.returncode == 0
+        # nobody compiles a heap within a second, and nobody waits longer for a sign
+        assert ("compiling the step: 1 s\n" in done.stdout) == (name == "first")
     assert differences(tmp_path / "first", tmp_path / "next") == []
 
 

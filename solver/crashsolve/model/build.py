@@ -24,6 +24,7 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
+from crashsolve.model.gyration import gyration_warnings
 from crashsolve.model.halves import halve
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import Group, Joint, Model, State
@@ -70,6 +71,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     contact_groups, nodal_groups = build_contacts(deck, scene)
     scene.raise_errors()
     refuse_motion(deck, groups)
+    scene.warnings += gyration_warnings(scene, groups, joints)
 
     saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
     model = Model(

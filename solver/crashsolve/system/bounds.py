@@ -23,6 +23,8 @@ from crashsolve.system.engine import Engine
 MOST = 32
 # a step is cut into equal ones: of less than half of what is wanted the cause is another
 EQUAL = 0.499
+# [s] after which it is looked for anew who sets the step
+AGAIN = 1.0
 # share of the bound that goes when a body can no more turn, above which its inertia is the cause
 BY_TURN = 0.9
 
@@ -81,7 +83,7 @@ class StepBound:
 
     def _stiffest(self, engine: Engine, at: int) -> str:
         now = monotonic()
-        if at != self._at or now > self._found + 1.0:
+        if at != self._at or now > self._found + AGAIN:
             self._culprit, self._at, self._found = stiffest(engine, at), at, now
         return self._culprit
 
