@@ -96,8 +96,9 @@ def _deck_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="override a parameter of the deck, or a field of its control or of a part as in "
-        "control.step=1e-4, parts.tube.mesh.division=2; may be repeated",
+        help="override a parameter of the deck, or any number or word of it by its path, as in "
+        "control.step=1e-4, contacts.wall.normal.stiffness=1e6, bodies.ball.velocity.3=-2 (places "
+        "of lists count from 1); may be repeated",
     )
 
 
