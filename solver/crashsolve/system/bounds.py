@@ -100,8 +100,9 @@ def stiffest(engine: Engine, at: int) -> str:
     model = engine.model
     name = limiter(model, at)
     if at < 0:
-        shortened = "touched" in model.nodal_loads and model.nodal_loads["touched"]["shortened"][0]
-        return f"element {name}" + (", with contact" if shortened > 1.0 else "")
+        loads, touching = model.nodal_loads, (engine.state.cards["touching"] > 0.0).any()
+        is_loaded = touching and "touched" in loads and loads["touched"]["shortened"][0] > 1.0
+        return f"element {name}" + (", with contact" if is_loaded else "")
     if model.elements or model.nodal_groups:
         return f"body '{name}', stiffness of what acts on it"
     arrays = _copies(engine)
