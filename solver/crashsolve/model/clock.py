@@ -20,6 +20,9 @@ from crashsolve.foundation.record import Record
     UNHELD,
 ) = range(14)
 
+# of `kinked`: at a corner of a curve of time, which the next step begins behind
+CORNER = 2
+
 CLOCK = Record(
     time=("s", "present time"),
     step=("s", "last step taken"),
@@ -40,7 +43,7 @@ CLOCK = Record(
     place=("index", "row, node or curve the status is about"),
     value=("1", "number the status is about"),
     iterations=("count", "of positions, and passes over implicit stages"),
-    kinked=("flag", "whether the last step ended where a contact begins or ends"),
+    kinked=("flag", "whether the last step ended where a contact begins or ends, or 2: at a CORNER"),
     passes=("count", "passes of the last iteration for implicit stages"),
     factored=("s", "step of the factors of an implicit method; 0: out of date"),
     rejected=("count", "attempts at a step that were too long"),

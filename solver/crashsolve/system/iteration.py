@@ -16,8 +16,8 @@ from crashsolve.foundation.vec3 import norm, vec
 PASSES = 20
 PATIENCE = 4  # passes in which the correction may grow
 CARE = 0.03  # of the tolerance
-BESIDE = 0.1  # of the error of a step that its error has not chosen
-FAR_BESIDE = 0.01  # the same of a step of stated length
+BESIDE = 0.01  # of the error of a step that its error has not chosen
+FAR_BELOW = 0.1  # of the tolerance: a step with less of an error is not chosen by it
 ROUND_OFF = 1e-12  # of the way in the step
 FLOOR = 1e-8  # of the way: below it what shrinks no more is round-off, or slow, and left as it is
 
@@ -47,12 +47,12 @@ def enough_beside(h, clock, control, order, power):
     the error of the method falls with order + 1. Nothing is known after a kink.
     """
     is_stated = control.fixed_step > 0.0
-    if clock.step <= 0.0 or clock.kinked == 1 or clock.error <= 0.0:
+    if clock.step <= 0.0 or clock.kinked != 0 or clock.error <= 0.0:
         return 0.0 if is_stated else 1.0
     estimate = min(clock.error * (h / clock.step) ** power, 1.0)
     if is_stated:
-        return FAR_BESIDE * estimate ** ((order + 1.0) / power)
-    return BESIDE * estimate
+        return BESIDE * estimate ** ((order + 1.0) / power)
+    return BESIDE * estimate if estimate < FAR_BELOW * control.tolerance else 1.0
 
 
 @kernel
