@@ -11,6 +11,7 @@ Consequence to test: a companion of coarseness 1 gives the samples of the run to
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -29,6 +30,10 @@ HIGHEST_POWER = 5
 
 class Abandoned(Exception):
     """The run has been asked to stop."""
+
+
+class TooDear(Exception):
+    """A companion costs more than is left for it."""
 
 
 def coarsen(control: np.ndarray, coarseness: float, interval: float, order: float | None) -> None:
@@ -58,10 +63,19 @@ class Companions:
         self.deck, self.channels, self.stopped = deck, channels, stopped
         self.names = {channel.family.name for channel in channels}
         self.order = order_of(deck.control.integrator)
+        # CPU time [s] that is left for all runs, and of the process when this one must end
+        self.budget, self._until = inf, inf
 
     def run(self, coarseness: float) -> Samples:
-        """Samples of the channels. Raises SolverError, Abandoned."""
+        """Samples of the channels. Raises SolverError, Abandoned, TooDear."""
         begun = clock.process_time()
+        self._until = begun + self.budget
+        try:
+            return self._run(coarseness, begun)
+        finally:
+            self.budget -= clock.process_time() - begun
+
+    def _run(self, coarseness: float, begun: float) -> Samples:
         schedule = Schedule.of(self.deck)
         model, state = build(self.deck)
         coarsen(model.control, coarseness, schedule.interval, self.order)
@@ -90,6 +104,8 @@ class Companions:
     def _abandon_on_request(self) -> None:
         if self.stopped():
             raise Abandoned
+        if clock.process_time() > self._until:
+            raise TooDear
 
     def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
         """The sample to go to: where a step would pass the next one, the next of every m-th."""

@@ -49,6 +49,9 @@ FIRST_CALL, LONGEST_CALL = 16, 0.2
 FIRST_JUDGED = 5
 # a corner of a curve is reached within this share of a step, or of the time: its square is the error
 AS_GOOD_AS, ROUND_OFF = 1e-6, 1e-14
+# what the clock keeps of a balance above its limit, and what is no matter: a share of that limit,
+# as the first steps from rest err by much of the little energy there is
+MISSING, TRIFLE = ("missing", "missing_share", "missing_time"), 0.01
 # at most so many passes for friction and reactions of the initial state to agree
 PASSES = 60
 
@@ -235,6 +238,8 @@ class Engine:
         if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
+        for name in MISSING:
+            self.state.clock[0][name] = clock[name]
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
@@ -260,13 +265,26 @@ class Engine:
 
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for what no law tells: the tension in joints."""
+        found = self._balance_warnings()
         cycles = int(self.clock["cycle"])
         passes = int(self.clock["iterations"]) / max(cycles, 1)
         if self.model.integrator != "rattle" or passes <= MANY_PASSES:
+            return found
+        return [
+            *found,
+            f"the joints took {passes:.1f} iterations a step: the step may be too long for the "
+            "tension in them; halve control.step, or control.step_max, and compare",
+        ]
+
+    def _balance_warnings(self) -> list[str]:
+        """That the balance has been above its limit, where more than a trifle was missing."""
+        clock, largest = self.clock, float(self.ledger[energy.LARGEST])
+        if float(clock["missing"]) <= TRIFLE * self._limit * largest:
             return []
         return [
-            f"the joints took {passes:.1f} iterations a step: the step may be too long for the "
-            "tension in them; halve control.step, or control.step_max, and compare"
+            f"at t = {float(clock['missing_time']):.6g} s the energy balance was off by "
+            f"{100 * float(clock['missing_share']):.3g} % of the largest energy by then, more than "
+            f"control.energy_limit, {100 * self._limit:.3g} %; compare with a shorter step"
         ]
 
     def assembly_errors(self) -> list[tuple[str, str]]:
