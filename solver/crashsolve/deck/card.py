@@ -17,6 +17,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     ModelWrapValidatorHandler,
     ValidationError,
@@ -36,7 +37,7 @@ from crashsolve.foundation.units import UnitError
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
 __all__ += ["MaterialName", "PartName", "Reference", "SectionName", "SensorName", "SpringName"]
-__all__ += ["SurfaceName", "existing_file"]
+__all__ += ["SetName", "SurfaceName", "existing_file", "number_as_name"]
 
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -82,6 +83,14 @@ def existing_file(text: str, info: ValidationInfo) -> str:
 
 
 FileName = Annotated[str, AfterValidator(existing_file)]
+
+
+def number_as_name(value: Any) -> Any:
+    """A whole number as text: sets of mesh files may have numbers for names."""
+    return str(value) if type(value) is int else value
+
+
+SetName = Annotated[str, BeforeValidator(number_as_name)]
 
 
 class Card(BaseModel):
