@@ -108,11 +108,17 @@ class Companions:
             raise TooDear
 
     def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
-        """The sample to go to: where a step would pass the next one, the next of every m-th."""
-        stride = 1
-        is_bound = step > schedule.interval * (1.0 + 1e-9)
-        while is_bound and 2 * stride <= coarseness and k % (2 * stride) == 0:
+        """The sample to go to: where a step would pass the next one, the next of every m-th.
+
+        None that was asked for is left out.
+        """
+        stride, plain = 1, schedule.plain_number(k)
+        is_bound = plain is not None and step > schedule.interval * (1.0 + 1e-9)
+        while is_bound and 2 * stride <= coarseness and (plain or 0) % (2 * stride) == 0:
             stride *= 2
+        for following in range(k + 1, k + stride):
+            if schedule.plain_number(following) is None:
+                return following
         while schedule.time(k) == schedule.time(k + stride) or schedule.is_end(k + stride - 1):
             stride -= 1
         return k + stride
