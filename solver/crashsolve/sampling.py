@@ -6,7 +6,9 @@ The times that `expect` and `watch` ask for, by `at:T` and as ends of a window, 
 from bisect import bisect_left
 from dataclasses import dataclass
 
+from crashsolve.deck.expect import Expect
 from crashsolve.deck.read import Deck
+from crashsolve.deck.watch import Watch
 
 # a time this near to a sample, in intervals, is that sample
 SAME = 1e-9
@@ -77,7 +79,8 @@ class Schedule:
 def _asked(deck: Deck) -> set[float]:
     """Moments [s] that the deck's own questions are about."""
     found: set[float] = set()
-    for card in (*deck.expect, *deck.watch):
+    cards: list[Expect | Watch] = [*deck.expect, *deck.watch]
+    for card in cards:
         if card.statistic.startswith("at:"):
             found.add(float(card.statistic[3:]))
         found |= set(card.during or ())

@@ -20,7 +20,9 @@ from crashsolve.estimate.estimator import DEAR, Estimator
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
+from crashsolve.model.ledger import EXTERNAL_WORK, IMBALANCE, LARGEST
 from crashsolve.study.watch import Watch
+from crashsolve.system.energy import check
 from crashsolve.system.engine import Engine
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -153,6 +155,27 @@ def test_estimates_say_that_they_leave_the_mesh_out(tmp_path: Path) -> None:
     done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path, NUMBA_DISABLE_JIT="1")
     assert done.returncode == 0, done.stdout + done.stderr
     assert watched(tmp_path)["rbdout.bar_end.velocity.z"]["how"].endswith("; without the mesh")
+
+
+def test_a_balance_above_its_limit_is_said_though_it_closes_again() -> None:
+    deck = read_deck(PENDULUM)
+    engine = Engine(*build(deck))
+    clock, control = engine.clock, engine.model.control.view(np.recarray)[0]
+    ledger = engine.state.ledger
+    # from outside comes more and more of what is missing less and less: the run goes on
+    for work, missing in ((1.0, 0.5), (10.0, 0.8), (100.0, 0.1)):
+        ledger[:] = 0.0
+        ledger[[EXTERNAL_WORK, LARGEST, IMBALANCE]] = work, work, missing
+        clock.time, clock.cycle, clock.status = work, 1000, 0
+        check(clock, control, engine.state.nodes, ledger)
+        assert clock.status == 0
+    engine.ledger[LARGEST] = 100.0
+    (text,) = engine.step_warnings()
+    # what most was missing, 0.8 of 10
+    assert "at t = 10 s the energy balance was off by 8 % of the largest energy by then" in text
+    # what is nothing beside the energy of the run is no matter
+    engine.ledger[LARGEST] = 1e5
+    assert engine.step_warnings() == []
 
 
 def test_an_error_larger_than_the_value_is_a_warning() -> None:

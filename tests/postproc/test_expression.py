@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from crashpost.errors import PostError, unknown
 from crashpost.expression import Series, evaluate
+from crashpost.statistic import statistic
 
 TIME = np.linspace(0.0, 2.0, 201)
 CHANNELS = {
@@ -49,6 +50,16 @@ def test_value_and_unit(expression: str, expected: np.ndarray, unit: str) -> Non
     series = evaluate(expression, lookup)
     np.testing.assert_allclose(series.values, expected, rtol=1e-12, atol=1e-12)
     assert series.unit == unit
+
+
+def test_a_quotient_has_no_value_where_it_divides_by_zero_and_others_elsewhere() -> None:
+    series = evaluate("rbdout.2.velocity.y / rbdout.2.velocity.y", lookup)
+    assert np.isnan(series.values[0])
+    np.testing.assert_array_equal(series.values[1:], 1.0)
+    assert statistic(series, "final") == statistic(series, "max", (0.5, 1.0)) == 1.0
+    for word in ("at:0", "max", "mean"):
+        with pytest.raises(PostError, match="division by zero"):
+            statistic(series, word)
 
 
 def test_derivative_undoes_integral_to_second_order() -> None:

@@ -1,4 +1,4 @@
-"""Claim: what a deck asks of one moment is sampled there; quotients and times of contact are exact."""
+"""Claim: what a deck asks of a moment is sampled there; times of contact are exact."""
 
 import json
 from math import pi, sin, sqrt

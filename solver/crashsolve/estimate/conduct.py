@@ -176,8 +176,8 @@ class Estimating:
         for e in self.found:
             if e.error and e.value is not None and e.error > max(abs(e.value), SMALL * e.scale):
                 self.log.warning(
-                    f"{e.watch.name}: the estimated error, {e.error:.2g}, is larger than the value, "
-                    f"{e.value:.2g}: take shorter steps or a smaller control.tolerance"
+                    f"{e.watch.name}: the estimated error, {e.error:.2g}, is larger than the "
+                    f"value, {e.value:.2g}: take shorter steps or a smaller control.tolerance"
                 )
         for problem in self.problems:
             self.log.line(f"  {problem}")

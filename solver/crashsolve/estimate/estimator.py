@@ -5,8 +5,8 @@ quarters of the run, and show whether the order holds. Those that choose their s
 get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
 times the run: what they lose at kinks, at impacts and by round-off follows no order, and on the
 battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
-A finer run also serves where coarser steps are unstable. After a long run companions may cost as much
-as it did and no more: a method that chooses its step then gets one coarser run.
+A finer run also serves where coarser steps are unstable. After a long run companions may cost as
+much as it did and no more: a method that chooses its step then gets one coarser run.
 """
 
 from collections.abc import Callable, Sequence

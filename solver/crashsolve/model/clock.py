@@ -43,7 +43,10 @@ CLOCK = Record(
     place=("index", "row, node or curve the status is about"),
     value=("1", "number the status is about"),
     iterations=("count", "of positions, and passes over implicit stages"),
-    kinked=("flag", "whether the last step ended where a contact begins or ends, or 2: at a CORNER"),
+    kinked=(
+        "flag",
+        "whether the last step ended where a contact begins or ends, or 2: at a CORNER",
+    ),
     passes=("count", "passes of the last iteration for implicit stages"),
     factored=("s", "step of the factors of an implicit method; 0: out of date"),
     rejected=("count", "attempts at a step that were too long"),

@@ -2,10 +2,10 @@
 
     t = t_1 - h d_1 / (d_1 - d_0)     d: depth of the deepest pair at both ends of the step
 
-An onset is the end of a step, and so is a release where the method chooses its steps: there t is exact
-to what those searches leave. The explicit steps of rattle go over a release, which is then known to
-a (t_1 - t) (t - t_0) / 2 v, a the change of the relative speed v. Nodes of shells tell no gap, and
-their times are those of the steps. Consequence to test: half a vibration on a linear spring.
+An onset is the end of a step, and so is a release where the method chooses its steps: there t is
+exact to what those searches leave. The explicit steps of rattle go over a release, which is then
+known to a (t_1 - t) (t - t_0) / 2 v, a the change of the relative speed v; where several pairs touch
+in turn, to a step. Nodes of shells tell no gap, and their times are those of the steps. Consequence to test: half a vibration on a linear spring.
 """
 
 from crashsolve.foundation.compile import kernel
@@ -33,7 +33,7 @@ def time_cards(time, h, clock, cards, history):
 
 @kernel
 def crossing(time, h, before, now):
-    """When the depth was zero in a step of h that ends at `time` [s]; its end where it never was."""
+    """When the depth was zero in a step of h that ends at `time` [s]; its end if it never was."""
     if h <= 0.0 or not before * now < 0.0:
         return time
     return time - h * now / (now - before)

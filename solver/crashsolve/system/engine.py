@@ -47,7 +47,7 @@ MANY_PASSES = 4.0
 FIRST_CALL, LONGEST_CALL = 16, 0.2
 # steps after which work from outside, of a force that grows from nothing, can be compared with
 FIRST_JUDGED = 5
-# a corner of a curve is reached within this share of a step, or of the time: its square is the error
+# a corner of a curve is met within this share of a step, or of the time: its square is the error
 AS_GOOD_AS, ROUND_OFF = 1e-6, 1e-14
 # what the clock keeps of a balance above its limit, and what is no matter: a share of that limit,
 # as the first steps from rest err by much of the little energy there is

@@ -2,9 +2,9 @@
 
     left = share / (1 - share) |last correction|,   share: what a pass leaves of the error
 
-A step chosen by its error asks for CARE of `tolerance`; where a sample or step_max makes it shorter,
-for BESIDE of its own error. A step of stated length may be as short as one likes, and asks for less
-still. Consequence to test: the order holds for every stated step, and more samples make nothing
+A step chosen by its error asks for CARE of `tolerance`; where a sample or step_max makes it
+shorter, for BESIDE of its own error. So does a step of stated length, which may be as short as one
+likes. Consequence to test: the order holds for every stated step, and more samples make nothing
 worse.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8 (Eq. 8.10).
@@ -23,14 +23,16 @@ FLOOR = 1e-8  # of the way: below it what shrinks no more is round-off, or slow,
 
 
 @kernel
-def is_near(left, worst, previous, count, way, enough, control):
+def is_near(count, share, worst, previous, enough, control, stages, speed):
     """Whether no pass is needed after pass number `count`, from 0 on.
 
-    `left` is the error, `worst` and `previous` the last two corrections, `way` the change in the
-    step, and `enough` what may be left, all in the model's size and speed.
+    `worst` and `previous` are the last two corrections, `enough` what may be left, all in the
+    model's size and speed.
     """
+    left = worst * share / (1.0 - share)
     if not left <= CARE * control.tolerance:
         return False
+    way = way_of_step(stages, control.length, speed)
     if left <= max(enough, ROUND_OFF * way):
         return True
     # as good as it gets
