@@ -249,13 +249,15 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
 
 def _state(model: Model, scene: Scene) -> State:
     clock = np.zeros(1, CLOCK.dtype)
-    clock[0]["time"] = scene.deck.control.start_time
+    clock[0]["time"] = start = scene.deck.control.start_time
+    card_history = np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype)
+    card_history["first_touch"] = card_history["last_release"] = start - 1.0
     return State(
         clock=clock,
         nodes=initial_nodes(scene),
         rows=initial_rows(model),
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
-        card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),
+        card_history=card_history,
         ledger=np.zeros(len(ENTRIES)),
         points=initial_points(model, scene.deck, scene),
         blocks=initial_blocks(model, scene.deck, scene),
