@@ -177,7 +177,7 @@ def _add_sets(sets: dict[str, tuple[int, str]], lines: Lines) -> None:
             (lines.elements, lines.element_sets),
         ):
             own = _members(text, known)
-            if own is not None and all(number in known for number in own):
+            if own and all(number in known for number in own):
                 found[label] = own
 
 
