@@ -21,7 +21,8 @@ from crashpost.expression import Series, evaluate
 from crashpost.status import read_status
 
 FORMAT = "crashsolve history"
-FORMAT_VERSION = 1
+# the first one has other names for some energies, and reads the same
+FORMAT_VERSIONS = (1, 2)
 
 
 @dataclass(frozen=True)
@@ -153,9 +154,10 @@ class Result:
         if self.attributes.get("format") != FORMAT:
             raise PostError(f"{self.file}: not a {FORMAT} file")
         version = self.attributes.get("format_version")
-        if version != FORMAT_VERSION:
+        if version not in FORMAT_VERSIONS:
             raise PostError(
-                f"{self.file}: format version {version}, this program reads {FORMAT_VERSION}"
+                f"{self.file}: format version {version}, "
+                f"this program reads {FORMAT_VERSIONS[0]} to {FORMAT_VERSIONS[-1]}"
             )
 
     def _channel(self, name: str) -> Series:
