@@ -135,13 +135,27 @@ class _Definitions:
             size = {} if Ellipsis in parts else {"minItems": len(parts), "maxItems": len(parts)}
             return {"type": "array", "items": self.kind(parts[0], field), **size}
         if parts:
-            return {"anyOf": [self.kind(part, field) for part in parts]}
+            some = [self.kind(part, field) for part in parts if part is not NoneType]
+            known = some[0] if len(some) == 1 else {"anyOf": some}
+            return _or_empty(known) if NoneType in parts else known
         if annotation in _SCALARS:
             fixed = {k: v for k, v in field.bounds.items() if v == 0 or field.unit in ("", "1")}
             is_number = annotation in (int, float)
             limits = {_LIMITS[k]: v for k, v in fixed.items()} if is_number else {}
             return _SCALARS[annotation] | limits
         return self.card(annotation)
+
+
+def _or_empty(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a value that may be left empty, without a choice that would hide mistakes."""
+    if "type" in schema:
+        kinds = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+        return schema | {"type": [*kinds, "null"]}
+    if "enum" in schema:
+        return {"enum": [*schema["enum"], None]}
+    if "$ref" in schema:
+        return {"if": {"type": "object"}, "then": schema, "else": _SCALARS[NoneType]}
+    return {"anyOf": [schema, _SCALARS[NoneType]]}
 
 
 def keywords_markdown() -> str:
