@@ -334,7 +334,8 @@ surfaces:
   ball: {type: sphere, body: ball, r: 1}
   floor: {type: plane}
 contacts:
-  touch: {a: [ball], b: [floor], normal: {type: hertz, k: 1e6, e: 1.5}, friction: {type: coulomb, mu: 0.3}}
+  touch: {a: [ball], b: [floor], normal: {type: hertz, k: 1e6, e: 1.5},
+    friction: {type: coulomb, mu: 0.3}}
 loads:
   weight: {type: gravity, g: [0, 0, -9.81]}
 """
@@ -357,7 +358,8 @@ materials:
   steel: {type: elastik, young: "${E}", poison: 0.3}
 sections: {s: {type: circle, radius: 1}}
 parts:
-  rod: {type: beem, section: s, material: steal, colour: 3, mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}}
+  rod: {type: beem, section: s, material: steal, colour: 3,
+    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}}
 joints:
   end: {type: spherical, a: rod_end, b: ground, at: [0, 0]}
 surfaces:
@@ -372,10 +374,10 @@ BESIDE = (
     "6:15: error: part 'rod': unknown type 'beem'; did you mean 'beam'?",
     "6:43: error: part 'rod': material: unknown material 'steal'; did you mean 'steel'?",
     "6:50: error: part 'rod': unknown field 'colour'",
-    "8:49: error: joint 'end': at: must have 3 values, not 2",
-    "12:15: error: contact 'touch': a: unknown surface 'flor'; did you mean 'floor'?",
-    "12:49: error: contact 'touch': normal: unknown type 'hertzz'; did you mean 'hertz'?",
-    "12:57: error: contact 'touch': normal: unknown field 'k'; did you mean 'stiffness'?",
+    "9:49: error: joint 'end': at: must have 3 values, not 2",
+    "13:15: error: contact 'touch': a: unknown surface 'flor'; did you mean 'floor'?",
+    "13:49: error: contact 'touch': normal: unknown type 'hertzz'; did you mean 'hertz'?",
+    "13:57: error: contact 'touch': normal: unknown field 'k'; did you mean 'stiffness'?",
 )
 
 

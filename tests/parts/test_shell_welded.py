@@ -74,7 +74,11 @@ WRONG = {
     "set": ("nodes: u0", "nodes: rim", "the mesh has no set of nodes 'rim' (sets: "),
     "ground": ("to: hub", "to: ground", "the ground holds nodes by `hold`"),
     "twice": ("nodes: u0", "nodes: u1", "held, welded or named otherwise already"),
-    "within": ("to: hub", "to: hub, within: 1", "within: is for part; a body named by to holds nodes"),
+    "within": (
+        "to: hub",
+        "to: hub, within: 1",
+        "within: is for part; a body named by to holds nodes",
+    ),
     "both": ("to: hub", "to: hub, part: rib", "needs either to or part"),
     "itself": ("part: rib", "part: plate", "needs a part whose nodes are bodies"),
     "faster": ("position: [", "velocity: [0, 0, 3], position: [", "nodes begin 3 m/s faster"),
@@ -90,7 +94,9 @@ def test_a_wrong_weld_is_refused(tmp_path: Path, case: str) -> None:
     assert message in str(caught.value)
 
 
-FAR = DECK.replace("from: [0.2, 0, 0], to: [0.2, 0.1, 0]", "from: [0.2, 0, {z}], to: [0.2, 0.1, {z}]")
+FAR = DECK.replace(
+    "from: [0.2, 0, 0], to: [0.2, 0.1, 0]", "from: [0.2, 0, {z}], to: [0.2, 0.1, {z}]"
+)
 
 
 def test_a_weld_reaches_no_farther_than_an_element_or_what_the_card_allows(tmp_path: Path) -> None:
@@ -105,8 +111,9 @@ def test_a_weld_reaches_no_farther_than_an_element_or_what_the_card_allows(tmp_p
     near = "{nodes: u1, part: rib, within: 4 cm}"
     with pytest.raises(DeckErrors) as caught:
         model_of(tmp_path, FAR.replace("{nodes: u1, part: rib}", near).replace("{z}", "0.05"))
-    assert "is 0.05 m from the nearest node of 'rib' that is a body, more than 0.04 m (within)" in str(
-        caught.value
+    assert (
+        "is 0.05 m from the nearest node of 'rib' that is a body, more than 0.04 m (within)"
+        in str(caught.value)
     )
     far = FAR.replace("{nodes: u1, part: rib}", "{nodes: u1, part: rib, within: 0.5}")
     assert len(model_of(tmp_path, far.replace("{z}", "0.3"))[0].elements.riders) == 4

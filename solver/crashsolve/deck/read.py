@@ -109,7 +109,8 @@ class _Reader:
         # what uses a curve tells the units of its numbers
         others = {keyword: self.section(keyword) for keyword in SECTIONS if keyword != "curves"}
         self.axes = self.axes_of_curves(others)
-        entries = {word: others[word] if word in others else self.section(word) for word in SECTIONS}
+        read = others | {"curves": self.section("curves")}
+        entries = {keyword: read[keyword] for keyword in SECTIONS}
         control, output = self.single("control", Control), self.single("output", Output)
         expect = [self.card(item, Expect) for item in self.items["expect"].values()]
         watch = [self.card(item, Watch) for item in self.items["watch"].values()]
@@ -241,9 +242,7 @@ class _Reader:
         assert self.mistakes, f"{item.title} was refused without a reason"
         return None
 
-    def axes_of_curves(
-        self, entries: Mapping[str, dict[str, Entry]]
-    ) -> dict[str, tuple[str, str]]:
+    def axes_of_curves(self, entries: Mapping[str, dict[str, Entry]]) -> dict[str, tuple[str, str]]:
         """Units of x and y of every curve whose uses agree on them."""
         found: dict[str, set[tuple[str, str]]] = {}
         for group in entries.values():
@@ -344,9 +343,10 @@ def _has_points(parts: dict[str, Entry]) -> bool:
 def _placed(item: Item, mistake: Mistake) -> DeckError:
     """A mistake of a card with its place in the deck."""
     path = mistake.path
+    place: tuple[str, int | None, int | None] = locate(item.where, item.value, path, mistake.key)
     given = place_given(item, path, mistake.key)
-    where = locate(item.where, item.value, path, mistake.key)
-    place = (given, None, None) if given else where
+    if given:
+        place = given, None, None
     below = path[:-1] if mistake.key or path[-1:] == ("type",) else path
     field = ".".join(step for step in below if isinstance(step, str))
     message = f"{field}: {mistake.message}" if field else mistake.message

@@ -10,8 +10,8 @@ all are elements'. References: MSC Nastran Quick Reference Guide, CQUAD4, CTRIA3
 import math
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 from crashsolve.foundation.mesh_file import SIDES, Lines
 
@@ -23,14 +23,16 @@ LOST = {"INCLUDE", "GRDSET", "SEBULK", "GRIDB"}
 SILENT = {"ENDDATA", "PARAM", "SET1"}
 
 
-class Card(NamedTuple):
+@dataclass
+class Card:
     """A card of bulk data: the number of its first line, its name, its fields after the name."""
 
     line: int
     name: str
     fields: list[str]
 
-    def __getitem__(self, at: int) -> str:  # type: ignore[override]
+    def __getitem__(self, at: int) -> str:
+        """A field, empty where the card has ended."""
         return self.fields[at] if at < len(self.fields) else ""
 
 
@@ -99,7 +101,9 @@ def _fields(text: str) -> tuple[str, list[str], str]:
 def _grid(card: Card, lines: Lines) -> None:
     """A grid point, in the basic coordinate system. Writes: lines."""
     if card[1] not in ("", "0"):
-        message = f"GRID {card[0]} is given in coordinate system {card[1]}; write it in the basic one"
+        message = (
+            f"GRID {card[0]} is given in coordinate system {card[1]}; write it in the basic one"
+        )
         raise lines.fail(card.line, message)
     x, y, z = (_real(card, card[k], lines) for k in (2, 3, 4))
     lines.add_node(card.line, _whole(card, card[0], lines), (x, y, z))
@@ -131,7 +135,7 @@ def _shell(card: Card, kind: str, lines: Lines) -> None:
     number = _whole(card, card[0], lines)
     nodes = tuple(_whole(card, card[2 + k], lines) for k in range(count))
     offset = card[3 + count]
-    if offset and not (_is_real(offset) and _number(offset) == 0.0):
+    if offset and (not _is_real(offset) or _number(offset) != 0.0):
         message = f"{card.name} {number} has ZOFFS {offset}, which would be lost"
         raise lines.fail(card.line, f"{message}; put its nodes on its middle surface")
     if any(card[10 + k] for k in range(count)):

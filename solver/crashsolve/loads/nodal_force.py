@@ -1,9 +1,10 @@
 """Force on the nodes of a set of a shell, held or not, constant or by a curve of time.
 
-    f_i = s_i F phi(t),   s_i = m_i / sum m  or  1 / n;   work sum f_i . v_i of the mean force of a step
+    f_i = s_i F phi(t),   s_i = m_i / sum m  or  1 / n
 
-What holds a node in one direction takes its share there, and the node moves in the others. A line of
-nodes under an even load has s_i = m_i / sum m on a mesh of equal elements: half at its ends.
+Its work is that of the mean force of a step. What holds a node in one direction takes its share
+there, and the node moves in the others. A line of nodes under an even load has s_i = m_i / sum m on
+a mesh of equal elements: half at its ends.
 Consequence to test: F turns nothing if all nodes of a shell share it by their masses.
 """
 
