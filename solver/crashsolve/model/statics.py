@@ -27,6 +27,9 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
 
 
 def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+    for entry in deck.entries["parts"].values():
+        if getattr(entry.card, "velocities", ()):
+            yield entry, "a quasi-static solution has no velocities"
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
     by_steps = goes_by_steps(groups)
