@@ -27,9 +27,6 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
 
 
 def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
-    for entry in deck.entries["parts"].values():
-        if getattr(entry.card, "velocities", ()):
-            yield entry, "a quasi-static solution has no velocities"
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
     by_steps = goes_by_steps(groups)
@@ -46,3 +43,6 @@ def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
             keyword = deck.entries[g.keyword]
             for entry in (e for e in keyword.values() if e.type == g.type):
                 yield entry, "a quasi-static solution has no laws that remember yet"
+    for entry in deck.entries["parts"].values():
+        if getattr(entry.card, "velocities", ()):
+            yield entry, "a quasi-static solution has no velocities"
