@@ -199,7 +199,7 @@ class _Reader:
             else:
                 numbers = []
                 for text in fields:
-                    is_name = not text.lstrip("+-").isdigit()
+                    is_name = not text.lstrip("+-").isdecimal()
                     numbers += self.named(family, text, line) if is_name else [int(text)]
             for number in numbers:
                 if number not in known:

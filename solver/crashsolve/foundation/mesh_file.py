@@ -196,9 +196,13 @@ def _of_blocks(found: Any, own: Any) -> np.ndarray:
     """Elements of a set, counted over all blocks, from their numbers in each; None is none."""
     some, start = [np.zeros(0, int)], 0
     for block, numbers in zip(found.cells, own, strict=True):
-        some.append(start + np.asarray([] if numbers is None else numbers, int).ravel())
+        inner = np.asarray([] if numbers is None else numbers, int).ravel()
+        if len(inner) and not (inner.min() >= 0 and inner.max() < len(block.data)):
+            raise MeshFileError("a set names an element that is not there")
+        some.append(start + inner)
         start += len(block.data)
-    return np.concatenate(some)
+    # an element named twice is one
+    return np.unique(np.concatenate(some))
 
 
 def _nodes_of(found: Any, elements: np.ndarray) -> np.ndarray:

@@ -195,16 +195,16 @@ def _members(text: str, known: Iterable[int]) -> dict[int, None] | None:
     at = 0
     while at < len(words):
         word = words[at]
-        if word == "THRU" and own and at + 1 < len(words) and words[at + 1].isdigit():
+        if word == "THRU" and own and at + 1 < len(words) and words[at + 1].isdecimal():
             first, last, at = next(reversed(own)), int(words[at + 1]), at + 1
             # those of a range that are not there are none
             own.pop(first)
             own |= dict.fromkeys(number for number in known if first <= number <= last)
         elif word == "EXCEPT" and last >= first:
             leaves_out = True
-        elif word.isdigit() and leaves_out and first <= int(word) <= last:
+        elif word.isdecimal() and leaves_out and first <= int(word) <= last:
             own.pop(int(word), None)
-        elif word.isdigit():
+        elif word.isdecimal():
             own[int(word)], leaves_out = None, False
         else:
             return None
@@ -223,7 +223,7 @@ def _text(lines: Lines) -> str:
 
 
 def _whole(card: Card, text: str, lines: Lines) -> int:
-    if not text.isdigit():
+    if not text.isdecimal():
         raise lines.fail(card.line, f"{card.name}: '{text}' is not a whole number")
     return int(text)
 
