@@ -114,6 +114,7 @@ def test_units_of_the_deck_can_be_set(tmp_path: Path) -> None:
         ("bodies.ball.velocity.4", "1", "'4' is no place of a list of 3; places count from 1 to 3"),
         ("bodies.ball.velocity.0", "1", "'0' is no place of a list of 3"),
         ("bodies.ball.velocity.z", "1", "'z' is no place of a list of 3"),
+        ("bodies.ball.velocity.²", "1", "'²' is no place of a list of 3"),
         (
             "bodies.ball.position.1",
             "1",
