@@ -18,6 +18,7 @@ from crashsolve.deck.read import read_deck
 from crashsolve.deck.schema import _nested_folders
 from crashsolve.deck.sections import SECTIONS
 from crashsolve.foundation import curve
+from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.units import BASES, parse_unit
 
 X = np.array([0.0, 0.1, 0.4, 0.5, 1.5, 2.0])
@@ -223,3 +224,16 @@ def test_every_field_that_names_a_curve_tells_the_units_of_its_axes() -> None:
         for axes in card.curve_axes.values():
             for unit in axes:
                 parse_unit(unit)
+
+
+def test_a_mistake_of_what_uses_a_curve_is_the_only_one(tmp_path: Path) -> None:
+    (tmp_path / "moment.csv").write_text("0, 0\n1, 2\n")
+    for old, new in (
+        ("rate_curve: rate}", "rate_curve: rate, colour: 3}"),
+        ("curve, a", "kurve, a"),
+    ):
+        assert old in BY_USE
+        (tmp_path / "deck.yaml").write_text(BY_USE.replace(old, new, 1))
+        with pytest.raises(DeckErrors) as caught:
+            read_deck(tmp_path / "deck.yaml")
+        assert len(caught.value.errors) == 1

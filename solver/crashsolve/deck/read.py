@@ -27,8 +27,11 @@ from crashsolve.deck.source import BROKEN, Position, Table, locate
 from crashsolve.deck.units import Units
 from crashsolve.deck.watch import Watch
 from crashsolve.foundation.errors import DeckError, DeckErrors
+from crashsolve.foundation.units import SI
 
 AnyCard = TypeVar("AnyCard", bound=Card)
+# units of x and y of a curve
+Axes = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ class _Reader:
         self.path = path
         self.mistakes: list[DeckError] = []
         self.nodes: list[str] = []
-        self.axes: dict[str, tuple[str, str]] = {}
+        self.axes: dict[str, Axes | None] = {}
         self.unread_parts: set[str] = set()
         # names in cards that have other mistakes
         self.unread: list[tuple[Item, list[tuple[tuple[str | int, ...], Name]]]] = []
@@ -232,6 +235,9 @@ class _Reader:
         context = self.contexts[item.file] if item.keyword != "units" else Context()
         if item.keyword == "curves":
             context = replace(context, axes=self.axes.get(item.name))
+            if self.mistakes and item.name not in self.axes:
+                # what uses it may be among the cards that are wrong; these are refused anyway
+                context = replace(context, units=SI)
         try:
             return kind.model_validate(value, context=context)
         except ValidationError as error:
@@ -242,14 +248,14 @@ class _Reader:
         assert self.mistakes, f"{item.title} was refused without a reason"
         return None
 
-    def axes_of_curves(self, entries: Mapping[str, dict[str, Entry]]) -> dict[str, tuple[str, str]]:
-        """Units of x and y of every curve whose uses agree on them."""
+    def axes_of_curves(self, entries: Mapping[str, dict[str, Entry]]) -> dict[str, Axes | None]:
+        """Units of x and y of every curve that is used; None where its uses differ in them."""
         found: dict[str, set[tuple[str, str]]] = {}
         for group in entries.values():
             for entry in group.values():
                 for name, axes in _curves_of(entry.card):
                     found.setdefault(name, set()).add(axes)
-        return {name: next(iter(some)) for name, some in found.items() if len(some) == 1}
+        return {name: some.pop() if len(some) == 1 else None for name, some in found.items()}
 
     def substituted(self, item: Item) -> Any:
         """The value of an item with its expressions worked out; a missing one is an empty table."""
