@@ -1,5 +1,7 @@
 """Claim: sets and elements of mesh files are what the file says, or the file is refused by line."""
 
+import random
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -309,3 +311,37 @@ def test_sets_of_a_listed_mesh_may_have_numbers(tmp_path: Path) -> None:
     }
     part = laid(tmp_path, square, hold=[{"nodes": 3, "motions": ["x"]}])
     assert list(part.held) == [1, 1, 0, 0]
+
+
+def test_no_mutated_file_ends_in_anything_but_a_mesh_or_a_refusal(tmp_path: Path) -> None:
+    rng = random.Random(7)
+    files = {"m.inp": INP + "*NSET, NSET=A, ELSET=MIDDLE\n", "m.bdf": BDF, "m.msh": MSH}
+    bits = [
+        "-1",
+        "²",
+        "nan",
+        "1e400",
+        "9" * 30,
+        "*",
+        "+",
+        ",",
+        "THRU",
+        "=",
+        "\n",
+        "1.5",
+        "$",
+        '"',
+        "",
+    ]
+    for _ in range(150):
+        name = rng.choice(list(files))
+        text = files[name]
+        for _ in range(rng.randint(1, 3)):
+            i = rng.randrange(len(text))
+            text = text[:i] + rng.choice(bits) + text[i + rng.randrange(3) :]
+        (tmp_path / name).write_text(text, "utf-8")
+        with suppress(MeshFileError):
+            found = read_mesh_file(tmp_path / name)
+            assert found.corners.max(initial=-1) < len(found.points)
+            for own in found.element_sets.values():
+                assert own.max(initial=-1) < len(found.corners)
