@@ -211,7 +211,9 @@ class _Reader:
                 self.refuse(item, Mistake(("type",), error.message, error.advice))
             if error.near:
                 # what else is wrong, if this one is meant
-                self.card(item, law_class(section.folder, error.near), "type", is_certain=False)
+                kind = law_class(section.folder, error.near)
+                meant = self.card(item, kind, "type", is_certain=False)
+                self.unread += [(item, list(_names(meant)))] * (meant is not None)
             else:
                 self.substituted(item)
             return None
