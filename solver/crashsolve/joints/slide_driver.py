@@ -18,6 +18,7 @@ from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
 
 ROWS = 1
 ANGULAR = (False,)
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = POINTS + Record(
     axis_a=("1", 3, "joint axis, axes of a"),
     curve=("index", "f"),

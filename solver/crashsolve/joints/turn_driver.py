@@ -19,6 +19,7 @@ from crashsolve.joints._rows import turn_jacobian
 
 ROWS = 1
 ANGULAR = (True,)
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = Record(
     node_a=("index", "first body"),
     node_b=("index", "second body"),

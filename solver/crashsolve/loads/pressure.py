@@ -28,6 +28,7 @@ class Pressure(Card):
     curve: CurveName | None = word("factor over time; 1 when absent", default=None)
 
 
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = Record(
     pressure=("Pa", "p"),
     curve=("index", "factor over time; 0 for none"),

@@ -24,6 +24,7 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
+from crashsolve.model.gyration import gyration_warnings
 from crashsolve.model.halves import halve
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import Group, Joint, Model, State
@@ -70,6 +71,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     contact_groups, nodal_groups = build_contacts(deck, scene)
     scene.raise_errors()
     refuse_motion(deck, groups)
+    scene.warnings += gyration_warnings(scene, groups, joints)
 
     saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
     model = Model(
@@ -259,13 +261,15 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
 
 def _state(model: Model, scene: Scene) -> State:
     clock = np.zeros(1, CLOCK.dtype)
-    clock[0]["time"] = scene.deck.control.start_time
+    clock[0]["time"] = start = scene.deck.control.start_time
+    card_history = np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype)
+    card_history["first_touch"] = card_history["last_release"] = start - 1.0
     return State(
         clock=clock,
         nodes=initial_nodes(scene),
         rows=initial_rows(model),
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
-        card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),
+        card_history=card_history,
         ledger=np.zeros(len(ENTRIES)),
         points=initial_points(model, scene.deck, scene),
         blocks=initial_blocks(model, scene.deck, scene),

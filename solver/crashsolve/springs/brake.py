@@ -46,6 +46,7 @@ class Brake(PointSpringCard):
 
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
+CURVES_OF_TIME = ("force_curve",)
 PARAMETERS = POINTS + Record(
     first=("1", 3, "first direction braked, axes of a"),
     second=("1", 3, "second direction; 0 when only the first is braked"),

@@ -26,6 +26,7 @@ from crashsolve.system import sharing
 from crashsolve.system.nodal_text import nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
+TIMES = "contact_times.time_cards(TIME, h, clock, groups.cards, groups.card_history)"
 CARRY = "points.carry(h, nodes, groups.points, groups.riders)"
 RENEWAL = [
     "tangents(clock, nodes, curves, compliant, groups)",
@@ -238,6 +239,8 @@ def _imports(model: Any) -> str:
     if model.nodal_groups:
         rubs = any(n.friction for n in model.nodal_groups)
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
+    if touches(model):
+        lines.append("from crashsolve.system import contact_times")
     if any(n.is_smooth for n in model.nodal_groups):
         lines.append("from crashsolve.system import normals")
     if any(n.is_round for n in model.nodal_groups):
@@ -320,6 +323,7 @@ def _force_calls(model: Any) -> list[str]:
             lines += [f"{n.word}(clock, h, nodes, curves, groups)" for n in model.nodal_groups]
             lines += ["nodal.close_loads(groups)"]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
+        lines += [TIMES.replace("TIME", "time")]
     if model.elements and not is_assembled(model):
         # that of the mesh takes the place of that of its elements
         lines += ["clock.element_rate = 0.0"]
@@ -615,7 +619,7 @@ def _react_calls(model: Any) -> list[str]:
         params, history, elements = _pairs(c).split(", ", 2)
         call = f"{params}, {history}, groups.{c.word}_o, {elements}"
         lines.append(f"captures.settle(h, clock, {call}, nodes, groups.cards, groups.card_history)")
-    return lines
+    return [*lines, TIMES.replace("TIME", "clock.time + h")]
 
 
 def _data(c: Any) -> str:
