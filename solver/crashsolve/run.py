@@ -121,6 +121,7 @@ class Run:
         self.estimating: Estimating | None = None
         self.schedule = Schedule.of(deck)
         self.history_step = self.schedule.interval
+        self.sampled = self.schedule.start
         span, out = self.schedule.end - self.schedule.start, deck.output
         self.state_step = out.states.interval or span / 50 or 1.0
         self.log_step = out.log.interval or span / 20 or 1.0
@@ -277,7 +278,8 @@ class Run:
         end = self.schedule.end
         self.pulse.does("one step")
         phases = self.account.phases = ContactPhases(self.engine)
-        k = self.schedule.number(float(self.engine.clock["sampled"]))
+        self.sampled = float(self.engine.clock["sampled"])
+        k = self.schedule.number(self.sampled)
         target = self.schedule.time(k)
         while target < end:
             k += 1
@@ -293,6 +295,7 @@ class Run:
             phases.count()
             self.account.keep_alive()
             self._write(target, force=target == end)
+            self.sampled = target
             self._obey()
             self.cpu["output"] += time.process_time() - advanced
 
@@ -307,9 +310,9 @@ class Run:
             self._dump()
 
     def _due(self, now: float, step: float) -> bool:
-        """Whether a multiple of `step` lies in the last history interval."""
+        """Whether a multiple of `step` has come since the last sample."""
         begun = now - self.deck.control.start_time
-        before = begun - self.history_step
+        before = self.sampled - self.deck.control.start_time
         return int(begun / step + 1e-9) > int(before / step + 1e-9)
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:

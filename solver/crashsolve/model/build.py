@@ -198,7 +198,19 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
                     fill(rest[side, i], module.initial_history(entry.card, table[i], scene))
     names = [entry.name for entry in entries]
     result = np.zeros(len(entries), output.dtype)
-    return Group(keyword, entries[0].type, module, names, table, rest, result)
+    some = _members(module, entries, table, scene) if hasattr(module, "members") else None
+    return Group(keyword, entries[0].type, module, names, table, rest, result, some)
+
+
+def _members(module: Any, entries: list[Entry], table: np.ndarray, scene: Scene) -> np.ndarray:
+    """Points that the entries act on, one after the other. Writes: table."""
+    lists = [np.zeros(0, np.int64)]
+    for row, entry in zip(table, [] if scene.errors else entries, strict=not scene.errors):
+        with scene.building(entry):
+            own = module.members(entry.card, scene)
+            row["first_member"], row["member_count"] = sum(map(len, lists)), len(own)
+            lists.append(own.astype(np.int64))
+    return np.concatenate(lists)
 
 
 def _build_parts(entries: list[Entry], scene: Scene) -> Group:
@@ -249,13 +261,15 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
 
 def _state(model: Model, scene: Scene) -> State:
     clock = np.zeros(1, CLOCK.dtype)
-    clock[0]["time"] = scene.deck.control.start_time
+    clock[0]["time"] = start = scene.deck.control.start_time
+    card_history = np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype)
+    card_history["first_touch"] = card_history["last_release"] = start - 1.0
     return State(
         clock=clock,
         nodes=initial_nodes(scene),
         rows=initial_rows(model),
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
-        card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),
+        card_history=card_history,
         ledger=np.zeros(len(ENTRIES)),
         points=initial_points(model, scene.deck, scene),
         blocks=initial_blocks(model, scene.deck, scene),
