@@ -14,6 +14,7 @@ import os
 import sys
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from crashsolve import __version__
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
@@ -82,6 +83,12 @@ def _parser() -> argparse.ArgumentParser:
     _study_arguments(
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
+    _document_arguments(commands)
+    return parser
+
+
+def _document_arguments(commands: Any) -> None:
+    """Commands that print what comes along: examples, the manual, and what is made of the cards."""
     example = commands.add_parser("example", help="list example decks, print one, or write it")
     example.add_argument("name", nargs="?", help="of a deck; without it they are listed")
     example.add_argument(
@@ -97,7 +104,6 @@ def _parser() -> argparse.ArgumentParser:
         ("equations", _equations, "where each equation of the chapter is, as Markdown"),
     ):
         commands.add_parser(word, help=text).set_defaults(act=act)
-    return parser
 
 
 def _deck_arguments(parser: argparse.ArgumentParser) -> None:

@@ -279,7 +279,7 @@ class Run:
         self.pulse.does("one step")
         phases = self.account.phases = ContactPhases(self.engine)
         self.sampled = float(self.engine.clock["sampled"])
-        k = self.schedule.number(self.sampled)
+        k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
         while target < end:
             k += 1
