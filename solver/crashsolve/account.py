@@ -4,6 +4,8 @@ import os
 import platform
 import socket
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -31,6 +33,27 @@ def cpu_time() -> float:
     """CPU time of this process and of the one that compiled for it [s]."""
     # os.times() counts in hundredths of a second, and a short run is over within one
     return time.process_time() + sum(os.times()[2:4])
+
+
+@contextmanager
+def announced(path: Path, deck: Deck) -> Iterator[None]:
+    """While a run is prepared status.json speaks of it already, and not of one before it.
+
+    Raises OutputError.
+    """
+    span = deck.control.start_time, deck.control.end_time
+    status = Status("running", span[0], 0, span[1], 0.0, 0.0, 0.0, 0.0, message="preparing")
+    write_status(path, status)
+    try:
+        yield
+    except BaseException as error:
+        code = getattr(error, "exit_code", ExitCode.INTERNAL)
+        is_asked = isinstance(error, KeyboardInterrupt)
+        status.state = "stopped" if is_asked else "failed"
+        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
+        status.message = str(error) or type(error).__name__
+        write_status(path, status)
+        raise
 
 
 class Account:

@@ -7,12 +7,12 @@ group) followed by the integrator's own text. Nothing that the scene lacks appea
 
 import ast
 import hashlib
-import os
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.cache import read_own, write_whole
 from crashsolve.foundation.compile import PACKAGE, cache_folder
 from crashsolve.foundation.machine import Function, machine_code, machine_codes
 from crashsolve.foundation.table import Tables
@@ -122,10 +122,8 @@ def _insert(name: str, given: dict[str, str], texts: dict[str, str]) -> str:
 def load(text: str, tables: Tables) -> Function:
     """The composed step, compiled, under a name and file that depend on nothing but the text."""
     path = cache_folder() / f"crashsolve_step_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
-    if not path.exists():
-        temporary = path.with_suffix(f".{os.getpid()}")
-        temporary.write_text(text, "utf-8")
-        os.replace(temporary, path)
+    if read_own(path) != text.encode():
+        write_whole(path, text.encode())
     if tables.second is None:
         return machine_code(path, "advance", tables)
     return sharing.together(*machine_codes(path, ("advance", "assist"), tables))
