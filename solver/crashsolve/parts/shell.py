@@ -21,7 +21,17 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Vec3, quantity, word
+from crashsolve.deck.card import (
+    BodyName,
+    Card,
+    Law,
+    MaterialName,
+    NewName,
+    PartName,
+    Vec3,
+    quantity,
+    word,
+)
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_line
 from crashsolve.foundation.point import LANES, OWN, RIDES
@@ -98,21 +108,21 @@ PIECE = 1024
 class NamedNode(Card):
     """A node that is a body of the deck, for joints, loads, contacts, sensors and channels."""
 
-    name: str = word("the body is called P_name in part P")
+    name: NewName = word("the body is called P_name in part P")
     at: Vec3 = quantity("m", "place; the nearest node is meant")
 
 
 class Trace(Card):
     """A place whose history is written."""
 
-    name: str = word("in channels P_name, for part P")
+    name: NewName = word("in channels P_name, for part P")
     at: Vec3 = quantity("m", "place; the nearest node or element is meant")
 
 
 class Cut(Card):
     """Section whose force and moment are written: the elements that a plane cuts at the start."""
 
-    name: str = word("in channels P_name, for part P")
+    name: NewName = word("in channels P_name, for part P")
     at: Vec3 = quantity("m", "point of the plane")
     normal: Vec3 = word("of the plane, towards the side on which the force acts")
 
