@@ -25,7 +25,6 @@ from crashpost.text import plain_text, printable
 FORMAT = "crashsolve history"
 FORMAT_VERSION = 1
 FOREIGN = "not as FILE_FORMAT.md has it"
-KIND_NAMES: dict[type, str] = {list: "no list", dict: "no table"}
 
 
 @dataclass(frozen=True)
@@ -138,18 +137,15 @@ class Result:
         title = self.attributes.get("title")
         return printable(title if isinstance(title, str) and title else self.folder.resolve().name)
 
-    def stored_json(self, attribute: str, kind: type) -> Any:
-        """A list or table that a root attribute holds as JSON, None when absent or null.
-
-        Raises PostError when it is neither.
-        """
+    def stored_json(self, attribute: str, kind: type = object) -> Any:
+        """What a root attribute holds as JSON, None when absent; raises PostError when broken."""
         text = self.attributes.get(attribute)
         try:
             found = None if text is None else json.loads(text)
         except (TypeError, ValueError, RecursionError) as error:
             raise PostError(f"{self.file}: attribute '{attribute}' is not JSON: {error}") from error
         if found is not None and not isinstance(found, kind):
-            raise PostError(f"{self.file}: attribute '{attribute}' is {KIND_NAMES[kind]}")
+            raise PostError(f"{self.file}: attribute '{attribute}' is no {kind.__name__}")
         return found
 
     def _family(self, name: str) -> Family:

@@ -154,6 +154,8 @@ class Run:
             self._end("finished", ExitCode.NORMAL, "")
             return ExitCode.NORMAL
         except RunStopped as stop:
+            # it is ending: a second interrupt would come too late to change that
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
             self.log.line(str(stop))
             self._end("stopped", ExitCode.STOPPED, str(stop))
             raise

@@ -5,7 +5,7 @@ numbers is itself a bare number, in the units of the file it stands in.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from crashsolve.deck.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
@@ -59,27 +59,28 @@ class Parameters:
         return value
 
     def _in_order(self) -> list[str]:
-        """Names, each after those it needs, so that long chains nest no calls; circles anyhow."""
+        """Names, each after those it needs, so that long chains nest no calls; circles last."""
         order: dict[str, None] = {}
+        met: set[str] = set()
         for first in self.items:
-            waiting = [(first, self._needs(first))]
-            met = {first}
+            waiting = [first]
             while waiting:
-                name, needs = waiting[-1]
-                missing = next((n for n in needs if n not in order and n not in met), None)
-                if missing is None:
-                    order[name] = None
-                    waiting.pop()
-                else:
+                needs = self._needs(waiting[-1])
+                missing = next((n for n in needs if n not in met), None)
+                if missing is not None:
                     met.add(missing)
-                    waiting.append((missing, self._needs(missing)))
-        return list(order)
+                    waiting.append(missing)
+                    continue
+                name = waiting.pop()
+                if all(n in order for n in needs):
+                    order[name] = None
+        return [*order, *(name for name in self.items if name not in order)]
 
-    def _needs(self, name: str) -> Iterator[str]:
+    def _needs(self, name: str) -> list[str]:
         """Parameters that the value of a parameter may name."""
         value = self.overrides.get(name, self.items[name].value)
         parts = _EXPRESSION.findall(value) if isinstance(value, str) else []
-        return (n for part in parts for n in _NAME.findall(part) if n in self.items)
+        return [n for part in parts for n in _NAME.findall(part) if n in self.items]
 
     def _text(self, text: str, card: str, where: Position) -> Any:
         """Number of a text that is one expression, else text with numbers put in."""

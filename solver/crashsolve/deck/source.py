@@ -34,10 +34,8 @@ _CORE_TYPES: dict[str, Any] = {"int": int, "float": int | float, "bool": bool, "
 _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-# what an escape such as "\\e" may smuggle in: all that is not printed, but ends of lines and tabs
-_CONTROL = re.compile(
-    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
-)
+# what an escape such as "\\e" may smuggle in; other marks are spelt out where they are shown
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
 
 
 # what entries are called: part of channels and of files

@@ -35,16 +35,18 @@ def find_folder(name: str) -> Path:
     """
     given = os.environ.get(CHOSEN)
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    if given:
-        refuse_foreign(Path(given).absolute())
     # a compute node may have a home that cannot be written
     temporary = Path(tempfile.gettempdir()).absolute()
     for root in (Path(given or f"{home}/crashsolve"), temporary / f"crashsolve-{os.geteuid()}"):
         folder = root.absolute() / name
         try:
+            # before anything is made there, and what lies in it already
+            refuse_foreign(root.absolute())
             make_private(folder)
             refuse_foreign(folder)
         except CacheError as reason:
+            if given:
+                raise
             notes.append(f"{reason}; compiled code is kept elsewhere")
             continue
         except OSError:
