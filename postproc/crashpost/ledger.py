@@ -19,9 +19,11 @@ MOMENTUM, ANGULAR_MOMENTUM = "N s", "N m s"
 SUMS = ("imbalance", "largest", "initial")
 # what there is and its sum, then what was lost, then what came from outside
 ORDER = (
-    *("kinetic", "potential", "spring stored", "contact stored", "friction stored", "mechanical"),
-    *("spring dissipated", "part damping", "contact dissipated", "friction dissipated"),
-    *("joint friction", "brake"),
+    *("kinetic", "potential", "internal", "elastic", "hourglass", "drilling"),
+    *("spring stored", "joint stored", "brake stored", "contact stored", "friction stored"),
+    "mechanical",
+    *("plastic", "part damping", "eroded", "spring dissipated", "joint dissipated"),
+    *("brake dissipated", "contact dissipated", "friction dissipated"),
     *("external work", "driver work"),
 )
 

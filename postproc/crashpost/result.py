@@ -23,7 +23,8 @@ from crashpost.status import read_status
 from crashpost.text import plain_text, printable
 
 FORMAT = "crashsolve history"
-FORMAT_VERSION = 1
+# the first one has other names for some energies, and reads the same
+FORMAT_VERSIONS = (1, 2)
 FOREIGN = "not as FILE_FORMAT.md has it"
 
 
@@ -193,9 +194,10 @@ class Result:
         if self.attributes.get("format") != FORMAT:
             raise PostError(f"{self.file}: not a {FORMAT} file")
         version = self.attributes.get("format_version")
-        if version != FORMAT_VERSION:
+        if version not in FORMAT_VERSIONS:
             raise PostError(
-                f"{self.file}: format version {version}, this program reads {FORMAT_VERSION}"
+                f"{self.file}: format version {version}, "
+                f"this program reads {FORMAT_VERSIONS[0]} to {FORMAT_VERSIONS[-1]}"
             )
 
     def _channel(self, name: str) -> Series:

@@ -3,6 +3,7 @@
 import os
 import platform
 import socket
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,11 +19,14 @@ from crashsolve.deck.dump import as_data
 from crashsolve.deck.read import Deck
 from crashsolve.foundation.errors import ExitCode
 from crashsolve.model.ledger import IMBALANCE, KINETIC, LARGEST
-from crashsolve.output.log import Log
+from crashsolve.output.log import ERROR, Log
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.phases import ContactPhases
-from crashsolve.system.diagnosis import limiter
+from crashsolve.pulse import Pulse
+from crashsolve.remarks import StepWatch
+from crashsolve.sampling import Schedule
+from crashsolve.system.bounds import StepBound
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
@@ -56,6 +60,26 @@ def announced(path: Path, deck: Deck) -> Iterator[None]:
         raise
 
 
+@contextmanager
+def preparing(deck: Deck, folder: Path, log: Log, pulse: Pulse) -> Iterator[None]:
+    """While the step is compiled: its time in the log and status.json. Raises OutputError."""
+    start, end = deck.control.start_time, deck.control.end_time
+
+    def say(text: str) -> None:
+        log.line(text)
+        wall = time.monotonic() - begun
+        status = Status("running", start, 0, end, 0.0, 0.0, cpu_time(), wall, message=text)
+        write_status(folder / "status.json", status)
+
+    begun, pulse.say = time.monotonic(), say
+    try:
+        yield
+    except BaseException as error:
+        log.error(str(error) or type(error).__name__)
+        log.finish(ERROR)
+        raise
+
+
 class Account:
     """The account of one run; `cpu` [s] is by stage, `phases` and `estimating` come in later."""
 
@@ -67,9 +91,17 @@ class Account:
         log: Log,
         cpu: dict[str, float],
         wall_begun: float,
+        pulse: Pulse,
     ) -> None:
         self.deck, self.engine, self.folder, self.log = deck, engine, folder, log
         self.cpu, self.wall_begun = cpu, wall_begun
+        self.pulse, self.pace, self.steps = pulse, Pace(), StepWatch()
+        # what never happened, and what was lost: known at the end
+        self.remarks: dict[str, Any] = {}
+        self.bound = ""
+        self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
+        # a thread may tell of the run as well
+        self._writing = threading.RLock()
         self.phases: ContactPhases | None = None
         self.estimating: Estimating | None = None
 
@@ -93,8 +125,7 @@ class Account:
     def progress(self) -> None:
         """A line of the log, status.json, and the bar on a terminal."""
         e, clock = self.engine, self.engine.clock
-        method = "tolerance" if len(e.state.stages) else "turn"
-        at = limiter(e.model, int(clock["limit_node"])) or f"samples, {method} or deck"
+        self.pace.look(float(clock["time"]), self.deck.control.end_time)
         self.log.cycle(
             int(clock["cycle"]),
             float(clock["time"]),
@@ -102,14 +133,41 @@ class Account:
             float(e.ledger[KINETIC]),
             balance(e),
             float(clock["residual"]),
-            at,
+            self.pace.left,
+            self.step_bound(),
         )
+        self.pulse.told()
         self.status("running", None, "")
         span = self.deck.control.end_time - self.deck.control.start_time
         self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
 
+    def keep_alive(self) -> None:
+        """Look at the step; a line where none has come for long. Raises OutputError."""
+        clock = self.engine.clock
+        fallen = self.steps.look(float(clock["time"]), int(clock["cycle"]))
+        if fallen:
+            self.log.warning(f"{fallen}; it is set by: {self.step_bound()}")
+        if self.pulse.is_due():
+            self.progress()
+
+    def say(self, text: str) -> None:
+        """What the run has been doing for long, in the log and status.json. Raises OutputError."""
+        clock = self.engine.clock
+        self.log.line(f"{text}, at t = {float(clock['time']):.6g} s, cycle {int(clock['cycle'])}")
+        self.status("running", None, text)
+
+    def step_bound(self) -> str:
+        """What sets the step, and why."""
+        is_static = self.deck.control.solution == "quasi_static"
+        self.bound = "load steps" if is_static else self._bounds.tell(self.engine)
+        return self.bound
+
     def status(self, state: RunState, code: ExitCode | None, message: str) -> None:
         """Renew status.json. Raises OutputError."""
+        with self._writing:
+            self._write_status(state, code, message)
+
+    def _write_status(self, state: RunState, code: ExitCode | None, message: str) -> None:
         clock = self.engine.clock
         write_status(
             self.folder / "status.json",
@@ -125,6 +183,8 @@ class Account:
                 None if code is None else int(code),
                 message,
                 cpu_steps=self.cpu["steps"],
+                step_set_by=self.bound,
+                left=self.pace.left if state == "running" else None,
                 **self._results(),
             ),
         )
@@ -144,12 +204,34 @@ class Account:
         if self.estimating is not None:
             self.cpu["estimates"] = self.estimating.cpu
             found["watched"] = self.estimating.entries()
-        return found | {
-            "rejected": int(clock["rejected"]),
-            "constraint_position": float(clock["residual"]),
-            "constraint_velocity": float(clock["rate_residual"]),
-            "cpu_stages": dict(self.cpu),
-        }
+        return (
+            found
+            | self.remarks
+            | {
+                "rejected": int(clock["rejected"]),
+                "constraint_position": float(clock["residual"]),
+                "constraint_velocity": float(clock["rate_residual"]),
+                "cpu_stages": dict(self.cpu),
+            }
+        )
+
+
+class Pace:
+    """Wall time a run still needs, by its pace since the last line but a second ago."""
+
+    def __init__(self) -> None:
+        self.left: float | None = None
+        self._mark: tuple[float, float] | None = None
+
+    def look(self, now: float, end: float) -> None:
+        """Take note of the time simulated [s]."""
+        wall = time.monotonic()
+        if self._mark is None or now < self._mark[1]:
+            self._mark = wall, now
+        elif wall > self._mark[0] and now > self._mark[1]:
+            self.left = (end - now) / (now - self._mark[1]) * (wall - self._mark[0])
+            if wall > self._mark[0] + 1.0:
+                self._mark = wall, now
 
 
 def balance(engine: Engine) -> float:

@@ -1,6 +1,6 @@
 """The command `crashsolve`: run a deck, or check, explain and document decks.
 
-crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart]
+crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart [--until T]]
 crashsolve check DECK    crashsolve explain DECK
 crashsolve study DECK [--steps A,B] [--integrators A,B] [--meshes 1,2] [--channel C[:STATISTIC]]
 crashsolve schema    crashsolve keywords    crashsolve equations
@@ -77,6 +77,9 @@ def _parser() -> argparse.ArgumentParser:
     _deck_arguments(run)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="results folder")
     run.add_argument("--restart", action="store_true", help="go on from the newest dump")
+    run.add_argument(
+        "--until", metavar="T", help='with --restart: another end time, such as 0.2 or "200 ms"'
+    )
     run.set_defaults(act=_run)
     for word, act, text in (
         ("check", _check, "read and build a deck without running it"),
@@ -104,8 +107,9 @@ def _deck_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="override a parameter of the deck, or a field of its control or of a part as in "
-        "control.step=1e-4, parts.tube.mesh.division=2; may be repeated",
+        help="override a parameter of the deck, or any number or word of it by its path, as in "
+        "control.step=1e-4, contacts.wall.normal.stiffness=1e6, bodies.ball.velocity.3=-2 (places "
+        "of lists count from 1); may be repeated",
     )
 
 
@@ -162,7 +166,13 @@ def _run(options: argparse.Namespace) -> int:
     from crashsolve.run import solve
 
     folder = options.output or Path(options.deck.stem + ".results")
-    return solve(options.deck, folder, _overrides(options), options.restart)
+    overrides = _overrides(options)
+    if options.until is not None:
+        if not options.restart:
+            advice = "say --restart, or --set control.end_time=T"
+            raise DeckError("--until", None, None, "", "goes on from a dump", advice)
+        overrides["control.end_time"] = options.until
+    return solve(options.deck, folder, overrides, options.restart)
 
 
 def _study(options: argparse.Namespace) -> int:

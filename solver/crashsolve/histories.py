@@ -7,7 +7,7 @@ import numpy as np
 
 from crashsolve.foundation.record import Record
 from crashsolve.model import touch
-from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST
+from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST, MECHANICAL
 from crashsolve.model.model import Group
 from crashsolve.output.channels import Column, Family
 from crashsolve.system.engine import Engine
@@ -80,7 +80,7 @@ class Histories:
             _share(angular - self._start[1] - clock["angular_impulse"], self._largest[1]),
         ]
         balance = 100.0 * ledger[IMBALANCE] / ledger[LARGEST] if ledger[LARGEST] > 0 else 0.0
-        mechanical = ledger[0] + ledger[1] + ledger[2] + ledger[4] + ledger[6]
+        mechanical = sum(ledger[k] for k in MECHANICAL)
         scalars = [balance, *errors, clock["residual"], e.clock["step"], clock["cycle"], mechanical]
         return np.concatenate([ledger, scalars, linear, angular])[None, :]
 

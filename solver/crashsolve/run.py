@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.account import Account, announced, cpu_time, provenance
+from crashsolve.account import Account, announced, cpu_time, preparing, provenance
 from crashsolve.deck.mistakes import shown
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.foundation.cache import notes as cache_notes
@@ -27,7 +27,7 @@ from crashsolve.foundation.errors import (
     RunStopped,
 )
 from crashsolve.foundation.machine import forget_linker
-from crashsolve.foundation.streams import tell_error
+from crashsolve.foundation.streams import say, tell_error
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
 from crashsolve.model.model import Model, State
@@ -36,14 +36,16 @@ from crashsolve.output.errors import OutputError
 from crashsolve.output.files import read_plain, reported
 from crashsolve.output.history import HistoryWriter
 from crashsolve.output.lock import Lock
-from crashsolve.output.log import Log
+from crashsolve.output.log import ERROR, NORMAL, STOPPED, Log
 from crashsolve.output.peaks import write_peaks
 from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
 from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
-from crashsolve.resume import changing, restore
+from crashsolve.pulse import Pulse
+from crashsolve.remarks import deleted, undeformed, untouched
+from crashsolve.resume import FREE, changing, differing, restore
 from crashsolve.sampling import Schedule
 from crashsolve.system.engine import Engine
 from crashsolve.totals import write_totals
@@ -62,10 +64,18 @@ SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
+    with Pulse(f"reading {deck_path.name}", say) as pulse:
+        return _solve(deck_path, folder, overrides, restart, pulse)
+
+
+def _solve(
+    deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool, pulse: Pulse
+) -> int:
     begun, wall_begun = cpu_time(), time.monotonic()
     # before the arrays of a large model come
     forget_linker()
     deck = read_deck(deck_path, overrides)
+    pulse.does("building the model")
     was_read = cpu_time()
     model, state = build(deck)
     # runs beside this one must not choose anew
@@ -74,12 +84,16 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with Lock(folder) as lock:
-        built = cpu_time()
         with announced(folder / "status.json", deck):
-            engine = _engine(deck, model, state)
+            built = cpu_time()
+            pulse.does("compiling the step")
+            going_on = restart and any((folder / slot).exists() for slot in SLOTS)
+            log = Log(folder / "log.txt", append=going_on)
+            with preparing(deck, folder, log, pulse):
+                engine = _engine(deck, model, state)
             spent = {"read": was_read - begun, "build": built - was_read}
             spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
-            run = Run(deck, engine, folder, spent, wall_begun)
+            run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
             dump = run.prepare(restart)
         return run.execute(dump, [*filter(None, [lock.warning]), *cache_notes])
 
@@ -107,8 +121,11 @@ class Run:
         folder: Path,
         spent: dict[str, float],
         wall_begun: float,
+        pulse: Pulse,
+        log: Log,
     ) -> None:
-        self.deck, self.engine, self.folder = deck, engine, folder
+        self.deck, self.engine, self.folder, self.pulse = deck, engine, folder, pulse
+        self.log = log
         self.cpu, self.wall_begun = spent, wall_begun
         self.requests: set[str] = set()
         self.files = ExitStack()
@@ -131,15 +148,15 @@ class Run:
         if self.state_step < self.history_step:
             text = f"states are written with the samples, {self.history_step:.3g} s apart"
             self.notes.append(text)
-        self.log = Log(self.folder / "log.txt", append=dump is not None)
         self.account = Account(
-            self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun
+            self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun, self.pulse
         )
         self._catch_signals()
         return dump
 
     def execute(self, dump: Any, notes: list[str]) -> int:
         """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
+        self.pulse.say = self.account.say
         try:
             self.account.banner()
             for text in (*notes, *self.notes, *self.engine.model.warnings):
@@ -179,7 +196,7 @@ class Run:
             self.files.close,
             lambda: self.account.status("failed", code, message),
             lambda: write_totals(self.account),
-            lambda: self.log.finish(normal=False),
+            lambda: self.log.finish(ERROR),
         ):
             with suppress(OutputError):
                 act()
@@ -243,6 +260,7 @@ class Run:
             return False
         self.files.close()
         self.account.status("running", None, "estimating errors")
+        self.pulse.does("estimating errors")
         cycles = int(self.engine.clock["cycle"])
         return self.estimating.judge(self.folder / "history.h5", cycles, self.account.spent())
 
@@ -275,6 +293,7 @@ class Run:
     def _march(self) -> None:
         """Advance from sample to sample until the end."""
         end = self.schedule.end
+        self.pulse.does("one step")
         phases = self.account.phases = ContactPhases(self.engine)
         k = self.schedule.number(float(self.engine.clock["sampled"]))
         target = self.schedule.time(k)
@@ -290,6 +309,7 @@ class Run:
                 self.cpu["steps"] += advanced - begun
             self.engine.sample(target)
             phases.count()
+            self.account.keep_alive()
             self._write(target, force=target == end)
             self._obey()
             self.cpu["output"] += time.process_time() - advanced
@@ -313,11 +333,16 @@ class Run:
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
+        self.account.remarks = {
+            "untouched": untouched(self.engine),
+            "undeformed": undeformed(self.engine, self.history.extremes),
+            "deleted": deleted(self.engine, self.folder / "history.h5"),
+        }
         self.account.status(state, code, message)
         for text in (*self.engine.law_warnings(), *self.engine.step_warnings()):
             self.log.warning(text)
         write_totals(self.account)
-        self.log.finish(normal=code == ExitCode.NORMAL)
+        self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)
 
     def _dump(self) -> None:
         self.history.flush()
@@ -329,21 +354,34 @@ class Run:
 
     def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
         """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
-        if info["deck_text"] != self.deck.text:
-            raise self._misfit("another deck, or other values of --set")
+        differ = differing(info["deck_text"], self.deck.text)
+        if any(is_bound for _, is_bound in differ):
+            names = ", ".join(name for name, is_bound in differ if is_bound)
+            raise self._misfit(f"another deck, or other values of --set; they differ in {names}")
         try:
             restore(self.engine, arrays)
             for name, array in self.histories.memory.items():
                 array[...] = arrays[name]
         except (KeyError, ValueError) as reason:
             raise self._misfit("another version of crashsolve") from reason
-        now = float(self.engine.clock["sampled"])
-        self.log.line(f"going on from t = {now:.6g} s")
+        clock, end = self.engine.clock, self.schedule.end
+        if end < float(clock["time"]):
+            message = (
+                f"control.end_time: {end:g} s lies before the dump, {float(clock['time']):.6g} s"
+            )
+            raise DeckError(str(self.deck.path), None, None, "", message, "say a later time")
+        if differ:
+            control = self.engine.model.control[0]
+            longest = float(control["step_max"])
+            clock["next_step"] = control["fixed_step"] or min(float(clock["next_step"]), longest)
+        now = float(clock["sampled"])
+        others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
+        self.log.line(f"going on from t = {now:.6g} s{others}")
         return now
 
     def _misfit(self, owner: str) -> DeckError:
         message = f"the dump in {self.folder} belongs to {owner}"
-        advice = "run without --restart, or into another folder"
+        advice = f"run without --restart, or into another folder; free to change are {FREE}"
         return DeckError(str(self.deck.path), None, None, "", message, advice)
 
     def _catch_signals(self) -> None:
@@ -384,6 +422,7 @@ class Run:
 
     def _obey_at_once(self) -> None:
         """The same between two samples; pictures, and what was asked with them, wait for one."""
+        self.account.keep_alive()
         self._read_control()
         if "states" not in self.requests:
             self._dump_or_stop()

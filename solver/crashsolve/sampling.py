@@ -26,8 +26,9 @@ class Schedule:
         return self.end if target > self.end - 1e-9 * self.interval else target
 
     def number(self, time: float) -> int:
-        """Number of the sample nearest to a time."""
-        return round((time - self.start) / self.interval)
+        """Number of the last sample that is not after a time."""
+        k = int((time - self.start) / self.interval + 1e-9)
+        return k + 1 if time >= self.end and not self.is_end(k) else k
 
     def is_end(self, k: int) -> bool:
         """Whether sample k is the last."""

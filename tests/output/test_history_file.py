@@ -72,7 +72,7 @@ def test_metadata_may_be_long_and_structured(tmp_path: Path) -> None:
         writer.append(0.0, sample_row(0))
     with h5py.File(path) as file:
         assert file.attrs["format"] == "crashsolve history"
-        assert file.attrs["format_version"] == 1
+        assert file.attrs["format_version"] == 2
         assert file.attrs["deck_text"] == deck
         assert json.loads(file.attrs["expect"]) == expect
         assert file.attrs["cores"] == 2

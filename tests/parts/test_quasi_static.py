@@ -61,7 +61,7 @@ def test_work_of_loads_is_stored_to_second_order_in_the_load_step(tmp_path: Path
             found.reach((k + 1) / steps)
         found.sample()
         missing.append(abs(found.ledger[ledger.IMBALANCE]))
-    assert missing[1] < 1e-2 * found.ledger[ledger.SPRING_STORED]
+    assert missing[1] < 1e-2 * found.ledger[ledger.ELASTIC]
     assert np.log2(missing[0] / missing[1]) == pytest.approx(2.0, abs=0.3)
 
 

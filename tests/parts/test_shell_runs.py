@@ -62,6 +62,23 @@ def test_states_hold_what_histories_hold(whole: tuple[Path, Path]) -> None:
     assert (fields["von_mises"] < 2e8 * (1.0 + 1e-6)).all()
 
 
+def test_energies_of_shells_are_booked_under_their_own_names(whole: tuple[Path, Path]) -> None:
+    result = Result(whole[1])
+
+    def values(channel: str) -> np.ndarray:
+        return result.series(channel).values
+
+    of_part = {"elastic": "strain", "hourglass": "hourglass", "plastic": "plastic"}
+    for entry, name in of_part.items():
+        told = values(f"glstat.model.energy.{entry}")
+        assert told.max() > 0.0
+        assert np.array_equal(told, values(f"matsum.plate.{name}"))
+    internal = values("matsum.plate.strain") + values("matsum.plate.plastic")
+    assert np.array_equal(values("glstat.model.energy.internal"), internal)
+    # the ball meets the plate, and there is no spring
+    assert not values("glstat.model.energy.spring_dissipated").any()
+
+
 def test_a_step_too_long_is_stopped(tmp_path: Path) -> None:
     # five times the stable one
     done = crashsolve(BALL, "-o", tmp_path / "long", "--set", "control.step=1.2e-5")

@@ -64,7 +64,7 @@ def write_result(
     """Write history.h5 as FILE_FORMAT.md has it, with `reserved` rows not yet filled."""
     folder.mkdir(parents=True, exist_ok=True)
     with h5py.File(folder / "history.h5", "w") as file:
-        file.attrs.update({"format": "crashsolve history", "format_version": 1, **attributes})
+        file.attrs.update({"format": "crashsolve history", "format_version": 2, **attributes})
         padded = np.concatenate([time, np.full(reserved, np.nan)])
         for name, (ids, columns) in families.items():
             group = file.create_group(name)

@@ -143,14 +143,15 @@ def test_energies_are_listed_before_what_was_lost_and_momenta_found_in_any_unit(
     tmp_path: Path,
 ) -> None:
     one = np.ones((len(TIME), 1))
-    names = ("brake", "kinetic", "spring_stored", "potential")
+    names = ("brake_dissipated", "plastic", "kinetic", "spring_stored", "potential")
     columns = {f"energy/{name}": ("J", "", one) for name in names}
     columns |= {"mechanical": ("J", "", one), "angular_momentum/z": ("N m s", "", one)}
     columns |= {"momentum/x": ("N s", "", one), "momentum/y": ("N s", "", 1e-9 * one)}
     write_result(tmp_path, {"glstat": (["model"], columns)})
     result = Result(tmp_path)
     labels = [entry.label for entry in ledger.energies(result)]
-    assert labels == ["kinetic", "potential", "spring stored", "mechanical", "brake"]
+    left, lost = ["kinetic", "potential", "spring stored", "mechanical"], ["plastic"]
+    assert labels == [*left, *lost, "brake dissipated"]
     figures = momentum_figures(result)
     assert [figure.title for figure in figures] == ["Momentum", "Angular momentum"]
     # a curve that cannot be seen is not drawn

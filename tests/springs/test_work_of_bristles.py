@@ -80,8 +80,8 @@ def test_the_balance_closes_to_second_order(tmp_path: Path, damping: float) -> N
     way = [v * END - 0.5 * LIMIT * END**2 for v in (SPEED, 5.0)]
     grip = 0.3 * 9.81
     taken = {
-        "brake": LIMIT * sum(way),
-        "joint_friction": 2.0 * LIMIT * way[0],
+        "brake_dissipated": LIMIT * sum(way),
+        "joint_dissipated": 2.0 * LIMIT * way[0],
         "friction_dissipated": grip * (3.0 * END - 0.5 * grip * END**2),
     }
     for entry, energy in taken.items():

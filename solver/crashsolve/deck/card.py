@@ -17,6 +17,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     ModelWrapValidatorHandler,
     ValidationError,
@@ -36,7 +37,7 @@ from crashsolve.foundation.units import UnitError
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
 __all__ += ["MaterialName", "NewName", "PartName", "Reference", "SectionName", "SensorName"]
-__all__ += ["SpringName", "SurfaceName", "existing_file"]
+__all__ += ["SetName", "SpringName", "SurfaceName", "existing_file", "number_as_name"]
 
 # whole numbers that every part of the program counts exactly
 MOST = 2**53
@@ -92,6 +93,14 @@ def existing_file(text: str, info: ValidationInfo) -> str:
 
 
 FileName = Annotated[str, AfterValidator(existing_file)]
+
+
+def number_as_name(value: Any) -> Any:
+    """A whole number as text: sets of mesh files may have numbers for names."""
+    return str(value) if type(value) is int else value
+
+
+SetName = Annotated[str, BeforeValidator(number_as_name)]
 
 
 class Card(BaseModel):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from crashsolve.deck.laws import choices
@@ -14,8 +15,15 @@ _NAMED = {keyword: section.singular for keyword, section in SECTIONS.items()}
 _NAMED["parameters"] = "parameter"
 
 
+# a word of a table, or a place in a list
+Step = str | int
+
+
 class Item(NamedTuple):
-    """Something defined under a keyword: `where` is the place of its name, `at` of its value."""
+    """Something defined under a keyword: `where` is the place of its name, `at` of its value.
+
+    `given` tells by which words of the command line values within it were set, by their paths.
+    """
 
     keyword: str
     name: str
@@ -23,6 +31,7 @@ class Item(NamedTuple):
     where: Position
     at: Position
     file: Path
+    given: Mapping[tuple[Step, ...], str] = MappingProxyType({})
 
     @property
     def title(self) -> str:

@@ -1,5 +1,6 @@
 """Numbers as they stand in a deck, bare or with a unit, brought to SI."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -30,6 +31,17 @@ class Context:
 
     units: Mapping[str, Unit] = field(default_factory=lambda: SI)
     folder: Path = Path()
+
+
+def as_written(value: float) -> str:
+    """A number as text, without what rounding has added to a short one: 1.8 for 1.8000000000000003.
+
+    Short is up to twelve digits, rounding a few units of the last place.
+    """
+    if not isinstance(value, float):
+        return repr(value)
+    short = float(f"{value:.12g}")
+    return repr(short if abs(value - short) <= 4.0 * math.ulp(value) else float(value))
 
 
 def number(value: str | float, wanted: str, bases: Mapping[str, Unit]) -> float:

@@ -12,7 +12,7 @@ from crashsolve.deck.expressions import CONSTANTS, FUNCTIONS, Expression, Expres
 from crashsolve.deck.items import Item
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import shown
-from crashsolve.deck.numbers import SiFloat
+from crashsolve.deck.numbers import SiFloat, as_written
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
 from crashsolve.foundation.errors import DeckError
 from crashsolve.foundation.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
@@ -99,7 +99,7 @@ class Parameters:
         """The text with the numbers of its expressions put in."""
         numbers = [self._expression(part) for part in _EXPRESSION.findall(text)]
         values = iter(numbers)
-        new = _EXPRESSION.sub(lambda _: repr(next(values)), _RAISED.sub(r"(\g<0>)", text))
+        new = _EXPRESSION.sub(lambda _: as_written(next(values)), _RAISED.sub(r"(\g<0>)", text))
         if "${" in new:
             raise ExpressionError(f"cannot read {shown(text)}", "write '${...}'")
         if any(isinstance(number, SiFloat) for number in numbers) and _unit(new):

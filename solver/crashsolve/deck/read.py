@@ -20,7 +20,7 @@ from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
 from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.output import Output
-from crashsolve.deck.overrides import set_fields
+from crashsolve.deck.overrides import place_given, set_fields
 from crashsolve.deck.parameters import Parameters
 from crashsolve.deck.sections import SECTIONS
 from crashsolve.deck.size import excess
@@ -98,7 +98,7 @@ class _Reader:
         if files.incomplete:
             raise DeckErrors(self.in_order())
         self.items = items_of(self.tables, self.mistakes)
-        others = set_fields(self.items, overrides, path, self.mistakes)
+        others = set_fields(self.items, overrides, self.tables, self.mistakes)
         self.parameters = Parameters(self.items["parameters"], others, self.mistakes)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
@@ -293,8 +293,10 @@ def _has_points(parts: dict[str, Entry]) -> bool:
 
 def _placed(item: Item, mistake: Mistake) -> DeckError:
     """A mistake of a card with its place in the deck."""
-    place = locate(item.where, item.value, mistake.path, mistake.key)
     path = mistake.path
+    given = place_given(item, path, mistake.key)
+    where = locate(item.where, item.value, path, mistake.key)
+    place = (given, None, None) if given else where
     below = path[:-1] if mistake.key or path[-1:] == ("type",) else path
     field = ".".join(step for step in below if isinstance(step, str))
     message = f"{field}: {mistake.message}" if field else mistake.message

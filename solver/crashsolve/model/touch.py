@@ -36,7 +36,7 @@ CARD_OUTPUT = Record(
     touching=("1", "number of touching pairs"),
     stored=("J", "recoverable energy"),
     dissipated=("J", "energy lost by the normal force"),
-    friction=("J", "energy lost by friction"),
+    friction_dissipated=("J", "energy lost by friction"),
 )
 CARD_HISTORY = Record(
     force_before=("N", 3, "force on side a at the last step"),

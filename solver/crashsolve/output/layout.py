@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import h5py
 
 FORMAT = "crashsolve history"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 SLAB_BYTES = 1 << 24
 
 Offsets = dict[str, int]

@@ -18,7 +18,7 @@ from crashsolve.output.errors import OutputError
 from crashsolve.output.files import replacing_hdf5, write_metadata
 
 FORMAT = "crashsolve restart"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 SLOTS = ("restart_0.h5", "restart_1.h5")
 
 Dump = tuple[dict[str, np.ndarray], dict[str, Any]]

@@ -16,7 +16,7 @@ from crashsolve.output.errors import OutputError
 from crashsolve.output.files import replace_text, replacing_hdf5, reported, write_metadata
 
 FORMAT = "crashsolve states"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 # the index is rewritten whole, so it may take this share of the run at most
 INDEX_SHARE = 0.05
 

@@ -24,7 +24,7 @@ from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
 from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share
 from crashsolve.springs._joint import named_joint
 
-LEDGER = "joint_friction"
+LEDGER = "joint"
 
 
 class SlideFriction(Card):

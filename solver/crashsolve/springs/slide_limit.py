@@ -25,6 +25,8 @@ from crashsolve.springs._joint import (
     stops,
 )
 
+LEDGER = "joint"
+
 
 class SlideLimit(StopCard):
     """Stops of the travel of a joint, counted from its position at the start."""

@@ -27,7 +27,7 @@ from crashsolve.foundation.vec3 import add, add_scaled, dot, matvec_t, norm, put
 from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share, lost
 from crashsolve.springs._joint import named_joint
 
-LEDGER = "joint_friction"
+LEDGER = "joint"
 
 
 class TurnFriction(Card):

@@ -24,6 +24,8 @@ from crashsolve.springs._joint import (
     stops,
 )
 
+LEDGER = "joint"
+
 
 class TurnLimit(StopCard):
     """Stops of the angle of a joint, counted from its posture at the start."""

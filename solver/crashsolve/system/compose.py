@@ -854,20 +854,38 @@ def _rebuild_calls(model: Any) -> list[str]:
     return [*lines, "return stale"]
 
 
-STORED = {"potential": "POTENTIAL", "spring": "SPRING_STORED"}
-LOST = {
-    "spring": "SPRING_DISSIPATED",
-    "joint_friction": "JOINT_FRICTION",
-    "brake": "BRAKE",
-    "external": "EXTERNAL_WORK",
+# entries of what laws store and of what they lose, by the word LEDGER of their module
+BOOKED = {
+    "spring": ("SPRING_STORED", "SPRING_DISSIPATED"),
+    "joint": ("JOINT_STORED", "JOINT_DISSIPATED"),
+    "brake": ("BRAKE_STORED", "BRAKE_DISSIPATED"),
+    "external": ("POTENTIAL", "EXTERNAL_WORK"),
+    "potential": ("POTENTIAL", ""),
 }
 
 
-def _part_damping(g: Any, entry: int) -> list[str]:
-    """What a part has lost by other than plastic work."""
+def _law_energies(g: Any, e: Any) -> list[str]:
+    """What the laws of a group hold, and have lost, in the entries of their kind."""
+    kind = getattr(g.module, "LEDGER", "external" if g.keyword == "loads" else "spring")
+    stored, lost = BOOKED[kind]
+    lines = [f"    ledger[{getattr(e, stored)}] += groups.{g.word}_o[i].stored"]
+    if lost:
+        value = f"groups.{g.word}_h[clock.current, i].dissipated"
+        lines.append(f"    ledger[{getattr(e, lost)}] += {value}")
+    return lines
+
+
+def _beam_energies(g: Any, e: Any) -> list[str]:
+    """What elements of beams hold, lost by plastic work, and lost by damping."""
     lost = f"groups.{g.word}_h[clock.current, i]"
-    plastic = f" - {lost}.work" if "work" in (g.history.dtype.names or ()) else ""
-    return [f"    ledger[{entry}] += {lost}.dissipated{plastic}"]
+    lines = [f"    ledger[{e.ELASTIC}] += groups.{g.word}_o[i].stored"]
+    if "work" not in (g.history.dtype.names or ()):
+        return [*lines, f"    ledger[{e.PART_DAMPING}] += {lost}.dissipated"]
+    return [
+        *lines,
+        f"    ledger[{e.PLASTIC}] += {lost}.work",
+        f"    ledger[{e.PART_DAMPING}] += {lost}.dissipated - {lost}.work",
+    ]
 
 
 def _nodal_energies(n: Any, e: Any) -> list[str]:
@@ -889,22 +907,9 @@ def _energy_calls(model: Any) -> list[str]:
     from crashsolve.model import ledger as e
 
     lines = ["clear_ledger(ledger)", f"ledger[{e.KINETIC}] = kinetic_energy(nodes)"]
-    if any(g.keyword == "parts" for g in model.groups):
-        lines.append(f"ledger[{e.PART_DAMPING}] = 0.0")
     for g in model.force_groups():
-        kind = getattr(g.module, "LEDGER", "external" if g.keyword == "loads" else "spring")
-        lines += [
-            f"for i in range(groups.{g.word}_o.shape[0]):",
-            f"    ledger[{getattr(e, STORED.get(kind, 'SPRING_STORED'))}] += "
-            f"groups.{g.word}_o[i].stored",
-        ]
-        if kind in LOST:
-            lines.append(
-                f"    ledger[{getattr(e, LOST[kind])}] += "
-                f"groups.{g.word}_h[clock.current, i].dissipated"
-            )
-        if g.keyword == "parts":
-            lines += _part_damping(g, e.PART_DAMPING)
+        lines.append(f"for i in range(groups.{g.word}_o.shape[0]):")
+        lines += _beam_energies(g, e) if g.keyword == "parts" else _law_energies(g, e)
     for g in model.element_groups():
         lines += [
             f"for i in range(groups.{g.word}_o.shape[0]):",
@@ -913,9 +918,12 @@ def _energy_calls(model: Any) -> list[str]:
             *(f"    {_alias(k)}.add_energies(groups.{g.word}_p[i], o, groups)" for k in _kinds(g)),
             # points of implicit steps are bodies
             *([] if is_assembled(model) else [f"    ledger[{e.KINETIC}] += o.kinetic"]),
-            f"    ledger[{e.SPRING_STORED}] += o.strain + o.hourglass + o.drilling",
-            f"    ledger[{e.SPRING_DISSIPATED}] += o.plastic + o.drag + o.damping + o.eroded",
+            f"    ledger[{e.ELASTIC}] += o.strain",
+            f"    ledger[{e.HOURGLASS}] += o.hourglass",
+            f"    ledger[{e.DRILLING}] += o.drilling",
+            f"    ledger[{e.PLASTIC}] += o.plastic",
             f"    ledger[{e.PART_DAMPING}] += o.drag + o.damping",
+            f"    ledger[{e.ERODED}] += o.eroded",
         ]
     if model.elements:
         lines += ["points.guard(clock, nodes, groups.points)"]

@@ -31,7 +31,7 @@ def open_cards(cards):
         for j in range(3):
             c.force[j] = 0.0
         c.normal = c.tangential = c.impact_speed = c.touching = 0.0
-        c.stored = c.dissipated = c.friction = 0.0
+        c.stored = c.dissipated = c.friction_dissipated = 0.0
         c.depth = -1e300
 
 
@@ -47,7 +47,7 @@ def close_cards(clock, cards, history):
             new.impulse[j] = total + clock.share * (c.force[j] - new.late[j])
             new.force_before[j] = c.force[j]
         c.dissipated += old.left_dissipated
-        c.friction += old.left_friction_dissipated
+        c.friction_dissipated += old.left_friction_dissipated
         new.left_dissipated = old.left_dissipated
         new.left_friction_dissipated = old.left_friction_dissipated
         new.peak_normal = max(old.peak_normal, c.normal)
@@ -227,7 +227,7 @@ def sum_losses(c, new):
     """Add the losses and the depth of one pair to its contact card. Writes: c."""
     c.depth = max(c.depth, new.depth)
     c.dissipated += new.dissipated
-    c.friction += new.friction_dissipated
+    c.friction_dissipated += new.friction_dissipated
 
 
 @kernel

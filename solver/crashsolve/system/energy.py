@@ -10,13 +10,15 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.model.clock import ENERGY, NOT_FINITE
 from crashsolve.model.ledger import (
     DRIVER_WORK,
+    ELASTIC,
     EXTERNAL_WORK,
     IMBALANCE,
     INITIAL,
+    INTERNAL,
     KINETIC,
     LARGEST,
+    PLASTIC,
     POTENTIAL,
-    SPRING_STORED,
 )
 from crashsolve.system.kinetics import bad_node
 
@@ -46,13 +48,14 @@ def close_ledger(ledger):
     """Imbalance and largest energy from the entries. Writes: ledger."""
     total = ledger[KINETIC] + ledger[POTENTIAL]
     largest = max(ledger[LARGEST], ledger[KINETIC], abs(ledger[INITIAL]))
-    for k in range(SPRING_STORED, EXTERNAL_WORK):
+    for k in range(ELASTIC, EXTERNAL_WORK):
         total += ledger[k]
         largest = max(largest, abs(ledger[k]))
     largest = max(largest, abs(ledger[EXTERNAL_WORK]), abs(ledger[DRIVER_WORK]))
     ledger[LARGEST] = largest
     outside = ledger[EXTERNAL_WORK] + ledger[DRIVER_WORK]
     ledger[IMBALANCE] = total - outside - ledger[INITIAL]
+    ledger[INTERNAL] = ledger[ELASTIC] + ledger[PLASTIC]
 
 
 @kernel

@@ -133,7 +133,7 @@ class Engine:
                 break
         s.rows["multiplier"] = s.rows["before"] = s.rows["reaction"]
         ledger = s.ledger.tolist()
-        stored = [ledger[k] for k in energy.STORED]
+        stored = [ledger[k] for k in energy.MECHANICAL]
         s.ledger[energy.INITIAL], s.ledger[energy.LARGEST] = sum(stored), max(0.0, *stored)
         s.ledger[energy.IMBALANCE] = 0.0
 
@@ -201,6 +201,10 @@ class Engine:
         if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
+
+    def probe(self, arrays: dict[str, np.ndarray]) -> None:
+        """A sample of other tables of this scene, of other lengths. Writes: arrays."""
+        self._advance(float(arrays["clock"][0]["time"]), True, Tables(arrays))
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""

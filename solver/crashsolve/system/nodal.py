@@ -247,7 +247,7 @@ def close_pass(tally, card):
     card.depth = max(card.depth, 0.0)
     card.stored += tally.stored + tally.bristled
     card.dissipated += tally.dissipated
-    card.friction += tally.rubbed
+    card.friction_dissipated += tally.rubbed
 
 
 @kernel
