@@ -172,7 +172,10 @@ class Result:
         name = next(iter(self._history), None)
         if name is None:
             return np.empty(0)
-        time: np.ndarray = self._whole(self._history[name]["time"], 1)[:].astype(float)
+        dataset = self._whole(self._history[name]["time"], 1)
+        if dataset.dtype.kind != "f":
+            raise PostError(f"{self.file}: the times of the samples are no numbers")
+        time: np.ndarray = dataset[:].astype(float)
         time = time[: np.count_nonzero(np.isfinite(time))]
         # reserved rows come last, and times increase
         if not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():

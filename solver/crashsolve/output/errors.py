@@ -1,4 +1,4 @@
-"""Errors of this package: a result file could not be written or read, or should hold NaN."""
+"""The one error of this package: a result file could not be written or read."""
 
 from pathlib import Path
 
@@ -15,9 +15,3 @@ class OutputError(CrashsolveError):
         self.path = Path(path)
         self.reason = str(reason)
         super().__init__(printable(f"{self.path}: {self.reason}"))
-
-
-class NotFiniteError(OutputError):
-    """A result is no number: the run has gone wrong, not the file; ends it with exit code 4."""
-
-    exit_code = ExitCode.SOLVER

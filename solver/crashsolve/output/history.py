@@ -16,7 +16,7 @@ import numpy as np
 
 from crashsolve.output import layout
 from crashsolve.output.channels import Family
-from crashsolve.output.errors import NotFiniteError, OutputError
+from crashsolve.output.errors import OutputError
 from crashsolve.output.files import replacing_hdf5, reported, write_metadata
 from crashsolve.output.peaks import Extremes
 
@@ -125,7 +125,7 @@ class HistoryWriter:
             name = family.channel(entity, column)
             told = f"{name} is {block[entity, column]} at t = {time:.9g} s"
             advice = "look for numbers of the deck that are far too large or too small"
-            raise NotFiniteError(self.path, f"{told}; {advice}")
+            raise OutputError(self.path, f"{told}; {advice}")
         return block
 
     def _read_kept_rows(self, resume_time: float) -> None:
