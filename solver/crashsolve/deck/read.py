@@ -109,7 +109,7 @@ class _Reader:
         expect = [self.card(item, Expect) for item in self.items["expect"].values()]
         watch = [self.card(item, Watch) for item in self.items["watch"].values()]
         title = self.title()
-        self.leave_out_endless(entries["parts"])
+        self.refuse_endless(entries["parts"])
         self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.mistakes)
         entries["joints"] |= joints_of_parts(entries, self.mistakes)
         for group in entries.values():
@@ -138,10 +138,10 @@ class _Reader:
             entries=entries,
         )
 
-    def leave_out_endless(self, parts: dict[str, Entry]) -> None:
-        """Report and leave out the parts with which the model is too large for this machine."""
+    def refuse_endless(self, parts: dict[str, Entry]) -> None:
+        """Raise DeckErrors at a part with which the model is too large: its names have no room."""
         shells = beams = 0
-        for name, part in list(parts.items()):
+        for part in parts.values():
             own = getattr(part.card, "beams", 0)
             mesh = getattr(part.card, "mesh", None)
             more = 0 if own else getattr(mesh, "count", 0)
@@ -149,9 +149,8 @@ class _Reader:
             if why:
                 path = ("mesh", "elements") if hasattr(mesh, "elements") else ("elements",)
                 self.refuse(part.item, Mistake(path, why, "take fewer"))
-                del parts[name]
-            else:
-                shells, beams = shells + more, beams + own
+                raise DeckErrors(self.in_order())
+            shells, beams = shells + more, beams + own
 
     def in_order(self) -> list[DeckError]:
         """Each mistake once, by file and line; those of the command line first."""
