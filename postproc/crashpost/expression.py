@@ -113,7 +113,9 @@ class _Evaluation:
             case ast.Div():
                 with np.errstate(divide="ignore", invalid="ignore"):
                     quotient = np.divide(a.values, b.values)
-                if not np.all(np.isfinite(quotient)):
+                # who asks for such a moment is told (statistic.py)
+                quotient = np.where(np.isfinite(quotient), quotient, np.nan)
+                if not np.any(np.isfinite(quotient)):
                     raise PostError(f"division by zero in '{self.expression}'")
                 return _Term(quotient, _product(a, b, -1))
         raise PostError(f"only + - * / are known in '{self.expression}'")

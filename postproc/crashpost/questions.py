@@ -10,6 +10,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from crashpost.errors import PostError
 from crashpost.result import Result
 from crashpost.statistic import statistic, unit_of, within
@@ -38,6 +40,8 @@ def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
         if word == PATH:
             time, values, unit = within(series, during) if during else series
             wanted = asked.get("unit") or unit
+            if not np.isfinite(values).all():
+                raise PostError("division by zero at some of its samples")
             return {
                 "time": time.tolist(),
                 "value": (values * factor(unit, wanted)).tolist(),

@@ -45,7 +45,7 @@ from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.pulse import Pulse
 from crashsolve.remarks import deleted, undeformed, untouched
-from crashsolve.resume import FREE, changing, differing, restore
+from crashsolve.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.sampling import Schedule
 from crashsolve.system.engine import Engine
 from crashsolve.totals import write_totals
@@ -132,6 +132,7 @@ class Run:
         self.estimating: Estimating | None = None
         self.schedule = Schedule.of(deck)
         self.history_step = self.schedule.interval
+        self.sampled = self.schedule.start
         span, out = self.schedule.end - self.schedule.start, deck.output
         self.state_step = out.states.interval or span / 50 or 1.0
         self.log_step = out.log.interval or span / 20 or 1.0
@@ -295,7 +296,8 @@ class Run:
         end = self.schedule.end
         self.pulse.does("one step")
         phases = self.account.phases = ContactPhases(self.engine)
-        k = self.schedule.number(float(self.engine.clock["sampled"]))
+        self.sampled = float(self.engine.clock["sampled"])
+        k = self.schedule.number(self.sampled)
         target = self.schedule.time(k)
         while target < end:
             k += 1
@@ -311,6 +313,7 @@ class Run:
             phases.count()
             self.account.keep_alive()
             self._write(target, force=target == end)
+            self.sampled = target
             self._obey()
             self.cpu["output"] += time.process_time() - advanced
 
@@ -325,9 +328,9 @@ class Run:
             self._dump()
 
     def _due(self, now: float, step: float) -> bool:
-        """Whether a multiple of `step` lies in the last history interval."""
+        """Whether a multiple of `step` has come since the last sample."""
         begun = now - self.deck.control.start_time
-        before = begun - self.history_step
+        before = self.sampled - self.deck.control.start_time
         return int(begun / step + 1e-9) > int(before / step + 1e-9)
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
@@ -374,6 +377,9 @@ class Run:
             control = self.engine.model.control[0]
             longest = float(control["step_max"])
             clock["next_step"] = control["fixed_step"] or min(float(clock["next_step"]), longest)
+        if self.deck.control.estimate != "off" and any(name in OF_ERRORS for name, _ in differ):
+            text = "the errors of watched channels are told as if all had run with these settings"
+            self.log.warning(f"what was before went by others: {text}")
         now = float(clock["sampled"])
         others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
         self.log.line(f"going on from t = {now:.6g} s{others}")

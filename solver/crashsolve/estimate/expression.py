@@ -38,15 +38,16 @@ def channels_in(expression: str) -> list[str]:
 
 
 def evaluate(expression: str, time: np.ndarray, values: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Values (n,) of an expression at the sample times (n,). Raises ValueError."""
+    """Values (n,) of an expression at the sample times (n,); NaN where it divides by zero.
+
+    Raises ValueError.
+    """
     if expression.strip() in values:
         return values[expression.strip()]
     known = {**values, "time": time}
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.broadcast_to(_value(_tree(expression), time, known), time.shape)
-    if not np.isfinite(found).all():
-        raise ValueError(f"division by zero in '{expression}'")
-    return found
+    return np.where(np.isfinite(found), found, np.nan)
 
 
 def is_sampled(expression: str) -> bool:

@@ -27,6 +27,7 @@ from crashsolve.system import sharing
 from crashsolve.system.nodal_text import nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
+TIMES = "contact_times.time_cards(TIME, h, clock, groups.cards, groups.card_history)"
 CARRY = "points.carry(h, nodes, groups.points, groups.riders)"
 RENEWAL = [
     "tangents(clock, nodes, curves, compliant, groups)",
@@ -152,6 +153,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     for g in model.groups:
         arrays |= {f"{g.word}_p": g.parameters, f"{g.word}_h": g.history, f"{g.word}_o": g.output}
+        if g.members is not None:
+            arrays[f"{g.word}_members"] = g.members
     for c in model.contact_groups:
         arrays |= {
             f"{c.word}_a": c.elements_a,
@@ -252,6 +255,8 @@ def _imports(model: Any) -> str:
     if model.nodal_groups:
         rubs = any(n.friction for n in model.nodal_groups)
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
+    if touches(model):
+        lines.append("from crashsolve.system import contact_times")
     if any(n.is_smooth for n in model.nodal_groups):
         lines.append("from crashsolve.system import normals")
     if any(n.is_round for n in model.nodal_groups):
@@ -301,13 +306,14 @@ def _joint_calls(model: Any, stage: str) -> list[str]:
 def _force_calls(model: Any) -> list[str]:
     lines = ["slaves.carry(groups.slaves, nodes)"] * has_slaves(model) + _element_calls(model)
     for g in model.force_groups():
+        words = "curves, groups" + f", groups.{g.word}_members" * (g.members is not None)
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
             "for i in range(p.shape[0]):",
             "    old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]",
             f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
             *(
-                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, curves, groups)"]
+                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, {words})"]
                 * (model.elements is not None and hasattr(g.module, "force_on_points"))
             ),
             *(f"    {line}" for line in _load_calls(model, g)),
@@ -333,6 +339,7 @@ def _force_calls(model: Any) -> list[str]:
             lines += [f"{n.word}(clock, h, nodes, curves, groups)" for n in model.nodal_groups]
             lines += ["nodal.close_loads(groups)"]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
+        lines += [TIMES.replace("TIME", "time")]
     if model.elements and not is_assembled(model):
         # that of the mesh takes the place of that of its elements
         lines += ["clock.element_rate = 0.0"]
@@ -628,7 +635,7 @@ def _react_calls(model: Any) -> list[str]:
         params, history, elements = _pairs(c).split(", ", 2)
         call = f"{params}, {history}, groups.{c.word}_o, {elements}"
         lines.append(f"captures.settle(h, clock, {call}, nodes, groups.cards, groups.card_history)")
-    return lines
+    return [*lines, TIMES.replace("TIME", "clock.time + h")]
 
 
 def _data(c: Any) -> str:
