@@ -80,6 +80,8 @@ def plain_name(text: str) -> str:
 
 
 NewName = Annotated[str, AfterValidator(plain_name)]
+
+
 def reference_of(annotation: Any) -> str:
     """Keyword of the entries that a field, or each entry of its list, refers to; "" for none."""
     marks = getattr(annotation, "metadata", getattr(annotation, "__metadata__", ()))
