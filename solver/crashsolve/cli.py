@@ -10,7 +10,6 @@ crashsolve schema    crashsolve keywords    crashsolve equations
 import argparse
 import ctypes
 import gc
-import os
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import Any
 
 from crashsolve import __version__
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
+from crashsolve.foundation.streams import give_up, open_standard_streams, printable, tell_error
 
 COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "example", "manual")
 COMMANDS += ("schema", "keywords", "equations")
@@ -30,6 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     # imports make many objects that stay: looking for garbage among them is a tenth of a warm start
     gc.set_threshold(100_000)
     give_back_memory()
+    open_standard_streams()
     given = sys.argv[1:] if arguments is None else arguments
     # `crashsolve deck.yaml` is short for `crashsolve run deck.yaml`
     if given and given[0] not in COMMANDS and not given[0].startswith("-"):
@@ -40,12 +41,22 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except CrashsolveError as error:
-        print(error, file=sys.stderr)
+        tell_error(str(error))
         return int(error.exit_code)
+    except KeyboardInterrupt:
+        tell_error("interrupted")
+        return int(ExitCode.STOPPED)
     except BrokenPipeError:
-        # the reader, such as `head`, has seen enough; what is left to flush goes nowhere
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # the reader, such as `head`, has seen enough
+        give_up(sys.stdout)
         return int(ExitCode.NORMAL)
+    except OSError as error:
+        # files are answered for where they are opened: what is left is standard output
+        if error.filename is not None:
+            raise
+        give_up(sys.stdout)
+        tell_error(f"standard output: {error.strerror}")
+        return int(ExitCode.OUTPUT)
 
 
 def give_back_memory() -> None:
@@ -206,8 +217,8 @@ def _check(options: argparse.Namespace) -> int:
 
     model, _ = build(read_deck(options.deck, _overrides(options)))
     for text in model.warnings:
-        print(f"warning: {text}")
-    print(f"{options.deck}: no mistakes found")
+        print(printable(f"warning: {text}"))
+    print(printable(f"{options.deck}: no mistakes found"))
     return ExitCode.NORMAL
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.machine import runs_plain
 from crashsolve.foundation.table import Tables
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
@@ -75,7 +76,7 @@ class Engine:
         self._advance = load(compose(model), self._present)
         # asked now and then between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
-        self._steps_per_call = FIRST_CALL
+        self._steps_per_call = 1 if runs_plain() else FIRST_CALL
 
     def bind(self) -> None:
         """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
