@@ -109,7 +109,7 @@ class Account:
             int(clock["cycle"]),
             float(clock["time"]),
             float(clock["step"]),
-            float(e.ledger[KINETIC]),
+            float(newest_ledger(e)[KINETIC]),
             balance(e),
             float(clock["residual"]),
             self.pace.left,
@@ -213,9 +213,16 @@ class Pace:
                 self._mark = wall, now
 
 
+def newest_ledger(engine: Engine) -> np.ndarray:
+    """Energies of the last sample, or of a later look of the guard in the compiled loop."""
+    since = int(engine.clock["cycle"]) - int(engine.sampled["cycle"])
+    is_old = since >= int(engine.model.control[0]["check_every"])
+    return engine.state.ledger if is_old else engine.ledger
+
+
 def balance(engine: Engine) -> float:
     """Energy that is missing or too much, in % of the largest energy."""
-    ledger = engine.ledger
+    ledger = newest_ledger(engine)
     return float(100.0 * ledger[IMBALANCE] / ledger[LARGEST]) if ledger[LARGEST] > 0 else 0.0
 
 

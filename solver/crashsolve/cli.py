@@ -3,6 +3,7 @@
 crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart [--until T]]
 crashsolve check DECK    crashsolve explain DECK
 crashsolve study DECK [--steps A,B] [--integrators A,B] [--meshes 1,2] [--channel C[:STATISTIC]]
+crashsolve example [NAME [-o DIR]]    crashsolve manual [PAGE]
 crashsolve schema    crashsolve keywords    crashsolve equations
 """
 
@@ -17,7 +18,8 @@ from pathlib import Path
 from crashsolve import __version__
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
 
-COMMANDS = ("run", "check", "explain", "study", "schema", "keywords", "equations")
+COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "example", "manual")
+COMMANDS += ("schema", "keywords", "equations")
 
 STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
 
@@ -80,6 +82,15 @@ def _parser() -> argparse.ArgumentParser:
     _study_arguments(
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
+    example = commands.add_parser("example", help="list example decks, print one, or write it")
+    example.add_argument("name", nargs="?", help="of a deck; without it they are listed")
+    example.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="write it there with all that it includes"
+    )
+    example.set_defaults(act=_example)
+    manual = commands.add_parser("manual", help="list the pages of the manual, or print one")
+    manual.add_argument("page", nargs="?", help="without it the pages are listed")
+    manual.set_defaults(act=_manual)
     for word, act, text in (
         ("schema", _schema, "JSON Schema of the deck, for editors"),
         ("keywords", _keywords, "the keyword manual, as Markdown"),
@@ -201,6 +212,37 @@ def _explain(options: argparse.Namespace) -> int:
 
     deck = read_deck(options.deck, _overrides(options))
     print(explain(deck, build(deck)[0]))
+    return ExitCode.NORMAL
+
+
+def _example(options: argparse.Namespace) -> int:
+    from crashsolve import examples
+
+    known = examples.decks()
+    if options.name is None:
+        print(examples.listing(known))
+        return ExitCode.NORMAL
+    path = examples.named(options.name, known, "example")
+    if options.output:
+        for target in examples.write(path, options.output):
+            print(target)
+        return ExitCode.NORMAL
+    print(path.read_text("utf-8"), end="")
+    others = [file.name for file in examples.needed(path)[1:]]
+    if others:
+        told = f"it needs {', '.join(others)}: crashsolve example {options.name} -o DIR writes all"
+        print(told, file=sys.stderr)
+    return ExitCode.NORMAL
+
+
+def _manual(options: argparse.Namespace) -> int:
+    from crashsolve import examples
+
+    known = examples.pages()
+    if options.page is None:
+        print(examples.listing(known))
+    else:
+        print(examples.named(options.page, known, "page").read_text("utf-8"), end="")
     return ExitCode.NORMAL
 
 

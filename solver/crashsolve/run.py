@@ -40,7 +40,7 @@ from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.pulse import Pulse
 from crashsolve.remarks import deleted, undeformed, untouched
-from crashsolve.resume import FREE, changing, differing, restore
+from crashsolve.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.sampling import Schedule
 from crashsolve.system.engine import Engine
 from crashsolve.totals import write_totals
@@ -359,6 +359,9 @@ class Run:
             control = self.engine.model.control[0]
             longest = float(control["step_max"])
             clock["next_step"] = control["fixed_step"] or min(float(clock["next_step"]), longest)
+        if self.deck.control.estimate != "off" and any(name in OF_ERRORS for name, _ in differ):
+            text = "the errors of watched channels are told as if all had run with these settings"
+            self.log.warning(f"what was before went by others: {text}")
         now = float(clock["sampled"])
         others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
         self.log.line(f"going on from t = {now:.6g} s{others}")

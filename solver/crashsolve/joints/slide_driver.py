@@ -6,7 +6,7 @@ lambda is the driving force on body b. Consequence to test: a mass driven by f =
 needs the force -m A omega^2 sin(omega t).
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.compile import kernel
@@ -28,6 +28,8 @@ PARAMETERS = POINTS + Record(
 
 class SlideDriver(DrivenCard):
     """Prescribes the travel of a prismatic or cylindrical joint; zero at the start."""
+
+    curve_axes: ClassVar = {"curve": ("s", "m")}
 
     joint: JointName = word("prismatic or cylindrical joint")
 

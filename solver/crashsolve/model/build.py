@@ -24,6 +24,7 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
+from crashsolve.model.gyration import gyration_warnings
 from crashsolve.model.halves import halve
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import Group, Joint, Model, State
@@ -70,6 +71,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     contact_groups, nodal_groups = build_contacts(deck, scene)
     scene.raise_errors()
     refuse_motion(deck, groups)
+    scene.warnings += gyration_warnings(scene, groups, joints)
 
     saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
     model = Model(
@@ -196,7 +198,19 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
                     fill(rest[side, i], module.initial_history(entry.card, table[i], scene))
     names = [entry.name for entry in entries]
     result = np.zeros(len(entries), output.dtype)
-    return Group(keyword, entries[0].type, module, names, table, rest, result)
+    some = _members(module, entries, table, scene) if hasattr(module, "members") else None
+    return Group(keyword, entries[0].type, module, names, table, rest, result, some)
+
+
+def _members(module: Any, entries: list[Entry], table: np.ndarray, scene: Scene) -> np.ndarray:
+    """Points that the entries act on, one after the other. Writes: table."""
+    lists = [np.zeros(0, np.int64)]
+    for row, entry in zip(table, [] if scene.errors else entries, strict=not scene.errors):
+        with scene.building(entry):
+            own = module.members(entry.card, scene)
+            row["first_member"], row["member_count"] = sum(map(len, lists)), len(own)
+            lists.append(own.astype(np.int64))
+    return np.concatenate(lists)
 
 
 def _build_parts(entries: list[Entry], scene: Scene) -> Group:

@@ -137,6 +137,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     for g in model.groups:
         arrays |= {f"{g.word}_p": g.parameters, f"{g.word}_h": g.history, f"{g.word}_o": g.output}
+        if g.members is not None:
+            arrays[f"{g.word}_members"] = g.members
     for c in model.contact_groups:
         arrays |= {
             f"{c.word}_a": c.elements_a,
@@ -288,13 +290,14 @@ def _joint_calls(model: Any, stage: str) -> list[str]:
 def _force_calls(model: Any) -> list[str]:
     lines = ["slaves.carry(groups.slaves, nodes)"] * has_slaves(model) + _element_calls(model)
     for g in model.force_groups():
+        words = "curves, groups" + f", groups.{g.word}_members" * (g.members is not None)
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
             "for i in range(p.shape[0]):",
             "    old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]",
             f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
             *(
-                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, curves, groups)"]
+                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, {words})"]
                 * (model.elements is not None and hasattr(g.module, "force_on_points"))
             ),
             *(f"    {line}" for line in _load_calls(model, g)),
