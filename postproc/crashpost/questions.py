@@ -24,7 +24,7 @@ def answers(result: Result, questions: Path) -> list[dict[str, Any]]:
     """The answers to the questions in a file; raises PostError when the file is none."""
     try:
         asked = json.loads(questions.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise PostError(f"{questions}: {error}") from error
     if not isinstance(asked, list) or not all(isinstance(entry, dict) for entry in asked):
         raise PostError(f"{questions}: must be a list of tables")
@@ -53,5 +53,5 @@ def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
         return {"value": value, "unit": wanted}
     except KeyError as error:
         return {"problem": f"{error} is missing"}
-    except (PostError, TypeError, ValueError, IndexError) as error:
+    except (PostError, TypeError, ValueError, LookupError, OverflowError) as error:
         return {"problem": str(error)}

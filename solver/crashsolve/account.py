@@ -40,6 +40,27 @@ def cpu_time() -> float:
 
 
 @contextmanager
+def announced(path: Path, deck: Deck) -> Iterator[None]:
+    """While a run is prepared status.json speaks of it already, and not of one before it.
+
+    Raises OutputError.
+    """
+    span = deck.control.start_time, deck.control.end_time
+    status = Status("running", span[0], 0, span[1], 0.0, 0.0, 0.0, 0.0, message="preparing")
+    write_status(path, status)
+    try:
+        yield
+    except BaseException as error:
+        code = getattr(error, "exit_code", ExitCode.INTERNAL)
+        is_asked = isinstance(error, KeyboardInterrupt)
+        status.state = "stopped" if is_asked else "failed"
+        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
+        status.message = str(error) or type(error).__name__
+        write_status(path, status)
+        raise
+
+
+@contextmanager
 def preparing(deck: Deck, folder: Path, log: Log, pulse: Pulse) -> Iterator[None]:
     """While the step is compiled: its time in the log and status.json. Raises OutputError."""
     start, end = deck.control.start_time, deck.control.end_time

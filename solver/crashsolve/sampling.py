@@ -51,6 +51,11 @@ class Schedule:
         near = range(max(k - 2, 0), k + 3)
         return min(near, key=lambda i: (abs(self.time(i) - time), i))
 
+    def last_until(self, time: float) -> int:
+        """Number of the last sample that is not after a time, be it of another schedule."""
+        k = self.number(time)
+        return k - 1 if self.time(k) > time + SAME * self.interval else k
+
     def is_end(self, k: int) -> bool:
         """Whether sample k is the last."""
         return self.time(k) >= self.end

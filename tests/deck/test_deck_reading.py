@@ -362,6 +362,7 @@ parts:
     mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}}
 joints:
   end: {type: spherical, a: rod_end, b: ground, at: [0, 0]}
+  pin: {type: revolut, a: rood, b: ground, at: [0, 0, 0], axis: [0, 0, 1]}
 surfaces:
   floor: {type: plane}
 contacts:
@@ -375,9 +376,11 @@ BESIDE = (
     "6:43: error: part 'rod': material: unknown material 'steal'; did you mean 'steel'?",
     "6:50: error: part 'rod': unknown field 'colour'",
     "9:49: error: joint 'end': at: must have 3 values, not 2",
-    "13:15: error: contact 'touch': a: unknown surface 'flor'; did you mean 'floor'?",
-    "13:49: error: contact 'touch': normal: unknown type 'hertzz'; did you mean 'hertz'?",
-    "13:57: error: contact 'touch': normal: unknown field 'k'; did you mean 'stiffness'?",
+    "10:15: error: joint 'pin': unknown type 'revolut'; did you mean 'revolute'?",
+    "10:27: error: joint 'pin': a: unknown body 'rood'",
+    "14:15: error: contact 'touch': a: unknown surface 'flor'; did you mean 'floor'?",
+    "14:49: error: contact 'touch': normal: unknown type 'hertzz'; did you mean 'hertz'?",
+    "14:57: error: contact 'touch': normal: unknown field 'k'; did you mean 'stiffness'?",
 )
 
 

@@ -13,6 +13,7 @@ from command import crashsolve, differences, gone_on, start
 
 from crashpost.cli import main as crashpost
 from crashsolve.resume import differing
+from crashsolve.sampling import Schedule
 
 HEAP = Path(__file__).parent / "heap.yaml"
 
@@ -237,3 +238,17 @@ def test_what_says_only_how_to_go_on_may_differ() -> None:
     assert differing(on, told) == [("output", False)]
     for word, other in (("mass: 1", "mass: 2"), ("b: {mass", "c: {mass"), ("safety", "threads")):
         assert any(bound for _, bound in differing(old, old.replace(word, other))), word
+
+
+@pytest.mark.parametrize("share", [1e-6, 0.3, 0.499, 0.7, 1.3])
+def test_no_sample_of_another_schedule_is_passed_over(share: float) -> None:
+    interval = 1e-3
+    done = 0.2
+    # an end just behind what has been sampled is reached as well
+    schedule = Schedule(0.0, done + share * interval, interval)
+    k = schedule.last_until(done)
+    assert schedule.time(k) <= done < schedule.time(k + 1)
+    # and so with intervals of another length
+    other = Schedule(0.0, 1.0, 0.77e-3)
+    k = other.last_until(done + share * interval)
+    assert other.time(k) <= done + share * interval < other.time(k + 1)

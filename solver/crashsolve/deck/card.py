@@ -39,15 +39,17 @@ from crashsolve.deck.mistakes import (
     told,
 )
 from crashsolve.deck.numbers import Context, number, number_in
-from crashsolve.deck.source import BROKEN
+from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE
 from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
-__all__ += ["MaterialName", "PartName", "Reference", "SectionName", "SensorName", "SpringName"]
-__all__ += ["SetName", "SurfaceName", "existing_file", "number_as_name"]
+__all__ += ["MaterialName", "NewName", "PartName", "Reference", "SectionName", "SensorName"]
+__all__ += ["SetName", "SpringName", "SurfaceName", "existing_file", "number_as_name"]
 __all__ += ["reference_of"]
 
+# whole numbers that every part of the program counts exactly
+MOST = 2**53
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -68,6 +70,16 @@ class Reference:
         name = Name(text)
         name.keyword = self.keyword
         return name
+
+
+def plain_name(text: str) -> str:
+    """A name that is part of channels and of files: letters, digits, _ and -."""
+    if not NAME.fullmatch(text):
+        refuse(f"{shown(text)} is not a valid name", NAME_ADVICE)
+    return text
+
+
+NewName = Annotated[str, AfterValidator(plain_name)]
 
 
 def reference_of(annotation: Any) -> str:
@@ -228,11 +240,13 @@ def _to_si(
 
 
 def _check_bounds(result: Any, written: Any, field: Declared, at: tuple[int, ...] = ()) -> None:
-    if isinstance(result, tuple) and field.bounds:
+    if isinstance(result, tuple) and isinstance(written, list | tuple):
         for i, (part, text) in enumerate(zip(result, written, strict=True)):
             _check_bounds(part, text, field, (*at, i))
     if isinstance(result, bool) or not isinstance(result, int | float):
         return
+    if isinstance(result, int) and abs(result) > MOST:
+        refuse(f"must be at most {MOST:g}", within=at)
     for bound, (holds, words) in BOUNDS.items():
         limit = field.bounds.get(bound)
         if limit is not None and not holds(result, limit):

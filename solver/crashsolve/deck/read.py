@@ -23,6 +23,7 @@ from crashsolve.deck.output import Output
 from crashsolve.deck.overrides import place_given, set_fields
 from crashsolve.deck.parameters import Parameters
 from crashsolve.deck.sections import SECTIONS
+from crashsolve.deck.size import excess
 from crashsolve.deck.source import BROKEN, Position, Table, locate
 from crashsolve.deck.units import Units
 from crashsolve.deck.watch import Watch
@@ -118,6 +119,7 @@ class _Reader:
         expect = [self.card(item, Expect) for item in self.items["expect"].values()]
         watch = [self.card(item, Watch) for item in self.items["watch"].values()]
         title = self.title()
+        self.refuse_endless(entries["parts"])
         self.unread_parts = set(self.items["parts"]) - set(entries["parts"])
         self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.mistakes)
         entries["joints"] |= joints_of_parts(entries, self.mistakes)
@@ -150,6 +152,20 @@ class _Reader:
             entries=entries,
         )
 
+    def refuse_endless(self, parts: dict[str, Entry]) -> None:
+        """Raise DeckErrors at a part with which the model is too large: its names have no room."""
+        shells = beams = 0
+        for part in parts.values():
+            own = getattr(part.card, "beams", 0)
+            mesh = getattr(part.card, "mesh", None)
+            more = 0 if own else getattr(mesh, "count", 0)
+            why = excess(shells + more, beams + own)
+            if why:
+                path = ("mesh", "elements") if hasattr(mesh, "elements") else ("elements",)
+                self.refuse(part.item, Mistake(path, why, "take fewer"))
+                raise DeckErrors(self.in_order())
+            shells, beams = shells + more, beams + own
+
     def in_order(self) -> list[DeckError]:
         """Each mistake once, by file and line; those of the command line first."""
         order = {str(file): i for i, file in enumerate(self.tables)}
@@ -173,6 +189,8 @@ class _Reader:
         if item and not isinstance(value, str) and value is not BROKEN:
             message = f"must be text, not {shown(value)}"
             self.mistakes.append(DeckError(*item.at, "title", message, "put it in quotes"))
+        if item and "\n" in str(value):
+            self.mistakes.append(DeckError(*item.at, "title", "must be one line"))
         return str(value)
 
     def single(self, keyword: str, kind: type[AnyCard]) -> AnyCard | None:
@@ -211,7 +229,9 @@ class _Reader:
                 self.refuse(item, Mistake(("type",), error.message, error.advice))
             if error.near:
                 # what else is wrong, if this one is meant
-                self.card(item, law_class(section.folder, error.near), "type", is_certain=False)
+                kind = law_class(section.folder, error.near)
+                meant = self.card(item, kind, "type", is_certain=False)
+                self.unread += [(item, list(_names(meant)))] * (meant is not None)
             else:
                 self.substituted(item)
             return None

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.foundation.curve import pack
+from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.machine import runs_plain
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
@@ -24,6 +25,7 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
+from crashsolve.model.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.gyration import gyration_warnings
 from crashsolve.model.halves import halve
 from crashsolve.model.ledger import ENTRIES
@@ -54,6 +56,17 @@ def build(deck: Deck) -> tuple[Model, State]:
 
     Raises: DeckErrors naming every card that cannot be built.
     """
+    try:
+        # what becomes of them is looked at below, card by card
+        with np.errstate(all="ignore"):
+            model, state = _build(deck)
+            refuse_beyond(deck, model, state)
+    except BEYOND_NUMBERS:
+        raise DeckErrors([of_model(deck)]) from None
+    return model, state
+
+
+def _build(deck: Deck) -> tuple[Model, State]:
     scene = Scene(deck)
     curves = _build_curves(deck, scene)
     # what follows stands on sound bodies and curves

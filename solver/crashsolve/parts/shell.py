@@ -26,6 +26,7 @@ from crashsolve.deck.card import (
     Card,
     Law,
     MaterialName,
+    NewName,
     PartName,
     SetName,
     Vec3,
@@ -108,21 +109,21 @@ PIECE = 1024
 class NamedNode(Card):
     """A node that is a body of the deck, for joints, loads, contacts, sensors and channels."""
 
-    name: str = word("the body is called P_name in part P")
+    name: NewName = word("the body is called P_name in part P")
     at: Vec3 = quantity("m", "place; the nearest node is meant")
 
 
 class Trace(Card):
     """A place whose history is written."""
 
-    name: str = word("in channels P_name, for part P")
+    name: NewName = word("in channels P_name, for part P")
     at: Vec3 = quantity("m", "place; the nearest node or element is meant")
 
 
 class Cut(Card):
     """Section whose force and moment are written: the elements that a plane cuts at the start."""
 
-    name: str = word("in channels P_name, for part P")
+    name: NewName = word("in channels P_name, for part P")
     at: Vec3 = quantity("m", "point of the plane")
     normal: Vec3 = word("of the plane, towards the side on which the force acts")
 

@@ -7,15 +7,16 @@ group) followed by the integrator's own text. Nothing that the scene lacks appea
 
 import ast
 import hashlib
-import os
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.cache import read_own, write_whole
 from crashsolve.foundation.compile import PACKAGE, cache_folder
-from crashsolve.foundation.machine import Function, machine_code, machine_codes
+from crashsolve.foundation.machine import Function, machine_code, machine_codes, runs_plain
 from crashsolve.foundation.table import Tables
+from crashsolve.model.clock import NOT_FINITE
 from crashsolve.model.compliance import (
     contact_rows,
     has_nodal_tangents,
@@ -123,13 +124,28 @@ def _insert(name: str, given: dict[str, str], texts: dict[str, str]) -> str:
 def load(text: str, tables: Tables) -> Function:
     """The composed step, compiled, under a name and file that depend on nothing but the text."""
     path = cache_folder() / f"crashsolve_step_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
-    if not path.exists():
-        temporary = path.with_suffix(f".{os.getpid()}")
-        temporary.write_text(text, "utf-8")
-        os.replace(temporary, path)
+    if read_own(path) != text.encode():
+        write_whole(path, text.encode())
+    if runs_plain():
+        return ends_in_nan(machine_code(path, "advance", tables))
     if tables.second is None:
         return machine_code(path, "advance", tables)
     return sharing.together(*machine_codes(path, ("advance", "assist"), tables))
+
+
+def ends_in_nan(advance: Function) -> Function:
+    """Plain Python raises where compiled code goes on with infinity or NaN, and is stopped."""
+
+    def plain(number: float, flag: bool, tables: Any) -> None:
+        try:
+            advance(number, flag, tables)
+        except (ArithmeticError, ValueError) as error:
+            is_meant = isinstance(error, ArithmeticError) or "math domain" in str(error)
+            if not is_meant and "cannot convert float" not in str(error):
+                raise
+            tables.clock[0]["status"] = NOT_FINITE
+
+    return plain
 
 
 def group_arrays(model: Any, state: Any) -> dict[str, Any]:

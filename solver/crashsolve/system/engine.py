@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.machine import runs_plain
 from crashsolve.foundation.table import Tables
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
@@ -65,6 +66,8 @@ class Engine:
         self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
         self._limit = float(model.control[0]["energy_limit"])
         self._corners = corners_in_time(model)
+        # of motion: an equilibrium has none
+        self.has_stages = len(state.stages) > 0
         self.is_dense = samples_within_steps(model)
         self.tableau = self._tableau()
         self.stages = self._stages()
@@ -75,7 +78,7 @@ class Engine:
         self._advance = load(compose(model), self._present)
         # asked now and then between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
-        self._steps_per_call = FIRST_CALL
+        self._steps_per_call = 1 if runs_plain() else FIRST_CALL
 
     def bind(self) -> None:
         """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
@@ -147,7 +150,7 @@ class Engine:
 
     def advance(self, until: float) -> None:
         """Step to exactly `until` [s]. Raises SolverError at a numerical stop."""
-        self._step(until, until)
+        self._go_by_corners(until, until)
 
     def reach(self, until: float) -> None:
         """Step to `until` [s], or beyond it where a sample may lie within a step.
@@ -155,24 +158,29 @@ class Engine:
         Raises SolverError at a numerical stop.
         """
         end = float(self.model.control[0]["end"])
-        self._step(until, max(until, end) if self.is_dense else until)
+        self._go_by_corners(until, max(until, end) if self.is_dense else until)
 
-    def _step(self, until: float, goal: float) -> None:
-        s, clock = self.state, self.state.clock[0]
-        while True:
-            if clock["kinked"] == CORNER and clock["time"] < until:
+    def _go_by_corners(self, until: float, goal: float) -> None:
+        """Step to `until`, one corner of a curve of time after the other."""
+        clock = self.state.clock[0]
+        while clock["time"] < until:
+            if clock["kinked"] == CORNER:
                 self._turn_corner()
             corner = self._next_corner(until)
             # stages at the end of a step are of what comes before a corner
-            end = nextafter(corner, -inf) if len(s.stages) else corner
-            clock["goal"] = min(goal, end)
-            status = self._call(min(until, end))
+            end = nextafter(corner, -inf) if self.has_stages else corner
+            self._step(min(until, end), min(goal, end))
+            if clock["time"] >= end:
+                clock["time"], clock["kinked"] = corner, CORNER
+
+    def _step(self, until: float, goal: float) -> None:
+        s = self.state
+        s.clock[0]["goal"] = goal
+        while True:
+            status = self._call(until)
             if status == REACHED:
-                if clock["time"] >= end:
-                    clock["time"], clock["kinked"] = corner, CORNER
-                if clock["time"] >= until:
-                    return
-            elif status == PAUSED:
+                return
+            if status == PAUSED:
                 self.on_pause()
             elif status == REBUILD:
                 self._refuse_passing()
@@ -197,7 +205,7 @@ class Engine:
     def _turn_corner(self) -> None:
         """What methods keep of the end of a step, as it is after the corner there."""
         clock = self.state.clock[0]
-        if len(self.state.stages):
+        if self.has_stages:
             step = float(clock["step"])
             self._advance(clock["time"], True, self._present)
             clock["step"] = step
