@@ -40,6 +40,27 @@ def cpu_time() -> float:
 
 
 @contextmanager
+def announced(path: Path, deck: Deck) -> Iterator[None]:
+    """While a run is prepared status.json speaks of it already, and not of one before it.
+
+    Raises OutputError.
+    """
+    span = deck.control.start_time, deck.control.end_time
+    status = Status("running", span[0], 0, span[1], 0.0, 0.0, 0.0, 0.0, message="preparing")
+    write_status(path, status)
+    try:
+        yield
+    except BaseException as error:
+        code = getattr(error, "exit_code", ExitCode.INTERNAL)
+        is_asked = isinstance(error, KeyboardInterrupt)
+        status.state = "stopped" if is_asked else "failed"
+        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
+        status.message = str(error) or type(error).__name__
+        write_status(path, status)
+        raise
+
+
+@contextmanager
 def preparing(deck: Deck, folder: Path, log: Log, pulse: Pulse) -> Iterator[None]:
     """While the step is compiled: its time in the log and status.json. Raises OutputError."""
     start, end = deck.control.start_time, deck.control.end_time
@@ -109,7 +130,7 @@ class Account:
             int(clock["cycle"]),
             float(clock["time"]),
             float(clock["step"]),
-            float(e.ledger[KINETIC]),
+            float(newest_ledger(e)[KINETIC]),
             balance(e),
             float(clock["residual"]),
             self.pace.left,
@@ -213,9 +234,16 @@ class Pace:
                 self._mark = wall, now
 
 
+def newest_ledger(engine: Engine) -> np.ndarray:
+    """Energies of the last sample, or of a later look of the guard in the compiled loop."""
+    since = int(engine.clock["cycle"]) - int(engine.sampled["cycle"])
+    is_old = since >= int(engine.model.control[0]["check_every"])
+    return engine.state.ledger if is_old else engine.ledger
+
+
 def balance(engine: Engine) -> float:
     """Energy that is missing or too much, in % of the largest energy."""
-    ledger = engine.ledger
+    ledger = newest_ledger(engine)
     return float(100.0 * ledger[IMBALANCE] / ledger[LARGEST]) if ledger[LARGEST] > 0 else 0.0
 
 

@@ -4,6 +4,7 @@ Signals: SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is
 send it along). The words stop, dump and states in control.txt of the results folder do the same.
 """
 
+import os
 import signal
 import time
 from collections.abc import Mapping
@@ -14,9 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.account import Account, cpu_time, preparing, provenance
+from crashsolve.account import Account, announced, cpu_time, preparing, provenance
+from crashsolve.deck.mistakes import shown
 from crashsolve.deck.read import Deck, read_deck
+<<<<<<< HEAD
 from crashsolve.engines import engine_of, is_static
+=======
+from crashsolve.foundation.cache import notes as cache_notes
+>>>>>>> main
 from crashsolve.foundation.errors import (
     CrashsolveError,
     DeckError,
@@ -25,11 +31,13 @@ from crashsolve.foundation.errors import (
     RunStopped,
 )
 from crashsolve.foundation.machine import forget_linker
+from crashsolve.foundation.streams import say, tell_error
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import reported
+from crashsolve.output.files import read_plain, reported
 from crashsolve.output.history import HistoryWriter
+from crashsolve.output.lock import Lock
 from crashsolve.output.log import ERROR, NORMAL, STOPPED, Log
 from crashsolve.output.peaks import write_peaks
 from crashsolve.output.restart import SLOTS, newest_restart, write_restart
@@ -39,7 +47,7 @@ from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.pulse import Pulse
 from crashsolve.remarks import deleted, undeformed, untouched
-from crashsolve.resume import FREE, changing, differing, restore
+from crashsolve.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.sampling import Schedule
 from crashsolve.system.engine import Engine
 from crashsolve.totals import write_totals
@@ -49,6 +57,8 @@ if TYPE_CHECKING:
 
 # what a user may ask of a run, by control.txt and by signals
 WORDS = {"stop", "dump", "states"}
+# [bytes] of control.txt that are looked at
+MOST_CONTROL = 4096
 # of the steps that an accuracy needs, in a restart dump
 COARSENESS = "run/coarseness"
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
@@ -56,7 +66,7 @@ SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
-    with Pulse(f"reading {deck_path.name}", lambda text: print(text, flush=True)) as pulse:
+    with Pulse(f"reading {deck_path.name}", say) as pulse:
         return _solve(deck_path, folder, overrides, restart, pulse)
 
 
@@ -76,6 +86,7 @@ def _solve(
         deck = replace(deck, control=control)
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
+<<<<<<< HEAD
     built = cpu_time()
     pulse.does("compiling the step")
     going_on = restart and any((folder / slot).exists() for slot in SLOTS)
@@ -85,6 +96,21 @@ def _solve(
     spent = {"read": was_read - begun, "build": built - was_read}
     spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
     return Run(deck, engine, folder, spent, wall_begun, pulse, log).execute(restart)
+=======
+    with Lock(folder) as lock:
+        with announced(folder / "status.json", deck):
+            built = cpu_time()
+            pulse.does("compiling the step")
+            going_on = restart and any((folder / slot).exists() for slot in SLOTS)
+            log = Log(folder / "log.txt", append=going_on)
+            with preparing(deck, folder, log, pulse):
+                engine = _engine(deck, model, state)
+            spent = {"read": was_read - begun, "build": built - was_read}
+            spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
+            run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
+            dump = run.prepare(restart)
+        return run.execute(dump, [*filter(None, [lock.warning]), *cache_notes])
+>>>>>>> main
 
 
 class Run:
@@ -108,29 +134,35 @@ class Run:
         self.estimating: Estimating | None = None
         self.schedule = Schedule.of(deck)
         self.history_step = self.schedule.interval
+        self.sampled = self.schedule.start
         span, out = self.schedule.end - self.schedule.start, deck.output
         self.state_step = out.states.interval or span / 50 or 1.0
         self.log_step = out.log.interval or span / 20 or 1.0
         self.restart_step = out.restart.every
 
-    def execute(self, restart: bool) -> int:
-        """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
-        self._catch_signals()
-        notes: list[str] = []
-        dump = newest_restart(self.folder, notes.append) if restart else None
+    def prepare(self, restart: bool) -> Any:
+        """Clear the folder, or find the dump to go on from; open the log. Raises OutputError."""
+        self.notes: list[str] = []
+        dump = newest_restart(self.folder, self.notes.append) if restart else None
         if not restart:
             self._clear_folder()
         elif dump is None:
-            notes.append("no restart dump in the folder: the run begins anew")
+            self.notes.append("no restart dump in the folder: the run begins anew")
         if self.state_step < self.history_step:
-            notes.append(f"states are written with the samples, {self.history_step:.3g} s apart")
+            text = f"states are written with the samples, {self.history_step:.3g} s apart"
+            self.notes.append(text)
         self.account = Account(
             self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun, self.pulse
         )
+        self._catch_signals()
+        return dump
+
+    def execute(self, dump: Any, notes: list[str]) -> int:
+        """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
         self.pulse.say = self.account.say
         try:
             self.account.banner()
-            for text in (*notes, *self.engine.model.warnings):
+            for text in (*notes, *self.notes, *self.engine.model.warnings):
                 self.log.warning(text)
             self._begin(dump)
             self._march()
@@ -142,6 +174,8 @@ class Run:
             self._end("finished", ExitCode.NORMAL, "")
             return ExitCode.NORMAL
         except RunStopped as stop:
+            # it is ending: a second interrupt would come too late to change that
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
             self.log.line(str(stop))
             self._end("stopped", ExitCode.STOPPED, str(stop))
             raise
@@ -264,7 +298,8 @@ class Run:
         end = self.schedule.end
         self.pulse.does("one step")
         phases = self.account.phases = ContactPhases(self.engine)
-        k = self.schedule.number(float(self.engine.clock["sampled"]))
+        self.sampled = float(self.engine.clock["sampled"])
+        k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
         while target < end:
             k += 1
@@ -280,6 +315,7 @@ class Run:
             phases.count()
             self.account.keep_alive()
             self._write(target, force=target == end)
+            self.sampled = target
             self._obey()
             self.cpu["output"] += time.process_time() - advanced
 
@@ -294,9 +330,9 @@ class Run:
             self._dump()
 
     def _due(self, now: float, step: float) -> bool:
-        """Whether a multiple of `step` lies in the last history interval."""
+        """Whether a multiple of `step` has come since the last sample."""
         begun = now - self.deck.control.start_time
-        before = begun - self.history_step
+        before = self.sampled - self.deck.control.start_time
         return int(begun / step + 1e-9) > int(before / step + 1e-9)
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
@@ -343,6 +379,9 @@ class Run:
             control = self.engine.model.control[0]
             longest = float(control["step_max"])
             clock["next_step"] = control["fixed_step"] or min(float(clock["next_step"]), longest)
+        if self.deck.control.estimate != "off" and any(name in OF_ERRORS for name, _ in differ):
+            text = "the errors of watched channels are told as if all had run with these settings"
+            self.log.warning(f"what was before went by others: {text}")
         now = float(clock["sampled"])
         others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
         self.log.line(f"going on from t = {now:.6g} s{others}")
@@ -355,15 +394,31 @@ class Run:
 
     def _catch_signals(self) -> None:
         """Keep requests for the next pause; a second interrupt from the keyboard ends at once."""
+        interrupts = 0
 
         def keep(number: int, _: Any) -> None:
+            nonlocal interrupts
             self.requests.add(SIGNALS[number])
-            if number == signal.SIGINT:
-                signal.signal(number, signal.default_int_handler)
+            interrupts += number == signal.SIGINT
+            if interrupts > 1:
+                self._end_at_once()
 
         for number in SIGNALS:
             signal.signal(number, keep)
         signal.signal(signal.SIGCONT, signal.SIG_IGN)
+
+    def _end_at_once(self) -> None:
+        """End the process without a restart dump: at any moment all files are whole."""
+        text = "interrupted twice: ended at once, without a restart dump"
+        for act in (
+            lambda: self.log.last_words(text),
+            lambda: self.account.status("stopped", ExitCode.STOPPED, text),
+            lambda: tell_error(text),
+        ):
+            # whatever the interrupt came upon
+            with suppress(Exception):
+                act()
+        os._exit(ExitCode.STOPPED)
 
     def _obey(self) -> None:
         """Act on signals and on control.txt."""
@@ -389,13 +444,17 @@ class Run:
             raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
 
     def _read_control(self) -> None:
-        """Take up the words of control.txt and remove it."""
+        """Take up the words of control.txt and remove it; what is no plain file is left alone."""
         path = self.folder / "control.txt"
         if not path.exists():
             return
         with reported(path):
-            words = set(path.read_text("utf-8", errors="replace").split())
+            text = read_plain(path, MOST_CONTROL)
+            if text is None:
+                self.log.warning("control.txt is no plain file and is passed over")
+                return
             path.unlink()
+        words = set(text.split())
         self.requests |= words & WORDS
         for word in sorted(words - WORDS):
-            self.log.warning(f"control.txt: unknown word '{word}' (words: dump, states, stop)")
+            self.log.warning(f"control.txt: unknown word {shown(word)} (words: dump, states, stop)")

@@ -69,7 +69,7 @@ def test_warnings_are_shown_once_counted_and_repeated_at_the_end(tmp_path: Path)
 def test_header_is_repeated_among_the_cycle_lines(tmp_path: Path) -> None:
     log = Log(tmp_path / "log.txt", io.StringIO())
     for cycle in range(HEADER_EVERY + 1):
-        log.cycle(cycle, 0.0, 1e-6, 1e3, -0.5, 0.0, "spring s")
+        log.cycle(cycle, 0.0, 1e-6, 1e3, -0.5, 0.0, None, "spring s")
     lines = (tmp_path / "log.txt").read_text().splitlines()
     assert lines.count(HEADER) == 2
     row = lines[lines.index(HEADER) + 1]

@@ -1,13 +1,15 @@
 """Claim: sets and elements of mesh files are what the file says, or the file is refused by line."""
 
+import random
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from test_meshes import laid, refusal
 
 from crashsolve.foundation.mesh_file import MeshFileError, read_mesh_file
-from test_meshes import laid, refusal
 
 NODES = """*NODE
 1, 0, 0, 0
@@ -148,14 +150,26 @@ WRONG = {
     "corners": (S4R + "14, 1, 2, 3\n", "line 17: element 14 is of type S4R, but 3 nodes follow"),
     "part": ("*Part, name=P\n", "line 16: *PART would be passed over; write the mesh flat"),
     "include": ("*INCLUDE, INPUT=x.inp\n", "line 16: *INCLUDE would be passed over"),
-    "instance": ("*NSET, NSET=A, INSTANCE=P-1\n1\n", "line 16: *NSET, NSET=A, INSTANCE=P-1 would be"),
-    "offset": ("*ELEMENT, TYPE=S4, OFFSET=9\n", "line 16: *ELEMENT, TYPE=S4, OFFSET=9 would be passed over"),
+    "instance": (
+        "*NSET, NSET=A, INSTANCE=P-1\n1\n",
+        "line 16: *NSET, NSET=A, INSTANCE=P-1 would be",
+    ),
+    "offset": (
+        "*ELEMENT, TYPE=S4, OFFSET=9\n",
+        "line 16: *ELEMENT, TYPE=S4, OFFSET=9 would be passed over",
+    ),
     "number": ("*NODE\n9, x, 0, 0\n", "line 17: 'x' is not a number"),
     "not finite": ("*NODE\n9, nan, 0, 0\n", "line 17: 'nan' is not a number"),
     "unfinished": ("*NSET,\n", "line 16: the keyword is not complete: it ends in a comma"),
-    "second order": ("*ELEMENT, TYPE=S8R\n14, 1, 2, 3, 4, 5, 6, 7, 8\n", "1 elements are of type quad8"),
-    "unknown to meshio": ("*ELEMENT, TYPE=MASS\n14, 1\n", "1 elements are of type MASS; shells are"),
-}  # fmt: skip
+    "second order": (
+        "*ELEMENT, TYPE=S8R\n14, 1, 2, 3, 4, 5, 6, 7, 8\n",
+        "1 elements are of type quad8",
+    ),
+    "unknown to meshio": (
+        "*ELEMENT, TYPE=MASS\n14, 1\n",
+        "1 elements are of type MASS; shells are",
+    ),
+}
 
 
 @pytest.mark.parametrize("case", WRONG)
@@ -186,7 +200,10 @@ def test_an_empty_set_is_refused_where_it_is_used(tmp_path: Path, field: str) ->
 
 def test_what_is_passed_over_is_told(tmp_path: Path) -> None:
     (tmp_path / "plate.inp").write_text(INP + "*MATERIAL, NAME=A\n*TIE\n", "utf-8")
-    assert read_mesh_file(tmp_path / "plate.inp").passed_over == ["*MATERIAL (line 16)", "*TIE (line 17)"]  # noqa: E501  # fmt: skip
+    assert read_mesh_file(tmp_path / "plate.inp").passed_over == [
+        "*MATERIAL (line 16)",
+        "*TIE (line 17)",
+    ]  # fmt: skip
 
 
 def test_nastran_cards_in_all_forms_give_properties_and_sets(tmp_path: Path) -> None:
@@ -199,16 +216,28 @@ def test_nastran_cards_in_all_forms_give_properties_and_sets(tmp_path: Path) -> 
 
 
 WRONG_BDF = {
-    "offset": ("CQUAD4,13,,3,4,8,7,9,0.", "CQUAD4,13,,3,4,8,7,9,.1", "line 23: CQUAD4 13 has ZOFFS .1"),
-    "thickness": ("+A,,0", "+A,,0,.1,.1,.1,.1", "line 21: CQUAD4 12 has a thickness at its corners"),
+    "offset": (
+        "CQUAD4,13,,3,4,8,7,9,0.",
+        "CQUAD4,13,,3,4,8,7,9,.1",
+        "line 23: CQUAD4 13 has ZOFFS .1",
+    ),
+    "thickness": (
+        "+A,,0",
+        "+A,,0,.1,.1,.1,.1",
+        "line 21: CQUAD4 12 has a thickness at its corners",
+    ),
     "system": ("GRID,5,0,", "GRID,5,9,", "line 13: GRID 5 is given in coordinate system 9"),
     "continuation": ("+A,,0", "+B,,0", "line 22: '+B' continues no line before it"),
     "include": ("SET1,8", "INCLUDE 'x'\nSET1,8", "line 24: INCLUDE would be passed over"),
     "grid twice": ("GRID,8", "GRID,7", "line 16: node 7 is given twice"),
     "no such grid": ("3,4,8,7,9", "3,4,8,99,9", "line 23: element 13 names node 99"),
-    "second order": ("SET1,8", "CTRIA6,14,1,1,2,3,4,5,6\nSET1,8", "1 elements are of type triangle6"),
+    "second order": (
+        "SET1,8",
+        "CTRIA6,14,1,1,2,3,4,5,6\nSET1,8",
+        "1 elements are of type triangle6",
+    ),
     "panel": ("SET1,8", "CSHEAR,14,1,1,2,6,5\nSET1,8", "1 elements are of type CSHEAR"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", WRONG_BDF)
@@ -282,3 +311,37 @@ def test_sets_of_a_listed_mesh_may_have_numbers(tmp_path: Path) -> None:
     }
     part = laid(tmp_path, square, hold=[{"nodes": 3, "motions": ["x"]}])
     assert list(part.held) == [1, 1, 0, 0]
+
+
+def test_no_mutated_file_ends_in_anything_but_a_mesh_or_a_refusal(tmp_path: Path) -> None:
+    rng = random.Random(7)
+    files = {"m.inp": INP + "*NSET, NSET=A, ELSET=MIDDLE\n", "m.bdf": BDF, "m.msh": MSH}
+    bits = [
+        "-1",
+        "²",
+        "nan",
+        "1e400",
+        "9" * 30,
+        "*",
+        "+",
+        ",",
+        "THRU",
+        "=",
+        "\n",
+        "1.5",
+        "$",
+        '"',
+        "",
+    ]
+    for _ in range(150):
+        name = rng.choice(list(files))
+        text = files[name]
+        for _ in range(rng.randint(1, 3)):
+            i = rng.randrange(len(text))
+            text = text[:i] + rng.choice(bits) + text[i + rng.randrange(3) :]
+        (tmp_path / name).write_text(text, "utf-8")
+        with suppress(MeshFileError):
+            found = read_mesh_file(tmp_path / name)
+            assert found.corners.max(initial=-1) < len(found.points)
+            for own in found.element_sets.values():
+                assert own.max(initial=-1) < len(found.corners)

@@ -138,7 +138,7 @@ def test_without_matplotlib_there_is_a_table_and_a_word(
     root = HERE.parents[1]
     search = ":".join(map(str, (tmp_path, root / "solver", root / "postproc")))
     printed = study(folder, PYTHONPATH=search)
-    assert "no plot: matplotlib is missing; pip install 'crashsolve[post]'" in printed
+    assert "no plot: matplotlib is missing; pip install 'crashsolve[plot]'" in printed
 
 
 @pytest.mark.parametrize(

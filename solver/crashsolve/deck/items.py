@@ -1,6 +1,5 @@
 """What the files of a deck define: items under keywords, each with its places."""
 
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -9,10 +8,9 @@ from typing import Any, NamedTuple
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import shown
 from crashsolve.deck.sections import KEYWORDS, LISTS, SECTIONS
-from crashsolve.deck.source import BROKEN, Position, Rows, Table
+from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE, Position, Rows, Table
 from crashsolve.foundation.errors import DeckError
 
-_NAME = re.compile(r"[^\W\d][\w-]*")
 _NAMED = {keyword: section.singular for keyword, section in SECTIONS.items()}
 _NAMED["parameters"] = "parameter"
 
@@ -87,9 +85,9 @@ def _named(
         return
     for name, part in value.items():
         item = Item(keyword, name, part, value.key_place(name), value.value_place(name), file)
-        if not _NAME.fullmatch(name):
-            advice = "begin with a letter, go on with letters, digits, _ and -"
-            mistakes.append(DeckError(*item.where, item.title, "is not a valid name", advice))
+        if not NAME.fullmatch(name):
+            message = "is not a valid name"
+            mistakes.append(DeckError(*item.where, item.title, message, NAME_ADVICE))
         elif (keyword, name) == ("bodies", "ground"):
             message = "the ground is always there and cannot be defined"
             mistakes.append(DeckError(*item.where, item.title, message))

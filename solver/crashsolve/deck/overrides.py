@@ -73,7 +73,7 @@ def _set(items: Items, tables: dict[Path, Table], name: str, given: str, value: 
     item = items[keyword].get(entry) or Item(keyword, entry, None, start, start, main)
     old = Table(str(item.file)) if item.value is None and path else item.value
     new = _put(old, path, value, (item.where.line, item.where.column))
-    steps = tuple(int(step) - 1 if step.isdigit() else step for step in path)
+    steps = tuple(int(step) - 1 if _is_place(step) else step for step in path)
     items[keyword][entry] = item._replace(value=new, given={**item.given, steps: given})
 
 
@@ -104,12 +104,12 @@ def _put(old: Any, path: list[str], value: Any, at: tuple[int, int]) -> Any:
     if isinstance(old, Table):
         inner = old.get(word)
         if inner is None and rest:
-            if rest[0].isdigit():
+            if _is_place(rest[0]):
                 raise _NoSuchPlace(f"the deck has no list '{word}' here", "write it in the deck")
             inner = Table(old.file)
         return _copied(old, lambda table: table.put(word, _put(inner, rest, value, at), at, at))
     if isinstance(old, Rows):
-        if not word.isdigit() or not 1 <= int(word) <= len(old):
+        if not _is_place(word) or not 1 <= int(word) <= len(old):
             message = f"'{word}' is no place of a list of {len(old)}"
             raise _NoSuchPlace(message, f"places count from 1 to {len(old)}")
         rows = Rows(old.file)
@@ -118,6 +118,11 @@ def _put(old: Any, path: list[str], value: Any, at: tuple[int, int]) -> Any:
         rows[int(word) - 1] = _put(old[int(word) - 1], rest, value, at)
         return rows
     raise _NoSuchPlace(f"there is no field '{word}' here: the deck has {shown(old)}")
+
+
+def _is_place(word: str) -> bool:
+    """Whether a word of a path counts in a list."""
+    return word.isdecimal() and len(word) < 10
 
 
 def _copied(old: Table, change: Callable[[Table], None]) -> Table:

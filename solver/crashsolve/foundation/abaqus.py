@@ -15,7 +15,7 @@ from crashsolve.foundation.mesh_file import SIDES, Lines
 
 # what decides where nodes and elements are, beside *NODE and *ELEMENT
 LOST = {"INSTANCE", "ASSEMBLY", "PART", "SYSTEM", "TRANSFORM", "NGEN", "ELGEN", "NCOPY", "ELCOPY"}
-LOST |= {"NFILL", "NMAP", "INCLUDE", "IMPORT", "MODEL CHANGE", "PARAMETER", "SYMMETRIC MODEL GENERATION"}
+LOST |= {"NFILL", "NMAP", "INCLUDE", "IMPORT", "MODEL CHANGE", "PARAMETER"}
 PARAMETERS = {
     "NODE": {"NSET", "SYSTEM"},
     "ELEMENT": {"TYPE", "ELSET"},
@@ -137,7 +137,7 @@ class _Reader:
         ](keyword)
 
     def nodes(self, keyword: Keyword) -> None:
-        own = {}
+        own: dict[int, None] = {}
         for line, fields in keyword.rows:
             while fields and not fields[-1]:
                 fields.pop()
@@ -154,7 +154,7 @@ class _Reader:
         if not given:
             raise self.lines.fail(keyword.line, "*ELEMENT needs a TYPE")
         kind = FURTHER.get(given) or self.known.get(given, given)
-        own = {}
+        own: dict[int, None] = {}
         for line, fields in _whole_rows(keyword.rows, SIDES.get(kind, 0) + 1):
             numbers = [self.whole(line, text) for text in fields]
             if kind in SIDES and len(numbers) != SIDES[kind] + 1:
@@ -184,7 +184,8 @@ class _Reader:
     def name_of(self, keyword: Keyword) -> str:
         name = keyword.parameters.get(keyword.word)
         if not name:
-            raise self.lines.fail(keyword.line, f"*{keyword.word} needs a name: {keyword.word}=NAME")
+            message = f"*{keyword.word} needs a name: {keyword.word}=NAME"
+            raise self.lines.fail(keyword.line, message)
         return name
 
     def members(self, family: str, keyword: Keyword, known: dict[int, Any]) -> dict[int, None]:
@@ -198,7 +199,7 @@ class _Reader:
             else:
                 numbers = []
                 for text in fields:
-                    is_name = not text.lstrip("+-").isdigit()
+                    is_name = not text.lstrip("+-").isdecimal()
                     numbers += self.named(family, text, line) if is_name else [int(text)]
             for number in numbers:
                 if number not in known:

@@ -114,7 +114,8 @@ def _of_lines(lines: Lines, found: Any) -> MeshFile:
     place = {number: i for i, number in enumerate(lines.nodes)}
     wanted = [[place[n] for n in lines.elements[number][1]] for number in shells]
     own = np.array([(*row, row[-1])[:4] for row in wanted], int).reshape(-1, 4)
-    if not np.array_equal(points, np.array(list(lines.nodes.values())).reshape(-1, 3)) or not np.array_equal(own, corners):
+    places = np.array(list(lines.nodes.values()))
+    if not np.array_equal(places, points) or not np.array_equal(own, corners):
         raise MeshFileError(f"meshio and crashsolve read {lines.name} differently; write it as vtu")
     at = {number: i for i, number in enumerate(lines.elements)}
     all_corners = np.full((len(at), 4), -1)
@@ -171,12 +172,8 @@ def _of_meshio(found: Any, path: Path) -> MeshFile:
         wrong = next(n for n in corners[bad[0]] if not 0 <= n < len(points))
         message = f"element {bad[0]} names point {wrong}; there are points 0 to {len(points) - 1}"
         raise MeshFileError(f"{path.name}: {message}")
-    starts = np.cumsum([0, *(len(block.data) for block in found.cells)])
     sets = {
-        name: np.concatenate([
-            start + np.asarray([] if some is None else some, int).ravel()
-            for start, some in zip(starts, own, strict=False)
-        ])
+        name: _of_blocks(found, own)
         for name, own in found.cell_sets.items()
         if not name.startswith("gmsh:")
     }
@@ -193,6 +190,19 @@ def _of_meshio(found: Any, path: Path) -> MeshFile:
     element_sets = {name: own for name, own in of_areas.items() if len(own)}
     outlines = GROUPS in found.cell_data
     return MeshFile(points, corners, kinds, element_sets, nodes, has_outlines=outlines)
+
+
+def _of_blocks(found: Any, own: Any) -> np.ndarray:
+    """Elements of a set, counted over all blocks, from their numbers in each; None is none."""
+    some, start = [np.zeros(0, int)], 0
+    for block, numbers in zip(found.cells, own, strict=True):
+        inner = np.asarray([] if numbers is None else numbers, int).ravel()
+        if len(inner) and not (inner.min() >= 0 and inner.max() < len(block.data)):
+            raise MeshFileError("a set names an element that is not there")
+        some.append(start + inner)
+        start += len(block.data)
+    # an element named twice is one
+    return np.unique(np.concatenate(some))
 
 
 def _nodes_of(found: Any, elements: np.ndarray) -> np.ndarray:

@@ -10,8 +10,8 @@ all are elements'. References: MSC Nastran Quick Reference Guide, CQUAD4, CTRIA3
 import math
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 from crashsolve.foundation.mesh_file import SIDES, Lines
 
@@ -23,14 +23,16 @@ LOST = {"INCLUDE", "GRDSET", "SEBULK", "GRIDB"}
 SILENT = {"ENDDATA", "PARAM", "SET1"}
 
 
-class Card(NamedTuple):
+@dataclass
+class Card:
     """A card of bulk data: the number of its first line, its name, its fields after the name."""
 
     line: int
     name: str
     fields: list[str]
 
-    def __getitem__(self, at: int) -> str:  # type: ignore[override]
+    def __getitem__(self, at: int) -> str:
+        """A field, empty where the card has ended."""
         return self.fields[at] if at < len(self.fields) else ""
 
 
@@ -99,7 +101,9 @@ def _fields(text: str) -> tuple[str, list[str], str]:
 def _grid(card: Card, lines: Lines) -> None:
     """A grid point, in the basic coordinate system. Writes: lines."""
     if card[1] not in ("", "0"):
-        message = f"GRID {card[0]} is given in coordinate system {card[1]}; write it in the basic one"
+        message = (
+            f"GRID {card[0]} is given in coordinate system {card[1]}; write it in the basic one"
+        )
         raise lines.fail(card.line, message)
     x, y, z = (_real(card, card[k], lines) for k in (2, 3, 4))
     lines.add_node(card.line, _whole(card, card[0], lines), (x, y, z))
@@ -131,7 +135,7 @@ def _shell(card: Card, kind: str, lines: Lines) -> None:
     number = _whole(card, card[0], lines)
     nodes = tuple(_whole(card, card[2 + k], lines) for k in range(count))
     offset = card[3 + count]
-    if offset and not (_is_real(offset) and _number(offset) == 0.0):
+    if offset and (not _is_real(offset) or _number(offset) != 0.0):
         message = f"{card.name} {number} has ZOFFS {offset}, which would be lost"
         raise lines.fail(card.line, f"{message}; put its nodes on its middle surface")
     if any(card[10 + k] for k in range(count)):
@@ -177,7 +181,7 @@ def _add_sets(sets: dict[str, tuple[int, str]], lines: Lines) -> None:
             (lines.elements, lines.element_sets),
         ):
             own = _members(text, known)
-            if own is not None and all(number in known for number in own):
+            if own and all(number in known for number in own):
                 found[label] = own
 
 
@@ -191,16 +195,16 @@ def _members(text: str, known: Iterable[int]) -> dict[int, None] | None:
     at = 0
     while at < len(words):
         word = words[at]
-        if word == "THRU" and own and at + 1 < len(words) and words[at + 1].isdigit():
+        if word == "THRU" and own and at + 1 < len(words) and words[at + 1].isdecimal():
             first, last, at = next(reversed(own)), int(words[at + 1]), at + 1
             # those of a range that are not there are none
             own.pop(first)
             own |= dict.fromkeys(number for number in known if first <= number <= last)
         elif word == "EXCEPT" and last >= first:
             leaves_out = True
-        elif word.isdigit() and leaves_out and first <= int(word) <= last:
+        elif word.isdecimal() and leaves_out and first <= int(word) <= last:
             own.pop(int(word), None)
-        elif word.isdigit():
+        elif word.isdecimal():
             own[int(word)], leaves_out = None, False
         else:
             return None
@@ -219,7 +223,7 @@ def _text(lines: Lines) -> str:
 
 
 def _whole(card: Card, text: str, lines: Lines) -> int:
-    if not text.isdigit():
+    if not text.isdecimal():
         raise lines.fail(card.line, f"{card.name}: '{text}' is not a whole number")
     return int(text)
 

@@ -29,13 +29,7 @@ from crashsolve.system.alpha import (
 from crashsolve.system.collocation import correction_size, keep_spin_rates, solve_stage
 from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, velocity_residual
-from crashsolve.system.iteration import (
-    PASSES,
-    PATIENCE,
-    enough_beside,
-    is_near,
-    way_of_step,
-)
+from crashsolve.system.iteration import PASSES, PATIENCE, enough_beside, is_near
 from crashsolve.system.kinetics import clear_forces, take_late
 from crashsolve.system.scene import (
     ASSEMBLED,
@@ -90,8 +84,7 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         rows[k].trial = rows[k].multiplier
     compliant, factor = scene.compliant_0, end_factor(scene)
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
-    previous, converged = 1e300, False
-    enough = enough_beside(h, clock, control, ORDER, ESTIMATE)
+    previous, converged, enough = 1e300, False, enough_beside(h, clock, control, ORDER, ESTIMATE)
     if ASSEMBLED:
         share = 0.0
     for count in range(PASSES):
@@ -119,9 +112,7 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         clock.iterations += 1
         clock.passes = count + 1
         share = min(max(worst / previous, SHARE), 0.9)
-        left = worst * share / (1.0 - share)
-        way = way_of_step(scene.stages, control.length, speed)
-        if is_near(left, worst, previous, count, way, enough, control):
+        if is_near(count, share, worst, previous, enough, control, scene.stages, speed):
             converged = True
             break
         if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):

@@ -26,13 +26,7 @@ from crashsolve.system.collocation import (
     weigh_estimate,
 )
 from crashsolve.system.compliance import factor_compliant, linearise
-from crashsolve.system.iteration import (
-    PASSES,
-    PATIENCE,
-    enough_beside,
-    is_near,
-    way_of_step,
-)
+from crashsolve.system.iteration import PASSES, PATIENCE, enough_beside, is_near
 from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS, bend, keep_elements, tangents
 from crashsolve.system.stages import keep_rates
 
@@ -72,9 +66,7 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         clock.iterations += 1
         clock.passes = count + 1
         share = min(max(worst / previous, SHARE), 0.9)
-        left = worst * share / (1.0 - share)
-        way = way_of_step(scene.stages, control.length, speed)
-        if is_near(left, worst, previous, count, way, enough, control):
+        if is_near(count, share, worst, previous, enough, control, scene.stages, speed):
             converged = True
             break
         if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):

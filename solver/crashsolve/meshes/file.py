@@ -40,7 +40,7 @@ def build(card: File, scene: Any) -> Mesh:
     try:
         found = read_mesh_file(path)
     except ImportError:
-        raise scene.fail("needs meshio: pip install crashsolve[mesh]", "mesh.file") from None
+        raise scene.fail("needs meshio: pip install 'crashsolve[mesh]'", "mesh.file") from None
     except MeshFileError as error:
         raise scene.fail(str(error), "mesh.file") from None
     if found.passed_over:

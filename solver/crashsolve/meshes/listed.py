@@ -28,6 +28,11 @@ class Listed(Card):
     )
     sets: tuple[NodeSet, ...] = word("sets of nodes", default=())
 
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return len(self.quads)
+
 
 def build(card: Listed, scene: Any) -> Mesh:
     points, quads = np.asarray(card.nodes, float), np.asarray(card.quads, np.int64) - 1

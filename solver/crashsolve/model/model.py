@@ -19,6 +19,7 @@ class Group:
     parameters: np.ndarray
     history: np.ndarray  # (2, n): accepted and new, see clock.current
     output: np.ndarray
+    members: np.ndarray | None = None  # points that its entries act on, one after the other
 
     @property
     def word(self) -> str:
@@ -63,6 +64,11 @@ class NodalGroup:
 
     # what a run writes, and what grows with it
     CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait", "gone")
+
+    @property
+    def has_ends(self) -> bool:
+        """Whether nodes press on shapes that they may pass the middle of."""
+        return "passed" in (self.arrays["slots"].dtype.names or ())
 
     @property
     def is_round(self) -> bool:

@@ -17,6 +17,7 @@ import numpy as np
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.posture import matrix, perpendicular
 from crashsolve.model import welds
+from crashsolve.model.finite import BEYOND, BEYOND_NUMBERS
 from crashsolve.model.soundness import faults
 
 if TYPE_CHECKING:
@@ -197,6 +198,8 @@ class Scene:
             yield
         except CardProblem as problem:
             self.errors.append(self.deck.error(entry, problem.field, str(problem)))
+        except BEYOND_NUMBERS:
+            self.errors.append(self.deck.error(entry, None, *BEYOND))
 
     def raise_errors(self) -> None:
         if self.errors:

@@ -21,6 +21,12 @@ HISTORY = Record(
     friction_dissipated=("J", "by friction"),
     friction_power=("W", "its present rate"),
 )
+# of pairs whose sides have an end (system/passing.py)
+FACE = Record(
+    held=("flag", "goes on by its own face though another is nearer"),
+    passed=("s", "time at which one side has passed the middle of the other; 0: it has not"),
+)
+WAY = Record(normal=("1", 3, "out of b")) + FACE
 OUTPUT = Record(
     force=("N", 3, "on side a"),
     point=("m", 3, "point of contact"),
@@ -45,6 +51,14 @@ CARD_HISTORY = Record(
     peak_normal=("N", "largest normal force of any step"),
     peak_depth=("m", "largest depth of any step"),
     onsets=("count", "number of onsets"),
+    touches=("count", "times the card has begun to touch"),
+    first_touch=("s", "when that was first; before the start of the run where it never was"),
+    last_release=("s", "when it last ceased to touch; the same"),
+    duration=("s", "for how long it has touched"),
+    in_touch=("flag", "whether it touches"),
+    begun=("s", "since when"),
+    lasted=("s", "for how long it had touched by the last release"),
+    deepest=("m", "depth of the deepest pair"),
     left_dissipated=("J", "lost by the normal force of pairs that are not near any more"),
     left_friction_dissipated=("J", "lost by their friction"),
     left_warnings=("flag", "bit k: such a pair met the k-th of the WARNINGS of its normal law"),

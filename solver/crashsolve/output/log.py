@@ -8,6 +8,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TextIO
 
+from crashsolve.foundation.streams import give_up, printable
 from crashsolve.output.files import reported
 
 NORMAL = "N o r m a l    t e r m i n a t i o n"
@@ -37,12 +38,18 @@ class Log:
             self._file = self.path.open("a" if append else "w", encoding="utf-8")
 
     def line(self, text: str = "") -> None:
-        """Write one line, at once visible in the file."""
+        """Write one line, at once visible in the file; no text makes it two, or moves a cursor."""
+        text = printable(text)
         with reported(self.path):
             self._file.write(text + "\n")
             self._file.flush()
         self._clear_progress()
         self._show(text + "\n")
+
+    def last_words(self, text: str) -> None:
+        """Write a line from within any other, after which nothing follows. Raises OSError."""
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(printable(text) + "\n")
 
     def section(self, title: str, lines: list[str]) -> None:
         """Write a titled paragraph."""
@@ -92,8 +99,9 @@ class Log:
             self.line(f"warning: {text}")
 
     def error(self, text: str) -> None:
-        """Write an error."""
-        self.line(f"error: {text}")
+        """Write an error, or several that stand in lines of their own."""
+        for part in text.split("\n"):
+            self.line(f"error: {part}")
 
     def timing(self, seconds: dict[str, float]) -> None:
         """Write where the time went, with the share of each entry in %."""
@@ -140,13 +148,18 @@ class Log:
             self._progress_shown = False
 
     def _show(self, text: str) -> None:
-        """Write to the stream; a reader who has gone away is no reason to stop the run."""
+        """Write to the stream; one that is full, or that nobody reads, is no reason to stop."""
         if self._stream is not None:
             try:
                 self._stream.write(text)
                 self._stream.flush()
-            except BrokenPipeError:
-                self._stream = None
+            except (OSError, ValueError) as error:
+                stream, self._stream = self._stream, None
+                reason = getattr(error, "strerror", None) or error
+                give_up(stream)
+                # a reader such as `head` has seen enough
+                if not isinstance(error, BrokenPipeError):
+                    self.warning(f"standard output: {reason}; from here on only {self.path.name}")
 
 
 def _clock(seconds: float | None) -> str:

@@ -4,12 +4,15 @@ import json
 import math
 import os
 import socket
+import threading
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from crashsolve.output.files import replace_text
 
+# a thread may tell how long something lasts; a second interrupt, that all is over
+_writing = threading.RLock()
 State = Literal["running", "finished", "stopped", "failed"]
 
 
@@ -49,7 +52,9 @@ class Status:
 
 def write_status(path: Path | str, status: Status) -> None:
     """Replace status.json; JSON has no NaN or infinity, such numbers become null."""
-    replace_text(Path(path), json.dumps(_finite(asdict(status)), indent=1) + "\n")
+    text = json.dumps(_finite(asdict(status)), indent=1) + "\n"
+    with _writing:
+        replace_text(Path(path), text)
 
 
 def _finite(value: Any) -> Any:

@@ -26,6 +26,7 @@ from crashsolve.deck.card import (
     Card,
     Law,
     MaterialName,
+    NewName,
     PartName,
     SetName,
     Vec3,
@@ -108,21 +109,21 @@ PIECE = 1024
 class NamedNode(Card):
     """A node that is a body of the deck, for joints, loads, contacts, sensors and channels."""
 
-    name: str = word("the body is called P_name in part P")
+    name: NewName = word("the body is called P_name in part P")
     at: Vec3 = quantity("m", "place; the nearest node is meant")
 
 
 class Trace(Card):
     """A place whose history is written."""
 
-    name: str = word("in channels P_name, for part P")
+    name: NewName = word("in channels P_name, for part P")
     at: Vec3 = quantity("m", "place; the nearest node or element is meant")
 
 
 class Cut(Card):
     """Section whose force and moment are written: the elements that a plane cuts at the start."""
 
-    name: str = word("in channels P_name, for part P")
+    name: NewName = word("in channels P_name, for part P")
     at: Vec3 = quantity("m", "point of the plane")
     normal: Vec3 = word("of the plane, towards the side on which the force acts")
 
@@ -473,23 +474,26 @@ class Laid:
         """Bits of the motions that every node does not make."""
         held = np.zeros(len(self.mesh.points), np.uint8)
         for k, hold in enumerate(self.card.hold):
-            own = self._set(hold.nodes, f"hold.{k}.nodes", scene)
+            own = self.set_of(hold.nodes, f"hold.{k}.nodes", scene)
             for motion in hold.motions:
                 held[own] |= 1 << MOTIONS.index(motion)
         for node, index in zip(self.card.nodes, self.named, strict=True):
             if held[index]:
-                message = f"node '{node.name}' is held; say traces if you only want its history"
+                message = (
+                    f"node '{node.name}' is held; say traces if you only want its history, and "
+                    "load it in its other directions by a nodal_force on a set of nodes"
+                )
                 raise scene.fail(message, "nodes")
         held[self.named] = RIDES
         for k, weld in enumerate(self.card.welded):
-            own = self._set(weld.nodes, f"welded.{k}.nodes", scene)
+            own = self.set_of(weld.nodes, f"welded.{k}.nodes", scene)
             if held[own].any():
                 message = "some of these nodes are held, welded or named otherwise already"
                 raise scene.fail(message, f"welded.{k}.nodes")
             held[own] = RIDES
         return held
 
-    def _set(self, name: str, field: str, scene: Any) -> np.ndarray:
+    def set_of(self, name: str, field: str, scene: Any) -> np.ndarray:
         """Numbers of a set of nodes."""
         if name not in self.mesh.sets:
             known = ", ".join(sorted(self.mesh.sets)) or "none"
@@ -512,7 +516,7 @@ class Laid:
         spin = np.tile(np.asarray(self.card.angular_velocity, float), (len(way), 1))
         given = np.zeros(len(way), int)
         for k, some in enumerate(self.card.velocities):
-            own = self._set(some.nodes, f"velocities.{k}.nodes", scene)
+            own = self.set_of(some.nodes, f"velocities.{k}.nodes", scene)
             for other in set(given[own][given[own] > 0]):
                 before = self.card.velocities[other - 1]
                 if some.model_copy(update={"nodes": before.nodes}) != before:

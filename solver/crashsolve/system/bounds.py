@@ -23,6 +23,8 @@ from crashsolve.system.engine import Engine
 MOST = 32
 # a step is cut into equal ones: of less than half of what is wanted the cause is another
 EQUAL = 0.499
+# [s] after which it is looked for anew who sets the step
+AGAIN = 1.0
 # share of the bound that goes when a body can no more turn, above which its inertia is the cause
 BY_TURN = 0.9
 
@@ -81,7 +83,7 @@ class StepBound:
 
     def _stiffest(self, engine: Engine, at: int) -> str:
         now = monotonic()
-        if at != self._at or now > self._found + 1.0:
+        if at != self._at or now > self._found + AGAIN:
             self._culprit, self._at, self._found = stiffest(engine, at), at, now
         return self._culprit
 
@@ -98,8 +100,9 @@ def stiffest(engine: Engine, at: int) -> str:
     model = engine.model
     name = limiter(model, at)
     if at < 0:
-        shortened = "touched" in model.nodal_loads and model.nodal_loads["touched"]["shortened"][0]
-        return f"element {name}" + (", with contact" if shortened > 1.0 else "")
+        loads, touching = model.nodal_loads, (engine.state.cards["touching"] > 0.0).any()
+        is_loaded = touching and "touched" in loads and loads["touched"]["shortened"][0] > 1.0
+        return f"element {name}" + (", with contact" if is_loaded else "")
     if model.elements or model.nodal_groups:
         return f"body '{name}', stiffness of what acts on it"
     arrays = _copies(engine)

@@ -7,15 +7,16 @@ group) followed by the integrator's own text. Nothing that the scene lacks appea
 
 import ast
 import hashlib
-import os
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.cache import read_own, write_whole
 from crashsolve.foundation.compile import PACKAGE, cache_folder
-from crashsolve.foundation.machine import Function, machine_code, machine_codes
+from crashsolve.foundation.machine import Function, machine_code, machine_codes, runs_plain
 from crashsolve.foundation.table import Tables
+from crashsolve.model.clock import NOT_FINITE
 from crashsolve.model.compliance import (
     contact_rows,
     has_nodal_tangents,
@@ -26,6 +27,7 @@ from crashsolve.system import sharing
 from crashsolve.system.nodal_text import nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
+TIMES = "contact_times.time_cards(TIME, h, clock, groups.cards, groups.card_history)"
 CARRY = "points.carry(h, nodes, groups.points, groups.riders)"
 RENEWAL = [
     "tangents(clock, nodes, curves, compliant, groups)",
@@ -122,13 +124,28 @@ def _insert(name: str, given: dict[str, str], texts: dict[str, str]) -> str:
 def load(text: str, tables: Tables) -> Function:
     """The composed step, compiled, under a name and file that depend on nothing but the text."""
     path = cache_folder() / f"crashsolve_step_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
-    if not path.exists():
-        temporary = path.with_suffix(f".{os.getpid()}")
-        temporary.write_text(text, "utf-8")
-        os.replace(temporary, path)
+    if read_own(path) != text.encode():
+        write_whole(path, text.encode())
+    if runs_plain():
+        return ends_in_nan(machine_code(path, "advance", tables))
     if tables.second is None:
         return machine_code(path, "advance", tables)
     return sharing.together(*machine_codes(path, ("advance", "assist"), tables))
+
+
+def ends_in_nan(advance: Function) -> Function:
+    """Plain Python raises where compiled code goes on with infinity or NaN, and is stopped."""
+
+    def plain(number: float, flag: bool, tables: Any) -> None:
+        try:
+            advance(number, flag, tables)
+        except (ArithmeticError, ValueError) as error:
+            is_meant = isinstance(error, ArithmeticError) or "math domain" in str(error)
+            if not is_meant and "cannot convert float" not in str(error):
+                raise
+            tables.clock[0]["status"] = NOT_FINITE
+
+    return plain
 
 
 def group_arrays(model: Any, state: Any) -> dict[str, Any]:
@@ -136,6 +153,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     for g in model.groups:
         arrays |= {f"{g.word}_p": g.parameters, f"{g.word}_h": g.history, f"{g.word}_o": g.output}
+        if g.members is not None:
+            arrays[f"{g.word}_members"] = g.members
     for c in model.contact_groups:
         arrays |= {
             f"{c.word}_a": c.elements_a,
@@ -236,6 +255,11 @@ def _imports(model: Any) -> str:
     if model.nodal_groups:
         rubs = any(n.friction for n in model.nodal_groups)
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
+    shapes = [n for n in model.nodal_groups if n.narrow is not None]
+    if any(_has_ends(c) for c in model.contact_groups) or any(n.has_ends for n in shapes):
+        lines.append("from crashsolve.system import passing")
+    if touches(model):
+        lines.append("from crashsolve.system import contact_times")
     if any(n.is_smooth for n in model.nodal_groups):
         lines.append("from crashsolve.system import normals")
     if any(n.is_round for n in model.nodal_groups):
@@ -285,13 +309,14 @@ def _joint_calls(model: Any, stage: str) -> list[str]:
 def _force_calls(model: Any) -> list[str]:
     lines = ["slaves.carry(groups.slaves, nodes)"] * has_slaves(model) + _element_calls(model)
     for g in model.force_groups():
+        words = "curves, groups" + f", groups.{g.word}_members" * (g.members is not None)
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
             "for i in range(p.shape[0]):",
             "    old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]",
             f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
             *(
-                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, curves, groups)"]
+                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, {words})"]
                 * (model.elements is not None and hasattr(g.module, "force_on_points"))
             ),
             *(f"    {line}" for line in _load_calls(model, g)),
@@ -317,6 +342,7 @@ def _force_calls(model: Any) -> list[str]:
             lines += [f"{n.word}(clock, h, nodes, curves, groups)" for n in model.nodal_groups]
             lines += ["nodal.close_loads(groups)"]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
+        lines += [TIMES.replace("TIME", "time")]
     if model.elements and not is_assembled(model):
         # that of the mesh takes the place of that of its elements
         lines += ["clock.element_rate = 0.0"]
@@ -477,10 +503,13 @@ def _contact(model: Any, c: Any) -> str:
         "        old, new = history[clock.current, i], history[1 - clock.current, i]",
         f"        a, b = {g}_a[p.a], {g}_b[p.b]",
         f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+        *_way_of(c),
         "        if depth <= 0.0:",
         "            contacts.separate(clock, old, new, out, depth, x)",
         f"            {normal}.release(p, old, new)",
     ]
+    if _keeps_faces(c):
+        lines.append("            new.dissipated += passing.given_up(clock, h, old, n, stored)")
     if c.friction:
         lines.append(f"            {_alias(c.friction)}.release(p, old, new)")
     lines += [
@@ -512,11 +541,63 @@ def _contact(model: Any, c: Any) -> str:
         "        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)",
         "        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)",
         "        contacts.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)",
+        *_loss_of_jump(c),
         "        card, card_new = groups.cards[p.card], counts[p.card]",
         "        contacts.sum_card(card, card_new, p.order, felt, f, t, new, out)",
         "        contacts.sum_losses(card, new)",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _keeps_faces(c: Any) -> bool:
+    """Whether a touch may go on by another face than the nearest."""
+    return _has_ends(c) and hasattr(c.narrow, "gap_by")
+
+
+def _has_ends(c: Any) -> bool:
+    """Whether the pairs of a contact group remember their way out."""
+    return "passed" in c.history.dtype.names
+
+
+def _way_of(c: Any) -> list[str]:
+    """What a pair does to go on by its own face, and to notice that it has passed the middle."""
+    if not _keeps_faces(c):
+        call = "passing.note_way(clock, h, p, old, new, depth, n)"
+        return [f"        {call}"] * _has_ends(c)
+    return [
+        "        held, over, stored = False, -1.0, out.stored",
+        "        if passing.is_another_face(old, depth, n, a.radius):",
+        "            v_a = passing.velocity_at(nodes[a.node], x)",
+        "            v_b = passing.velocity_at(nodes[b.node], x)",
+        f"            kept = {_alias(c.narrow)}.gap_by(a, b, nodes, {_data(c)}, old.normal)",
+        "            if passing.keeps_face(old, v_a, v_b, n, kept):",
+        "                held = True",
+        "                depth, n, x, over = kept",
+        *_beyond_middle(c),
+        "        passing.note_face(clock, h, p, old, new, held, over, depth, n)",
+    ]
+
+
+def _beyond_middle(c: Any) -> list[str]:
+    """How far a pair is beyond the middle of a round face."""
+    past = f"max(over, depth - {_alias(c.narrow)}.middle(a, b, nodes, n))"
+    lines = ["        if depth > a.radius:", f"            over = {past}"]
+    return lines if hasattr(c.narrow, "middle") else []
+
+
+def _own_face(c: Any) -> list[str]:
+    """The gap of a pair that goes on by its own face, where forces are not to be found anew."""
+    if not _keeps_faces(c):
+        return []
+    call = f"{_alias(c.narrow)}.gap_by(a, b, nodes, {_data(c)}, old.normal)"
+    return ["if old.held == 1:", f"    depth, n, x, _ = {call}"]
+
+
+def _loss_of_jump(c: Any) -> list[str]:
+    """Energy that a pair loses which leaves its own face sideways, deep within."""
+    lost = "max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)"
+    lines = ["        if old.held == 1 and not held:", f"            new.dissipated += {lost}"]
+    return lines if _keeps_faces(c) else []
 
 
 def _share_felt(model: Any) -> str:
@@ -612,7 +693,7 @@ def _react_calls(model: Any) -> list[str]:
         params, history, elements = _pairs(c).split(", ", 2)
         call = f"{params}, {history}, groups.{c.word}_o, {elements}"
         lines.append(f"captures.settle(h, clock, {call}, nodes, groups.cards, groups.card_history)")
-    return lines
+    return [*lines, TIMES.replace("TIME", "clock.time + h")]
 
 
 def _data(c: Any) -> str:
@@ -690,6 +771,7 @@ def _contact_tangent(c: Any, k: int) -> list[str]:
         "        continue",
         f"    a, b = {g}_a[p.a], {g}_b[p.b]",
         f"    depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+        *(f"    {line}" for line in _own_face(c)),
         "    depth = max(depth, 0.0)",
         "    m, w = nodes[a.node], nodes[b.node]",
         "    rate, slip, d_a, d_b = contacts.closing(m, w, x, n)",
@@ -768,6 +850,7 @@ def _beyond_calls(model: Any) -> list[str]:
             "    if old.active == 1:",
             f"        a, b = {g}_a[p.a], {g}_b[p.b]",
             f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+            *(f"        {line}" for line in _own_face(c)),
             "        if depth > 0.0:",
             "            _, slip, _, _ = contacts.closing(nodes[a.node], nodes[b.node], x, n)",
             f"            past = h * {_alias(c.friction)}.regime_left(p, old, slip)",

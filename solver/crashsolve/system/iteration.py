@@ -2,9 +2,9 @@
 
     left = share / (1 - share) |last correction|,   share: what a pass leaves of the error
 
-A step chosen by its error asks for CARE of `tolerance`; where a sample or step_max makes it shorter,
-for BESIDE of its own error. A step of stated length may be as short as one likes, and asks for less
-still. Consequence to test: the order holds for every stated step, and more samples make nothing
+A step chosen by its error asks for CARE of `tolerance`; where a sample or step_max makes it
+shorter, for BESIDE of its own error. So does a step of stated length, which may be as short as one
+likes. Consequence to test: the order holds for every stated step, and more samples make nothing
 worse.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8 (Eq. 8.10).
@@ -16,21 +16,23 @@ from crashsolve.foundation.vec3 import norm, vec
 PASSES = 20
 PATIENCE = 4  # passes in which the correction may grow
 CARE = 0.03  # of the tolerance
-BESIDE = 0.1  # of the error of a step that its error has not chosen
-FAR_BESIDE = 0.01  # the same of a step of stated length
+BESIDE = 0.01  # of the error of a step that its error has not chosen
+FAR_BELOW = 0.1  # of the tolerance: a step with less of an error is not chosen by it
 ROUND_OFF = 1e-12  # of the way in the step
 FLOOR = 1e-8  # of the way: below it what shrinks no more is round-off, or slow, and left as it is
 
 
 @kernel
-def is_near(left, worst, previous, count, way, enough, control):
+def is_near(count, share, worst, previous, enough, control, stages, speed):
     """Whether no pass is needed after pass number `count`, from 0 on.
 
-    `left` is the error, `worst` and `previous` the last two corrections, `way` the change in the
-    step, and `enough` what may be left, all in the model's size and speed.
+    `worst` and `previous` are the last two corrections, `enough` what may be left, all in the
+    model's size and speed.
     """
+    left = worst * share / (1.0 - share)
     if not left <= CARE * control.tolerance:
         return False
+    way = way_of_step(stages, control.length, speed)
     if left <= max(enough, ROUND_OFF * way):
         return True
     # as good as it gets
@@ -47,12 +49,12 @@ def enough_beside(h, clock, control, order, power):
     the error of the method falls with order + 1. Nothing is known after a kink.
     """
     is_stated = control.fixed_step > 0.0
-    if clock.step <= 0.0 or clock.kinked == 1 or clock.error <= 0.0:
+    if clock.step <= 0.0 or clock.kinked != 0 or clock.error <= 0.0:
         return 0.0 if is_stated else 1.0
     estimate = min(clock.error * (h / clock.step) ** power, 1.0)
     if is_stated:
-        return FAR_BESIDE * estimate ** ((order + 1.0) / power)
-    return BESIDE * estimate
+        return BESIDE * estimate ** ((order + 1.0) / power)
+    return BESIDE * estimate if estimate < FAR_BELOW * control.tolerance else 1.0
 
 
 @kernel
