@@ -18,11 +18,8 @@ import numpy as np
 from crashsolve.account import Account, announced, cpu_time, preparing, provenance
 from crashsolve.deck.mistakes import shown
 from crashsolve.deck.read import Deck, read_deck
-<<<<<<< HEAD
 from crashsolve.engines import engine_of, is_static
-=======
 from crashsolve.foundation.cache import notes as cache_notes
->>>>>>> main
 from crashsolve.foundation.errors import (
     CrashsolveError,
     DeckError,
@@ -86,17 +83,6 @@ def _solve(
         deck = replace(deck, control=control)
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
-<<<<<<< HEAD
-    built = cpu_time()
-    pulse.does("compiling the step")
-    going_on = restart and any((folder / slot).exists() for slot in SLOTS)
-    log = Log(folder / "log.txt", append=going_on)
-    with preparing(deck, folder, log, pulse):
-        engine = engine_of(deck, model, state)
-    spent = {"read": was_read - begun, "build": built - was_read}
-    spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
-    return Run(deck, engine, folder, spent, wall_begun, pulse, log).execute(restart)
-=======
     with Lock(folder) as lock:
         with announced(folder / "status.json", deck):
             built = cpu_time()
@@ -104,13 +90,12 @@ def _solve(
             going_on = restart and any((folder / slot).exists() for slot in SLOTS)
             log = Log(folder / "log.txt", append=going_on)
             with preparing(deck, folder, log, pulse):
-                engine = _engine(deck, model, state)
+                engine = engine_of(deck, model, state)
             spent = {"read": was_read - begun, "build": built - was_read}
             spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
             run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
             dump = run.prepare(restart)
         return run.execute(dump, [*filter(None, [lock.warning]), *cache_notes])
->>>>>>> main
 
 
 class Run:

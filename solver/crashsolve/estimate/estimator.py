@@ -5,13 +5,9 @@ quarters of the run, and show whether the order holds. Those that choose their s
 get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
 times the run: what they lose at kinks, at impacts and by round-off follows no order, and on the
 battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
-<<<<<<< HEAD
 A finer run also serves where coarser steps are unstable, and for equilibria: one of twice the load
-steps.
-=======
-A finer run also serves where coarser steps are unstable. After a long run companions may cost as
-much as it did and no more: a method that chooses its step then gets one coarser run.
->>>>>>> main
+steps. After a long run companions may cost as much as it did and no more: a method that chooses its
+step then gets one coarser run.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,12 +18,8 @@ from crashsolve.deck.expect import Expect
 from crashsolve.deck.read import Deck
 from crashsolve.deck.source import Position
 from crashsolve.deck.watch import Watch as WatchCard
-<<<<<<< HEAD
 from crashsolve.engines import engine_of, is_static
-from crashsolve.estimate.companion import HIGHEST_POWER, Companions
-=======
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
->>>>>>> main
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
 from crashsolve.estimate.samples import Channel, Samples, find
 from crashsolve.foundation.errors import DeckError, DeckErrors, SolverError

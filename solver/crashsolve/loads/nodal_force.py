@@ -39,6 +39,7 @@ PARAMETERS = Record(
     first_member=("index", "of the nodes among those of all entries"),
     member_count=("count", "nodes"),
 )
+AMPLITUDE = "vector"
 HISTORY = Record(factor=("1", "phi at the last step"))
 OUTPUT = Record(force=("N", 3, "total, world axes"))
 

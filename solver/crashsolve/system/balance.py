@@ -147,7 +147,12 @@ class Work:
 
     def _of_surfaces(self) -> list[Any]:
         """Loads on elements: steps of their own are no way to a mean of their forces."""
-        return [g for g in self._loads() if hasattr(g.module, "load_half")]
+        return [
+            g
+            for g in self._loads()
+            if hasattr(g.module, "load_half")
+            or (hasattr(g.module, "force_on_points") and not hasattr(g.module, "LEDGER"))
+        ]
 
     def _forces(self, g: Any, moment: float) -> np.ndarray:
         """Forces and moments (entries, 6 n) of loads on the free nodes: with them less without."""

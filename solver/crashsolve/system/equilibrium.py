@@ -54,13 +54,10 @@ class StaticEngine(Engine):
         """`control` is the deck's card."""
         self.loading = Loading(model, control.start_time)
         super().__init__(model, state)
-<<<<<<< HEAD
         self.tolerance = control.tolerance or TOLERANCE
         model.control[0]["tolerance"] = self.tolerance
         self.limit = 0.0 if control.energy_limit == "off" else float(control.energy_limit)
-=======
-        self.tolerance, self.has_stages = tolerance or TOLERANCE, False
->>>>>>> main
+        self.has_stages = False
         slaves = set(model.slaves["node"])
         self.free = np.array([i for i in range(1, len(state.nodes)) if i not in slaves], int)
         self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]
