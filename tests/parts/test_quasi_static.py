@@ -163,8 +163,9 @@ def test_equilibrium_is_a_matter_of_forces() -> None:
         (0.9e-4, 1.9e-4, 0.0, EQUAL),
         (1.1e-4, 0.0, 0.0, 0),
         (0.0, 2.1e-4, 0.0, 0),
-        # round-off of positions is no force, but no balance either
-        (1.1e-4, 0.0, 1e12, ROUND),
+        # round-off of positions is no force; where it is as large as forces it proves no balance
+        (1.1e-4, 0.0, 1e12, EQUAL),
+        (1.1e-4, 0.0, 1e15, ROUND),
     ):
         g[6], g[9] = force, moment
         assert forces.balance(g, (stiffness, stiffness)) == told

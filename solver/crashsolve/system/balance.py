@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 # of stiffness times size: round-off of positions, in sums of some terms
 ROUND_OFF = 10.0 * np.finfo(float).eps
+# of the largest force: round-off below this leaves forces that tell of an equilibrium
+RESOLVED = 1e-3
 EQUAL, ROUND = 2, 1
 
 
@@ -64,6 +66,8 @@ class Forces:
         is_round = all(
             left <= max(self.tolerance * scale, ROUND_OFF * stiff) for left, scale, stiff in sides
         )
+        if is_round and all(ROUND_OFF * stiff <= RESOLVED * scale for _, scale, stiff in sides):
+            return EQUAL
         return ROUND if is_round else 0
 
     def _scales(self) -> tuple[float, float]:
