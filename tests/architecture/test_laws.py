@@ -37,6 +37,13 @@ def test_a_law_has_card_build_and_kernels(law: tuple[str, str]) -> None:
     assert not [name for name in KERNELS.get(folder, ()) if not hasattr(module, name)]
 
 
+@pytest.mark.parametrize("word", types_in("loads"))
+def test_a_load_names_what_rises_from_nothing_before_a_quasi_static_run(word: str) -> None:
+    # a load without it would act at full size from the first sample on
+    module = import_module(law_class("loads", word).__module__)
+    assert module.PARAMETERS.dtype[module.AMPLITUDE].base.kind == "f"
+
+
 def _modules(card: Card) -> set[str]:
     """Modules of a card and of the laws within it."""
     parts = [part for name in type(card).model_fields for part in _cards(getattr(card, name))]

@@ -314,7 +314,7 @@ class StaticEngine(Engine):
         mobility = np.zeros((len(nodes), 6, 6))
         mobility[:, :3, :3] = nodes["mass_inv"][:, None, None] * np.eye(3)
         mobility[:, 3:, 3:] = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
-        moved = np.einsum("mni,nij->mnj", D.reshape(len(D), -1, 6), mobility).reshape(D.shape)
+        moved = np.einsum("mni,nij->mnj", D.reshape(-1, len(nodes), 6), mobility).reshape(D.shape)
         rows = np.einsum("mi,ki->mk", moved, D)
         rows += SHARED * np.abs(rows).max(initial=0.0) * np.eye(len(D))
         held = _eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
@@ -352,7 +352,7 @@ class StaticEngine(Engine):
         np.add.at(D, (first, rows["node_a"]), rows["D"][index, :6])
         np.add.at(D, (first, rows["node_b"]), rows["D"][index, 6:])
         whole = self._whole_rows()
-        return g, D[whole][:, self.free].reshape(len(whole), -1), rows["phi"][whole]
+        return g, D[whole][:, self.free].reshape(len(whole), g.size), rows["phi"][whole]
 
     def _rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
         """A sample of these nodes: forces and moments (6 n,) that would move the free ones."""

@@ -30,7 +30,7 @@ class Loading:
         self.silent: tuple[Any, int] | None = None
         for g in model.groups:
             p = g.parameters
-            if g.keyword == "loads" and hasattr(g.module, "AMPLITUDE"):
+            if g.keyword == "loads":
                 # gravity has no curve at all
                 has_none = (
                     p["curve"] == 0 if "curve" in (p.dtype.names or ()) else np.ones(len(p), bool)

@@ -35,6 +35,8 @@ SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
 CAREFUL, RELENTING = 4.0, 1.2
 STILL = ("v", "w", "L")
+# loads and joints that a warning names
+NAMED = 3
 
 
 class RestEngine(StaticEngine):
@@ -43,11 +45,15 @@ class RestEngine(StaticEngine):
     def __init__(self, model: Model, state: State, control: Any) -> None:
         super().__init__(model, state, control)
         self.fastest = self.pseudo = 0.0
-        if any(_follows(g) for g in model.groups):
+        turning = [name for g in model.groups for name in _turning(g)]
+        if turning:
             self.notes.append(
-                "loads follow the motion, or joints sit beside mass centres: whether equilibria of "
-                "elements are stable is judged without how these forces turn; compare with "
-                "solution: transient"
+                f"{', '.join(turning[:NAMED])}{' ...' if len(turning) > NAMED else ''}: the force "
+                "of such a load turns with what it acts on, that of such a joint has an arm to a "
+                "mass centre. Equilibrium has all of it; whether shells and fibre beams are stable "
+                "there is judged without this turning, so that buckling or flutter may be missed, "
+                "or told at another load. To be sure, hold the load in solution: transient, "
+                "disturb the structure a little and see whether it comes to rest there"
             )
 
     def _reaches(self, time: float) -> bool:
@@ -171,16 +177,19 @@ class RestEngine(StaticEngine):
         return self.name_of(int(self.free[own[np.abs(mode).argmax() // 6]]))
 
 
-def _follows(group: Any) -> bool:
-    """Whether forces of a group turn, or their arms do, with what they act on."""
+def _turning(group: Any) -> list[str]:
+    """Loads whose forces turn with what they act on, and joints whose forces have an arm."""
     p = group.parameters
     names = set(p.dtype.names or ())
+    turns = np.zeros(len(p), bool)
     if group.keyword == "joints":
-        arms = [
-            np.linalg.norm(p[f"point_{side}"], axis=1) * (p[f"node_{side}"] > 0)
-            for side in "ab"
-            if f"point_{side}" in names
-        ]
-        return any(bool(arm.any()) for arm in arms)
-    turns = "turns" in names and bool(p["turns"].any())
-    return group.keyword == "loads" and (turns or hasattr(group.module, "load_half"))
+        for side in "ab":
+            if f"point_{side}" in names:
+                turns |= (p[f"point_{side}"] != 0.0).any(axis=1) & (p[f"node_{side}"] > 0)
+    elif group.keyword == "loads":
+        if "turns" in names:
+            turns |= p["turns"] != 0
+        # of a pressure, along the normals of the elements
+        turns |= hasattr(group.module, "load_half")
+    word = group.keyword.removesuffix("s")
+    return [f"{word} '{group.names[i]}'" for i in np.flatnonzero(turns)]
