@@ -296,7 +296,7 @@ class Run:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
         self.account.status(state, code, message)
-        for text in (*self.engine.law_warnings(), *self.engine.step_warnings()):
+        for text in (*self.engine.law_warnings(), *self.engine.contact_warnings(), *self.engine.step_warnings()):
             self.log.warning(text)
         write_totals(self.account)
         self.log.finish(normal=code == ExitCode.NORMAL)

@@ -248,9 +248,12 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
 def _state(model: Model, scene: Scene) -> State:
     clock = np.zeros(1, CLOCK.dtype)
     clock[0]["time"] = scene.deck.control.start_time
+    nodes = initial_nodes(scene)
+    # the ground never moves
+    nodes["start_q"], nodes["start_A"] = nodes["q"], nodes["A"]
     return State(
         clock=clock,
-        nodes=initial_nodes(scene),
+        nodes=nodes,
         rows=initial_rows(model),
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
         card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),

@@ -1,0 +1,157 @@
+"""Work of contact forces on both sides over a step, and how far both slide over each other in it.
+
+    W = 1/2 (f_old . u_old + f_new . u_new),   u the displacement of side a over side b in the step
+
+Kick, drift, kick: half of the force at the start and half of that at the end act along what the
+step moves, so W is to the bit the kinetic energy that points get from the contact, whatever else
+acts and however fast they swing. u_old is that of the place that was touched, u_new of that which
+is. Velocities at the end of a step, foretold before all forces are known, would not do: near the
+stable step they have little to do with the way that is gone.
+"""
+
+from crashsolve.contact.cells import corner_points
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    cross,
+    dot,
+    matvec,
+    matvec_t,
+    put,
+    scale,
+    sub,
+    vec,
+)
+
+
+@kernel
+def along_plane(u, n):
+    """A vector without its part along n."""
+    return add_scaled(u, -dot(u, n), n)
+
+
+@kernel
+def moved_to(body, x):
+    """Displacement over the step of what is at x at its end, fixed in the body."""
+    spot = matvec_t(body.A, sub(x, vec(body.r)))
+    return sub(x, add(vec(body.start_r), matvec(body.start_A, spot)))
+
+
+@kernel
+def moved_from(body, x):
+    """Displacement over the step of what was at x at its start."""
+    spot = matvec_t(body.start_A, sub(x, vec(body.start_r)))
+    return sub(add(vec(body.r), matvec(body.A, spot)), x)
+
+
+# --- pairs of elements on bodies -----------------------------------------------------------------
+
+
+@kernel
+def way_to(h, a, b, x):
+    """Displacement of a over b of what touches at x at the end of the step."""
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    return sub(moved_to(a, x), moved_to(b, x))
+
+
+@kernel
+def end_first_half(h, old, a, b, card):
+    """Work of the forces of the start of the step, of which that of friction is returned [J].
+
+    Writes: card.
+    """
+    if old.active == 0 or h == 0.0:
+        return 0.0
+    x = vec(old.place)
+    u = sub(moved_from(a, x), moved_from(b, x))
+    rubbed = 0.5 * dot(vec(old.rub), u)
+    card.work += 0.5 * dot(vec(old.push), u)
+    card.friction_work += rubbed
+    return rubbed
+
+
+@kernel
+def begin_second_half(felt, u, f, t, n, x, out, new, card):
+    """Work of the forces at the end of the step, which are kept for the next.
+
+    u is the displacement of a over b at x, felt the share of them that acts in this step.
+    Writes: new, card.
+    """
+    card.work += 0.5 * felt * f * dot(n, u)
+    card.friction_work += 0.5 * felt * dot(t, u)
+    card.held += out.stored
+    card.bristled += out.friction_stored
+    put(new.push, scale(f, n))
+    put(new.rub, t)
+    put(new.place, x)
+    new.bristled = out.friction_stored
+
+
+@kernel
+def part_pair(old, new, rubbed):
+    """Friction ends: what its bristle held is lost, less its last work. Writes: new."""
+    put(new.rub, (0.0, 0.0, 0.0))
+    new.bristled = 0.0
+    new.friction_dissipated += old.bristled - rubbed
+
+
+# --- probes on faces of shells and on shapes -----------------------------------------------------
+
+
+@kernel
+def arms(p, touch):
+    """To the place of contact: from the probe, and from the nearest place of the mid-surface."""
+    left = p.gap - touch.depth
+    n = vec(touch.normal)
+    return scale(-p.share * left, n), scale((1.0 - p.share) * left, n)
+
+
+@kernel
+def way_of_probe(probe, d, h, nodes, points):
+    """Displacement over the step of the place d from a probe."""
+    if probe.point >= 0:
+        b = points[probe.point]
+        return scale(h, add(vec(b.v), cross(vec(b.w), d)))
+    body = nodes[probe.node]
+    spot = add(vec(probe.at), matvec_t(body.A, d))
+    before = add(vec(body.start_r), matvec(body.start_A, spot))
+    return sub(add(vec(body.r), matvec(body.A, spot)), before)
+
+
+@kernel
+def way_over_face(p, probe, touch, h, nodes, points, corners):
+    """The same over the face at which it touches; `touch` is what is found, or was accepted."""
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    d, e = arms(p, touch)
+    at, v, w = corner_points(p, touch.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(4):
+        b = points[at[k]]
+        v = add_scaled(v, touch.N[k], vec(b.v))
+        w = add_scaled(w, touch.N[k], vec(b.w))
+    return sub(way_of_probe(probe, d, h, nodes, points), scale(h, add(v, cross(w, e))))
+
+
+@kernel
+def way_over_body(p, probe, touch, x, body, h, nodes, points):
+    """The same over the body of a shape, by a probe at x."""
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    d, _ = arms(p, touch)
+    return sub(way_of_probe(probe, d, h, nodes, points), moved_to(body, add(x, d)))
+
+
+@kernel
+def push_along(touch, u, card):
+    """Work of the normal force of a touch, in one half of the step. Writes: card."""
+    card.work += 0.5 * touch.force * dot(vec(touch.normal), u)
+
+
+@kernel
+def rub_along(touch, u, card):
+    """Work of its friction, which is returned [J]. Writes: card."""
+    work = 0.5 * dot(vec(touch.rub), u)
+    card.friction_work += work
+    return work
