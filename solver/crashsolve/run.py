@@ -40,6 +40,7 @@ from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.resume import changing, restore
 from crashsolve.sampling import Schedule
+from crashsolve.system.contact_balance import contact_warnings
 from crashsolve.system.engine import Engine
 from crashsolve.totals import write_totals
 
@@ -296,7 +297,11 @@ class Run:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
         self.account.status(state, code, message)
-        for text in (*self.engine.law_warnings(), *self.engine.contact_warnings(), *self.engine.step_warnings()):
+        engine = self.engine
+        unbalanced = []
+        if self.deck.control.solution == "transient":
+            unbalanced = contact_warnings(engine.model, engine.state, engine.ledger)
+        for text in (*engine.law_warnings(), *unbalanced, *engine.step_warnings()):
             self.log.warning(text)
         write_totals(self.account)
         self.log.finish(normal=code == ExitCode.NORMAL)

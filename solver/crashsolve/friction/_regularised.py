@@ -6,7 +6,7 @@ friction of an explicit step is that at the slip which it leaves,
     f = F(v),   v = v_free - e f,   e F'(v) <= 1
 
 v_free is the slip without it, and e the slip that it takes per newton in half a step [s/kg]: its
-impulse over a step stops a slip, and never reverses it. The speeds over which F rises are widened to
+impulse over a step stops a slip and never reverses it. The speeds over which F rises are widened to
 that end, by no more than the speed that friction can take in half a step. Consequence to test:
 friction sets no step, and for a step short enough F is that of the law.
 

@@ -7,7 +7,6 @@ word; see system/nodal.py and system/faces.py for what happens to them there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-import os
 from importlib import import_module
 from itertools import permutations
 from math import inf
@@ -29,8 +28,10 @@ if TYPE_CHECKING:
 # lists of near faces: their margin over the mean radius of a face, and the faces of a probe that
 # there is room for at first
 MARGIN, ROOM = 1.0, 24
-# own faces that a node does not meet, as far along the surface as so many gaps
-FOLDED = float(os.environ.get("FOLDED", "1.8"))
+# a node meets no faces of its own surface that are nearer along it than so many gaps: bent round as
+# tightly as its thickness allows a surface touches itself after pi/2 of them, and in its own plane
+# it would have to be crushed to 0.4 of its length
+FOLDED = 2.5
 # share of the gap by which a step may bring two sides nearer
 REACH = 0.5
 # shapes that press on shapes, and on faces
@@ -429,9 +430,8 @@ def points_along(
         at = np.repeat(first[via] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
         at += np.arange(sizes.sum())
         longer = np.repeat(way, sizes) + lengths[at]
-        pair, longer = (np.repeat(owner, sizes) * count + others[at])[longer < reach], longer[
-            longer < reach
-        ]
+        pair, is_near = np.repeat(owner, sizes) * count + others[at], longer < reach
+        pair, longer = pair[is_near], longer[is_near]
         pairs, values = np.r_[known, pair], np.r_[ways, longer]
         is_new = np.r_[np.zeros(len(known), bool), np.ones(len(pair), bool)]
         # of equal ways the known one

@@ -525,9 +525,7 @@ def _contact(model: Any, c: Any) -> str:
         "        contacts.sum_losses(card, new)",
     ]
     if is_whole:
-        lines.append(
-            "        work.begin_second_half(felt, way, f, t, n, x, out, new, card_new)"
-        )
+        lines.append("        work.begin_second_half(felt, way, f, t, n, x, out, new, card_new)")
     return "\n".join(lines) + "\n"
 
 

@@ -223,28 +223,6 @@ class Engine:
                 found |= {(card, text)} if slots[name].any() else set()
         return [f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)]
 
-    def contact_warnings(self) -> list[str]:
-        """Contact cards whose forces have not done the work that is told of them.
-
-        The work on both sides, less what the contact holds and has lost, should be nothing.
-        """
-        found = []
-        for card in sorted(self._measured_contacts()):
-            now = self.state.card_history[int(self.clock["current"]), card]
-            out = self.state.cards[card]
-            pushed = now["held"] + out["dissipated"] + now["work"] - now["begun"]
-            rubbed = now["bristled"] + out["friction_dissipated"] + now["friction_work"]
-            print("CARD", self.model.contacts[card], "lack", pushed, rubbed, "of", now["handled"], now["friction_handled"], "work", now["work"], now["friction_work"])
-        return found
-
-    def _measured_contacts(self) -> set[int]:
-        """Cards whose work is known: of force laws, by steps of one force pass."""
-        if self.model.integrator != "rattle":
-            return set()
-        pairs = [g for g in self.model.contact_groups if not g.captures]
-        cards = {int(card) for g in pairs for card in g.parameters["card"]}
-        return cards | {int(n.arrays["p"]["card"][0]) for n in self.model.nodal_groups}
-
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for what no law tells: the tension in joints."""
         cycles = int(self.clock["cycle"])

@@ -11,6 +11,7 @@ stable step they have little to do with the way that is gone.
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import place
 from crashsolve.foundation.vec3 import (
     add,
     add_scaled,
@@ -34,15 +35,17 @@ def along_plane(u, n):
 @kernel
 def moved_to(body, x):
     """Displacement over the step of what is at x at its end, fixed in the body."""
-    spot = matvec_t(body.A, sub(x, vec(body.r)))
-    return sub(x, add(vec(body.start_r), matvec(body.start_A, spot)))
+    d = sub(x, vec(body.r))
+    turned = sub(d, matvec(body.start_A, matvec_t(body.A, d)))
+    return add(sub(vec(body.r), vec(body.start_r)), turned)
 
 
 @kernel
 def moved_from(body, x):
     """Displacement over the step of what was at x at its start."""
-    spot = matvec_t(body.start_A, sub(x, vec(body.start_r)))
-    return sub(add(vec(body.r), matvec(body.A, spot)), x)
+    d = sub(x, vec(body.start_r))
+    turned = sub(matvec(body.A, matvec_t(body.start_A, d)), d)
+    return add(sub(vec(body.r), vec(body.start_r)), turned)
 
 
 # --- pairs of elements on bodies -----------------------------------------------------------------
@@ -115,9 +118,7 @@ def way_of_probe(probe, d, h, nodes, points):
         b = points[probe.point]
         return scale(h, add(vec(b.v), cross(vec(b.w), d)))
     body = nodes[probe.node]
-    spot = add(vec(probe.at), matvec_t(body.A, d))
-    before = add(vec(body.start_r), matvec(body.start_A, spot))
-    return sub(add(vec(body.r), matvec(body.A, spot)), before)
+    return moved_to(body, add(place(body, vec(probe.at)), d))
 
 
 @kernel
