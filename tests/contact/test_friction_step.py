@@ -10,7 +10,7 @@ from touching import Contact
 
 LAWS = {
     "coulomb": "coefficient: 0.4, none_below: 0.01, full_above: 0.1",
-    "stribeck": "static: 0.5, dynamic: 0.1, stribeck_speed: 0.01, smoothing_speed: 0.02, viscous: 2",
+    "stribeck": "static: 0.5, dynamic: 0.1, stribeck_speed: 0.01, smoothing_speed: 0.02",
 }
 N = 100.0
 UP = (0, 0, 1)

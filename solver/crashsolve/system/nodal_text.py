@@ -25,7 +25,7 @@ def {word}(clock, h, nodes, curves, groups):
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
             gone = (0.0, 0.0, 0.0)
             if old.active == 1:
-                gone = work.way_over_face(p, {probe}, old, h, nodes, points, corners)
+                gone = work.way_over_face(p, {probe}, old, True, h, nodes, points, corners)
                 work.push_along(old, gone, count)
             if hit.depth <= 0.0:
                 if old.active == 1:
@@ -42,7 +42,7 @@ def {word}(clock, h, nodes, curves, groups):
             f, stored, power, loss, k, c = {law}.normal_force(
                 p, old, new, h, hit.depth, rate, mass, curves
             )
-            way = work.way_over_face(p, {probe}, hit, h, nodes, points, corners)
+            way = work.way_over_face(p, {probe}, hit, False, h, nodes, points, corners)
 {jump}{rub}            nodal.push_probe({probe}, f, k, c, hit, nodes, groups)
             faces.push_face(p, hit, f, k, c, groups)
             nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)
@@ -90,7 +90,7 @@ def {word}(clock, h, nodes, curves, groups):
         gone = (0.0, 0.0, 0.0)
         if old.active == 1:
             home_before = nodes[home[shapes[old.face].node]]
-            gone = work.way_over_body(p, probes[i], old, x, home_before, h, nodes, points)
+            gone = work.way_over_body(p, probes[i], old, True, x, home_before, h, nodes, points)
             work.push_along(old, gone, count)
         if hit.depth <= 0.0:
             if old.active == 1:
@@ -106,7 +106,7 @@ def {word}(clock, h, nodes, curves, groups):
         f, stored, power, loss, k, c = {law}.normal_force(
             p, old, new, h, hit.depth, rate, mass, curves
         )
-        way = work.way_over_body(p, probes[i], hit, x, body, h, nodes, points)
+        way = work.way_over_body(p, probes[i], hit, False, x, body, h, nodes, points)
 {rub}        nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
         nodal.push_body(body, x, f, k, c, hit, mob)
         nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)

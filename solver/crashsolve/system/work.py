@@ -11,19 +11,18 @@ stable step they have little to do with the way that is gone.
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.motion import place
 from crashsolve.foundation.vec3 import (
     add,
     add_scaled,
     cross,
     dot,
     matvec,
-    matvec_t,
     put,
     scale,
     sub,
     vec,
 )
+from crashsolve.system.points import half_turn
 
 
 @kernel
@@ -33,19 +32,14 @@ def along_plane(u, n):
 
 
 @kernel
-def moved_to(body, x):
-    """Displacement over the step of what is at x at its end, fixed in the body."""
-    d = sub(x, vec(body.r))
-    turned = sub(d, matvec(body.start_A, matvec_t(body.A, d)))
-    return add(sub(vec(body.r), vec(body.start_r)), turned)
+def moved(body, d):
+    """Displacement over the step of what is d from the mass centre, at its start or at its end.
 
-
-@kernel
-def moved_from(body, x):
-    """Displacement over the step of what was at x at its start."""
-    d = sub(x, vec(body.start_r))
-    turned = sub(matvec(body.A, matvec_t(body.start_A, d)), d)
-    return add(sub(vec(body.r), vec(body.start_r)), turned)
+    The turn is that of the drift, along which torques work, and has no part along d: a normal force
+    through the centre of a ball does no work by its spin.
+    """
+    turn = scale(2.0, half_turn(body.start_q, body.q))
+    return add(sub(vec(body.r), vec(body.start_r)), cross(turn, d))
 
 
 # --- pairs of elements on bodies -----------------------------------------------------------------
@@ -56,7 +50,7 @@ def way_to(h, a, b, x):
     """Displacement of a over b of what touches at x at the end of the step."""
     if h == 0.0:
         return 0.0, 0.0, 0.0
-    return sub(moved_to(a, x), moved_to(b, x))
+    return sub(moved(a, sub(x, vec(a.r))), moved(b, sub(x, vec(b.r))))
 
 
 @kernel
@@ -68,7 +62,7 @@ def end_first_half(h, old, a, b, card):
     if old.active == 0 or h == 0.0:
         return 0.0
     x = vec(old.place)
-    u = sub(moved_from(a, x), moved_from(b, x))
+    u = sub(moved(a, sub(x, vec(a.start_r))), moved(b, sub(x, vec(b.start_r))))
     rubbed = 0.5 * dot(vec(old.rub), u)
     card.work += 0.5 * dot(vec(old.push), u)
     card.friction_work += rubbed
@@ -112,18 +106,20 @@ def arms(p, touch):
 
 
 @kernel
-def way_of_probe(probe, d, h, nodes, points):
-    """Displacement over the step of the place d from a probe."""
+def way_of_probe(probe, d, is_past, h, nodes, points):
+    """Displacement over the step of the place d from a probe, at the start or at the end of it."""
     if probe.point >= 0:
         b = points[probe.point]
         return scale(h, add(vec(b.v), cross(vec(b.w), d)))
     body = nodes[probe.node]
-    return moved_to(body, add(place(body, vec(probe.at)), d))
+    if is_past:
+        return moved(body, add(matvec(body.start_A, vec(probe.at)), d))
+    return moved(body, add(matvec(body.A, vec(probe.at)), d))
 
 
 @kernel
-def way_over_face(p, probe, touch, h, nodes, points, corners):
-    """The same over the face at which it touches; `touch` is what is found, or was accepted."""
+def way_over_face(p, probe, touch, is_past, h, nodes, points, corners):
+    """The same over the face at which it touches, or at which it did at the start."""
     if h == 0.0:
         return 0.0, 0.0, 0.0
     d, e = arms(p, touch)
@@ -132,16 +128,18 @@ def way_over_face(p, probe, touch, h, nodes, points, corners):
         b = points[at[k]]
         v = add_scaled(v, touch.N[k], vec(b.v))
         w = add_scaled(w, touch.N[k], vec(b.w))
-    return sub(way_of_probe(probe, d, h, nodes, points), scale(h, add(v, cross(w, e))))
+    return sub(way_of_probe(probe, d, is_past, h, nodes, points), scale(h, add(v, cross(w, e))))
 
 
 @kernel
-def way_over_body(p, probe, touch, x, body, h, nodes, points):
-    """The same over the body of a shape, by a probe at x."""
+def way_over_body(p, probe, touch, is_past, x, body, h, nodes, points):
+    """The same over the body of a shape, where the probe is at x at the end of the step."""
     if h == 0.0:
         return 0.0, 0.0, 0.0
     d, _ = arms(p, touch)
-    return sub(way_of_probe(probe, d, h, nodes, points), moved_to(body, add(x, d)))
+    return sub(
+        way_of_probe(probe, d, is_past, h, nodes, points), moved(body, sub(add(x, d), vec(body.r)))
+    )
 
 
 @kernel
