@@ -23,10 +23,10 @@ def {word}(clock, h, nodes, curves, groups):
 {look}        for s in range(2):
             j = 2 * i + s
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
-            gone = (0.0, 0.0, 0.0)
+            past = (0.0, 0.0, 0.0)
             if old.active == 1:
-                gone = work.way_over_face(p, {probe}, old, True, h, nodes, points, corners)
-                work.push_along(old, gone, count)
+                past = work.way_over_face(p, {probe}, old, True, h, nodes, points, corners)
+                work.push_along(old, past, count)
             if hit.depth <= 0.0:
                 if old.active == 1:
 {lose}                    nodal.leave(clock, h, tally, turns, j, old, new)
@@ -87,11 +87,11 @@ def {word}(clock, h, nodes, curves, groups):
         now = nodal.settle(turns, i)
         old, new = slots[now, i], slots[1 - now, i]
         nodal.wait_for(i, hit, tally, due)
-        gone = (0.0, 0.0, 0.0)
+        past = (0.0, 0.0, 0.0)
         if old.active == 1:
             home_before = nodes[home[shapes[old.face].node]]
-            gone = work.way_over_body(p, probes[i], old, True, x, home_before, h, nodes, points)
-            work.push_along(old, gone, count)
+            past = work.way_over_body(p, probes[i], old, True, x, home_before, h, nodes, points)
+            work.push_along(old, past, count)
         if hit.depth <= 0.0:
             if old.active == 1:
                 nodal.leave(clock, h, tally, turns, i, old, new)
@@ -139,11 +139,11 @@ RUB = """\
             {other}
             rubbing.note(h, p, tally, card, t, t_stored, t_loss, new)
             if old.active == 1:
-                work.rub_along(old, gone, count)
+                work.rub_along(old, past, count)
             work.rub_along(new, way, count)
 """
 END = """\
-                    rubbing.leave(h, tally, gone, old, new, count)
+                    rubbing.leave(h, tally, past, old, new, count)
                     {friction}.release(p, old, new)
 """
 OTHER = (
