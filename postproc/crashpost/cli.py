@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crashpost.errors import PostError
+from crashpost.text import printable, printable_lines
 
 if TYPE_CHECKING:
     from crashpost.result import Result
@@ -26,12 +27,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except PostError as error:
-        print(f"crashpost: error: {error}", file=sys.stderr)
+        print(printable(f"crashpost: error: {error}"), file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
-        # the reader, such as `head`, has seen enough; what is left to flush goes nowhere
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # the reader, such as `head`, has seen enough
+        _give_up_output()
         return 0
+    except OSError as error:
+        # files are answered for where they are opened: what is left is standard output
+        if error.filename is not None:
+            raise
+        _give_up_output()
+        print(f"crashpost: error: standard output: {error.strerror}", file=sys.stderr)
+        return PostError.exit_code
+    except KeyboardInterrupt:
+        print("crashpost: interrupted", file=sys.stderr)
+        return PostError.exit_code
+
+
+def _give_up_output() -> None:
+    """Send what is left to flush nowhere: no error at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _say(text: str) -> None:
+    """Print lines of which none can pass for another, whatever names and titles hold."""
+    print(printable_lines(text))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -89,7 +110,7 @@ def _open(options: argparse.Namespace) -> "Result":
 def _summary(options: argparse.Namespace) -> int:
     from crashpost.summary import summary
 
-    print(summary(_open(options)))
+    _say(summary(_open(options)))
     return 0
 
 
@@ -100,7 +121,7 @@ def _channels(options: argparse.Namespace) -> int:
     if not channels:
         raise PostError(f"no channel fits '{options.match}'")
     rows = [[c.name, c.unit or "-", str(c.samples), c.meaning] for c in channels]
-    print(text_table(("channel", "unit", "samples", "meaning"), rows))
+    _say(text_table(("channel", "unit", "samples", "meaning"), rows))
     return 0
 
 
@@ -147,7 +168,7 @@ def _expect(options: argparse.Namespace) -> int:
     if not verdicts:
         print("the deck expects nothing")
         return 0
-    print(verdict_table(verdicts))
+    _say(verdict_table(verdicts))
     failed = sum(not verdict.passed for verdict in verdicts)
     print(f"\n{len(verdicts) - failed} of {len(verdicts)} expectations met")
     return 1 if failed else 0
@@ -161,7 +182,7 @@ def _plot(options: argparse.Namespace) -> int:
     units = dict(_unit_choice(text) for text in options.unit)
     output = options.output or result.folder / "plot.png"
     save(result, panels(result, options.channels, options.against, units), output)
-    print(output)
+    _say(str(output))
     return 0
 
 
@@ -176,7 +197,7 @@ def _export(options: argparse.Namespace) -> int:
     from crashpost.export import export_csv
 
     count = export_csv(_open(options), options.csv, options.channels)
-    print(f"{options.csv}: {count} channels")
+    _say(f"{options.csv}: {count} channels")
     return 0
 
 
@@ -187,10 +208,10 @@ def _report(options: argparse.Namespace) -> int:
     text, problems = report(result)
     output = options.output or result.folder / "report.html"
     try:
-        output.write_text(text, encoding="utf-8")
+        output.write_text(text, encoding="utf-8", errors="xmlcharrefreplace")
     except OSError as error:
         raise PostError(f"{output}: {error.strerror}") from error
-    print(output)
+    _say(str(output))
     if problems:
         raise PostError("; ".join(problems))
     return 0

@@ -8,12 +8,19 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as Canvas
 
 from crashpost.errors import PostError
+
+try:
+    import matplotlib as mpl
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+except ModuleNotFoundError as missing:
+    raise PostError(
+        f"figures need {missing.name}, which is missing: pip install 'crashsolve[plot]'"
+    ) from None
+
 from crashpost.expression import Series
 from crashpost.figure import AUTO, Curve, Figure, Pair, Reference
 from crashpost.result import Result

@@ -79,10 +79,10 @@ class Verdict:
 
 def expectations(result: Result) -> list[Expectation]:
     """The entries stored with a result; raises PostError when they are not as specified."""
-    entries = result.stored_json("expect") or []
+    entries = result.stored_json("expect", list) or []
     try:
         return [_read(entry) for entry in entries]
-    except (AttributeError, TypeError, ValueError, KeyError) as error:
+    except (AttributeError, TypeError, ValueError, KeyError, OverflowError) as error:
         raise PostError(f"{result.file}: broken expect entry ({error})") from error
 
 
@@ -106,6 +106,9 @@ def _read(entry: dict[str, Any]) -> Expectation:
     given = {name: part for name, part in entry.items() if part is not None}
     known = {name: given[name] for name in Expectation.__annotations__ if name in given}
     known["value"], known["tolerance"] = (float(known["value"]), float(known["tolerance"]))
+    for name in ("channel", "statistic", "unit", "because", "source"):
+        if not isinstance(known.get(name, ""), str):
+            raise TypeError(f"{name} is no text")
     if "during" in known:
         first, last = known["during"]
         known["during"] = (float(first), float(last))

@@ -30,6 +30,8 @@ class Series(NamedTuple):
 Lookup = Callable[[str], Series]
 
 _LONGEST = 4000
+# a whole number may have more digits than a float holds
+_MOST = 1e300
 _QUOTED_OR_NAME = re.compile(r"'[^']*'|\"[^\"]*\"|(?<![\w.])[A-Za-z_]\w*(?:\.\w+)+")
 
 
@@ -77,7 +79,9 @@ class _Evaluation:
         match node:
             case ast.Constant(value=str() as name):
                 return self.channel(name)
-            case ast.Constant(value=(int() | float()) as number) if number is not True:
+            case ast.Constant(value=(int() | float()) as number) if not isinstance(number, bool):
+                if abs(number) > _MOST:
+                    raise PostError(f"a number in '{self.expression[:40]}' is too large")
                 return _Term(float(number), None)
             case ast.Name(id="time"):
                 return self.channel("time")
@@ -109,7 +113,9 @@ class _Evaluation:
             case ast.Div():
                 with np.errstate(divide="ignore", invalid="ignore"):
                     quotient = np.divide(a.values, b.values)
-                if not np.all(np.isfinite(quotient)):
+                # who asks for such a moment is told (statistic.py)
+                quotient = np.where(np.isfinite(quotient), quotient, np.nan)
+                if not np.any(np.isfinite(quotient)):
                     raise PostError(f"division by zero in '{self.expression}'")
                 return _Term(quotient, _product(a, b, -1))
         raise PostError(f"only + - * / are known in '{self.expression}'")

@@ -90,6 +90,8 @@ def _figure(entry: Any, place: str) -> Figure:
     if not isinstance(known["y"], list) or not known["y"]:
         raise PostError(f"{place}: y must list channels")
     known["y"] = tuple(_curve(curve, place) for curve in known["y"])
+    if not isinstance(known.get("reference", []), list):
+        raise PostError(f"{place}: reference must be a list")
     known["reference"] = tuple(_reference(r, place) for r in known.get("reference", ()))
     for scale in ("x_scale", "y_scale"):
         if known.get(scale, "linear") not in SCALES:
@@ -148,7 +150,9 @@ def _typed(value: Any, name: str, place: str) -> Any:
             return tuple(_pair(point) for point in value)
         if name in ("value", "from_", "to", "x_offset", "y_offset"):
             return float(value)
-    except (TypeError, ValueError) as error:
+        if name not in ("y", "reference") and not isinstance(value, str):
+            raise TypeError("no text")
+    except (TypeError, ValueError, OverflowError) as error:
         raise PostError(f"{place}: '{name}' cannot be {value!r}") from error
     return value
 

@@ -60,6 +60,8 @@ def _over_time(
 
 
 def _family_figure(result: Result, family: Family) -> Figure | None:
+    if not len(result.time):
+        return None
     quantities = dict.fromkeys(column.path.split("/")[0] for column in family.columns)
     worth = WORTH.get(family.word, FORCES)
     for quantity in sorted(quantities, key=lambda name: name not in worth):

@@ -10,6 +10,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from crashpost.errors import PostError
 from crashpost.result import Result
 from crashpost.statistic import statistic, unit_of, within
@@ -22,7 +24,7 @@ def answers(result: Result, questions: Path) -> list[dict[str, Any]]:
     """The answers to the questions in a file; raises PostError when the file is none."""
     try:
         asked = json.loads(questions.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise PostError(f"{questions}: {error}") from error
     if not isinstance(asked, list) or not all(isinstance(entry, dict) for entry in asked):
         raise PostError(f"{questions}: must be a list of tables")
@@ -38,6 +40,8 @@ def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
         if word == PATH:
             time, values, unit = within(series, during) if during else series
             wanted = asked.get("unit") or unit
+            if not np.isfinite(values).all():
+                raise PostError("division by zero at some of its samples")
             return {
                 "time": time.tolist(),
                 "value": (values * factor(unit, wanted)).tolist(),
@@ -49,5 +53,5 @@ def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
         return {"value": value, "unit": wanted}
     except KeyError as error:
         return {"problem": f"{error} is missing"}
-    except (PostError, TypeError, ValueError, IndexError) as error:
+    except (PostError, TypeError, ValueError, LookupError, OverflowError) as error:
         return {"problem": str(error)}

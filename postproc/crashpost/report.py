@@ -37,7 +37,7 @@ class _Report:
 
     def page(self) -> tuple[str, list[str]]:
         result = self.result
-        described = result.stored_json("report")
+        described = result.stored_json("report", dict)
         chosen = figures_of(described) if described else gallery.family_figures(result)
         sections = [
             block("curves", "Curves", self.figures(chosen)),
@@ -205,7 +205,7 @@ def _some(names: Sequence[str]) -> str:
 
 def _sources(result: Result) -> str:
     """The literature behind the laws used."""
-    citations = result.stored_json("citations") or []
+    citations = result.stored_json("citations", list) or []
     return "".join(f"<p>{escape(str(citation))}</p>" for citation in citations)
 
 
@@ -215,7 +215,7 @@ def _deck(result: Result) -> str:
 
 
 def _footer(result: Result) -> str:
-    versions = (result.stored_json("versions") or {}).items()
+    versions = (result.stored_json("versions", dict) or {}).items()
     facts = [f"{name} {version}" for name, version in versions]
     if "started" in result.attributes:
         facts.append(f"started {result.attributes['started']} on {result.attributes.get('host')}")

@@ -7,6 +7,7 @@ result can be read while its run goes on.
 
 import json
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -19,10 +20,12 @@ import numpy as np
 from crashpost.errors import PostError, unknown
 from crashpost.expression import Series, evaluate
 from crashpost.status import read_status
+from crashpost.text import plain_text, printable
 
 FORMAT = "crashsolve history"
 # the first one has other names for some energies, and reads the same
 FORMAT_VERSIONS = (1, 2)
+FOREIGN = "not as FILE_FORMAT.md has it"
 
 
 @dataclass(frozen=True)
@@ -72,14 +75,17 @@ class Result:
         path = Path(path)
         self.file = path if path.suffix == ".h5" else path / "history.h5"
         self.folder = self.file.parent
-        self._history = self._open()
-        self.attributes: dict[str, Any] = dict(self._history.attrs)
-        self._check_format()
-        try:
-            self.families = {name: _family(name, self._history[name]) for name in self._history}
-            self.time = _sample_times(self._history)
-        except (OSError, KeyError, TypeError, AttributeError) as error:
-            raise PostError(f"{self.file}: not as FILE_FORMAT.md has it ({error})") from error
+        if not self.file.exists():
+            raise PostError(f"{self.file}: no such file; name a results folder")
+        with _readable(self.file, "not a readable HDF5 file"):
+            if not self.file.is_file():
+                raise PostError(f"{self.file}: no plain file")
+            self._history = h5py.File(self.file, "r")
+        with _readable(self.file, FOREIGN):
+            self.attributes: dict[str, Any] = dict(self._history.attrs)
+            self._check_format()
+            self.time = self._sample_times()
+            self.families = {name: self._family(name) for name in self._history}
 
     def channels(self, match: str = "*") -> Iterator[Channel]:
         """All channels whose name fits the shell pattern."""
@@ -119,10 +125,7 @@ class Result:
     @cached_property
     def log(self) -> str:
         """The text of log.txt, empty when there is none."""
-        try:
-            return (self.folder / "log.txt").read_text(encoding="utf-8", errors="replace")
-        except OSError:
-            return ""
+        return plain_text(self.folder / "log.txt") or ""
 
     @property
     def deck_text(self) -> str:
@@ -132,23 +135,63 @@ class Result:
     @property
     def title(self) -> str:
         """The deck's title, or the name of the results folder."""
-        return str(self.attributes.get("title") or self.folder.resolve().name)
+        title = self.attributes.get("title")
+        return printable(title if isinstance(title, str) and title else self.folder.resolve().name)
 
-    def stored_json(self, attribute: str) -> Any:
-        """A root attribute that holds JSON, None when absent; raises PostError when broken."""
+    def stored_json(self, attribute: str, kind: type = object) -> Any:
+        """What a root attribute holds as JSON, None when absent; raises PostError when broken."""
         text = self.attributes.get(attribute)
         try:
-            return None if text is None else json.loads(text)
-        except (TypeError, ValueError) as error:
+            found = None if text is None else json.loads(text)
+        except (TypeError, ValueError, RecursionError) as error:
             raise PostError(f"{self.file}: attribute '{attribute}' is not JSON: {error}") from error
+        if found is not None and not isinstance(found, kind):
+            raise PostError(f"{self.file}: attribute '{attribute}' is no {kind.__name__}")
+        return found
 
-    def _open(self) -> h5py.File:
-        if not self.file.exists():
-            raise PostError(f"{self.file}: no such file; name a results folder")
-        try:
-            return h5py.File(self.file, "r")
-        except OSError as error:
-            raise PostError(f"{self.file}: not a readable HDF5 file ({error})") from error
+    def _family(self, name: str) -> Family:
+        """A group of the history. Raises PostError, or what h5py raises for a damaged file."""
+        if self._history.get(name, getclass=True, getlink=True) is not h5py.HardLink:
+            raise PostError(f"{self.file}: '{name}' leads elsewhere")
+        group, columns = self._history[name], list[Column]()
+        ids = tuple(map(printable, self._whole(group["ids"], 1).asstr()[:]))
+
+        def visit(path: str, item: h5py.Dataset | h5py.Group) -> None:
+            if isinstance(item, h5py.Dataset) and path not in ("time", "ids"):
+                rows, width = self._whole(item, 2).shape
+                if item.dtype.kind != "f" or width != len(ids) or rows < len(self.time):
+                    raise PostError(f"{self.file}: '{name}/{path}' does not fit its entities")
+                words = (str(item.attrs.get(word, "")) for word in ("unit", "meaning"))
+                columns.append(Column(printable(path), *map(printable, words)))
+
+        group.visititems(visit)
+        return Family(name, printable(str(group.attrs.get("meaning", ""))), ids, tuple(columns))
+
+    def _sample_times(self) -> np.ndarray:
+        """The sample times all families share, without the rows reserved for later."""
+        name = next(iter(self._history), None)
+        if name is None:
+            return np.empty(0)
+        dataset = self._whole(self._history[name]["time"], 1)
+        if dataset.dtype.kind != "f":
+            raise PostError(f"{self.file}: the times of the samples are no numbers")
+        time: np.ndarray = dataset[:].astype(float)
+        time = time[: np.count_nonzero(np.isfinite(time))]
+        # reserved rows come last, and times increase
+        if not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():
+            raise PostError(f"{self.file}: the times of the samples are damaged")
+        return time
+
+    def _whole(self, dataset: Any, axes: int) -> h5py.Dataset:
+        """The dataset itself, which must lie in this file with all that it claims to hold."""
+        name = f"{self.file}: '{dataset.name}'"
+        if not isinstance(dataset, h5py.Dataset) or len(dataset.shape or ()) != axes:
+            raise PostError(f"{name} is no dataset of {axes} axes")
+        if dataset.external or dataset.is_virtual:
+            raise PostError(f"{name} lies in another file")
+        if dataset.nbytes > self.file.stat().st_size:
+            raise PostError(f"{name} claims more numbers than the file has room for")
+        return dataset
 
     def _check_format(self) -> None:
         if self.attributes.get("format") != FORMAT:
@@ -177,10 +220,10 @@ class Result:
 
     def _read(self, path: str, entities: int | slice) -> np.ndarray:
         """The existing rows of a dataset (n_time, n_id), of one entity or of several."""
-        try:
+        with _readable(self.file, f"'{path}' is damaged"):
             values: np.ndarray = self._history[path][: len(self.time), entities]
-        except OSError as error:
-            raise PostError(f"{self.file}: '{path}' is damaged ({error})") from error
+            if not np.isfinite(values).all():
+                raise PostError(f"{self.file}: '{path}' is damaged: it holds what is no number")
         return values
 
     def _unknown_channel(self, name: str) -> PostError:
@@ -204,21 +247,13 @@ def _words(name: str) -> tuple[str, str, str]:
     return family, entity, column
 
 
-def _family(name: str, group: h5py.Group) -> Family:
-    columns: list[Column] = []
-
-    def visit(path: str, item: h5py.Dataset | h5py.Group) -> None:
-        if isinstance(item, h5py.Dataset) and path not in ("time", "ids"):
-            unit, meaning = item.attrs.get("unit", ""), item.attrs.get("meaning", "")
-            columns.append(Column(path, str(unit), str(meaning)))
-
-    group.visititems(visit)
-    meaning, ids = str(group.attrs.get("meaning", "")), tuple(group["ids"].asstr()[:])
-    return Family(name, meaning, ids, tuple(columns))
-
-
-def _sample_times(file: h5py.File) -> np.ndarray:
-    """The sample times all families share, without the rows reserved for later."""
-    first = next(iter(file.values()), None)
-    time: np.ndarray = np.empty(0) if first is None else first["time"][:]
-    return np.extract(np.isfinite(time), time)
+@contextmanager
+def _readable(file: Path, what: str) -> Iterator[None]:
+    """One error for whatever HDF5, h5py and numpy raise over a damaged file."""
+    try:
+        yield
+    except PostError:
+        raise
+    except Exception as error:
+        reason = str(error).strip().split("\n")[0] or type(error).__name__
+        raise PostError(f"{file}: {what} ({reason})") from error

@@ -26,7 +26,14 @@ def statistic(series: Series, word: str, during: Window | None = None) -> float:
     if not len(values):
         raise PostError("the channel holds no samples yet")
     if word.startswith("at:"):
-        return _at(series, word[3:])
+        return _defined(_at(series, word[3:]))
+    if word == "final":
+        return _defined(float(values[-1]))
+    undefined = np.flatnonzero(np.isnan(values))
+    if len(undefined):
+        raise PostError(
+            f"division by zero at t = {time[undefined[0]]:g} s; ask for a time window without it"
+        )
     match word:
         case "max":
             return float(np.max(values))
@@ -34,8 +41,6 @@ def statistic(series: Series, word: str, during: Window | None = None) -> float:
             return float(np.min(values))
         case "abs_max":
             return float(np.max(np.abs(values)))
-        case "final":
-            return float(values[-1])
         case "integral":
             return float(cumulative(time, values)[-1])
         case "mean":
@@ -45,6 +50,12 @@ def statistic(series: Series, word: str, during: Window | None = None) -> float:
         case "argmin":
             return float(time[np.argmin(values)])
     raise unknown("statistic", word, STATISTICS)
+
+
+def _defined(value: float) -> float:
+    if math.isnan(value):
+        raise PostError("division by zero at that time")
+    return value
 
 
 def unit_of(word: str, unit: str) -> str:

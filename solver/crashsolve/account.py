@@ -3,7 +3,10 @@
 import os
 import platform
 import socket
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -16,11 +19,14 @@ from crashsolve.deck.dump import as_data
 from crashsolve.deck.read import Deck
 from crashsolve.foundation.errors import ExitCode
 from crashsolve.model.ledger import IMBALANCE, KINETIC, LARGEST
-from crashsolve.output.log import Log
+from crashsolve.output.log import ERROR, Log
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.phases import ContactPhases
-from crashsolve.system.diagnosis import limiter
+from crashsolve.pulse import Pulse
+from crashsolve.remarks import StepWatch
+from crashsolve.sampling import Schedule
+from crashsolve.system.bounds import StepBound
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
@@ -31,6 +37,47 @@ def cpu_time() -> float:
     """CPU time of this process and of the one that compiled for it [s]."""
     # os.times() counts in hundredths of a second, and a short run is over within one
     return time.process_time() + sum(os.times()[2:4])
+
+
+@contextmanager
+def announced(path: Path, deck: Deck) -> Iterator[None]:
+    """While a run is prepared status.json speaks of it already, and not of one before it.
+
+    Raises OutputError.
+    """
+    span = deck.control.start_time, deck.control.end_time
+    status = Status("running", span[0], 0, span[1], 0.0, 0.0, 0.0, 0.0, message="preparing")
+    write_status(path, status)
+    try:
+        yield
+    except BaseException as error:
+        code = getattr(error, "exit_code", ExitCode.INTERNAL)
+        is_asked = isinstance(error, KeyboardInterrupt)
+        status.state = "stopped" if is_asked else "failed"
+        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
+        status.message = str(error) or type(error).__name__
+        write_status(path, status)
+        raise
+
+
+@contextmanager
+def preparing(deck: Deck, folder: Path, log: Log, pulse: Pulse) -> Iterator[None]:
+    """While the step is compiled: its time in the log and status.json. Raises OutputError."""
+    start, end = deck.control.start_time, deck.control.end_time
+
+    def say(text: str) -> None:
+        log.line(text)
+        wall = time.monotonic() - begun
+        status = Status("running", start, 0, end, 0.0, 0.0, cpu_time(), wall, message=text)
+        write_status(folder / "status.json", status)
+
+    begun, pulse.say = time.monotonic(), say
+    try:
+        yield
+    except BaseException as error:
+        log.error(str(error) or type(error).__name__)
+        log.finish(ERROR)
+        raise
 
 
 class Account:
@@ -44,9 +91,17 @@ class Account:
         log: Log,
         cpu: dict[str, float],
         wall_begun: float,
+        pulse: Pulse,
     ) -> None:
         self.deck, self.engine, self.folder, self.log = deck, engine, folder, log
         self.cpu, self.wall_begun = cpu, wall_begun
+        self.pulse, self.pace, self.steps = pulse, Pace(), StepWatch()
+        # what never happened, and what was lost: known at the end
+        self.remarks: dict[str, Any] = {}
+        self.bound = ""
+        self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
+        # a thread may tell of the run as well
+        self._writing = threading.RLock()
         self.phases: ContactPhases | None = None
         self.estimating: Estimating | None = None
 
@@ -70,23 +125,49 @@ class Account:
     def progress(self) -> None:
         """A line of the log, status.json, and the bar on a terminal."""
         e, clock = self.engine, self.engine.clock
-        method = "tolerance" if len(e.state.stages) else "turn"
-        at = limiter(e.model, int(clock["limit_node"])) or f"samples, {method} or deck"
+        self.pace.look(float(clock["time"]), self.deck.control.end_time)
         self.log.cycle(
             int(clock["cycle"]),
             float(clock["time"]),
             float(clock["step"]),
-            float(e.ledger[KINETIC]),
+            float(newest_ledger(e)[KINETIC]),
             balance(e),
             float(clock["residual"]),
-            at,
+            self.pace.left,
+            self.step_bound(),
         )
+        self.pulse.told()
         self.status("running", None, "")
         span = self.deck.control.end_time - self.deck.control.start_time
         self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
 
+    def keep_alive(self) -> None:
+        """Look at the step; a line where none has come for long. Raises OutputError."""
+        clock = self.engine.clock
+        fallen = self.steps.look(float(clock["time"]), int(clock["cycle"]))
+        if fallen:
+            self.log.warning(f"{fallen}; it is set by: {self.step_bound()}")
+        if self.pulse.is_due():
+            self.progress()
+
+    def say(self, text: str) -> None:
+        """What the run has been doing for long, in the log and status.json. Raises OutputError."""
+        clock = self.engine.clock
+        self.log.line(f"{text}, at t = {float(clock['time']):.6g} s, cycle {int(clock['cycle'])}")
+        self.status("running", None, text)
+
+    def step_bound(self) -> str:
+        """What sets the step, and why."""
+        is_static = self.deck.control.solution == "quasi_static"
+        self.bound = "load steps" if is_static else self._bounds.tell(self.engine)
+        return self.bound
+
     def status(self, state: RunState, code: ExitCode | None, message: str) -> None:
         """Renew status.json. Raises OutputError."""
+        with self._writing:
+            self._write_status(state, code, message)
+
+    def _write_status(self, state: RunState, code: ExitCode | None, message: str) -> None:
         clock = self.engine.clock
         write_status(
             self.folder / "status.json",
@@ -102,6 +183,8 @@ class Account:
                 None if code is None else int(code),
                 message,
                 cpu_steps=self.cpu["steps"],
+                step_set_by=self.bound,
+                left=self.pace.left if state == "running" else None,
                 **self._results(),
             ),
         )
@@ -121,17 +204,46 @@ class Account:
         if self.estimating is not None:
             self.cpu["estimates"] = self.estimating.cpu
             found["watched"] = self.estimating.entries()
-        return found | {
-            "rejected": int(clock["rejected"]),
-            "constraint_position": float(clock["residual"]),
-            "constraint_velocity": float(clock["rate_residual"]),
-            "cpu_stages": dict(self.cpu),
-        }
+        return (
+            found
+            | self.remarks
+            | {
+                "rejected": int(clock["rejected"]),
+                "constraint_position": float(clock["residual"]),
+                "constraint_velocity": float(clock["rate_residual"]),
+                "cpu_stages": dict(self.cpu),
+            }
+        )
+
+
+class Pace:
+    """Wall time a run still needs, by its pace since the last line but a second ago."""
+
+    def __init__(self) -> None:
+        self.left: float | None = None
+        self._mark: tuple[float, float] | None = None
+
+    def look(self, now: float, end: float) -> None:
+        """Take note of the time simulated [s]."""
+        wall = time.monotonic()
+        if self._mark is None or now < self._mark[1]:
+            self._mark = wall, now
+        elif wall > self._mark[0] and now > self._mark[1]:
+            self.left = (end - now) / (now - self._mark[1]) * (wall - self._mark[0])
+            if wall > self._mark[0] + 1.0:
+                self._mark = wall, now
+
+
+def newest_ledger(engine: Engine) -> np.ndarray:
+    """Energies of the last sample, or of a later look of the guard in the compiled loop."""
+    since = int(engine.clock["cycle"]) - int(engine.sampled["cycle"])
+    is_old = since >= int(engine.model.control[0]["check_every"])
+    return engine.state.ledger if is_old else engine.ledger
 
 
 def balance(engine: Engine) -> float:
     """Energy that is missing or too much, in % of the largest energy."""
-    ledger = engine.ledger
+    ledger = newest_ledger(engine)
     return float(100.0 * ledger[IMBALANCE] / ledger[LARGEST]) if ledger[LARGEST] > 0 else 0.0
 
 

@@ -1,23 +1,26 @@
 """The command `crashsolve`: run a deck, or check, explain and document decks.
 
-crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart]
+crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart [--until T]]
 crashsolve check DECK    crashsolve explain DECK
 crashsolve study DECK [--steps A,B] [--integrators A,B] [--meshes 1,2] [--channel C[:STATISTIC]]
+crashsolve example [NAME [-o DIR]]    crashsolve manual [PAGE]
 crashsolve schema    crashsolve keywords    crashsolve equations
 """
 
 import argparse
 import ctypes
 import gc
-import os
 import sys
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from crashsolve import __version__
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
+from crashsolve.foundation.streams import give_up, open_standard_streams, printable, tell_error
 
-COMMANDS = ("run", "check", "explain", "study", "schema", "keywords", "equations")
+COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "example", "manual")
+COMMANDS += ("schema", "keywords", "equations")
 
 STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
 
@@ -27,6 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     # imports make many objects that stay: looking for garbage among them is a tenth of a warm start
     gc.set_threshold(100_000)
     give_back_memory()
+    open_standard_streams()
     given = sys.argv[1:] if arguments is None else arguments
     # `crashsolve deck.yaml` is short for `crashsolve run deck.yaml`
     if given and given[0] not in COMMANDS and not given[0].startswith("-"):
@@ -37,12 +41,22 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except CrashsolveError as error:
-        print(error, file=sys.stderr)
+        tell_error(str(error))
         return int(error.exit_code)
+    except KeyboardInterrupt:
+        tell_error("interrupted")
+        return int(ExitCode.STOPPED)
     except BrokenPipeError:
-        # the reader, such as `head`, has seen enough; what is left to flush goes nowhere
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # the reader, such as `head`, has seen enough
+        give_up(sys.stdout)
         return int(ExitCode.NORMAL)
+    except OSError as error:
+        # files are answered for where they are opened: what is left is standard output
+        if error.filename is not None:
+            raise
+        give_up(sys.stdout)
+        tell_error(f"standard output: {error.strerror}")
+        return int(ExitCode.OUTPUT)
 
 
 def give_back_memory() -> None:
@@ -66,6 +80,9 @@ def _parser() -> argparse.ArgumentParser:
     _deck_arguments(run)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="results folder")
     run.add_argument("--restart", action="store_true", help="go on from the newest dump")
+    run.add_argument(
+        "--until", metavar="T", help='with --restart: another end time, such as 0.2 or "200 ms"'
+    )
     run.set_defaults(act=_run)
     for word, act, text in (
         ("check", _check, "read and build a deck without running it"),
@@ -77,13 +94,27 @@ def _parser() -> argparse.ArgumentParser:
     _study_arguments(
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
+    _document_arguments(commands)
+    return parser
+
+
+def _document_arguments(commands: Any) -> None:
+    """Commands that print what comes along: examples, the manual, and what is made of the cards."""
+    example = commands.add_parser("example", help="list example decks, print one, or write it")
+    example.add_argument("name", nargs="?", help="of a deck; without it they are listed")
+    example.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="write it there with all that it includes"
+    )
+    example.set_defaults(act=_example)
+    manual = commands.add_parser("manual", help="list the pages of the manual, or print one")
+    manual.add_argument("page", nargs="?", help="without it the pages are listed")
+    manual.set_defaults(act=_manual)
     for word, act, text in (
         ("schema", _schema, "JSON Schema of the deck, for editors"),
         ("keywords", _keywords, "the keyword manual, as Markdown"),
         ("equations", _equations, "where each equation of the chapter is, as Markdown"),
     ):
         commands.add_parser(word, help=text).set_defaults(act=act)
-    return parser
 
 
 def _deck_arguments(parser: argparse.ArgumentParser) -> None:
@@ -93,8 +124,9 @@ def _deck_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="override a parameter of the deck, or a field of its control or of a part as in "
-        "control.step=1e-4, parts.tube.mesh.division=2; may be repeated",
+        help="override a parameter of the deck, or any number or word of it by its path, as in "
+        "control.step=1e-4, contacts.wall.normal.stiffness=1e6, bodies.ball.velocity.3=-2 (places "
+        "of lists count from 1); may be repeated",
     )
 
 
@@ -151,7 +183,13 @@ def _run(options: argparse.Namespace) -> int:
     from crashsolve.run import solve
 
     folder = options.output or Path(options.deck.stem + ".results")
-    return solve(options.deck, folder, _overrides(options), options.restart)
+    overrides = _overrides(options)
+    if options.until is not None:
+        if not options.restart:
+            advice = "say --restart, or --set control.end_time=T"
+            raise DeckError("--until", None, None, "", "goes on from a dump", advice)
+        overrides["control.end_time"] = options.until
+    return solve(options.deck, folder, overrides, options.restart)
 
 
 def _study(options: argparse.Namespace) -> int:
@@ -179,8 +217,8 @@ def _check(options: argparse.Namespace) -> int:
 
     model, _ = build(read_deck(options.deck, _overrides(options)))
     for text in model.warnings:
-        print(f"warning: {text}")
-    print(f"{options.deck}: no mistakes found")
+        print(printable(f"warning: {text}"))
+    print(printable(f"{options.deck}: no mistakes found"))
     return ExitCode.NORMAL
 
 
@@ -191,6 +229,37 @@ def _explain(options: argparse.Namespace) -> int:
 
     deck = read_deck(options.deck, _overrides(options))
     print(explain(deck, build(deck)[0]))
+    return ExitCode.NORMAL
+
+
+def _example(options: argparse.Namespace) -> int:
+    from crashsolve import examples
+
+    known = examples.decks()
+    if options.name is None:
+        print(examples.listing(known))
+        return ExitCode.NORMAL
+    path = examples.named(options.name, known, "example")
+    if options.output:
+        for target in examples.write(path, options.output):
+            print(target)
+        return ExitCode.NORMAL
+    print(path.read_text("utf-8"), end="")
+    others = [file.name for file in examples.needed(path)[1:]]
+    if others:
+        told = f"it needs {', '.join(others)}: crashsolve example {options.name} -o DIR writes all"
+        print(told, file=sys.stderr)
+    return ExitCode.NORMAL
+
+
+def _manual(options: argparse.Namespace) -> int:
+    from crashsolve import examples
+
+    known = examples.pages()
+    if options.page is None:
+        print(examples.listing(known))
+    else:
+        print(examples.named(options.page, known, "page").read_text("utf-8"), end="")
     return ExitCode.NORMAL
 
 

@@ -29,7 +29,8 @@ MODEL = (
     ("cycle", "", "1", "steps so far"),
     ("mechanical", "", "J", "kinetic, potential and stored energy"),
 )
-CARD_COLUMNS = ("impulse", "peak_normal", "peak_depth", "onsets")
+CARD_COLUMNS: tuple[str, ...] = ("impulse", "peak_normal", "peak_depth", "onsets", "touches")
+CARD_COLUMNS += ("first_touch", "last_release", "duration")
 FAMILY = {"parts": "elout", "springs": "deforc", "loads": "bndout", "sensors": "nodout"}
 Part = tuple[Family, Callable[[], np.ndarray]]
 

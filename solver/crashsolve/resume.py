@@ -1,11 +1,58 @@
-"""From the State to the arrays of a restart dump, and back."""
+"""From the State to the arrays of a restart dump, and back; what may change on going on."""
 
 from typing import Any
 
 import numpy as np
+import yaml
 
 from crashsolve.model.model import ContactGroup
 from crashsolve.system.engine import Engine
+
+# fields of control that say how to go on, and nothing of what has been
+FREE_CONTROL = (
+    "end_time",
+    "step",
+    "step_max",
+    "step_min",
+    "safety",
+    "tolerance",
+    "onset_tolerance",
+    "constraint_tolerance",
+    "energy_limit",
+    "check_every",
+    "estimate",
+)
+# of them those on which the errors of a run depend
+OF_ERRORS = tuple(
+    f"control.{name}"
+    for name in FREE_CONTROL
+    if name not in ("end_time", "energy_limit", "check_every", "estimate", "step_min")
+)
+FREE_CARDS = ("title", "output", "watch", "expect")
+FREE = f"{', '.join(FREE_CARDS)} and of control {', '.join(FREE_CONTROL)}"
+
+
+def differing(old: str, new: str) -> list[tuple[str, bool]]:
+    """Where two decks (Deck.text) differ: name of a field, and whether the State is bound to it."""
+    if old == new:
+        return []
+    decks = [yaml.load(text, yaml.CSafeLoader) for text in (old, new)]
+    found = {".".join(path[:3]): _is_bound(path) for path in _paths(*decks)}
+    return list(found.items())
+
+
+def _is_bound(path: tuple[str, ...]) -> bool:
+    if path[0] == "control":
+        return path[1:2] == () or path[1] not in FREE_CONTROL
+    return path[0] not in FREE_CARDS
+
+
+def _paths(old: Any, new: Any, at: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """Paths to values that differ; parameters count by what they are used for."""
+    if not (isinstance(old, dict) and isinstance(new, dict)):
+        return [] if old == new else [at]
+    words = [word for word in {**old, **new} if at or word != "parameters"]
+    return [p for word in words for p in _paths(old.get(word), new.get(word), (*at, str(word)))]
 
 
 def changing(engine: Engine) -> dict[str, np.ndarray]:

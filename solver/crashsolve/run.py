@@ -4,6 +4,7 @@ Signals: SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is
 send it along). The words stop, dump and states in control.txt of the results folder do the same.
 """
 
+import os
 import signal
 import time
 from collections.abc import Mapping
@@ -14,8 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.account import Account, cpu_time, provenance
+from crashsolve.account import Account, announced, cpu_time, preparing, provenance
+from crashsolve.deck.mistakes import shown
 from crashsolve.deck.read import Deck, read_deck
+from crashsolve.foundation.cache import notes as cache_notes
 from crashsolve.foundation.errors import (
     CrashsolveError,
     DeckError,
@@ -24,21 +27,25 @@ from crashsolve.foundation.errors import (
     RunStopped,
 )
 from crashsolve.foundation.machine import forget_linker
+from crashsolve.foundation.streams import say, tell_error
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
 from crashsolve.model.model import Model, State
 from crashsolve.model.statics import goes_by_steps
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import reported
+from crashsolve.output.files import read_plain, reported
 from crashsolve.output.history import HistoryWriter
-from crashsolve.output.log import Log
+from crashsolve.output.lock import Lock
+from crashsolve.output.log import ERROR, NORMAL, STOPPED, Log
 from crashsolve.output.peaks import write_peaks
 from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
 from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
-from crashsolve.resume import changing, restore
+from crashsolve.pulse import Pulse
+from crashsolve.remarks import deleted, undeformed, untouched
+from crashsolve.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.sampling import Schedule
 from crashsolve.system.contact_balance import contact_warnings
 from crashsolve.system.engine import Engine
@@ -49,6 +56,8 @@ if TYPE_CHECKING:
 
 # what a user may ask of a run, by control.txt and by signals
 WORDS = {"stop", "dump", "states"}
+# [bytes] of control.txt that are looked at
+MOST_CONTROL = 4096
 # of the steps that an accuracy needs, in a restart dump
 COARSENESS = "run/coarseness"
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
@@ -56,10 +65,18 @@ SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
+    with Pulse(f"reading {deck_path.name}", say) as pulse:
+        return _solve(deck_path, folder, overrides, restart, pulse)
+
+
+def _solve(
+    deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool, pulse: Pulse
+) -> int:
     begun, wall_begun = cpu_time(), time.monotonic()
     # before the arrays of a large model come
     forget_linker()
     deck = read_deck(deck_path, overrides)
+    pulse.does("building the model")
     was_read = cpu_time()
     model, state = build(deck)
     # runs beside this one must not choose anew
@@ -67,11 +84,19 @@ def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: 
     deck = replace(deck, control=control)
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    built = cpu_time()
-    engine = _engine(deck, model, state)
-    spent = {"read": was_read - begun, "build": built - was_read}
-    spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
-    return Run(deck, engine, folder, spent, wall_begun).execute(restart)
+    with Lock(folder) as lock:
+        with announced(folder / "status.json", deck):
+            built = cpu_time()
+            pulse.does("compiling the step")
+            going_on = restart and any((folder / slot).exists() for slot in SLOTS)
+            log = Log(folder / "log.txt", append=going_on)
+            with preparing(deck, folder, log, pulse):
+                engine = _engine(deck, model, state)
+            spent = {"read": was_read - begun, "build": built - was_read}
+            spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
+            run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
+            dump = run.prepare(restart)
+        return run.execute(dump, [*filter(None, [lock.warning]), *cache_notes])
 
 
 def _engine(deck: Deck, model: Model, state: State) -> Engine:
@@ -97,37 +122,46 @@ class Run:
         folder: Path,
         spent: dict[str, float],
         wall_begun: float,
+        pulse: Pulse,
+        log: Log,
     ) -> None:
-        self.deck, self.engine, self.folder = deck, engine, folder
+        self.deck, self.engine, self.folder, self.pulse = deck, engine, folder, pulse
+        self.log = log
         self.cpu, self.wall_begun = spent, wall_begun
         self.requests: set[str] = set()
         self.files = ExitStack()
         self.estimating: Estimating | None = None
         self.schedule = Schedule.of(deck)
         self.history_step = self.schedule.interval
+        self.sampled = self.schedule.start
         span, out = self.schedule.end - self.schedule.start, deck.output
         self.state_step = out.states.interval or span / 50 or 1.0
         self.log_step = out.log.interval or span / 20 or 1.0
         self.restart_step = out.restart.every
 
-    def execute(self, restart: bool) -> int:
-        """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
-        self._catch_signals()
-        notes: list[str] = []
-        dump = newest_restart(self.folder, notes.append) if restart else None
+    def prepare(self, restart: bool) -> Any:
+        """Clear the folder, or find the dump to go on from; open the log. Raises OutputError."""
+        self.notes: list[str] = []
+        dump = newest_restart(self.folder, self.notes.append) if restart else None
         if not restart:
             self._clear_folder()
         elif dump is None:
-            notes.append("no restart dump in the folder: the run begins anew")
+            self.notes.append("no restart dump in the folder: the run begins anew")
         if self.state_step < self.history_step:
-            notes.append(f"states are written with the samples, {self.history_step:.3g} s apart")
-        self.log = Log(self.folder / "log.txt", append=dump is not None)
+            text = f"states are written with the samples, {self.history_step:.3g} s apart"
+            self.notes.append(text)
         self.account = Account(
-            self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun
+            self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun, self.pulse
         )
+        self._catch_signals()
+        return dump
+
+    def execute(self, dump: Any, notes: list[str]) -> int:
+        """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
+        self.pulse.say = self.account.say
         try:
             self.account.banner()
-            for text in (*notes, *self.engine.model.warnings):
+            for text in (*notes, *self.notes, *self.engine.model.warnings):
                 self.log.warning(text)
             self._begin(dump)
             self._march()
@@ -139,6 +173,8 @@ class Run:
             self._end("finished", ExitCode.NORMAL, "")
             return ExitCode.NORMAL
         except RunStopped as stop:
+            # it is ending: a second interrupt would come too late to change that
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
             self.log.line(str(stop))
             self._end("stopped", ExitCode.STOPPED, str(stop))
             raise
@@ -162,7 +198,7 @@ class Run:
             self.files.close,
             lambda: self.account.status("failed", code, message),
             lambda: write_totals(self.account),
-            lambda: self.log.finish(normal=False),
+            lambda: self.log.finish(ERROR),
         ):
             with suppress(OutputError):
                 act()
@@ -226,6 +262,7 @@ class Run:
             return False
         self.files.close()
         self.account.status("running", None, "estimating errors")
+        self.pulse.does("estimating errors")
         cycles = int(self.engine.clock["cycle"])
         return self.estimating.judge(self.folder / "history.h5", cycles, self.account.spent())
 
@@ -258,8 +295,10 @@ class Run:
     def _march(self) -> None:
         """Advance from sample to sample until the end."""
         end = self.schedule.end
+        self.pulse.does("one step")
         phases = self.account.phases = ContactPhases(self.engine)
-        k = self.schedule.number(float(self.engine.clock["sampled"]))
+        self.sampled = float(self.engine.clock["sampled"])
+        k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
         while target < end:
             k += 1
@@ -273,7 +312,9 @@ class Run:
                 self.cpu["steps"] += advanced - begun
             self.engine.sample(target)
             phases.count()
+            self.account.keep_alive()
             self._write(target, force=target == end)
+            self.sampled = target
             self._obey()
             self.cpu["output"] += time.process_time() - advanced
 
@@ -288,14 +329,19 @@ class Run:
             self._dump()
 
     def _due(self, now: float, step: float) -> bool:
-        """Whether a multiple of `step` lies in the last history interval."""
+        """Whether a multiple of `step` has come since the last sample."""
         begun = now - self.deck.control.start_time
-        before = begun - self.history_step
+        before = self.sampled - self.deck.control.start_time
         return int(begun / step + 1e-9) > int(before / step + 1e-9)
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
+        self.account.remarks = {
+            "untouched": untouched(self.engine),
+            "undeformed": undeformed(self.engine, self.history.extremes),
+            "deleted": deleted(self.engine, self.folder / "history.h5"),
+        }
         self.account.status(state, code, message)
         engine = self.engine
         unbalanced = []
@@ -304,7 +350,7 @@ class Run:
         for text in (*engine.law_warnings(), *unbalanced, *engine.step_warnings()):
             self.log.warning(text)
         write_totals(self.account)
-        self.log.finish(normal=code == ExitCode.NORMAL)
+        self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)
 
     def _dump(self) -> None:
         self.history.flush()
@@ -316,34 +362,66 @@ class Run:
 
     def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
         """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
-        if info["deck_text"] != self.deck.text:
-            raise self._misfit("another deck, or other values of --set")
+        differ = differing(info["deck_text"], self.deck.text)
+        if any(is_bound for _, is_bound in differ):
+            names = ", ".join(name for name, is_bound in differ if is_bound)
+            raise self._misfit(f"another deck, or other values of --set; they differ in {names}")
         try:
             restore(self.engine, arrays)
             for name, array in self.histories.memory.items():
                 array[...] = arrays[name]
         except (KeyError, ValueError) as reason:
             raise self._misfit("another version of crashsolve") from reason
-        now = float(self.engine.clock["sampled"])
-        self.log.line(f"going on from t = {now:.6g} s")
+        clock, end = self.engine.clock, self.schedule.end
+        if end < float(clock["time"]):
+            message = (
+                f"control.end_time: {end:g} s lies before the dump, {float(clock['time']):.6g} s"
+            )
+            raise DeckError(str(self.deck.path), None, None, "", message, "say a later time")
+        if differ:
+            control = self.engine.model.control[0]
+            longest = float(control["step_max"])
+            clock["next_step"] = control["fixed_step"] or min(float(clock["next_step"]), longest)
+        if self.deck.control.estimate != "off" and any(name in OF_ERRORS for name, _ in differ):
+            text = "the errors of watched channels are told as if all had run with these settings"
+            self.log.warning(f"what was before went by others: {text}")
+        now = float(clock["sampled"])
+        others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
+        self.log.line(f"going on from t = {now:.6g} s{others}")
         return now
 
     def _misfit(self, owner: str) -> DeckError:
         message = f"the dump in {self.folder} belongs to {owner}"
-        advice = "run without --restart, or into another folder"
+        advice = f"run without --restart, or into another folder; free to change are {FREE}"
         return DeckError(str(self.deck.path), None, None, "", message, advice)
 
     def _catch_signals(self) -> None:
         """Keep requests for the next pause; a second interrupt from the keyboard ends at once."""
+        interrupts = 0
 
         def keep(number: int, _: Any) -> None:
+            nonlocal interrupts
             self.requests.add(SIGNALS[number])
-            if number == signal.SIGINT:
-                signal.signal(number, signal.default_int_handler)
+            interrupts += number == signal.SIGINT
+            if interrupts > 1:
+                self._end_at_once()
 
         for number in SIGNALS:
             signal.signal(number, keep)
         signal.signal(signal.SIGCONT, signal.SIG_IGN)
+
+    def _end_at_once(self) -> None:
+        """End the process without a restart dump: at any moment all files are whole."""
+        text = "interrupted twice: ended at once, without a restart dump"
+        for act in (
+            lambda: self.log.last_words(text),
+            lambda: self.account.status("stopped", ExitCode.STOPPED, text),
+            lambda: tell_error(text),
+        ):
+            # whatever the interrupt came upon
+            with suppress(Exception):
+                act()
+        os._exit(ExitCode.STOPPED)
 
     def _obey(self) -> None:
         """Act on signals and on control.txt."""
@@ -355,6 +433,7 @@ class Run:
 
     def _obey_at_once(self) -> None:
         """The same between two samples; pictures, and what was asked with them, wait for one."""
+        self.account.keep_alive()
         self._read_control()
         if "states" not in self.requests:
             self._dump_or_stop()
@@ -368,13 +447,17 @@ class Run:
             raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
 
     def _read_control(self) -> None:
-        """Take up the words of control.txt and remove it."""
+        """Take up the words of control.txt and remove it; what is no plain file is left alone."""
         path = self.folder / "control.txt"
         if not path.exists():
             return
         with reported(path):
-            words = set(path.read_text("utf-8", errors="replace").split())
+            text = read_plain(path, MOST_CONTROL)
+            if text is None:
+                self.log.warning("control.txt is no plain file and is passed over")
+                return
             path.unlink()
+        words = set(text.split())
         self.requests |= words & WORDS
         for word in sorted(words - WORDS):
-            self.log.warning(f"control.txt: unknown word '{word}' (words: dump, states, stop)")
+            self.log.warning(f"control.txt: unknown word {shown(word)} (words: dump, states, stop)")

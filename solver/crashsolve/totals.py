@@ -9,7 +9,7 @@ def write_totals(account: Account) -> None:
     """Tell the log what the run has come to. Raises OutputError."""
     engine, log = account.engine, account.log
     log.line()
-    log.facts(_steps(engine) | _constraints(engine) | _cost(account))
+    log.facts(_steps(engine) | _constraints(engine) | _cost(account) | _remarks(account))
     log.section("energy", _energies(engine))
     log.timing(account.cpu)
     log.citations(engine.model.citations)
@@ -53,6 +53,24 @@ def _cost(account: Account) -> dict[str, str]:
         "CPU per step": f"{1e6 * account.cpu['steps'] / phases.cycles():.3g} us",
         "real-time factor": f"{factor:.3g} s of CPU per simulated second",
     }
+
+
+def _remarks(account: Account) -> dict[str, str]:
+    """What never happened, and which elements were deleted."""
+    found, remarks = {}, account.remarks
+    for name, what in (
+        ("untouched", "contacts that never touched"),
+        ("undeformed", "parts that never deformed"),
+    ):
+        if remarks.get(name):
+            found[what] = ", ".join(remarks[name])
+    for part, lost in remarks.get("deleted", {}).items():
+        count, first, last = lost["count"], lost["first"], lost["last"]
+        when = (
+            f"at {first:.6g} s" if count == 1 or first == last else f"{first:.6g} to {last:.6g} s"
+        )
+        found[f"elements of {part} deleted"] = f"{count}, {when}"
+    return found
 
 
 def _energies(engine: Engine) -> list[str]:

@@ -1,4 +1,4 @@
-"""Own faces that a node never meets: by distance along the surface, whatever the size of elements."""
+"""Own faces that a node never meets: by distance along the surface, and by rings."""
 
 import numpy as np
 import pytest

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from test_integrator_order import IMPACT, RETURNED
-from test_runge_kutta import END, SCENE, SLOPE, posture, run
+from test_runge_kutta import END, SCENE, SLOPE, posture, run, start
 
 from crashsolve.deck.read import read_deck
 from crashsolve.integrators import generalized_alpha, radau_iia_5
@@ -104,6 +104,88 @@ def test_the_order_is_the_declared_one(method: str, tmp_path: Path) -> None:
         slope = np.log(errors[0] / errors[1]) / np.log(counts[1] / counts[0])
         assert slope == pytest.approx(METHODS[method].ORDER, abs=SLOPE), (body, errors)
     assert max(e.clock.residual for e in runs) <= 1e-10
+
+
+def double_pendulum(count: int) -> float:
+    """x of the end's mass centre after 1 s, in angles, by `count` steps of Runge and Kutta."""
+    inertia, mass, half, length, g = 1 / 12, 1.0, 0.5, 1.0, 9.81
+
+    def rate(y: np.ndarray) -> np.ndarray:
+        a, b, w, v = y
+        coupled = mass * length * half
+        m = [
+            [inertia + mass * (half**2 + length**2), coupled * np.cos(a - b)],
+            [coupled * np.cos(a - b), inertia + mass * half**2],
+        ]
+        f = [
+            -coupled * v * v * np.sin(a - b) - mass * g * (half + length) * np.cos(a),
+            coupled * w * w * np.sin(a - b) - mass * g * half * np.cos(b),
+        ]
+        return np.array([w, v, *np.linalg.solve(m, f)])
+
+    y, h = np.zeros(4), 1.0 / count
+    for _ in range(count):
+        k1 = rate(y)
+        k2 = rate(y + 0.5 * h * k1)
+        k3 = rate(y + 0.5 * h * k2)
+        k4 = rate(y + h * k3)
+        y = y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return float(length * np.cos(y[0]) + half * np.cos(y[1]))
+
+
+# beside them the mass of the other scene: the laws are the same, and so is the compiled step
+PENDULUM = SCENE | {
+    "bodies": {
+        "rod_1": {"mass": 1.0, "inertia": [0.01, 1 / 12, 1 / 12], "position": [0.5, 0, 0]},
+        "rod_2": {"mass": 1.0, "inertia": [0.01, 1 / 12, 1 / 12], "position": [1.5, 0, 0]},
+        "mass": SCENE["bodies"]["mass"],
+    },
+    "joints": {
+        "first": {"type": "revolute", "a": "ground", "b": "rod_1", "at": [0, 0, 0],
+                  "axis": [0, 0, 1]},
+        "second": {"type": "revolute", "a": "rod_1", "b": "rod_2", "at": [1, 0, 0],
+                   "axis": [0, 0, 1]},
+    },
+    "loads": {"weight": {"type": "gravity", "acceleration": [0, -9.81, 0]}},
+}  # fmt: skip
+
+
+def test_generalized_alpha_gets_better_with_every_shorter_step_and_sample(tmp_path: Path) -> None:
+    exact = double_pendulum(4000)
+    assert exact == pytest.approx(-1.2984612429802, abs=1e-12)
+    method = {"integrator": "generalized_alpha"}
+    # the tolerance is the default: a stated step is its own measure
+    counts = (250, 500, 1000, 2000, 4000)
+    engines = [run(tmp_path, PENDULUM, 1.0, step=1 / n, **method) for n in counts]
+    errors = [abs(e.state.nodes["r"][2, 0] - exact) for e in engines]
+    assert errors[0] < 6e-6
+    for finer, coarser in zip(errors[1:], errors, strict=False):
+        assert np.log2(coarser / finer) == pytest.approx(2.0, abs=SLOPE), errors
+    # samples only make steps shorter
+    errors = []
+    for samples in (1, 1000, 4000):
+        engine = start(tmp_path, PENDULUM, 1.0, tolerance=1e-6, **method)
+        for k in range(samples):
+            engine.advance((k + 1) / samples)
+        errors.append(abs(engine.state.nodes["r"][2, 0] - exact))
+    assert errors[0] < 1e-5
+    # stated steps as long have 3e-7 and 2e-8
+    assert errors[1] < 6e-7
+    assert errors[2] < 4e-8
+
+
+@LONG
+def test_radau_keeps_its_order_at_stated_steps(tmp_path: Path) -> None:
+    exact, method = double_pendulum(8000), {"integrator": "radau_iia_5"}
+    errors = [
+        abs(run(tmp_path, PENDULUM, 1.0, step=1 / n, **method).state.nodes["r"][2, 0] - exact)
+        for n in (60, 120, 240)
+    ]
+    # 2^5, less what the last digits leave
+    assert errors[1] < errors[0] / 20 and errors[2] < errors[1] / 10, errors
+    for n in (1000, 4000):
+        x = run(tmp_path, PENDULUM, 1.0, step=1 / n, **method).state.nodes["r"][2, 0]
+        assert x == pytest.approx(exact, abs=2e-12)
 
 
 @EITHER

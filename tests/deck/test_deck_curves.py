@@ -1,5 +1,7 @@
 """Claim: a curve goes through its points, and each interpolation keeps its promise."""
 
+from importlib import import_module
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +11,23 @@ import pytest
 from crashsolve.curves import file, formula, table
 from crashsolve.curves._card import EXTRAPOLATE
 from crashsolve.curves._piecewise import coefficients
+from crashsolve.deck.card import reference_of
+from crashsolve.deck.laws import law_class, types_in
 from crashsolve.deck.numbers import Context, SiFloat
+from crashsolve.deck.read import read_deck
+from crashsolve.deck.schema import _nested_folders
+from crashsolve.deck.sections import SECTIONS
 from crashsolve.foundation import curve
+from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.units import BASES, parse_unit
 
 X = np.array([0.0, 0.1, 0.4, 0.5, 1.5, 2.0])
 Y = np.array([0.0, 1.0, 1.0, 3.0, -2.0, -2.5])
+LAWS = [
+    (folder, word)
+    for folder in [*(section.folder for section in SECTIONS.values()), *_nested_folders()]
+    for word in types_in(folder)
+]
 KINDS = ("linear", "smooth", "cubic")
 
 
@@ -156,3 +169,71 @@ def test_one_segment_is_enough_for_a_cubic_formula() -> None:
     x, c, _ = formula.build(card, None)
     assert c == pytest.approx(np.array([[0.0, 0.0, 0.0, 1.0]]), abs=1e-12)
     assert list(x) == [0.0, 2.0]
+
+
+BY_USE = """\
+units: {length: mm, mass: t, time: ms, angle: deg}
+control: {end_time: 1}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1]}
+joints:
+  pin: {type: revolute, a: ground, b: a, at: [0, 0, 0], axis: [0, 0, 1]}
+springs:
+  stop: {type: curve, a: ground, b: a, at_b: [9, 0, 0], curve: force, rate_curve: rate}
+  turn: {type: turn_limit, joint: pin, upper: 9, curve: moment}
+loads:
+  push: {type: force, body: a, force: [1, 0, 0], curve: pulse}
+curves:
+  force: {points: [[0, 0], [1, 2]]}
+  rate: {points: [[0, 1], [1, 2]]}
+  moment: {type: file, file: moment.csv}
+  pulse: {points: [[0, 0], [2, 1], [5 s, 50 %]]}
+  unused: {points: [[0, 0], [1 m, 2 kN]]}
+"""
+
+
+def test_the_use_of_a_curve_tells_the_units_of_its_numbers(tmp_path: Path) -> None:
+    (tmp_path / "moment.csv").write_text("0, 0\n1, 2\n")
+    (tmp_path / "deck.yaml").write_text(BY_USE)
+    deck = read_deck(tmp_path / "deck.yaml")
+    (tmp_path / "again.yaml").write_text(deck.text)
+    # mm, t and ms make MN; t mm^2/ms^2 over degrees of a moment
+    wanted = {
+        "force": ([0, 1e-3], [0, 2e6]),
+        "rate": ([0, 1], [1, 2]),
+        "moment": ([0, pi / 180], [0, 2e3]),
+        "pulse": ([0, 2e-3, 5], [0, 1, 0.5]),
+        "unused": ([0, 1], [0, 2e3]),
+    }
+    for path in (tmp_path / "deck.yaml", tmp_path / "again.yaml"):
+        for name, (x, y) in wanted.items():
+            card = read_deck(path).entries["curves"][name].card
+            found_x, c, _ = import_module(type(card).__module__).build(card, None)
+            np.testing.assert_allclose(found_x, x, rtol=1e-14)
+            ends = c[-1] @ (x[-1] - x[-2]) ** np.arange(4)
+            np.testing.assert_allclose([*c[:, 0], ends], y, rtol=1e-12)
+
+
+def test_every_field_that_names_a_curve_tells_the_units_of_its_axes() -> None:
+    for folder, word in LAWS:
+        card = law_class(folder, word)
+        curves = {
+            name for name, info in card.model_fields.items() if reference_of(info) == "curves"
+        }
+        assert curves == set(card.curve_axes), card
+        for axes in card.curve_axes.values():
+            for unit in axes:
+                parse_unit(unit)
+
+
+def test_a_mistake_of_what_uses_a_curve_is_the_only_one(tmp_path: Path) -> None:
+    (tmp_path / "moment.csv").write_text("0, 0\n1, 2\n")
+    for old, new in (
+        ("rate_curve: rate}", "rate_curve: rate, colour: 3}"),
+        ("curve, a", "kurve, a"),
+    ):
+        assert old in BY_USE
+        (tmp_path / "deck.yaml").write_text(BY_USE.replace(old, new, 1))
+        with pytest.raises(DeckErrors) as caught:
+            read_deck(tmp_path / "deck.yaml")
+        assert len(caught.value.errors) == 1

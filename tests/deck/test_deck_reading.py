@@ -322,3 +322,71 @@ def test_text_may_hold_numbers_of_parameters(tmp_path: Path) -> None:
     )
     assert deck.title == "n = 3, 0.75"
     assert deck.entries["curves"]["f"].card.expression == "2000.0*x + (-2)**2"
+
+
+SYMBOLS = """\
+control: {end_time: 1, dt: 1e-3}
+materials:
+  steel: {type: elastoplastic, E: 2e11, nu: 0.3, rho: 7850, yield: 3e8}
+bodies:
+  ball: {m: 1, I: [1, 1, 1], v: [1, 0, 0], mass: 1, inertia: [1, 1, 1]}
+surfaces:
+  ball: {type: sphere, body: ball, r: 1}
+  floor: {type: plane}
+contacts:
+  touch: {a: [ball], b: [floor], normal: {type: hertz, k: 1e6, e: 1.5},
+    friction: {type: coulomb, mu: 0.3}}
+loads:
+  weight: {type: gravity, g: [0, 0, -9.81]}
+"""
+MEANT = {
+    **{"dt": "step", "E": "young", "nu": "poisson", "rho": "density", "yield": "yield_stress"},
+    **{"m": "mass", "I": "inertia", "v": "velocity", "r": "radius", "k": "stiffness"},
+    **{"e": "exponent", "mu": "coefficient", "g": "acceleration"},
+}
+
+
+def test_symbols_of_textbooks_get_the_field_that_is_meant(tmp_path: Path) -> None:
+    found = [line for line in messages(tmp_path, SYMBOLS) if "unknown field" in line]
+    for line, (symbol, field) in zip(found, MEANT.items(), strict=True):
+        assert f"unknown field '{symbol}'; did you mean '{field}'? (fields: " in line
+
+
+MISTYPED = """\
+control: {end_time: 1, threads: 2}
+materials:
+  steel: {type: elastik, young: "${E}", poison: 0.3}
+sections: {s: {type: circle, radius: 1}}
+parts:
+  rod: {type: beem, section: s, material: steal, colour: 3,
+    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}}
+joints:
+  end: {type: spherical, a: rod_end, b: ground, at: [0, 0]}
+  pin: {type: revolut, a: rood, b: ground, at: [0, 0, 0], axis: [0, 0, 1]}
+surfaces:
+  floor: {type: plane}
+contacts:
+  touch: {a: [flor], b: [floor], normal: {type: hertzz, k: 3}}
+"""
+BESIDE = (
+    "3:17: error: material 'steel': unknown type 'elastik'; did you mean 'elastic'?",
+    "3:33: error: material 'steel': unknown parameter 'E'",
+    "3:41: error: material 'steel': unknown field 'poison'; did you mean 'poisson'?",
+    "6:15: error: part 'rod': unknown type 'beem'; did you mean 'beam'?",
+    "6:43: error: part 'rod': material: unknown material 'steal'; did you mean 'steel'?",
+    "6:50: error: part 'rod': unknown field 'colour'",
+    "9:49: error: joint 'end': at: must have 3 values, not 2",
+    "10:15: error: joint 'pin': unknown type 'revolut'; did you mean 'revolute'?",
+    "10:27: error: joint 'pin': a: unknown body 'rood'",
+    "14:15: error: contact 'touch': a: unknown surface 'flor'; did you mean 'floor'?",
+    "14:49: error: contact 'touch': normal: unknown type 'hertzz'; did you mean 'hertz'?",
+    "14:57: error: contact 'touch': normal: unknown field 'k'; did you mean 'stiffness'?",
+)
+
+
+def test_an_unknown_type_hides_no_other_mistake_and_makes_none_up(tmp_path: Path) -> None:
+    # neither the node of the part that cannot be read nor its missing shell is complained of
+    found = messages(tmp_path, MISTYPED)
+    assert len(found) == len(BESIDE)
+    for line, start in zip(found, BESIDE, strict=True):
+        assert line.removeprefix("deck.yaml:").startswith(start)

@@ -4,6 +4,7 @@ import json
 import signal
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,15 @@ from command import crashsolve, start
 from crashpost.result import Result
 from crashsolve.deck.read import read_deck
 from crashsolve.estimate.companion import Abandoned
-from crashsolve.estimate.estimator import Estimator
+from crashsolve.estimate.conduct import Estimating
+from crashsolve.estimate.error import Estimate
+from crashsolve.estimate.estimator import DEAR, Estimator
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
+from crashsolve.model.ledger import EXTERNAL_WORK, IMBALANCE, LARGEST
+from crashsolve.study.watch import Watch
+from crashsolve.system.energy import check
 from crashsolve.system.engine import Engine
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -90,10 +96,10 @@ def test_a_deck_may_do_without(tmp_path: Path) -> None:
     assert "watched" not in (tmp_path / "log.txt").read_text("utf-8")
 
 
-def estimator(folder: Path, extra: str = "") -> Estimator:
+def estimator(folder: Path, extra: str = "", integrator: str = "rattle") -> Estimator:
     deck_path = folder / "deck.yaml"
     deck_path.write_text(PENDULUM.read_text("utf-8") + extra, "utf-8")
-    deck = read_deck(deck_path)
+    deck = read_deck(deck_path, {"control.integrator": integrator})
     return Estimator(deck, Histories(Engine(*build(deck))).families)
 
 
@@ -111,6 +117,82 @@ def test_a_companion_gives_up_when_asked() -> None:
     given = Estimator(deck, Histories(Engine(*build(deck))).families, lambda: True)
     with pytest.raises(Abandoned):
         given.companion_runs(1.0, 500, [])
+
+
+def test_companions_cost_no_more_than_is_left_for_them(tmp_path: Path) -> None:
+    problems: list[str] = []
+    begun = time.process_time()
+    assert estimator(tmp_path).companion_runs(1.0, 500, problems, budget=0.0) == []
+    spent = time.process_time() - begun
+    # it ends at the first sample of the first companion, which takes seconds in all
+    assert spent < 2.0
+    assert problems == [DEAR]
+    # a method that would be compared with a finer run is compared with a coarser one
+    given = estimator(tmp_path, integrator="dormand_prince_5")
+    cycles = given.companions.run(1.0).cycles
+    assert [r.cycles < cycles for r in given.companion_runs(1.0, cycles, [], 1e3)] == [True]
+    assert [r.cycles > cycles for r in given.companion_runs(1.0, cycles, [])] == [True]
+
+
+BEAM = """
+control: {end_time: 2e-4, step: 1e-6}
+materials: {steel: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
+sections: {rod: {type: circle, radius: 0.01}}
+parts:
+  bar:
+    type: beam
+    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 1}
+    section: rod
+    material: steel
+    velocity: [0, 0, 1]
+output: {history: {interval: 1e-4}}
+watch: [rbdout.bar_end.velocity.z]
+"""
+
+
+def test_estimates_say_that_they_leave_the_mesh_out(tmp_path: Path) -> None:
+    (tmp_path / "deck.yaml").write_text(BEAM)
+    done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path, NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert watched(tmp_path)["rbdout.bar_end.velocity.z"]["how"].endswith("; without the mesh")
+
+
+def test_a_balance_above_its_limit_is_said_though_it_closes_again() -> None:
+    deck = read_deck(PENDULUM)
+    engine = Engine(*build(deck))
+    clock, control = engine.clock, engine.model.control.view(np.recarray)[0]
+    ledger = engine.state.ledger
+    # from outside comes more and more of what is missing less and less: the run goes on
+    for work, missing in ((1.0, 0.5), (10.0, 0.8), (100.0, 0.1)):
+        ledger[:] = 0.0
+        ledger[[EXTERNAL_WORK, LARGEST, IMBALANCE]] = work, work, missing
+        clock.time, clock.cycle, clock.status = work, 1000, 0
+        check(clock, control, engine.state.nodes, ledger)
+        assert clock.status == 0
+    engine.ledger[LARGEST] = 100.0
+    (text,) = engine.step_warnings()
+    # what most was missing, 0.8 of 10
+    assert "at t = 10 s the energy balance was off by 8 % of the largest energy by then" in text
+    # what is nothing beside the energy of the run is no matter
+    engine.ledger[LARGEST] = 1e5
+    assert engine.step_warnings() == []
+
+
+def test_an_error_larger_than_the_value_is_a_warning() -> None:
+    texts: list[str] = []
+    log = SimpleNamespace(warning=texts.append, section=lambda *_: None, line=lambda _: None)
+    estimating = Estimating.__new__(Estimating)
+    estimating.log, estimating.problems = log, []  # type: ignore[assignment]
+    estimating.cpu, estimating.accuracy = 1.0, None
+    watches = [Watch(name, (name,), "final") for name in ("lost", "known", "nothing")]
+    # of the third nothing is left but the round-off of its vector
+    estimating.found = [
+        Estimate(watch, value, "m/s", error, 10.0, "2 coarser runs, order 2.00")
+        for watch, value, error in zip(watches, (5.0, 5.0, 1e-9), (16.0, 1.0, 2e-9), strict=True)
+    ]
+    estimating._tell(1.0)
+    (text,) = texts
+    assert "lost: the estimated error, 16, is larger than the value, 5" in text
 
 
 def test_a_watched_channel_that_does_not_exist_is_refused(tmp_path: Path) -> None:

@@ -32,9 +32,9 @@ def bench(tmp_path: Path) -> Bench:
 
 
 def test_every_load_is_under_this_contract() -> None:
-    # pressure acts on shells alone: test_pressure.py
+    # these act on shells alone: test_pressure.py, test_nodal_force.py
     words = {words.split(",")[0].split()[1] for words in LOADS.values()}
-    assert set(types_in("loads")) == words | {"pressure"}
+    assert set(types_in("loads")) == words | {"nodal_force", "pressure"}
 
 
 @pytest.mark.parametrize("name", LOADS)

@@ -10,7 +10,7 @@ from history_sample import FAMILIES, sample_row, sample_time
 from crashsolve.output import channels, layout, restart, states
 from crashsolve.output.channels import Column, Family
 from crashsolve.output.history import HistoryWriter
-from crashsolve.output.log import ERROR, NORMAL
+from crashsolve.output.log import ERROR, NORMAL, STOPPED
 
 PAGE = Path(channels.__file__).parents[2] / "FILE_FORMAT.md"
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -58,5 +58,5 @@ def test_versions_and_words_are_those_of_the_code() -> None:
     assert TEXT.startswith("# The results folder, format version 2\n")
     for module in (layout, restart, states):
         assert module.FORMAT_VERSION == 2
-    for words in (layout.FORMAT, states.FORMAT, *restart.SLOTS, NORMAL, ERROR):
+    for words in (layout.FORMAT, states.FORMAT, *restart.SLOTS, NORMAL, ERROR, STOPPED):
         assert words in TEXT

@@ -74,6 +74,11 @@ WRONG = {
     "set": ("nodes: u0", "nodes: rim", "the mesh has no set of nodes 'rim' (sets: "),
     "ground": ("to: hub", "to: ground", "the ground holds nodes by `hold`"),
     "twice": ("nodes: u0", "nodes: u1", "held, welded or named otherwise already"),
+    "within": (
+        "to: hub",
+        "to: hub, within: 1",
+        "within: is for part; a body named by to holds nodes",
+    ),
     "both": ("to: hub", "to: hub, part: rib", "needs either to or part"),
     "itself": ("part: rib", "part: plate", "needs a part whose nodes are bodies"),
     "faster": ("position: [", "velocity: [0, 0, 3], position: [", "nodes begin 3 m/s faster"),
@@ -87,3 +92,46 @@ def test_a_wrong_weld_is_refused(tmp_path: Path, case: str) -> None:
     with pytest.raises(DeckErrors) as caught:
         model_of(tmp_path, DECK.replace(old, new, 1))
     assert message in str(caught.value)
+
+
+FAR = DECK.replace(
+    "from: [0.2, 0, 0], to: [0.2, 0.1, 0]", "from: [0.2, 0, {z}], to: [0.2, 0.1, {z}]"
+)
+
+
+def test_a_weld_reaches_no_farther_than_an_element_or_what_the_card_allows(tmp_path: Path) -> None:
+    # sides of 0.1 m
+    assert len(model_of(tmp_path, FAR.replace("{z}", "0.0999"))[0].elements.riders) == 4
+    with pytest.raises(DeckErrors) as caught:
+        model_of(tmp_path, FAR.replace("{z}", "0.3"))
+    told = str(caught.value)
+    assert "welded: the node at (0.2, 0, 0) m is 0.3 m from the nearest node of 'rib'" in told
+    assert "more than 0.1 m (the longest side of its elements)" in told
+    assert "allow the distance by within" in told
+    near = "{nodes: u1, part: rib, within: 4 cm}"
+    with pytest.raises(DeckErrors) as caught:
+        model_of(tmp_path, FAR.replace("{nodes: u1, part: rib}", near).replace("{z}", "0.05"))
+    assert (
+        "is 0.05 m from the nearest node of 'rib' that is a body, more than 0.04 m (within)"
+        in str(caught.value)
+    )
+    far = FAR.replace("{nodes: u1, part: rib}", "{nodes: u1, part: rib, within: 0.5}")
+    assert len(model_of(tmp_path, far.replace("{z}", "0.3"))[0].elements.riders) == 4
+
+
+def test_a_shell_is_welded_to_the_named_nodes_of_a_shell(tmp_path: Path) -> None:
+    flap = """  flap:
+    type: shell
+    mesh: {type: grid, at: [0.2, 0, 0], along: [0, 0, 0.1], across: [0, 0.1, 0], elements: [1, 1]}
+    thickness: 3e-3
+    material: nylon
+    nodes: [{name: a, at: [0.2, 0, 0]}, {name: b, at: [0.2, 0.1, 0]}]
+"""
+    text = DECK.replace("part: rib}", "part: flap}") + flap
+    apart = text.replace(", {nodes: u1, part: flap}", "")
+    before, after = totals(*model_of(tmp_path, apart)), totals(*model_of(tmp_path, text))
+    for old, new in zip(before, after, strict=True):
+        np.testing.assert_allclose(new, old, rtol=1e-12, atol=1e-15)
+    with pytest.raises(DeckErrors) as caught:
+        model_of(tmp_path, text.replace("    nodes: [{name: a", "    traces: [{name: a"))
+    assert "needs a part whose nodes are bodies, other than itself" in str(caught.value)

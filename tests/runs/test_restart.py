@@ -12,6 +12,8 @@ import pytest
 from command import crashsolve, differences, gone_on, start
 
 from crashpost.cli import main as crashpost
+from crashsolve.resume import differing
+from crashsolve.sampling import Schedule
 
 HEAP = Path(__file__).parent / "heap.yaml"
 
@@ -64,6 +66,9 @@ def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
     stopped = status(tmp_path)
     assert (stopped["state"], stopped["exit_code"]) == ("stopped", 3)
     assert 0 < stopped["time"] < stopped["end_time"]
+    assert (
+        (tmp_path / "log.txt").read_text("utf-8").endswith("S t o p p e d   o n   r e q u e s t\n")
+    )
     assert crashpost(["summary", str(tmp_path)]) == 0
     assert crashsolve(deck, "-o", tmp_path, "--restart").returncode == 0
     assert status(tmp_path)["state"] == "finished"
@@ -121,6 +126,8 @@ def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> No
         cache = str(tmp_path / "cache")
         done = crashsolve(HEAP, "-o", tmp_path / name, CRASHSOLVE_CACHE=cache)
         assert done.returncode == 0
+        # nobody compiles a heap within a second, and nobody waits longer for a sign
+        assert name == "next" or "compiling the step: " in done.stdout
     assert differences(tmp_path / "first", tmp_path / "next") == []
 
 
@@ -192,8 +199,56 @@ def test_a_broken_dump_is_passed_over_and_no_dump_begins_anew(
     assert differences(tmp_path, uninterrupted[mechanism]) == []
 
 
-def test_a_dump_of_another_deck_is_refused(mechanism: Path, tmp_path: Path) -> None:
+def test_a_dump_of_another_deck_is_refused_with_the_names_of_what_differs(
+    mechanism: Path, tmp_path: Path
+) -> None:
     assert crashsolve(mechanism, "-o", tmp_path, "--set", "end=0.1").returncode == 0
-    refused = crashsolve(mechanism, "-o", tmp_path, "--set", "end=0.2", "--restart")
+    words = ("--set", "control.spectral_radius=0.5", "--set", "end=0.2", "--restart")
+    refused = crashsolve(mechanism, "-o", tmp_path, *words)
     assert refused.returncode == 2
     assert "belongs to another deck, or other values of --set" in refused.stderr
+    assert "they differ in control.spectral_radius; run without --restart" in refused.stderr
+    back = crashsolve(mechanism, "-o", tmp_path, "--restart", "--until", "0.05")
+    assert back.returncode == 2
+    assert "control.end_time: 0.05 s lies before the dump, 0.1 s; say a later time" in back.stderr
+    alone = crashsolve(mechanism, "-o", tmp_path, "--until", "0.2")
+    assert (alone.returncode, "--until: error: goes on from a dump" in alone.stderr) == (2, True)
+
+
+def test_a_run_goes_on_to_another_end_with_the_bits_of_the_whole(
+    mechanism: Path, uninterrupted: dict[Path, Path], tmp_path: Path
+) -> None:
+    # its last dump is at 0.2 s
+    assert crashsolve(mechanism, "-o", tmp_path, "--set", "end=0.25").returncode == 0
+    words = ("--restart", "--until", "500 ms", "--set", "control.energy_limit=0.04")
+    done = crashsolve(mechanism, "-o", tmp_path, *words)
+    assert done.returncode == 0, done.stderr
+    assert "with other control.end_time, control.energy_limit" in done.stdout
+    assert status(tmp_path)["end_time"] == 0.5
+    found = [name for name in differences(tmp_path, uninterrupted[mechanism])]
+    assert [name for name in found if "deck" not in name] == []
+
+
+def test_what_says_only_how_to_go_on_may_differ() -> None:
+    old = "parameters: {end: 1}\ncontrol: {end_time: 1, safety: 0.1}\nbodies: {b: {mass: 1}}\n"
+    assert differing(old, old) == []
+    on = "parameters: {end: 2}\ncontrol: {end_time: 2, safety: 0.1}\nbodies: {b: {mass: 1}}\n"
+    assert differing(old, on) == [("control.end_time", False)]
+    told = on + "output: {log: {interval: 1}}\n"
+    assert differing(on, told) == [("output", False)]
+    for word, other in (("mass: 1", "mass: 2"), ("b: {mass", "c: {mass"), ("safety", "threads")):
+        assert any(bound for _, bound in differing(old, old.replace(word, other))), word
+
+
+@pytest.mark.parametrize("share", [1e-6, 0.3, 0.499, 0.7, 1.3])
+def test_no_sample_of_another_schedule_is_passed_over(share: float) -> None:
+    interval = 1e-3
+    done = 0.2
+    # an end just behind what has been sampled is reached as well
+    schedule = Schedule(0.0, done + share * interval, interval)
+    k = schedule.last_until(done)
+    assert schedule.time(k) <= done < schedule.time(k + 1)
+    # and so with intervals of another length
+    other = Schedule(0.0, 1.0, 0.77e-3)
+    k = other.last_until(done + share * interval)
+    assert other.time(k) <= done + share * interval < other.time(k + 1)

@@ -138,7 +138,7 @@ def test_without_matplotlib_there_is_a_table_and_a_word(
     root = HERE.parents[1]
     search = ":".join(map(str, (tmp_path, root / "solver", root / "postproc")))
     printed = study(folder, PYTHONPATH=search)
-    assert "no plot: matplotlib is missing; pip install 'crashsolve[post]'" in printed
+    assert "no plot: matplotlib is missing; pip install 'crashsolve[plot]'" in printed
 
 
 @pytest.mark.parametrize(
@@ -196,6 +196,24 @@ def test_differences_that_stay_small_are_a_floor() -> None:
     found = examine(steps, values, 2.0)
     assert (found.diverges, found.has_floor) == (False, True)
     assert found.error == pytest.approx(2e-6, rel=0.3)
+
+
+def test_errors_that_grow_as_steps_shrink_are_told_and_not_extrapolated() -> None:
+    # what a study found where the iteration of a step was not as short as the step
+    errors = {4e-3: 3.5e-6, 2e-3: 1.0e-6, 1e-3: 4.5e-4, 5e-4: 4.1e-4}
+    trials = [trial(1, h, 1.0 + error) for h, error in errors.items()]
+    found = find(Watch("x", ("x",), "final"), 0, trials, None)
+    assert found.diverges
+    assert "errors grow as the steps shrink, from step 0.002 s on" in found.notes[-1]
+    told = [found.error(t) for t in trials]
+    # no error is told too small, and the good runs are not the last
+    assert all(e >= abs(wrong) for e, wrong in zip(told, errors.values(), strict=True))
+    assert max(told[:2]) < min(told[2:])
+    assert cheapest([found], trials, 4e-4) is None
+    # long steps that agreed by luck do not spoil what follows in order
+    lucky = [1.0, 1.0 + 1e-6, *(1.0 + h**2 for h in (0.2, 0.1, 0.05, 0.025))]
+    steps = [0.8 / 2**k for k in range(6)]
+    assert examine(steps, [np.array([x]) for x in lucky], 2.0).value[0] == pytest.approx(1.0)
 
 
 def trial(mesh: int, h: float, value: float) -> Trial:

@@ -13,6 +13,7 @@ from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec
 
+FARTHEST = 1e9  # cubes
 CELL = Record(
     middle=("m", 3, "mean of the face's corners"),
     radius=("m", "its farthest corner from there"),
@@ -31,9 +32,15 @@ def corner_points(p, f, corners):
 
 
 @kernel
+def along(way):
+    """Number of a cube along an axis: neighbours stay neighbours, and the column can hold it."""
+    return int(floor(min(max(way, -FARTHEST), FARTHEST)))
+
+
+@kernel
 def cube_of(x, width):
-    """Cube in which a place lies."""
-    return int(floor(x[0] / width)), int(floor(x[1] / width)), int(floor(x[2] / width))
+    """Cube in which a place lies; all that is very far away lies in the outermost ones."""
+    return along(x[0] / width), along(x[1] / width), along(x[2] / width)
 
 
 @kernel

@@ -6,6 +6,8 @@ from typing import Literal
 
 from crashsolve.deck.card import Card, word
 from crashsolve.deck.mistakes import refuse
+from crashsolve.deck.numbers import Context
+from crashsolve.foundation.units import Unit, describe, parse_unit
 
 # as foundation/curve.py counts them
 EXTRAPOLATE = {"refuse": 0, "hold": 1, "linear": 2}
@@ -25,11 +27,22 @@ class CurveCard(Card):
 class PointsCard(CurveCard):
     """How a curve goes through its points, and their units."""
 
-    x_unit: str | None = word("unit of x; SI when absent", None)
-    y_unit: str | None = word("unit of y; SI when absent", None)
+    x_unit: str | None = word("unit of x; when absent that of the file, by the curve's use", None)
+    y_unit: str | None = word("unit of y; when absent that of the file, by the curve's use", None)
     interpolation: Literal["linear", "smooth", "cubic"] = word(
         "between points: straight, smooth without overshoot, or natural cubic spline", "linear"
     )
+
+
+def check_axis(unit: Unit | None, j: int, name: str, context: Context) -> None:
+    """Refuse x or y in a unit of another dimension than its use has; a factor may have any."""
+    wanted = context.axes[j] if context.axes else "1"
+    if unit is None or wanted == "1":
+        return
+    if unit.exponents != parse_unit(wanted).exponents:
+        axis = name.partition("_")[0]
+        message = f"{axis} is in {describe(unit)}, but the curve is used with {axis} in {wanted}"
+        refuse(message, within=(name,))
 
 
 def check_order(points: Sequence[tuple[float, float]], field: str) -> None:

@@ -9,13 +9,14 @@ Consequence to test: the same points give the same curve as a table.
 
 import math
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic import ValidationInfo, model_validator
 
-from crashsolve.curves._card import EXTRAPOLATE, PointsCard, check_order
+from crashsolve.curves._card import EXTRAPOLATE, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
 from crashsolve.deck.card import FileName, word
 from crashsolve.deck.mistakes import refuse
@@ -29,14 +30,24 @@ class File(PointsCard):
     file: FileName = word("file of points, beside the deck that names it")
     columns: tuple[int, int] = word("columns of x and y, counted from 1", (1, 2), ge=1)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _units_by_use(cls, given: Any, info: ValidationInfo) -> Any:
+        """Units that are not given are those of the deck's file, where the use tells which."""
+        if not isinstance(given, Mapping):
+            return given
+        context = info.context or Context()
+        found = {name: context.unit_of_axis(j) for j, name in enumerate(("x_unit", "y_unit"))}
+        return {**{name: unit for name, unit in found.items() if unit}, **given}
+
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo) -> "File":
         context = info.context or Context()
-        for name in ("x_unit", "y_unit"):
+        for j, name in enumerate(("x_unit", "y_unit")):
             unit = getattr(self, name)
             if unit is None and context.units is not SI:
                 refuse("must be given, as this deck has units of its own", within=(name,))
-            unit_named(unit or "1", (name,))
+            check_axis(None if unit is None else unit_named(unit, (name,)), j, name, context)
         check_order(read_columns(self.file, self.columns), "file")
         return self
 

@@ -8,6 +8,7 @@ References: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), ta
 """
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -57,8 +58,14 @@ class Formula(CurveCard):
 
 def sample(card: Formula) -> tuple[Array, Array]:
     """Abscissae and values at a quarter of the segments; raises ExpressionError."""
-    formula = Expression(card.expression)
-    x = np.linspace(card.from_, card.to, FINE * card.segments + 1)
+    return _sample(card.expression, card.from_, card.to, card.segments)
+
+
+@lru_cache(maxsize=32)
+def _sample(expression: str, start: float, end: float, segments: int) -> tuple[Array, Array]:
+    """The same, once for the check of the card and its build."""
+    formula = Expression(expression)
+    x = np.linspace(start, end, FINE * segments + 1)
     return x, np.array([formula.value({"x": float(at)}) for at in x])
 
 

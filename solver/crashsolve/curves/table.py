@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationInfo, model_validator
 
-from crashsolve.curves._card import EXTRAPOLATE, Points, PointsCard, check_order
+from crashsolve.curves._card import EXTRAPOLATE, Points, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
 from crashsolve.deck.card import word
 from crashsolve.deck.mistakes import refuse
-from crashsolve.deck.numbers import Context, number_in, unit_named
+from crashsolve.deck.numbers import Context, SiFloat, number_in, unit_named
 from crashsolve.foundation.units import Unit, describe
 
 
@@ -38,6 +38,7 @@ class Table(PointsCard):
         for j, name in enumerate(("x_unit", "y_unit")):
             unit = None if fields.get(name) is None else unit_named(fields[name], (name,))
             column, unit = _column([point[j] for point in points], j, unit, context)
+            check_axis(unit, j, name, context)
             columns.append(column)
             fields[name] = None if unit is None else describe(unit)
         fields["points"] = tuple(zip(*columns, strict=True))
@@ -56,10 +57,16 @@ def _is_pair(point: object) -> bool:
 def _column(
     values: list[Any], j: int, named: Unit | None, context: Context
 ) -> tuple[list[float], Unit | None]:
-    """A column in SI, and its unit: the one named, else that of the first value which has one."""
+    """A column in SI, and its unit: the one named, else that of the first value which has one.
+
+    Bare numbers of a file with units of its own are in these, where the use tells the dimension.
+    """
     column, unit = [], named
+    by_use = context.unit_of_axis(j) if named is None else None
     for i, value in enumerate(values):
-        number, own = number_in(value, named, context, ("points", i, j))
+        is_bare = by_use and isinstance(value, int | float) and not isinstance(value, SiFloat)
+        given = unit_named(by_use, ()) if is_bare else named
+        number, own = number_in(value, given, context, ("points", i, j))
         unit = unit or own
         if unit and own and own.exponents != unit.exponents:
             refuse(f"this is in {describe(own)}, not in {describe(unit)}", within=("points", i, j))

@@ -12,11 +12,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os.path import isfile
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, get_args
 
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     ModelWrapValidatorHandler,
     ValidationError,
@@ -28,16 +29,27 @@ from pydantic import (
 
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
 from crashsolve.deck.laws import UnknownType, law_class, types_in
-from crashsolve.deck.mistakes import already_reported, explained, refuse, shown
+from crashsolve.deck.mistakes import (
+    Mistake,
+    already_reported,
+    explained,
+    mistakes_of,
+    refuse,
+    shown,
+    told,
+)
 from crashsolve.deck.numbers import Context, number, number_in
-from crashsolve.deck.source import BROKEN
+from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE
 from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
-__all__ += ["MaterialName", "PartName", "Reference", "SectionName", "SensorName", "SpringName"]
-__all__ += ["SurfaceName", "existing_file"]
+__all__ += ["MaterialName", "NewName", "PartName", "Reference", "SectionName", "SensorName"]
+__all__ += ["SetName", "SpringName", "SurfaceName", "existing_file", "number_as_name"]
+__all__ += ["reference_of"]
 
+# whole numbers that every part of the program counts exactly
+MOST = 2**53
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -58,6 +70,27 @@ class Reference:
         name = Name(text)
         name.keyword = self.keyword
         return name
+
+
+def plain_name(text: str) -> str:
+    """A name that is part of channels and of files: letters, digits, _ and -."""
+    if not NAME.fullmatch(text):
+        refuse(f"{shown(text)} is not a valid name", NAME_ADVICE)
+    return text
+
+
+NewName = Annotated[str, AfterValidator(plain_name)]
+
+
+def reference_of(annotation: Any) -> str:
+    """Keyword of the entries that a field, or each entry of its list, refers to; "" for none."""
+    marks = getattr(annotation, "metadata", getattr(annotation, "__metadata__", ()))
+    for mark in marks:
+        if isinstance(getattr(mark, "func", None), Reference):
+            return str(mark.func.keyword)
+    inner = getattr(annotation, "annotation", None)
+    parts = get_args(annotation if inner is None else inner)
+    return next((keyword for part in parts if (keyword := reference_of(part))), "")
 
 
 BodyName = Annotated[str, AfterValidator(Reference("bodies"))]
@@ -84,13 +117,23 @@ def existing_file(text: str, info: ValidationInfo) -> str:
 FileName = Annotated[str, AfterValidator(existing_file)]
 
 
+def number_as_name(value: Any) -> Any:
+    """A whole number as text: sets of mesh files may have numbers for names."""
+    return str(value) if type(value) is int else value
+
+
+SetName = Annotated[str, BeforeValidator(number_as_name)]
+
+
 class Card(BaseModel):
     """What a user may write in one place of a deck. A trailing "_" of a field is not written.
 
-    A bare text stands for the field named by `shorthand`, if any.
+    A bare text stands for the field named by `shorthand`, if any. `curve_axes` has the units of x
+    and y of the curves that fields name.
     """
 
     shorthand: ClassVar[str] = ""
+    curve_axes: ClassVar[dict[str, tuple[str, str]]] = {}
 
     model_config = ConfigDict(
         strict=True,
@@ -143,12 +186,27 @@ def _open_law(value: Any, folder: str, context: Context) -> Any:
         refuse(f"must be a table of fields with a type, not {shown(value)}", f"(types: {types})")
     if "type" not in value:
         refuse("missing field 'type'", f"(types: {types})", within=("type",), key=True)
+    fields = {name: part for name, part in value.items() if name != "type"}
     try:
         law = law_class(folder, value["type"])
     except UnknownType as error:
-        refuse(error.message, error.advice, within=("type",))
-    fields = {name: part for name, part in value.items() if name != "type"}
+        first = Mistake(("type",), error.message, error.advice)
+        raise told([first, *_further_mistakes(folder, error.near, fields, context)]) from None
     return law.model_validate(fields, context=context)
+
+
+def _further_mistakes(
+    folder: str, near: str, fields: Mapping[str, Any], context: Context
+) -> list[Mistake]:
+    """What is wrong beside a mistyped type, if the one most like it is meant."""
+    if not near:
+        return []
+    law = law_class(folder, near)
+    try:
+        law.model_validate(fields, context=context)
+    except ValidationError as error:
+        return [mistake for mistake in mistakes_of(law, error) if not mistake.is_missing]
+    return []
 
 
 def _unit(field: Declared, earlier: Mapping[str, Any]) -> str:
@@ -182,11 +240,13 @@ def _to_si(
 
 
 def _check_bounds(result: Any, written: Any, field: Declared, at: tuple[int, ...] = ()) -> None:
-    if isinstance(result, tuple) and field.bounds:
+    if isinstance(result, tuple) and isinstance(written, list | tuple):
         for i, (part, text) in enumerate(zip(result, written, strict=True)):
             _check_bounds(part, text, field, (*at, i))
     if isinstance(result, bool) or not isinstance(result, int | float):
         return
+    if isinstance(result, int) and abs(result) > MOST:
+        refuse(f"must be at most {MOST:g}", within=at)
     for bound, (holds, words) in BOUNDS.items():
         limit = field.bounds.get(bound)
         if limit is not None and not holds(result, limit):

@@ -38,8 +38,10 @@ class Control(Card):
         gt=0,
         lt=1,
     )
-    estimate: Literal["auto", "off"] = word(
-        "auto: the errors of watched channels, from one or two further runs in memory", "auto"
+    estimate: Literal["auto", "full", "off"] = word(
+        "auto: the errors of watched channels, from one or two further runs in memory, which after "
+        "a run of 5 s or more cost no more than it did; full: whatever they cost",
+        "auto",
     )
     spectral_radius: float = quantity(
         "1",

@@ -6,6 +6,9 @@ from pathlib import Path
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, read_yaml
 from crashsolve.foundation.errors import DeckError
 
+# files within files
+DEEPEST = 50
+
 
 class Files:
     """Reads a deck and its includes; what is wrong with any of them goes to `mistakes`.
@@ -43,6 +46,8 @@ class Files:
         """Why a file cannot be included, if so."""
         if not isfile(path):
             return f"there is no file '{path}'"
+        if len(self.open) >= DEEPEST:
+            return f"includes are nested more than {DEEPEST} deep"
         if path.resolve() in self.open:
             chain = [*self.open[self.open.index(path.resolve()) :], path]
             return f"the file includes itself ({' -> '.join(link.name for link in chain)})"

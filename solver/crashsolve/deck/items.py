@@ -1,23 +1,29 @@
 """What the files of a deck define: items under keywords, each with its places."""
 
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import shown
 from crashsolve.deck.sections import KEYWORDS, LISTS, SECTIONS
-from crashsolve.deck.source import BROKEN, Position, Rows, Table
+from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE, Position, Rows, Table
 from crashsolve.foundation.errors import DeckError
 
-_NAME = re.compile(r"[^\W\d][\w-]*")
 _NAMED = {keyword: section.singular for keyword, section in SECTIONS.items()}
 _NAMED["parameters"] = "parameter"
 
 
+# a word of a table, or a place in a list
+Step = str | int
+
+
 class Item(NamedTuple):
-    """Something defined under a keyword: `where` is the place of its name, `at` of its value."""
+    """Something defined under a keyword: `where` is the place of its name, `at` of its value.
+
+    `given` tells by which words of the command line values within it were set, by their paths.
+    """
 
     keyword: str
     name: str
@@ -25,6 +31,7 @@ class Item(NamedTuple):
     where: Position
     at: Position
     file: Path
+    given: Mapping[tuple[Step, ...], str] = MappingProxyType({})
 
     @property
     def title(self) -> str:
@@ -78,9 +85,9 @@ def _named(
         return
     for name, part in value.items():
         item = Item(keyword, name, part, value.key_place(name), value.value_place(name), file)
-        if not _NAME.fullmatch(name):
-            advice = "begin with a letter, go on with letters, digits, _ and -"
-            mistakes.append(DeckError(*item.where, item.title, "is not a valid name", advice))
+        if not NAME.fullmatch(name):
+            message = "is not a valid name"
+            mistakes.append(DeckError(*item.where, item.title, message, NAME_ADVICE))
         elif (keyword, name) == ("bodies", "ground"):
             message = "the ground is always there and cannot be defined"
             mistakes.append(DeckError(*item.where, item.title, message))

@@ -37,6 +37,11 @@ class Mistake(NamedTuple):
     advice: str = ""
     key: bool = False
 
+    @property
+    def is_missing(self) -> bool:
+        """Whether a field is missing, which counts only where the type of the card is certain."""
+        return self.message.startswith("missing field")
+
 
 def refuse(message: str, advice: str = "", within: Path = (), key: bool = False) -> NoReturn:
     """Refuse the value being read; `within` is the path below it."""
@@ -74,14 +79,19 @@ def mistakes_of(card: type[BaseModel], error: ValidationError) -> list[Mistake]:
 
 def explained(card: type[BaseModel], error: ValidationError) -> ValidationError:
     """The same error with its mistakes in words."""
+    return told(mistakes_of(card, error), card.__name__)
+
+
+def told(mistakes: list[Mistake], title: str = "card") -> ValidationError:
+    """The error that hands these mistakes on."""
     lines = []
-    for mistake in mistakes_of(card, error):
-        told = PydanticCustomError("mistake", "{message}", mistake._asdict() | {"within": ()})
-        lines.append(InitErrorDetails(type=told, loc=mistake.path, input=None))
+    for mistake in mistakes:
+        words = PydanticCustomError("mistake", "{message}", mistake._asdict() | {"within": ()})
+        lines.append(InitErrorDetails(type=words, loc=mistake.path, input=None))
     # a card whose mistakes are all known must still be refused
     known = PydanticCustomError("reported", "already reported")
     lines = lines or [InitErrorDetails(type=known, input=None)]
-    return ValidationError.from_exception_data(card.__name__, lines)
+    return ValidationError.from_exception_data(title, lines)
 
 
 def _is_reported(line: ErrorDetails) -> bool:

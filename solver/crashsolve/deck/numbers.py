@@ -1,5 +1,6 @@
 """Numbers as they stand in a deck, bare or with a unit, brought to SI."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,11 +11,13 @@ from crashsolve.deck.source import BROKEN
 from crashsolve.foundation.units import (
     PURE,
     SI,
+    SI_SYMBOLS,
     Unit,
     UnitError,
     default_factor,
     describe,
     parse_unit,
+    product_of,
     split_quantity,
     to_si,
 )
@@ -26,10 +29,32 @@ class SiFloat(float):
 
 @dataclass(frozen=True)
 class Context:
-    """What a card must know of the file it stands in: units of bare numbers, and folder."""
+    """What a card must know of the file it stands in: units of bare numbers, and folder.
+
+    `symbols` are those units by name; `axes` the units of x and y of a curve by what uses it.
+    """
 
     units: Mapping[str, Unit] = field(default_factory=lambda: SI)
     folder: Path = Path()
+    symbols: tuple[str, ...] = SI_SYMBOLS
+    axes: tuple[str, str] | None = None
+
+    def unit_of_axis(self, j: int) -> str | None:
+        """Unit of the bare numbers of x or y of a curve in this file, where its use tells it."""
+        if self.axes is None or self.units is SI:
+            return None
+        return product_of(self.symbols, parse_unit(self.axes[j]))
+
+
+def as_written(value: float) -> str:
+    """A number as text, without what rounding has added to a short one: 1.8 for 1.8000000000000003.
+
+    Short is up to twelve digits, rounding a few units of the last place.
+    """
+    if not isinstance(value, float):
+        return repr(value)
+    short = float(f"{value:.12g}")
+    return repr(short if abs(value - short) <= 4.0 * math.ulp(value) else float(value))
 
 
 def number(value: str | float, wanted: str, bases: Mapping[str, Unit]) -> float:
@@ -49,7 +74,8 @@ def number_in(
 ) -> tuple[float, Unit | None]:
     """A number whose unit is told beside it, or in its own text; in SI, with its unit.
 
-    A bare number without any unit is in SI, and refused where the file has units of its own.
+    A bare number without any unit is in SI, and refused where the file has units of its own,
+    unless it is zero.
     """
     if value is BROKEN:
         already_reported()
@@ -65,7 +91,7 @@ def number_in(
             unit = own
         if isinstance(value, bool) or not isinstance(value, int | float):
             refuse(f"must be {kind}, not {shown(value)}", within=within)
-        if unit is None and context.units is not SI:
+        if unit is None and context.units is not SI and value != 0:
             raise UnitError("this file has units of its own, so give the unit of this number")
         return float(value) * (unit or PURE).factor, unit
     except (UnitError, OverflowError) as error:

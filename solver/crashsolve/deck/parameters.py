@@ -12,11 +12,13 @@ from crashsolve.deck.expressions import CONSTANTS, FUNCTIONS, Expression, Expres
 from crashsolve.deck.items import Item
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import shown
-from crashsolve.deck.numbers import SiFloat
+from crashsolve.deck.numbers import SiFloat, as_written
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
 from crashsolve.foundation.errors import DeckError
 from crashsolve.foundation.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
 
+# names that are told of a circle
+LONGEST_CIRCLE = 50
 _EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
 # the base of a power needs brackets, or -2**2 would be -4
 _RAISED = re.compile(r"\$\{[^{}]*\}(?=\s*\*\*)")
@@ -34,7 +36,7 @@ class Parameters:
         self.values: dict[str, Any] = {}
         self.pending: list[str] = []
         self.overrides = self._checked(overrides)
-        for name in self.items:
+        for name in self._in_order():
             self._value(name)
 
     def substitute(self, value: Any, card: str, where: Position) -> Any:
@@ -56,6 +58,30 @@ class Parameters:
             return rows
         return value
 
+    def _in_order(self) -> list[str]:
+        """Names, each after those it needs, so that long chains nest no calls; circles last."""
+        order: dict[str, None] = {}
+        met: set[str] = set()
+        for first in self.items:
+            waiting = [first]
+            while waiting:
+                needs = self._needs(waiting[-1])
+                missing = next((n for n in needs if n not in met), None)
+                if missing is not None:
+                    met.add(missing)
+                    waiting.append(missing)
+                    continue
+                name = waiting.pop()
+                if all(n in order for n in needs):
+                    order[name] = None
+        return [*order, *(name for name in self.items if name not in order)]
+
+    def _needs(self, name: str) -> list[str]:
+        """Parameters that the value of a parameter may name."""
+        value = self.overrides.get(name, self.items[name].value)
+        parts = _EXPRESSION.findall(value) if isinstance(value, str) else []
+        return [n for part in parts for n in _NAME.findall(part) if n in self.items]
+
     def _text(self, text: str, card: str, where: Position) -> Any:
         """Number of a text that is one expression, else text with numbers put in."""
         try:
@@ -73,7 +99,7 @@ class Parameters:
         """The text with the numbers of its expressions put in."""
         numbers = [self._expression(part) for part in _EXPRESSION.findall(text)]
         values = iter(numbers)
-        new = _EXPRESSION.sub(lambda _: repr(next(values)), _RAISED.sub(r"(\g<0>)", text))
+        new = _EXPRESSION.sub(lambda _: as_written(next(values)), _RAISED.sub(r"(\g<0>)", text))
         if "${" in new:
             raise ExpressionError(f"cannot read {shown(text)}", "write '${...}'")
         if any(isinstance(number, SiFloat) for number in numbers) and _unit(new):
@@ -97,6 +123,8 @@ class Parameters:
         return int(value) if value.is_integer() and abs(value) < 2**53 else value
 
     def _value(self, name: str) -> Any:
+        if len(self.pending) > LONGEST_CIRCLE:
+            raise ExpressionError("depends on itself, by way of many others")
         if name in self.pending:
             chain = " -> ".join([*self.pending[self.pending.index(name) :], name])
             raise ExpressionError(f"depends on itself ({chain})")

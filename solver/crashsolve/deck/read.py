@@ -1,7 +1,7 @@
 """Reading a deck: files to items, items to cards, cards to a Deck; or all mistakes at once."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from crashsolve.deck.card import Card, Name
+from crashsolve.deck.card import Card, Name, Reference, reference_of
 from crashsolve.deck.control import Control
 from crashsolve.deck.dump import as_data, as_text
 from crashsolve.deck.expect import Expect
@@ -20,9 +20,10 @@ from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
 from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.output import Output
-from crashsolve.deck.overrides import set_fields
+from crashsolve.deck.overrides import place_given, set_fields
 from crashsolve.deck.parameters import Parameters
 from crashsolve.deck.sections import SECTIONS
+from crashsolve.deck.size import excess
 from crashsolve.deck.source import BROKEN, Position, Table, locate
 from crashsolve.deck.units import Units
 from crashsolve.deck.watch import Watch
@@ -30,6 +31,8 @@ from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.units import SI
 
 AnyCard = TypeVar("AnyCard", bound=Card)
+# units of x and y of a curve
+Axes = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -92,32 +95,45 @@ class _Reader:
         self.path = path
         self.mistakes: list[DeckError] = []
         self.nodes: list[str] = []
+        self.axes: dict[str, Axes | None] = {}
+        self.unread_parts: set[str] = set()
+        # names in cards that have other mistakes
+        self.unread: list[tuple[Item, list[tuple[tuple[str | int, ...], Name]]]] = []
         files = Files(self.mistakes)
         self.tables = files.read(path)
         if files.incomplete:
             raise DeckErrors(self.in_order())
         self.items = items_of(self.tables, self.mistakes)
-        others = set_fields(self.items, overrides, path, self.mistakes)
+        others = set_fields(self.items, overrides, self.tables, self.mistakes)
         self.parameters = Parameters(self.items["parameters"], others, self.mistakes)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
     def deck(self) -> Deck:
         """The whole deck; raises DeckErrors."""
-        entries = {keyword: self.section(keyword) for keyword in SECTIONS}
+        # what uses a curve tells the units of its numbers
+        others = {keyword: self.section(keyword) for keyword in SECTIONS if keyword != "curves"}
+        self.axes = self.axes_of_curves(others)
+        read = others | {"curves": self.section("curves")}
+        entries = {keyword: read[keyword] for keyword in SECTIONS}
         control, output = self.single("control", Control), self.single("output", Output)
         expect = [self.card(item, Expect) for item in self.items["expect"].values()]
         watch = [self.card(item, Watch) for item in self.items["watch"].values()]
         title = self.title()
+        self.refuse_endless(entries["parts"])
+        self.unread_parts = set(self.items["parts"]) - set(entries["parts"])
         self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.mistakes)
         entries["joints"] |= joints_of_parts(entries, self.mistakes)
         for group in entries.values():
             for entry in group.values():
-                self.check_names(entry)
+                self.check_names(entry.item, _names(entry.card))
+        for item, names in self.unread:
+            self.check_names(item, names)
         if control and control.accuracy and not (watch or expect):
             advice = "name channels under watch or expect"
             item = self.items["control"][""]
             self.refuse(item, Mistake(("accuracy",), "needs channels whose error counts", advice))
-        if control and control.threads > 1 and not _has_points(entries["parts"]):
+        is_known = not self.unread_parts
+        if control and control.threads > 1 and is_known and not _has_points(entries["parts"]):
             message = "share the elements of shells, and there are none"
             self.refuse(self.items["control"][""], Mistake(("threads",), message, "leave it out"))
         if self.mistakes or not control or not output:
@@ -136,6 +152,20 @@ class _Reader:
             entries=entries,
         )
 
+    def refuse_endless(self, parts: dict[str, Entry]) -> None:
+        """Raise DeckErrors at a part with which the model is too large: its names have no room."""
+        shells = beams = 0
+        for part in parts.values():
+            own = getattr(part.card, "beams", 0)
+            mesh = getattr(part.card, "mesh", None)
+            more = 0 if own else getattr(mesh, "count", 0)
+            why = excess(shells + more, beams + own)
+            if why:
+                path = ("mesh", "elements") if hasattr(mesh, "elements") else ("elements",)
+                self.refuse(part.item, Mistake(path, why, "take fewer"))
+                raise DeckErrors(self.in_order())
+            shells, beams = shells + more, beams + own
+
     def in_order(self) -> list[DeckError]:
         """Each mistake once, by file and line; those of the command line first."""
         order = {str(file): i for i, file in enumerate(self.tables)}
@@ -149,7 +179,9 @@ class _Reader:
         where = table.key_place("units")
         item = Item("units", "", table["units"], where, table.value_place("units"), file)
         units = self.card(item, Units)
-        return Context(units.bases() if units else SI, file.parent)
+        if units is None:
+            return Context(folder=file.parent)
+        return Context(units.bases(), file.parent, units.symbols())
 
     def title(self) -> str:
         item = self.items["title"].get("")
@@ -157,6 +189,8 @@ class _Reader:
         if item and not isinstance(value, str) and value is not BROKEN:
             message = f"must be text, not {shown(value)}"
             self.mistakes.append(DeckError(*item.at, "title", message, "put it in quotes"))
+        if item and "\n" in str(value):
+            self.mistakes.append(DeckError(*item.at, "title", "must be one line"))
         return str(value)
 
     def single(self, keyword: str, kind: type[AnyCard]) -> AnyCard | None:
@@ -186,33 +220,62 @@ class _Reader:
         if not word and "type" not in value:
             types = ", ".join(types_in(section.folder))
             self.refuse(item, Mistake((), "missing field 'type'", f"(types: {types})", key=True))
+            self.substituted(item)
             return None
         try:
             kind = law_class(section.folder, word)
         except UnknownType as error:
             if word is not BROKEN:
                 self.refuse(item, Mistake(("type",), error.message, error.advice))
+            if error.near:
+                # what else is wrong, if this one is meant
+                kind = law_class(section.folder, error.near)
+                meant = self.card(item, kind, "type", is_certain=False)
+                self.unread += [(item, list(_names(meant)))] * (meant is not None)
+            else:
+                self.substituted(item)
             return None
-        card = self.card(item, kind, without="type")
+        card = self.card(item, kind, "type")
         if card is None:
             return None
         return Entry(item.name, word, kind.__module__, card, item.where, item)
 
-    def card(self, item: Item, kind: type[AnyCard], without: str = "") -> AnyCard | None:
-        """The card an item holds; None after reporting what is wrong with it."""
+    def card(
+        self, item: Item, kind: type[AnyCard], without: str = "", is_certain: bool = True
+    ) -> AnyCard | None:
+        """The card an item holds; None after reporting what is wrong with it.
+
+        Of a card whose kind is not certain, nothing is missed.
+        """
         value = self.substituted(item)
         if value is BROKEN:
             return None
         if isinstance(value, Mapping):
             value = {word: part for word, part in value.items() if word != without}
         context = self.contexts[item.file] if item.keyword != "units" else Context()
+        if item.keyword == "curves":
+            context = replace(context, axes=self.axes.get(item.name))
+            if self.mistakes and item.name not in self.axes:
+                # what uses it may be among the cards that are wrong; these are refused anyway
+                context = replace(context, units=SI)
         try:
             return kind.model_validate(value, context=context)
         except ValidationError as error:
             for mistake in mistakes_of(kind, error):
-                self.refuse(item, mistake)
+                if is_certain or not mistake.is_missing:
+                    self.refuse(item, mistake)
+            self.unread.append((item, list(_names_written(kind, value))))
         assert self.mistakes, f"{item.title} was refused without a reason"
         return None
+
+    def axes_of_curves(self, entries: Mapping[str, dict[str, Entry]]) -> dict[str, Axes | None]:
+        """Units of x and y of every curve that is used; None where its uses differ in them."""
+        found: dict[str, set[tuple[str, str]]] = {}
+        for group in entries.values():
+            for entry in group.values():
+                for name, axes in _curves_of(entry.card):
+                    found.setdefault(name, set()).add(axes)
+        return {name: some.pop() if len(some) == 1 else None for name, some in found.items()}
 
     def substituted(self, item: Item) -> Any:
         """The value of an item with its expressions worked out; a missing one is an empty table."""
@@ -222,17 +285,48 @@ class _Reader:
     def refuse(self, item: Item, mistake: Mistake) -> None:
         self.mistakes.append(_placed(item, mistake))
 
-    def check_names(self, entry: Entry) -> None:
+    def check_names(self, item: Item, names: Iterable[tuple[tuple[str | int, ...], Name]]) -> None:
         """Report the names in a card that nothing in the deck bears."""
-        for path, name in _names(entry.card):
+        for path, name in names:
             known = list(self.items[name.keyword])
             if name.keyword == "bodies":
                 known += self.nodes
-            is_ground = name.keyword == "bodies" and name == "ground"
-            if name not in known and not is_ground:
+                if name == "ground" or self.may_be_a_node(name):
+                    continue
+            if name not in known:
                 singular = SECTIONS[name.keyword].singular
                 advice = choices(name, known, name.keyword)
-                self.refuse(entry.item, Mistake(path, f"unknown {singular} '{name}'", advice))
+                self.refuse(item, Mistake(path, f"unknown {singular} '{name}'", advice))
+
+    def may_be_a_node(self, name: str) -> bool:
+        """Whether a part that could not be read may have a node of this name."""
+        return any(name.startswith(f"{part}_") for part in self.unread_parts)
+
+
+def _curves_of(value: Any) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Curves that a card and those within it name, with the units of their axes."""
+    if isinstance(value, tuple) and value and isinstance(value[0], Card):
+        for part in value:
+            yield from _curves_of(part)
+    if isinstance(value, Card):
+        for name, axes in value.curve_axes.items():
+            if getattr(value, name) is not None:
+                yield str(getattr(value, name)), axes
+        for name in type(value).model_fields:
+            yield from _curves_of(getattr(value, name))
+
+
+def _names_written(kind: type[Card], value: Any) -> Iterator[tuple[tuple[str | int, ...], Name]]:
+    """References in the fields of a card as they are written, each with its path."""
+    if not isinstance(value, Mapping):
+        return
+    for word, name in deck_words(kind).items():
+        keyword = reference_of(kind.model_fields[name])
+        given = value.get(word)
+        several = given if isinstance(given, list) else [given]
+        for i, text in enumerate(several):
+            if keyword and isinstance(text, str):
+                yield (word, i) if isinstance(given, list) else (word,), Reference(keyword)(text)
 
 
 def part_nodes(
@@ -274,8 +368,11 @@ def _has_points(parts: dict[str, Entry]) -> bool:
 
 def _placed(item: Item, mistake: Mistake) -> DeckError:
     """A mistake of a card with its place in the deck."""
-    place = locate(item.where, item.value, mistake.path, mistake.key)
     path = mistake.path
+    place: tuple[str, int | None, int | None] = locate(item.where, item.value, path, mistake.key)
+    given = place_given(item, path, mistake.key)
+    if given:
+        place = given, None, None
     below = path[:-1] if mistake.key or path[-1:] == ("type",) else path
     field = ".".join(step for step in below if isinstance(step, str))
     message = f"{field}: {mistake.message}" if field else mistake.message

@@ -6,15 +6,16 @@ KEYWORDS.md lists what may be written; EQUATIONS.md tells which file holds which
 import ast
 import re
 from collections.abc import Iterable, Iterator
+from importlib import import_module
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, BeforeValidator
 
-from crashsolve.deck.card import Card, Reference, existing_file
+from crashsolve.deck.card import Card, Reference, existing_file, number_as_name
 from crashsolve.deck.fields import BOUNDS, Declared, deck_words, declared
-from crashsolve.deck.laws import law_class, package_folder, types_in
+from crashsolve.deck.laws import PACKAGE, law_class, package_folder, types_in
 from crashsolve.deck.sections import KEYWORDS, LISTS, SECTIONS, SINGLE
 
 _SCALARS: dict[Any, dict[str, Any]] = {
@@ -31,6 +32,10 @@ _LIMITS = {
     "lt": "exclusiveMaximum",
     "le": "maximum",
 }
+
+
+# a set of a mesh file may have a number for a name
+_SET_NAME = {"type": ["string", "integer"]}
 
 
 def json_schema() -> dict[str, Any]:
@@ -66,8 +71,22 @@ class _Definitions:
 
     def laws(self, folder: str, default: str = "") -> dict[str, Any]:
         """Any type of a family."""
-        known = [self.law(folder, word, word == default) for word in types_in(folder)]
-        return {"anyOf": known} if known else {"not": {}}
+        words = list(types_in(folder))
+        if not words:
+            return {"not": {}}
+        # one branch is looked at, so that a mistake is told of the field it is in
+        branches = []
+        for word in words:
+            is_it: dict[str, Any] = {"properties": {"type": {"const": word}}}
+            if word != default:
+                is_it["required"] = ["type"]
+            branches.append({"if": is_it, "then": self.law(folder, word, word == default)})
+        return {
+            "type": "object",
+            "properties": {"type": {"enum": words}},
+            "required": [] if default else ["type"],
+            "allOf": branches,
+        }
 
     def law(self, folder: str, word: str, is_default: bool) -> dict[str, Any]:
         name = f"{folder.replace('/', '.')}.{word}"
@@ -99,7 +118,9 @@ class _Definitions:
     def field(self, field: Declared) -> dict[str, Any]:
         schema = self.laws(field.law) if field.law else self.kind(field.info.annotation, field)
         if field.law and field.optional:
-            schema = {"anyOf": [schema, _SCALARS[NoneType]]}
+            schema = {"if": {"type": "object"}, "then": schema, "else": _SCALARS[NoneType]}
+        elif _is_set_name(field.info.metadata):
+            schema = _SET_NAME
         meaning = " ".join(filter(None, (field.meaning, f"[{field.unit}]" if field.unit else "")))
         return {**schema, "description": meaning} if meaning else schema
 
@@ -107,20 +128,34 @@ class _Definitions:
         """Schema of an annotation; bounds that no unit can change come along."""
         origin, parts = get_origin(annotation), get_args(annotation)
         if origin is Annotated:
-            return self.kind(parts[0], field)
+            return _SET_NAME if _is_set_name(parts[1:]) else self.kind(parts[0], field)
         if origin is Literal:
             return {"enum": list(parts)}
         if origin is tuple:
             size = {} if Ellipsis in parts else {"minItems": len(parts), "maxItems": len(parts)}
             return {"type": "array", "items": self.kind(parts[0], field), **size}
         if parts:
-            return {"anyOf": [self.kind(part, field) for part in parts]}
+            some = [self.kind(part, field) for part in parts if part is not NoneType]
+            known = some[0] if len(some) == 1 else {"anyOf": some}
+            return _or_empty(known) if NoneType in parts else known
         if annotation in _SCALARS:
             fixed = {k: v for k, v in field.bounds.items() if v == 0 or field.unit in ("", "1")}
             is_number = annotation in (int, float)
             limits = {_LIMITS[k]: v for k, v in fixed.items()} if is_number else {}
             return _SCALARS[annotation] | limits
         return self.card(annotation)
+
+
+def _or_empty(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a value that may be left empty, without a choice that would hide mistakes."""
+    if "type" in schema:
+        kinds = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+        return schema | {"type": [*kinds, "null"]}
+    if "enum" in schema:
+        return {"enum": [*schema["enum"], None]}
+    if "$ref" in schema:
+        return {"if": {"type": "object"}, "then": schema, "else": _SCALARS[NoneType]}
+    return {"anyOf": [schema, _SCALARS[NoneType]]}
 
 
 def keywords_markdown() -> str:
@@ -146,6 +181,8 @@ def _manual() -> Iterator[str]:
             default = f" `type` is `{section.default}` when absent." if section.default else ""
             yield from ("", f"## {keyword}", "", f"A table of names.{default}")
             yield from _family(section.folder, nested)
+            if keyword == "surfaces":
+                yield from _pairs_of_shapes()
     for folder in _nested_folders():
         yield from ("", f"## Laws of {folder}")
         yield from _family(folder, nested)
@@ -164,6 +201,36 @@ def _family(folder: str, nested: dict[type[Card], None]) -> Iterator[str]:
         yield from _section(word, f"### {word} (`{file}`)", law_class(folder, word), nested)
 
 
+def _pairs_of_shapes() -> Iterator[str]:
+    """Which shapes can meet, and in how many points: the files of contact/narrow say so."""
+    files = sorted((package_folder() / "contact" / "narrow").glob("[!_]*.py"))
+    shells = ", ".join(f"`{shape}`" for shape in ("nodes", "sphere", "point_set", "ellipsoid"))
+    yield from (
+        "",
+        "### Pairs of surfaces",
+        "",
+        "Shapes that can meet, whichever is a or b of a contact, and the points in which they do.",
+        "`point_set`, and `nodes` of beams, meet others as `sphere` does, each by itself; so do",
+        f"`nodes` of shells. On `faces` press {shells}, in one",
+        "point for each node, ball and ellipsoid.",
+        "",
+        "| surfaces | points |",
+        "|---|---|",
+    )
+    for path in files:
+        one, _, other = path.stem.partition("_")
+        yield f"| `{one}`, `{other}` | {_points_of_pair(path.stem)} |"
+
+
+def _points_of_pair(pair: str) -> str:
+    """POINTS of the pair's file or of the file of its kernel, else what the first line says."""
+    module = import_module(f"{PACKAGE}.contact.narrow.{pair}")
+    home = import_module(getattr(module.gap, "py_func", module.gap).__module__)
+    told = getattr(module, "POINTS", getattr(home, "POINTS", ""))
+    first = (module.__doc__ or "").splitlines()[0]
+    return str(told) or first.partition(", ")[2].strip(".") or "one"
+
+
 def _section(
     word: str, heading: str, card: type[Card], nested: dict[type[Card], None]
 ) -> Iterator[str]:
@@ -177,6 +244,9 @@ def _section(
         nested.update(dict.fromkeys(_cards_in(field.info.annotation)))
         bounds = ", ".join(f"{BOUNDS[kind][1]} {limit:g}" for kind, limit in field.bounds.items())
         kind = f"law of {field.law}" if field.law else _kind_of(field)
+        if name in card.curve_axes:
+            x, y = (unit if unit != "1" else "a number" for unit in card.curve_axes[name])
+            kind += f", {y} over {x}"
         cells = (f"`{name_in_deck}`", kind, field.unit, _default(field), bounds, field.meaning)
         yield f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
 
@@ -225,8 +295,15 @@ def _kind_of(field: Declared) -> str:
     return _marked(field.info.metadata) or _kind(field.info.annotation)
 
 
+def _is_set_name(marks: Iterable[Any]) -> bool:
+    """Whether a text may be written as a whole number."""
+    return any(isinstance(m, BeforeValidator) and m.func is number_as_name for m in marks)
+
+
 def _marked(marks: Iterable[Any]) -> str:
     """What the marks of an annotation make of a text: a name, or a file."""
+    if _is_set_name(marks):
+        return "text or whole number"
     functions = [mark.func for mark in marks if isinstance(mark, AfterValidator)]
     if existing_file in functions:
         return "name of a file"

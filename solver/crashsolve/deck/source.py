@@ -34,6 +34,15 @@ _CORE_TYPES: dict[str, Any] = {"int": int, "float": int | float, "bool": bool, "
 _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
+# what an escape such as "\\e" may smuggle in; other marks are spelt out where they are shown
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
+
+
+# what entries are called: part of channels and of files
+NAME = re.compile(r"[^\W\d][\w-]*")
+NAME_ADVICE = "begin with a letter, go on with letters, digits, _ and -"
+
+
 class _Broken:
     """Stands for a value whose mistake is already reported."""
 
@@ -107,6 +116,12 @@ def locate(start: Position, value: object, path: tuple[str | int, ...], key: boo
 def read_yaml(path: Path, mistakes: list[DeckError]) -> Table | None:
     """The table a file holds, None when it cannot be read; appends what is wrong to `mistakes`."""
     name = str(path)
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        message = "the name of the file is not UTF-8"
+        mistakes.append(DeckError(name, None, None, "", message, "rename it"))
+        return None
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -258,6 +273,8 @@ class _Parser:
             word = self.scalar(event)
             if isinstance(word, str) and word:
                 return word
+            if word is BROKEN:
+                return None
             self.refuse(event, f"the key '{event.value}' is not a word", "put it in quotes")
             return None
         self.refuse(event, "a key must be a word")
@@ -273,6 +290,9 @@ class _Parser:
 
     def scalar(self, event: Any) -> Any:
         tag = (event.tag or "").removeprefix(_CORE_TAG)
+        bad = _CONTROL.search(event.value)
+        if bad is not None:
+            return self.refuse(event, f"the character U+{ord(bad[0]):04X} is not allowed")
         if tag in ("str", "!") or (not tag and event.style):
             return event.value
         if tag not in ("", *_CORE_TYPES):

@@ -19,11 +19,16 @@ def known_statistic(text: str) -> str:
     return text
 
 
+def is_of_a_moment(statistic: str) -> bool:
+    """Whether a statistic reads one moment of a history."""
+    return statistic == "final" or statistic.startswith("at:")
+
+
 def check_window(statistic: str, during: Window | None) -> None:
     """Raises ValueError for a window that is empty, or of a statistic that reads one moment."""
     if during is None:
         return
     if not during[0] < during[1]:
         raise ValueError("during: must be [from, to], the earlier time first")
-    if statistic == "final" or statistic.startswith("at:"):
+    if is_of_a_moment(statistic):
         raise ValueError(f"during: '{statistic}' reads one moment, which no window limits")

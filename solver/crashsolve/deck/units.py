@@ -26,6 +26,10 @@ class Units(Card):
             raise ValueError(f"'{text}' is in {describe(unit)}, not a unit of {base}")
         return text
 
+    def symbols(self) -> tuple[str, ...]:
+        """The name of the unit of each of BASES."""
+        return tuple(str(getattr(self, name)) for name in BASES)
+
     def bases(self) -> dict[str, Unit]:
         """The unit of each of BASES."""
         return {name: parse_unit(getattr(self, name)) for name in BASES}

@@ -11,6 +11,7 @@ Consequence to test: a companion of coarseness 1 gives the samples of the run to
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -29,6 +30,10 @@ HIGHEST_POWER = 5
 
 class Abandoned(Exception):
     """The run has been asked to stop."""
+
+
+class TooDear(Exception):
+    """A companion costs more than is left for it."""
 
 
 def coarsen(control: np.ndarray, coarseness: float, interval: float, order: float | None) -> None:
@@ -58,10 +63,19 @@ class Companions:
         self.deck, self.channels, self.stopped = deck, channels, stopped
         self.names = {channel.family.name for channel in channels}
         self.order = order_of(deck.control.integrator)
+        # CPU time [s] that is left for all runs, and of the process when this one must end
+        self.budget, self._until = inf, inf
 
     def run(self, coarseness: float) -> Samples:
-        """Samples of the channels. Raises SolverError, Abandoned."""
+        """Samples of the channels. Raises SolverError, Abandoned, TooDear."""
         begun = clock.process_time()
+        self._until = begun + self.budget
+        try:
+            return self._run(coarseness, begun)
+        finally:
+            self.budget -= clock.process_time() - begun
+
+    def _run(self, coarseness: float, begun: float) -> Samples:
         schedule = Schedule.of(self.deck)
         model, state = build(self.deck)
         coarsen(model.control, coarseness, schedule.interval, self.order)
@@ -90,13 +104,21 @@ class Companions:
     def _abandon_on_request(self) -> None:
         if self.stopped():
             raise Abandoned
+        if clock.process_time() > self._until:
+            raise TooDear
 
     def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
-        """The sample to go to: where a step would pass the next one, the next of every m-th."""
-        stride = 1
-        is_bound = step > schedule.interval * (1.0 + 1e-9)
-        while is_bound and 2 * stride <= coarseness and k % (2 * stride) == 0:
+        """The sample to go to: where a step would pass the next one, the next of every m-th.
+
+        None that was asked for is left out.
+        """
+        stride, plain = 1, schedule.plain_number(k)
+        is_bound = plain is not None and step > schedule.interval * (1.0 + 1e-9)
+        while is_bound and 2 * stride <= coarseness and (plain or 0) % (2 * stride) == 0:
             stride *= 2
+        for following in range(k + 1, k + stride):
+            if schedule.plain_number(following) is None:
+                return following
         while schedule.time(k) == schedule.time(k + stride) or schedule.is_end(k + stride - 1):
             stride -= 1
         return k + stride

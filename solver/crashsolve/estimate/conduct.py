@@ -31,6 +31,10 @@ ROUNDS = 12
 RERUNS = 2
 # the coarseness changes by no more than this between two pilots
 STRIDE = 8.0
+# a run shorter than this [s of CPU] may cost less than the estimates of its errors
+SHORT = 5.0
+# an error below this share of the scale is none to warn of, however near to zero the value is
+SMALL = 1e-6
 
 
 class Estimating:
@@ -45,6 +49,7 @@ class Estimating:
         self.estimator = Estimator(deck, families, stopped)
         _refuse_hollow(deck, self.estimator.channels)
         self.accuracy, self.log = deck.control.accuracy, log
+        self.is_full = deck.control.estimate == "full"
         self.interval = Schedule.of(deck).interval
         self.coarseness, self.cpu, self.reruns = 1.0, 0.0, 0
         self.found: list[Estimate] = []
@@ -82,8 +87,10 @@ class Estimating:
         self.problems = []
         try:
             if not self._companions or not self.estimator.compares_with_coarser:
+                is_short = spent < SHORT or self.accuracy is not None
+                budget = inf if is_short or self.is_full else spent
                 self._companions = self.estimator.companion_runs(
-                    self.coarseness, cycles, self.problems
+                    self.coarseness, cycles, self.problems, budget
                 )
         except Abandoned:
             self.problems.append("asked to stop")
@@ -166,6 +173,12 @@ class Estimating:
         """One line per watched number, and the price of knowing."""
         lines = [_line(estimate) for estimate in self.found]
         self.log.section("watched channels", lines)
+        for e in self.found:
+            if e.error and e.value is not None and e.error > max(abs(e.value), SMALL * e.scale):
+                self.log.warning(
+                    f"{e.watch.name}: the estimated error, {e.error:.2g}, is larger than the "
+                    f"value, {e.value:.2g}: take shorter steps or a smaller control.tolerance"
+                )
         for problem in self.problems:
             self.log.line(f"  {problem}")
         share = 100.0 * self.cpu / spent if spent > 0.0 else 0.0

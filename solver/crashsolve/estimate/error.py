@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from crashsolve.deck.statistic import PATH
+from crashsolve.deck.statistic import PATH, is_of_a_moment
 from crashsolve.estimate.expression import cumulative, evaluate, is_sampled
 from crashsolve.estimate.samples import Channel, Samples
 from crashsolve.estimate.statistic import Series, plain, plateau, refined, unresolved, within
@@ -197,6 +197,8 @@ def _with_gap(watch: Watch, series: Series, main: Samples) -> tuple[float, float
     if watch.statistic == PATH:
         return float(np.max(np.abs(series.values))), _gap_inside(watch, main)
     value = plain(series, watch.statistic)
+    if not np.isfinite(value):
+        raise ValueError(f"division by zero in '{watch.channels[0]}'")
     missed = unresolved(series, watch.statistic)
     if missed:
         return value, missed
@@ -222,9 +224,15 @@ def _told(found: Convergence, order: float | None) -> str:
 
 
 def series_of(watch: Watch, samples: Samples) -> Series:
-    """The watched history in its window. Raises ValueError."""
+    """The watched history in its window. Raises ValueError where it has no value that is asked for.
+
+    A moment asks for nothing of the others.
+    """
     values = evaluate(watch.channels[0], samples.time, samples.values)
-    return within(Series(samples.time, values), watch.during)
+    series = within(Series(samples.time, values), watch.during)
+    if not is_of_a_moment(watch.statistic) and not np.isfinite(series.values).all():
+        raise ValueError(f"division by zero in '{watch.channels[0]}'")
+    return series
 
 
 def _value(watch: Watch, samples: Samples) -> np.ndarray:
@@ -260,7 +268,7 @@ def _scale(watch: Watch, channels: list[Channel], main: Samples, series: Series)
     """
     if watch.statistic in ("argmax", "argmin"):
         return float(main.time[-1] - main.time[0])
-    largest = float(np.max(np.abs(series.values)))
+    largest = float(np.nanmax(np.abs(series.values)))
     if not set(watch.channels[0]) & set("*/") and not is_sampled(watch.channels[0]):
         size = max(float(np.max(main.size[c.name], initial=0.0)) for c in channels)
         is_plain = watch.channels[0].strip().lstrip("-").strip("' ") == channels[0].name

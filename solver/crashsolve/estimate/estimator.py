@@ -5,16 +5,19 @@ quarters of the run, and show whether the order holds. Those that choose their s
 get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
 times the run: what they lose at kinks, at impacts and by round-off follows no order, and on the
 battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
-A finer run also serves where coarser steps are unstable.
+A finer run also serves where coarser steps are unstable. After a long run companions may cost as
+much as it did and no more: a method that chooses its step then gets one coarser run.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import inf, isfinite
 
 from crashsolve.deck.expect import Expect
 from crashsolve.deck.read import Deck
 from crashsolve.deck.source import Position
 from crashsolve.deck.watch import Watch as WatchCard
-from crashsolve.estimate.companion import HIGHEST_POWER, Companions
+from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
 from crashsolve.estimate.samples import Channel, Samples, find
 from crashsolve.foundation.errors import DeckError, DeckErrors, SolverError
@@ -26,6 +29,7 @@ from crashsolve.study.watch import Watch, named
 from crashsolve.system.engine import Engine
 
 COARSER = (4.0, 2.0)
+DEAR = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
 
@@ -63,14 +67,30 @@ class Estimator:
         """Whether coarser runs tell the error."""
         return not chooses_its_step(self.deck.control.integrator)
 
-    def companion_runs(self, coarseness: float, cycles: int, problems: list[str]) -> list[Samples]:
-        """Companions of a run of `cycles` steps. Writes: why one failed. Raises Abandoned."""
+    def companion_runs(
+        self, coarseness: float, cycles: int, problems: list[str], budget: float = inf
+    ) -> list[Samples]:
+        """Companions of a run of `cycles` steps, which may cost `budget` [s] of CPU.
+
+        Writes: why one failed. Raises Abandoned.
+        """
+        self.companions.budget, runs = budget, list[Samples]()
+        coarser = COARSER if self.compares_with_coarser else COARSER[-1:] * isfinite(budget)
         try:
-            if self.compares_with_coarser:
-                return [self.companions.run(factor * coarseness) for factor in COARSER]
+            for factor in coarser:
+                runs.append(self.companions.run(factor * coarseness))
         except SolverError as error:
             problems.append(f"a coarser run stopped: {error.cause}")
-        runs: list[Samples] = []
+            runs.clear()
+        except TooDear:
+            problems.append(DEAR)
+            return runs
+        if runs:
+            return runs
+        if isfinite(budget):
+            # a finer one would cost more than the run
+            problems.append(DEAR)
+            return []
         try:
             for factor in FINER:
                 if not runs or is_as_fine(cycles, runs[-1].cycles):
@@ -82,7 +102,11 @@ class Estimator:
     def judge(self, main: Samples, others: Sequence[Samples]) -> list[Estimate]:
         """The estimates of all watched numbers."""
         judge = Judge(self.channels, self.order)
-        return [judge.estimate(watch, main, others) for watch in self.watches]
+        found = [judge.estimate(watch, main, others) for watch in self.watches]
+        if not self.deck.entries["parts"]:
+            return found
+        # all runs have the same mesh
+        return [replace(e, how=f"{e.how}; without the mesh") if e.error else e for e in found]
 
 
 def _look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:

@@ -15,6 +15,9 @@ from functools import lru_cache
 
 import numpy as np
 
+MOST = 1e300
+# letters of an expression, as crashpost has it
+LONGEST = 4000
 _QUOTED_OR_NAME = re.compile(r"'[^']*'|\"[^\"]*\"|(?<![\w.])[A-Za-z_]\w*(?:\.\w+)+")
 _FUNCTIONS = {"abs": (1, 1), "norm": (1, 3), "integral": (1, 1), "derivative": (1, 1)}
 _OPERATORS = {ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide}
@@ -25,22 +28,26 @@ def channels_in(expression: str) -> list[str]:
 
     An expression that is itself a channel's name is for the caller to know.
     """
-    names = dict.fromkeys(_names(_tree(expression)))
+    try:
+        names = dict.fromkeys(_names(_tree(expression)))
+    except RecursionError:
+        raise ValueError(f"'{expression[:40]}...' is nested too deeply") from None
     if not names:
         raise ValueError(f"'{expression}' names no channel")
     return [name for name in names if name != "time"]
 
 
 def evaluate(expression: str, time: np.ndarray, values: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Values (n,) of an expression at the sample times (n,). Raises ValueError."""
+    """Values (n,) of an expression at the sample times (n,); NaN where it divides by zero.
+
+    Raises ValueError.
+    """
     if expression.strip() in values:
         return values[expression.strip()]
     known = {**values, "time": time}
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.broadcast_to(_value(_tree(expression), time, known), time.shape)
-    if not np.isfinite(found).all():
-        raise ValueError(f"division by zero in '{expression}'")
-    return found
+    return np.where(np.isfinite(found), found, np.nan)
 
 
 def is_sampled(expression: str) -> bool:
@@ -61,6 +68,8 @@ def _tree(expression: str) -> ast.expr:
     def quote(match: re.Match[str]) -> str:
         return match[0] if match[0][0] in "'\"" else f"'{match[0]}'"
 
+    if len(expression) > LONGEST:
+        raise ValueError(f"an expression of more than {LONGEST} letters")
     text = _QUOTED_OR_NAME.sub(quote, expression.strip())
     try:
         with warnings.catch_warnings(action="ignore"):
@@ -75,7 +84,10 @@ def _names(node: ast.expr) -> list[str]:
             return [name]
         case ast.Name(id="time"):
             return ["time"]
-        case ast.Constant(value=int() | float()):
+        case ast.Constant(value=(int() | float()) as number):
+            # a whole number may have more digits than a float holds
+            if abs(number) > MOST:
+                raise ValueError("a number is too large")
             return []
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return _names(operand)

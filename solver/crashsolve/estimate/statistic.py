@@ -1,7 +1,7 @@
 """One number of a sampled history, and what it would be without the gaps between samples.
 
     max, argmax     top of the parabola through the greatest sample and its two neighbours
-    mean, integral  trapezoidal rule, and its third part of the way to that of every second sample
+    mean, integral  trapezoidal rule, and Simpson's through three samples
     at:T            cubic through the four nearest samples, in place of a line through two
 
 Where a history stays at its extreme for three samples to the last digit, it has jumped there, as a
@@ -81,7 +81,10 @@ def refined(series: Series, word: str) -> float:
         case "mean":
             span = float(time[-1] - time[0])
             return _smooth_integral(series) / span if span > 0 else float(values[0])
-    return _at(series, float(word.removeprefix("at:")), 4)
+    moment = float(word.removeprefix("at:"))
+    found = _at(series, moment, 4)
+    # some of the four may have no value
+    return found if np.isfinite(found) else _at(series, moment, 2)
 
 
 def _top(series: Series) -> tuple[float, float]:
@@ -126,12 +129,15 @@ def unresolved(series: Series, word: str) -> float:
 
 
 def _smooth_integral(series: Series) -> float:
-    """Simpson's rule in the words of Richardson; an odd interval at the end stays as it is."""
+    """Simpson's rule for pairs of any intervals; an odd interval at the end stays as it is."""
     time, values = series
     fine = cumulative(time, values)
     last = (len(time) - 1) // 2 * 2
-    coarse = cumulative(time[: last + 1 : 2], values[: last + 1 : 2])[-1] if last else fine[last]
-    return float(fine[-1] + (fine[last] - coarse) / 3.0)
+    a, b = np.diff(time[: last + 1 : 1])[::2], np.diff(time[: last + 1])[1::2]
+    x, y, z = values[0:last:2], values[1:last:2], values[2 : last + 1 : 2]
+    # the parabola through three samples: its bend times this
+    bend = (z - y) / b - (y - x) / a
+    return float(fine[-1] - np.sum(bend * (a**3 + b**3) / (6.0 * (a + b))))
 
 
 def _at(series: Series, moment: float, points: int) -> float:

@@ -6,12 +6,13 @@ therefore named after a hash of every source file of the package, and set before
 
 import hashlib
 import os
-import tempfile
 import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
+
+from crashsolve.foundation.cache import find_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -26,30 +27,12 @@ UNWRAPPED = {"no_cpython_wrapper": not CALLABLE, "no_cfunc_wrapper": True}
 
 @cache
 def cache_folder() -> Path:
-    """Folder for composed steps and compiled code of exactly these sources."""
+    """Folder for composed steps and compiled code of exactly these sources. Raises CacheError."""
     digest = hashlib.sha256(b"callable" if CALLABLE else b"")
     for path in sorted(PACKAGE.rglob("*.py")):
         digest.update(path.relative_to(PACKAGE).as_posix().encode())
         digest.update(path.read_bytes())
-    chosen = os.environ.get("CRASHSOLVE_CACHE")
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    for root in [chosen] if chosen else [os.path.join(home, "crashsolve")]:
-        folder = Path(root) / digest.hexdigest()[:16]
-        if _is_writable(folder):
-            return folder
-    # a compute node may have a read-only home
-    fallback = Path(tempfile.gettempdir()) / f"crashsolve-{os.getuid()}" / digest.hexdigest()[:16]
-    fallback.mkdir(parents=True, exist_ok=True)
-    return fallback
-
-
-def _is_writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
+    return find_folder(digest.hexdigest()[:16])
 
 
 def kernel(function: F) -> F:

@@ -8,10 +8,16 @@ import os
 import pickle
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import module_from_spec, spec_from_file_location
+from io import BytesIO
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from crashsolve.foundation.cache import CacheError, read_sealed, write_sealed
+from crashsolve.foundation.errors import ExitCode
 
 # what two threads share of a scene with elements, in the names that numba gives
 APART = re.compile(r"\d(deform|open_points|close_points|press)B")
@@ -62,6 +68,30 @@ def hand_on_bitcode() -> None:
     JITCPUCodegen._add_module = lambda *_: None  # type: ignore[method-assign]
 
 
+def seal_kernels() -> None:
+    """Let numba keep kernels with a checksum; a damaged one is compiled anew."""
+    from numba.core import caching
+
+    @contextmanager
+    def open_for_write(_: Any, path: str) -> Iterator[BytesIO]:
+        file = BytesIO()
+        yield file
+        # the checksum tells of one that a power cut has spoilt
+        write_sealed(Path(path), file.getvalue(), sync=False)
+
+    def open_sealed(path: str, *mode: Any) -> Any:
+        if not path.endswith((".nbi", ".nbc")):
+            return open(path, *mode)
+        content = read_sealed(Path(path))
+        if content is None:
+            # what numba takes for a kernel that is not there yet
+            raise FileNotFoundError(path)
+        return BytesIO(content)
+
+    setattr(caching.IndexDataCacheFile, "_open_for_write", open_for_write)  # noqa: B010
+    setattr(caching, "open", open_sealed)  # noqa: B010
+
+
 def keep_apart(module: Any) -> None:
     """Leave some functions as they are where they are called: the same bits in every scene."""
     for function in module.functions:
@@ -88,6 +118,7 @@ def main(source: Path, path: Path, names: list[str]) -> None:
     # the compiler's garbage goes with the process: a tenth of the time
     gc.disable()
     hand_on_bitcode()
+    seal_kernels()
     import llvmlite.binding as llvm
     from numba.core import types
 
@@ -114,10 +145,12 @@ def main(source: Path, path: Path, names: list[str]) -> None:
     if vectors:
         keep_apart(module)
     optimise(module, machine, vectors)
-    temporary = path.with_suffix(f".{os.getpid()}")
-    temporary.write_bytes(" ".join(symbols).encode() + b"\n" + machine.emit_object(module))
-    os.replace(temporary, path)
+    write_sealed(path, " ".join(symbols).encode() + b"\n" + machine.emit_object(module))
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:])
+    try:
+        main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:])
+    except (OSError, CacheError) as error:
+        print(error, file=sys.stderr)
+        sys.exit(ExitCode.OUTPUT)

@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from enum import IntEnum
 
+from crashsolve.foundation.streams import printable
+
 
 class ExitCode(IntEnum):
     """What the command line reports to the shell and to a queue."""
@@ -47,7 +49,7 @@ class DeckError(CrashsolveError):
         place = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
         card = f"{self.card}: " if self.card else ""
         advice = f"; {self.advice}" if self.advice else ""
-        return f"{place}: error: {card}{self.message}{advice}"
+        return printable(f"{place}: error: {card}{self.message}{advice}")
 
 
 class DeckErrors(CrashsolveError):
@@ -78,7 +80,8 @@ class SolverError(CrashsolveError):
 
     def __str__(self) -> str:
         advice = f"; {self.advice}" if self.advice else ""
-        return f"t = {self.time:.6g} s, cycle {self.cycle}, {self.place}: {self.cause}{advice}"
+        told = f"t = {self.time:.6g} s, cycle {self.cycle}, {self.place}: {self.cause}{advice}"
+        return printable(told)
 
 
 class RunStopped(CrashsolveError):

@@ -8,6 +8,7 @@ The process that compiles is `python -m crashsolve.foundation.compiler`.
 """
 
 import ctypes
+import hashlib
 import os
 import pickle
 import subprocess
@@ -19,11 +20,15 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
+from crashsolve.foundation.cache import CacheError, read_sealed
 from crashsolve.foundation.compile import cache_folder
+from crashsolve.foundation.errors import ExitCode
 from crashsolve.foundation.pages import give_back_pages
 from crashsolve.foundation.table import Tables
 
 Function = Callable[[float, bool, Tables], None]
+# functions by the file they are kept in
+_linked: dict[Path, tuple[Function, ...]] = {}
 # numba's words for "returned", and "returned None"
 NORMAL = (0, -2)
 # status = function(place of the result, place of an exception, number, flag, tables)
@@ -40,7 +45,8 @@ SIGNATURE = ctypes.CFUNCTYPE(
 def machine_code(source: Path, name: str, tables: Tables) -> Function:
     """The function `name` of a source file, compiled for tables of this layout.
 
-    Raises: RuntimeError with the compiler's message when it cannot be compiled.
+    Raises: RuntimeError with the compiler's message when it cannot be compiled, CacheError where
+    compiled code cannot be kept.
     """
     if runs_plain():
         return plain(source, name)
@@ -50,13 +56,22 @@ def machine_code(source: Path, name: str, tables: Tables) -> Function:
 def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple[Function, ...]:
     """Several functions of a file, compiled together: what they call is there once.
 
-    Raises: RuntimeError with the compiler's message when they cannot be compiled.
+    Raises: RuntimeError with the compiler's message when they cannot be compiled, CacheError where
+    compiled code cannot be kept.
     """
-    cpu = llvm.get_host_cpu_name()
-    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{tables.layout}.{cpu}.o"
-    if not path.exists():
-        _compile_apart(source, names, tables, path)
-    return _load(path)
+    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{tables.layout}.{_processor()}.o"
+    # once: the broad phase asks again at every renewal
+    if path not in _linked:
+        content = read_sealed(path) or _compile_apart(source, names, tables, path)
+        _linked[path] = _link(path, content)
+    return _linked[path]
+
+
+@cache
+def _processor() -> str:
+    """Name of this processor, and a hash of what it can do: one name may stand for several."""
+    features = llvm.get_host_cpu_features().flatten()
+    return f"{llvm.get_host_cpu_name()}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
 
 
 def runs_plain() -> bool:
@@ -72,8 +87,11 @@ def plain(source: Path, name: str) -> Function:
     return function
 
 
-def _compile_apart(source: Path, names: tuple[str, ...], tables: Tables, path: Path) -> None:
-    """Write machine code to `path` in a process of its own, which no signal to this one reaches."""
+def _compile_apart(source: Path, names: tuple[str, ...], tables: Tables, path: Path) -> bytes:
+    """Machine code, written to `path` by a process of its own, which no signal to this one reaches.
+
+    Raises: RuntimeError with the compiler's message, CacheError when the code cannot be kept.
+    """
     environment = {k: v for k, v in os.environ.items() if k != "CRASHSOLVE_CALL_KERNELS"}
     words = [sys.executable, "-m", "crashsolve.foundation.compiler", source, path, *names]
     done = subprocess.run(
@@ -83,14 +101,22 @@ def _compile_apart(source: Path, names: tuple[str, ...], tables: Tables, path: P
         stderr=subprocess.PIPE,
         start_new_session=True,
     )
+    told = done.stderr.decode(errors="replace")[-4000:]
+    if done.returncode == ExitCode.OUTPUT:
+        raise CacheError(told.strip())
+    if done.returncode < 0:
+        raise CacheError(f"the compiler was killed by signal {-done.returncode}: out of memory?")
     if done.returncode:
-        raise RuntimeError(f"cannot compile {source}: {done.stderr.decode()[-4000:]}")
+        raise RuntimeError(f"cannot compile {source}: {told}")
+    code = read_sealed(path)
+    if code is None:
+        raise CacheError(f"the compiled code {path} cannot be read back; is the disk sound?")
+    return code
 
 
-@cache
-def _load(path: Path) -> tuple[Function, ...]:
-    """Link an object file into this process, once: the broad phase asks again at every renewal."""
-    names, _, code = path.read_bytes().partition(b"\n")
+def _link(path: Path, content: bytes) -> tuple[Function, ...]:
+    """Functions of an object file, linked into this process."""
+    names, _, code = content.partition(b"\n")
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())

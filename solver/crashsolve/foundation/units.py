@@ -9,7 +9,7 @@ References: BIPM, The International System of Units (2019); NIST Special Publica
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -188,7 +188,12 @@ def describe(unit: Unit) -> str:
     for name in ("N", "Pa", "J", "W", "N/m", "N s/m", "N m/rad", "N m s/rad"):
         if parse_unit(name).exponents == unit.exponents:
             return name
-    pairs = list(zip(SI_SYMBOLS, unit.exponents, strict=True))
+    return product_of(SI_SYMBOLS, unit)
+
+
+def product_of(symbols: Iterable[str], unit: Unit) -> str:
+    """The dimension of a unit in these units of BASES, such as "t mm/ms^2"; "1" for a number."""
+    pairs = list(zip(symbols, unit.exponents, strict=True))
     above = [_with_power(symbol, power) for symbol, power in pairs if power > 0]
     below = [_with_power(symbol, -power) for symbol, power in pairs if power < 0]
     return "/".join([" ".join(above) or "1", *below])

@@ -11,6 +11,7 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.integrators._places import begin_contacts, evaluate, project
+from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.alpha import (
     alpha_weights,
@@ -28,6 +29,7 @@ from crashsolve.system.alpha import (
 from crashsolve.system.collocation import correction_size, keep_spin_rates, solve_stage
 from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, velocity_residual
+from crashsolve.system.iteration import PASSES, PATIENCE, enough_beside, is_near
 from crashsolve.system.kinetics import clear_forces, take_late
 from crashsolve.system.scene import (
     ASSEMBLED,
@@ -43,13 +45,9 @@ from crashsolve.system.scene import (
 )
 from crashsolve.system.stages import keep_outside, keep_rates
 
-PASSES = 20
-PATIENCE = 4  # passes in which the correction may grow
 FAR = 4.0  # a step longer than so many of the last is not guessed from it
 # the least share of the error that a pass leaves, where the problem is stiff
 SHARE = 0.1
-# the equations of the step are solved so much better than the step
-CARE = 0.03
 
 
 @stage
@@ -87,6 +85,7 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
     compliant, factor = scene.compliant_0, end_factor(scene)
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     previous, converged = 1e300, False
+    enough = enough_beside(h, clock, control, ORDER, ESTIMATE)
     if ASSEMBLED:
         share = 0.0
     for count in range(PASSES):
@@ -114,7 +113,7 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         clock.iterations += 1
         clock.passes = count + 1
         share = min(max(worst / previous, SHARE), 0.9)
-        if worst * share <= CARE * control.tolerance * (1.0 - share):
+        if is_near(count, share, worst, previous, enough, control, scene.stages, speed):
             converged = True
             break
         if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):

@@ -12,7 +12,7 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.integrators._places import begin_contacts, evaluate, project
-from crashsolve.integrators.radau_iia_5 import STAGES
+from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.collocation import (
     correction_size,
@@ -26,17 +26,14 @@ from crashsolve.system.collocation import (
     weigh_estimate,
 )
 from crashsolve.system.compliance import factor_compliant, linearise
+from crashsolve.system.iteration import PASSES, PATIENCE, enough_beside, is_near
 from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS, bend, keep_elements, tangents
 from crashsolve.system.stages import keep_rates
 
-PASSES = 20
-PATIENCE = 4  # passes in which the correction may grow
 # a step longer than so many of the last is not guessed from it
 FAR = 4.0
 # the least share of the error that a pass leaves, where the problem is stiff
 SHARE = 0.3
-# the equations of the stages are solved so much better than the step
-CARE = 0.03
 
 
 @stage
@@ -62,13 +59,14 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
     guess(nodes, scene.stages, scene.A, scene.C, h, ratio if ratio < FAR else 0.0)
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     previous, converged = 1e300, False
+    enough = enough_beside(h, clock, control, ORDER, ESTIMATE)
     for count in range(PASSES):
         visit_stages(h, count == 0 and not kept, clock, nodes, rows, saddle, curves, scene)
         worst = correct_stages(h, speed, control, nodes, rows, scene)
         clock.iterations += 1
         clock.passes = count + 1
         share = min(max(worst / previous, SHARE), 0.9)
-        if worst * share <= CARE * control.tolerance * (1.0 - share):
+        if is_near(count, share, worst, previous, enough, control, scene.stages, speed):
             converged = True
             break
         if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):

@@ -10,7 +10,7 @@ from crashsolve.deck.card import Card, CurveName, word
 class DrivenCard(Card):
     """A curve of time that a coordinate follows."""
 
-    curve: CurveName = word("motion over time, in SI; smooth, as a corner is an impact")
+    curve: CurveName = word("motion over time; smooth, as a corner is an impact")
     relative: bool = word(
         "true: only changes of the curve count, so that the motion begins where the model stands; "
         "false: the curve gives the coordinate itself and must agree with the model at the start",

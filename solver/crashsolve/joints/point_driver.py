@@ -6,7 +6,7 @@ lambda is the driving force on the body. Consequence to test: a pendulum whose p
 A sin(omega t) swings as if gravity were shaken.
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from crashsolve.joints.slide_driver import ANGULAR, ROWS, convective, jacobian, 
 
 __all__ = ["ANGULAR", "ROWS", "convective", "jacobian", "residual"]
 
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = POINTS + Record(
     axis_a=("1", 3, "u, world axes"),
     curve=("index", "f"),
@@ -29,6 +30,8 @@ PARAMETERS = POINTS + Record(
 
 class PointDriver(DrivenCard):
     """Prescribes the coordinate of a point of a body along a world direction."""
+
+    curve_axes: ClassVar = {"curve": ("s", "m")}
 
     body: BodyName = word("body that is moved")
     at: Vec3 = quantity("m", "point in the body's frame", default=(0.0, 0.0, 0.0))

@@ -6,7 +6,7 @@ lambda is the driving force on body b. Consequence to test: a mass driven by f =
 needs the force -m A omega^2 sin(omega t).
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.compile import kernel
@@ -18,6 +18,7 @@ from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
 
 ROWS = 1
 ANGULAR = (False,)
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = POINTS + Record(
     axis_a=("1", 3, "joint axis, axes of a"),
     curve=("index", "f"),
@@ -27,6 +28,8 @@ PARAMETERS = POINTS + Record(
 
 class SlideDriver(DrivenCard):
     """Prescribes the travel of a prismatic or cylindrical joint; zero at the start."""
+
+    curve_axes: ClassVar = {"curve": ("s", "m")}
 
     joint: JointName = word("prismatic or cylindrical joint")
 

@@ -6,7 +6,7 @@ lambda is the driving torque on body b. Consequence to test: a disc driven by f 
 needs the torque J alpha, and the driver's work is its kinetic energy.
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.compile import kernel
@@ -19,6 +19,7 @@ from crashsolve.joints._rows import turn_jacobian
 
 ROWS = 1
 ANGULAR = (True,)
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = Record(
     node_a=("index", "first body"),
     node_b=("index", "second body"),
@@ -33,6 +34,8 @@ HISTORY = Record(angle=("rad", "theta, with all turns"))
 
 class TurnDriver(DrivenCard):
     """Prescribes the angle of a revolute or cylindrical joint; zero at the start."""
+
+    curve_axes: ClassVar = {"curve": ("s", "rad")}
 
     joint: JointName = word("revolute or cylindrical joint")
 

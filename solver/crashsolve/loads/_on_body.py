@@ -1,6 +1,6 @@
 """What a force and a torque on a body share: words, parameters and the present vector."""
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import BodyName, Card, CurveName, word
 from crashsolve.foundation.compile import kernel
@@ -12,6 +12,8 @@ from crashsolve.foundation.vec3 import scale, vec
 
 class BodyLoadCard(Card):
     """What is loaded, in which axes, and how the load changes with time."""
+
+    curve_axes: ClassVar = {"curve": ("s", "1")}
 
     body: BodyName = word("body that is loaded")
     axes: Literal["world", "body"] = word(

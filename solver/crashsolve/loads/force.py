@@ -22,6 +22,7 @@ class Force(BodyLoadCard):
     force: Vec3 = quantity("N", "vector of the force; times curve")
 
 
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = BODY_LOAD + Record(point=("m", 3, "from the mass centre, body axes"))
 HISTORY = Record()
 OUTPUT = Record(force=("N", 3, "world axes"))

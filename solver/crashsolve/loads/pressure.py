@@ -6,7 +6,7 @@ Positive pressure acts against the normal. Its work is that of the mean force of
 Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.compile import blockwise, inlined, kernel
@@ -21,11 +21,14 @@ from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, put,
 class Pressure(Card):
     """Pressure on all elements of a shell."""
 
+    curve_axes: ClassVar = {"curve": ("s", "1")}
+
     part: PartName = word("shell part")
     pressure: float = quantity("Pa", "p, against the normal where positive")
     curve: CurveName | None = word("factor over time; 1 when absent", default=None)
 
 
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = Record(
     pressure=("Pa", "p"),
     curve=("index", "factor over time; 0 for none"),

@@ -21,6 +21,7 @@ class Torque(BodyLoadCard):
     torque: Vec3 = quantity("N m", "vector of the torque; times curve")
 
 
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = BODY_LOAD
 HISTORY = Record()
 OUTPUT = Record(torque=("N m", 3, "world axes"))

@@ -11,7 +11,7 @@ Int. J. Num. Meth. Eng. 22, 649-670. Cowper and Symonds (1957), Strain-hardening
 effects in the impact loading of cantilever beams, Brown University Report 28.
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import model_validator
 
@@ -22,6 +22,8 @@ from crashsolve.materials import elastic
 
 class Elastoplastic(elastic.Elastic):
     """Elastoplastic material of von Mises."""
+
+    curve_axes: ClassVar = {"curve": ("1", "Pa")}
 
     yield_stress: float | None = quantity("Pa", "Y_0; or give `curve`", default=None, gt=0)
     hardening: float = quantity("Pa", "H, stress over plastic strain", default=0.0, ge=0)

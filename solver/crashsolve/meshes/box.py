@@ -18,6 +18,12 @@ class Box(Card):
     size: Vec3 = quantity("m", "sides along x, y, z", gt=0)
     elements: tuple[int, int, int] = word("number along x, y, z", ge=1)
 
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        x, y, z = self.elements
+        return 2 * (x * y + y * z + z * x)
+
 
 def build(card: Box, scene: Any) -> Mesh:
     points: list[np.ndarray] = []

@@ -26,6 +26,11 @@ class Cylinder(Card):
     angle: float = quantity("rad", "of the sector; a whole turn if absent", default=2 * pi, gt=0)
     elements: tuple[int, int] = word("number around and along", ge=1)
 
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return self.elements[0] * self.elements[1]
+
 
 def build(card: Cylinder, scene: Any) -> Mesh:
     if card.angle > 2 * pi * (1.0 + 1e-12):

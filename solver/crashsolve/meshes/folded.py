@@ -20,6 +20,11 @@ class Folded(Card):
     along: Vec3 = quantity("m", "vector that the line is moved by")
     elements: tuple[int, ...] = word("number along each piece, then along the vector", ge=1)
 
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return sum(self.elements[:-1]) * self.elements[-1] if self.elements else 0
+
 
 def build(card: Folded, scene: Any) -> Mesh:
     line, pieces = np.asarray(card.line, float).reshape(-1, 3), card.elements[:-1]

@@ -23,6 +23,11 @@ class Grid(Card):
     elements: tuple[int, int] = word("number along u and v", ge=1)
     twist: float = quantity("rad", "turn of across about the middle line", default=0.0)
 
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return self.elements[0] * self.elements[1]
+
 
 def build(card: Grid, scene: Any) -> Mesh:
     along, across = np.asarray(card.along), np.asarray(card.across)

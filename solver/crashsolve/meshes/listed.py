@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.card import Card, Vec3, quantity, word
+from crashsolve.deck.card import Card, SetName, Vec3, quantity, word
 from crashsolve.meshes._mesh import Mesh
 
 
 class NodeSet(Card):
     """Some of the nodes under a name."""
 
-    name: str = word("name of the set")
+    name: SetName = word("name of the set, or its number")
     nodes: tuple[int, ...] = word("numbers of the nodes, from 1", ge=1)
 
 
@@ -27,6 +27,11 @@ class Listed(Card):
         ge=1,
     )
     sets: tuple[NodeSet, ...] = word("sets of nodes", default=())
+
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return len(self.quads)
 
 
 def build(card: Listed, scene: Any) -> Mesh:

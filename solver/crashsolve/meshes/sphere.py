@@ -22,6 +22,11 @@ class Sphere(Card):
     part: Literal["eighth", "half", "whole"] = word("how much of it", default="whole")
     elements: int = word("number along half of a quarter of a great circle", ge=1)
 
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return 3 * {"eighth": 1, "half": 4, "whole": 8}[self.part] * self.elements**2
+
 
 def build(card: Sphere, scene: Any) -> Mesh:
     points, quads = _eighth(card.elements)

@@ -37,6 +37,11 @@ class Tube(Card):
     elements: tuple[int, int, int] = word("number across width, across height, along", ge=1)
     dent: Dent | None = word("none if absent", default=None)
 
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return 2 * (self.elements[0] + self.elements[1]) * self.elements[2]
+
 
 def build(card: Tube, scene: Any) -> Mesh:
     axis, side = scene.unit(card.axis, "mesh.axis"), np.asarray(card.side, float)

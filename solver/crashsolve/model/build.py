@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.foundation.curve import pack
+from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.machine import runs_plain
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
@@ -24,6 +25,8 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
+from crashsolve.model.finite import BEYOND_NUMBERS, of_model, refuse_beyond
+from crashsolve.model.gyration import gyration_warnings
 from crashsolve.model.halves import halve
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.model import Group, Joint, Model, State
@@ -53,6 +56,17 @@ def build(deck: Deck) -> tuple[Model, State]:
 
     Raises: DeckErrors naming every card that cannot be built.
     """
+    try:
+        # what becomes of them is looked at below, card by card
+        with np.errstate(all="ignore"):
+            model, state = _build(deck)
+            refuse_beyond(deck, model, state)
+    except BEYOND_NUMBERS:
+        raise DeckErrors([of_model(deck)]) from None
+    return model, state
+
+
+def _build(deck: Deck) -> tuple[Model, State]:
     scene = Scene(deck)
     curves = _build_curves(deck, scene)
     # what follows stands on sound bodies and curves
@@ -70,6 +84,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     contact_groups, nodal_groups = build_contacts(deck, scene)
     scene.raise_errors()
     refuse_motion(deck, groups)
+    scene.warnings += gyration_warnings(scene, groups, joints)
 
     saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
     model = Model(
@@ -196,7 +211,19 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
                     fill(rest[side, i], module.initial_history(entry.card, table[i], scene))
     names = [entry.name for entry in entries]
     result = np.zeros(len(entries), output.dtype)
-    return Group(keyword, entries[0].type, module, names, table, rest, result)
+    some = _members(module, entries, table, scene) if hasattr(module, "members") else None
+    return Group(keyword, entries[0].type, module, names, table, rest, result, some)
+
+
+def _members(module: Any, entries: list[Entry], table: np.ndarray, scene: Scene) -> np.ndarray:
+    """Points that the entries act on, one after the other. Writes: table."""
+    lists = [np.zeros(0, np.int64)]
+    for row, entry in zip(table, [] if scene.errors else entries, strict=not scene.errors):
+        with scene.building(entry):
+            own = module.members(entry.card, scene)
+            row["first_member"], row["member_count"] = sum(map(len, lists)), len(own)
+            lists.append(own.astype(np.int64))
+    return np.concatenate(lists)
 
 
 def _build_parts(entries: list[Entry], scene: Scene) -> Group:
@@ -247,7 +274,9 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
 
 def _state(model: Model, scene: Scene) -> State:
     clock = np.zeros(1, CLOCK.dtype)
-    clock[0]["time"] = scene.deck.control.start_time
+    clock[0]["time"] = start = scene.deck.control.start_time
+    card_history = np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype)
+    card_history["first_touch"] = card_history["last_release"] = start - 1.0
     nodes = initial_nodes(scene)
     # the ground never moves
     nodes["start_q"], nodes["start_A"] = nodes["q"], nodes["A"]
@@ -256,7 +285,7 @@ def _state(model: Model, scene: Scene) -> State:
         nodes=nodes,
         rows=initial_rows(model),
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
-        card_history=np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype),
+        card_history=card_history,
         ledger=np.zeros(len(ENTRIES)),
         points=initial_points(model, scene.deck, scene),
         blocks=initial_blocks(model, scene.deck, scene),

@@ -20,6 +20,9 @@ from crashsolve.foundation.record import Record
     UNHELD,
 ) = range(14)
 
+# of `kinked`: at a corner of a curve of time, which the next step begins behind
+CORNER = 2
+
 CLOCK = Record(
     time=("s", "present time"),
     step=("s", "last step taken"),
@@ -40,7 +43,10 @@ CLOCK = Record(
     place=("index", "row, node or curve the status is about"),
     value=("1", "number the status is about"),
     iterations=("count", "of positions, and passes over implicit stages"),
-    kinked=("flag", "whether the last step ended where a contact begins or ends"),
+    kinked=(
+        "flag",
+        "whether the last step ended where a contact begins or ends, or 2: at a CORNER",
+    ),
     passes=("count", "passes of the last iteration for implicit stages"),
     factored=("s", "step of the factors of an implicit method; 0: out of date"),
     rejected=("count", "attempts at a step that were too long"),
@@ -52,6 +58,9 @@ CLOCK = Record(
     limit_node=("index", "node that sets the step; below 0: an element"),
     driver_work=("J", "work of prescribed motions"),
     lack=("1", "imbalance over largest energy when the balance was last looked at"),
+    missing=("J", "largest imbalance at a check where it was above the limit"),
+    missing_share=("1", "the same over the largest energy by then"),
+    missing_time=("s", "when that was"),
     impulse=("N s", 3, "impulse from outside"),
     angular_impulse=("N m s", 3, "angular impulse from outside about the world origin"),
     kick=("N s", 6, "impulse and its moment that closed the joints at the end of the last step"),

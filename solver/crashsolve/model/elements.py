@@ -112,11 +112,14 @@ def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
 def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     """What all elements keep, at the start."""
     parts = _laid(model, deck, scene)
+    names = [name for g in model.element_groups() for name in g.names]
     sizes = [laid.size for laid in parts]
     numbers, first = line_up(sum(sizes)), 0
-    for laid, size in zip(parts, sizes, strict=True):
-        laid.write_blocks(numbers[first : first + size], scene)
+    for name, laid, size in zip(names, parts, sizes, strict=True):
+        with scene.building(deck.entries["parts"][name]):
+            laid.write_blocks(numbers[first : first + size], scene)
         first += size
+    scene.raise_errors()
     return numbers
 
 

@@ -19,6 +19,7 @@ class Group:
     parameters: np.ndarray
     history: np.ndarray  # (2, n): accepted and new, see clock.current
     output: np.ndarray
+    members: np.ndarray | None = None  # points that its entries act on, one after the other
 
     @property
     def word(self) -> str:

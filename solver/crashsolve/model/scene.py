@@ -17,6 +17,7 @@ import numpy as np
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.posture import matrix, perpendicular
 from crashsolve.model import welds
+from crashsolve.model.finite import BEYOND, BEYOND_NUMBERS
 from crashsolve.model.soundness import faults
 
 if TYPE_CHECKING:
@@ -124,6 +125,8 @@ class Scene:
             others = self._weld_targets(weld, part, f"welded.{k}")
             x = laid.mesh.points[points]
             gaps = np.linalg.norm(x[:, None] - self.r[None, others], axis=2)
+            if weld.part:
+                self._check_reach(weld, laid, points, gaps.min(axis=1), f"welded.{k}")
             nearest = np.asarray(others)[np.argmin(gaps, axis=1)]
             for body in np.unique(nearest):
                 own = points[nearest == body]
@@ -142,12 +145,35 @@ class Scene:
             raise self.fail("needs a part whose nodes are bodies, other than itself", field)
         return [self.welded.get(node, node) for node in some]
 
+    def _check_reach(
+        self, weld: Any, laid: Any, points: np.ndarray, gaps: np.ndarray, field: str
+    ) -> None:
+        """No node may be welded to one that is farther away than `within`.
+
+        By default that is the longest side of the elements at these nodes: with nodes that face
+        each other the distance is an offset of the axis or the thickness, and with a mesh that is
+        twice as coarse half of its elements.
+        """
+        x = laid.mesh.points[laid.mesh.quads[np.isin(laid.mesh.quads, points).any(axis=1)]]
+        longest = float(np.linalg.norm(x - np.roll(x, -1, axis=1), axis=2).max())
+        limit = longest if weld.within is None else weld.within
+        worst = int(np.argmax(gaps))
+        if gaps[worst] > limit * (1.0 + SAME):
+            place = ", ".join(f"{value:.6g}" for value in laid.mesh.points[points[worst]])
+            told = "the longest side of its elements" if weld.within is None else "within"
+            message = (
+                f"the node at ({place}) m is {gaps[worst]:.3g} m from the nearest node of "
+                f"'{weld.part}' that is a body, more than {limit:.3g} m ({told})"
+            )
+            advice = "move one of the parts, or allow the distance by within"
+            raise self.fail(f"{message}; {advice}", field)
+
     def _check_ride(self, laid: Any, points: np.ndarray, body: int, field: str) -> None:
         """The points must begin with the motion of their places on the body."""
         way = laid.mesh.points[points] - self.r[body]
         there = self.v[body] + np.cross(self.w[body], way)
         apart = float(np.linalg.norm(laid.velocities()[points] - there, axis=1).max(initial=0.0))
-        spin = float(np.linalg.norm(np.asarray(laid.card.angular_velocity) - self.w[body]))
+        spin = float(np.linalg.norm(laid.spin[points] - self.w[body], axis=1).max(initial=0.0))
         speed = float(np.linalg.norm(there, axis=1).max(initial=0.0))
         if apart > SAME * (speed + 1.0) or spin > SAME * (1.0 + np.linalg.norm(self.w[body])):
             message = f"nodes begin {apart:.3g} m/s faster than their places on the body"
@@ -172,6 +198,8 @@ class Scene:
             yield
         except CardProblem as problem:
             self.errors.append(self.deck.error(entry, problem.field, str(problem)))
+        except BEYOND_NUMBERS:
+            self.errors.append(self.deck.error(entry, None, *BEYOND))
 
     def raise_errors(self) -> None:
         if self.errors:

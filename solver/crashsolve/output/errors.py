@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
+from crashsolve.foundation.streams import printable
 
 
 class OutputError(CrashsolveError):
@@ -13,4 +14,4 @@ class OutputError(CrashsolveError):
     def __init__(self, path: Path | str, reason: object) -> None:
         self.path = Path(path)
         self.reason = str(reason)
-        super().__init__(f"{self.path}: {self.reason}")
+        super().__init__(printable(f"{self.path}: {self.reason}"))

@@ -2,6 +2,7 @@
 
 import json
 import os
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import FileIO
@@ -91,6 +92,14 @@ def replace_text(path: Path, text: str) -> None:
     """Write a whole text file so that no reader ever sees half of it."""
     with replacing(path) as partial:
         partial.write_text(text, encoding="utf-8")
+
+
+def read_plain(path: Path, most: int) -> str | None:
+    """First `most` bytes of a plain file; None for a folder, pipe or device. Raises OSError."""
+    if not stat.S_ISREG(os.stat(path).st_mode):
+        return None
+    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+        return file.read(most).decode(errors="replace")
 
 
 def write_metadata(

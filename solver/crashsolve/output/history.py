@@ -123,7 +123,9 @@ class HistoryWriter:
         if not np.isfinite(block).all():
             entity, column = np.argwhere(~np.isfinite(block))[0]
             name = family.channel(entity, column)
-            raise OutputError(self.path, f"{name} is {block[entity, column]} at t = {time:.9g} s")
+            told = f"{name} is {block[entity, column]} at t = {time:.9g} s"
+            advice = "look for numbers of the deck that are far too large or too small"
+            raise OutputError(self.path, f"{told}; {advice}")
         return block
 
     def _read_kept_rows(self, resume_time: float) -> None:

@@ -8,16 +8,18 @@ from collections import Counter
 from pathlib import Path
 from typing import TextIO
 
+from crashsolve.foundation.streams import give_up, printable
 from crashsolve.output.files import reported
 
 NORMAL = "N o r m a l    t e r m i n a t i o n"
 ERROR = "E r r o r    t e r m i n a t i o n"
+STOPPED = "S t o p p e d   o n   r e q u e s t"
 WIDTH = 100
 HEADER_EVERY = 40
 BAR_WIDTH = 40
 HEADER = (
     f"{'cycle':>10} {'time s':>12} {'step s':>10} {'kinetic J':>12} "
-    f"{'balance %':>10} {'residual':>9}  step set by"
+    f"{'balance %':>10} {'residual':>9} {'left':>8}  step set by"
 )
 
 
@@ -36,12 +38,18 @@ class Log:
             self._file = self.path.open("a" if append else "w", encoding="utf-8")
 
     def line(self, text: str = "") -> None:
-        """Write one line, at once visible in the file."""
+        """Write one line, at once visible in the file; no text makes it two, or moves a cursor."""
+        text = printable(text)
         with reported(self.path):
             self._file.write(text + "\n")
             self._file.flush()
         self._clear_progress()
         self._show(text + "\n")
+
+    def last_words(self, text: str) -> None:
+        """Write a line from within any other, after which nothing follows. Raises OSError."""
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(printable(text) + "\n")
 
     def section(self, title: str, lines: list[str]) -> None:
         """Write a titled paragraph."""
@@ -71,16 +79,17 @@ class Log:
         kinetic: float,
         balance: float,
         residual: float,
-        limiter: str,
+        left: float | None,
+        bound: str,
     ) -> None:
-        """Write one line of progress: energy balance in %, what sets the step in words."""
+        """Write one line of progress: balance in %, wall time left [s], what sets the step."""
         if self._cycles % HEADER_EVERY == 0:
             self.line()
             self.line(HEADER)
         self._cycles += 1
         self.line(
             f"{cycle:10d} {time:12.5e} {step:10.3e} {kinetic:12.5e} "
-            f"{balance:10.4f} {residual:9.1e}  {limiter}"
+            f"{balance:10.4f} {residual:9.1e} {_clock(left):>8}  {bound}"
         )
 
     def warning(self, text: str) -> None:
@@ -90,8 +99,9 @@ class Log:
             self.line(f"warning: {text}")
 
     def error(self, text: str) -> None:
-        """Write an error."""
-        self.line(f"error: {text}")
+        """Write an error, or several that stand in lines of their own."""
+        for part in text.split("\n"):
+            self.line(f"error: {part}")
 
     def timing(self, seconds: dict[str, float]) -> None:
         """Write where the time went, with the share of each entry in %."""
@@ -119,7 +129,7 @@ class Log:
             self._show(f"\r[{bar}] {100 * fraction:5.1f} %")
             self._progress_shown = True
 
-    def finish(self, *, normal: bool) -> None:
+    def finish(self, last: str) -> None:
         """Repeat every distinct warning with its count, write the last line and close."""
         if self.warnings:
             count = self.warnings.total()
@@ -128,7 +138,7 @@ class Log:
                 [f"{times:8d} x  {text}" for text, times in self.warnings.items()],
             )
         self.line()
-        self.line(NORMAL if normal else ERROR)
+        self.line(last)
         self._file.close()
 
     def _clear_progress(self) -> None:
@@ -138,10 +148,25 @@ class Log:
             self._progress_shown = False
 
     def _show(self, text: str) -> None:
-        """Write to the stream; a reader who has gone away is no reason to stop the run."""
+        """Write to the stream; one that is full, or that nobody reads, is no reason to stop."""
         if self._stream is not None:
             try:
                 self._stream.write(text)
                 self._stream.flush()
-            except BrokenPipeError:
-                self._stream = None
+            except (OSError, ValueError) as error:
+                stream, self._stream = self._stream, None
+                reason = getattr(error, "strerror", None) or error
+                give_up(stream)
+                # a reader such as `head` has seen enough
+                if not isinstance(error, BrokenPipeError):
+                    self.warning(f"standard output: {reason}; from here on only {self.path.name}")
+
+
+def _clock(seconds: float | None) -> str:
+    """Hours, minutes and seconds; days where it is many."""
+    if seconds is None:
+        return "-"
+    if seconds >= 360000.0:
+        return f"{seconds / 86400.0:.3g} d"
+    whole = round(seconds)
+    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"

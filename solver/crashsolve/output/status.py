@@ -4,12 +4,15 @@ import json
 import math
 import os
 import socket
+import threading
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from crashsolve.output.files import replace_text
 
+# a thread may tell how long something lasts; a second interrupt, that all is over
+_writing = threading.RLock()
 State = Literal["running", "finished", "stopped", "failed"]
 
 
@@ -17,7 +20,7 @@ State = Literal["running", "finished", "stopped", "failed"]
 class Status:
     """One look at a run; times in s, energy balance in %, `cpu_steps` the part of cpu in steps.
 
-    What begins with `rejected` is known at the end.
+    `left` is the wall time the run still needs. What begins with `rejected` is known at the end.
     """
 
     state: State
@@ -31,6 +34,8 @@ class Status:
     exit_code: int | None = None
     message: str = ""
     cpu_steps: float = 0.0
+    step_set_by: str = ""
+    left: float | None = None
     rejected: int = 0
     average_step: dict[str, float | None] = field(default_factory=dict)
     constraint_position: float = 0.0
@@ -38,13 +43,18 @@ class Status:
     cpu_stages: dict[str, float] = field(default_factory=dict)
     real_time_factor: float | None = None
     watched: list[dict[str, Any]] = field(default_factory=list)
+    untouched: list[str] = field(default_factory=list)
+    undeformed: list[str] = field(default_factory=list)
+    deleted: dict[str, dict[str, Any]] = field(default_factory=dict)
     pid: int = field(default_factory=os.getpid)
     host: str = field(default_factory=socket.gethostname)
 
 
 def write_status(path: Path | str, status: Status) -> None:
     """Replace status.json; JSON has no NaN or infinity, such numbers become null."""
-    replace_text(Path(path), json.dumps(_finite(asdict(status)), indent=1) + "\n")
+    text = json.dumps(_finite(asdict(status)), indent=1) + "\n"
+    with _writing:
+        replace_text(Path(path), text)
 
 
 def _finite(value: Any) -> Any:

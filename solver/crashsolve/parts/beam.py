@@ -17,6 +17,7 @@ Simo and Vu-Quoc (1986), A three-dimensional finite-strain rod model. Part II: C
 aspects, the same 58, 79-116.
 """
 
+from functools import lru_cache
 from math import dist
 from typing import Any, Literal
 
@@ -86,6 +87,11 @@ class Beam(Damped):
     )
     velocity: Vec3 = quantity("m/s", "at the start, of the first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+
+    @property
+    def beams(self) -> int:
+        """Number of elements."""
+        return self.mesh.count
 
     def node_names(self, part: str) -> list[str]:
         """Names of the nodes of a part of this name."""
@@ -288,12 +294,19 @@ def fastest_rate(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
 
     The node has this mass and inertia (3, 3), axes of the element.
     """
-    half, D = 0.5 * row["length"], np.eye(6)
+    stiffness = (*row["stiffness"], *row["turning_stiffness"])
+    return _fastest_rate(float(row["length"]), stiffness, float(mass), J.tobytes())
+
+
+@lru_cache(maxsize=64)
+def _fastest_rate(length: float, stiffness: tuple[float, ...], mass: float, J: bytes) -> float:
+    """The same of plain values: elements of a beam have mostly the same."""
+    half, D = 0.5 * length, np.eye(6)
     # shear along y turns about z, along z about y the other way
     D[1, 5], D[2, 4] = half, -half
-    K = D.T @ np.diag([*row["stiffness"], *row["turning_stiffness"]]) @ D
+    K = D.T @ np.diag(stiffness) @ D
     M = np.zeros((6, 6))
-    M[:3, :3], M[3:, 3:] = mass * np.eye(3), J
+    M[:3, :3], M[3:, 3:] = mass * np.eye(3), np.frombuffer(J).reshape(3, 3)
     inverse = np.linalg.inv(np.linalg.cholesky(M))
     return float(np.linalg.eigvalsh(inverse @ K @ inverse.T)[-1])
 

@@ -53,6 +53,11 @@ class Frame(Damped):
         own = [f"{part}_{word}" for word in (*range(1, len(self.points) + 1), *inner)]
         return own + _ends.names(self, part)
 
+    @property
+    def beams(self) -> int:
+        """Number of elements."""
+        return self.elements * len(self.bars)
+
     def joints(self, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
         """Joints that its ends bring: type and words by name."""
         return _ends.joints(self, part)

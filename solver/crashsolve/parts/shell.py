@@ -21,7 +21,18 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.card import BodyName, Card, Law, MaterialName, PartName, Vec3, quantity, word
+from crashsolve.deck.card import (
+    BodyName,
+    Card,
+    Law,
+    MaterialName,
+    NewName,
+    PartName,
+    SetName,
+    Vec3,
+    quantity,
+    word,
+)
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_line
 from crashsolve.foundation.point import LANES, OWN, RIDES
@@ -98,21 +109,21 @@ PIECE = 1024
 class NamedNode(Card):
     """A node that is a body of the deck, for joints, loads, contacts, sensors and channels."""
 
-    name: str = word("the body is called P_name in part P")
+    name: NewName = word("the body is called P_name in part P")
     at: Vec3 = quantity("m", "place; the nearest node is meant")
 
 
 class Trace(Card):
     """A place whose history is written."""
 
-    name: str = word("in channels P_name, for part P")
+    name: NewName = word("in channels P_name, for part P")
     at: Vec3 = quantity("m", "place; the nearest node or element is meant")
 
 
 class Cut(Card):
     """Section whose force and moment are written: the elements that a plane cuts at the start."""
 
-    name: str = word("in channels P_name, for part P")
+    name: NewName = word("in channels P_name, for part P")
     at: Vec3 = quantity("m", "point of the plane")
     normal: Vec3 = word("of the plane, towards the side on which the force acts")
 
@@ -120,24 +131,41 @@ class Cut(Card):
 class Hold(Card):
     """Motions that the nodes of a set do not make."""
 
-    nodes: str = word("set of nodes of the mesh")
+    nodes: SetName = word("set of nodes of the mesh")
     motions: tuple[Motion, ...] = word("along and about world axes", default=MOTIONS)
 
 
 class Weld(Card):
-    """Nodes that are part of a body: of a rigid one, or of the nodes of another part."""
+    """Nodes that are part of a body: of a rigid one, or of nodes of beams and shells.
 
-    nodes: str = word("set of nodes of the mesh")
+    Of a shell, its named nodes are bodies: those of `nodes`.
+    """
+
+    nodes: SetName = word("set of nodes of the mesh")
     to: BodyName | None = word("body, or node of a beam, that they are part of", default=None)
     part: PartName | None = word(
-        "or a part of beams: each is part of the nearest of its nodes", default=None
+        "or a part of beams or shells: each is part of the nearest of its nodes that are bodies",
+        default=None,
+    )
+    within: float | None = quantity(
+        "m", "largest distance from it; the longest side of the elements there", None, gt=0
     )
 
     @model_validator(mode="after")
     def _one(self) -> "Weld":
         if (self.to is None) == (self.part is None):
             raise ValueError("needs either to or part")
+        if self.within is not None and self.part is None:
+            raise ValueError("within: is for part; a body named by to holds nodes at any distance")
         return self
+
+
+class NodeVelocity(Card):
+    """Velocity at the start of the nodes of a set, in place of that of the part."""
+
+    nodes: SetName = word("set of nodes of the mesh")
+    velocity: Vec3 = quantity("m/s", "of each of them", default=ZERO)
+    angular_velocity: Vec3 = quantity("rad/s", "of each about itself, world axes", default=ZERO)
 
 
 class Blow(Card):
@@ -169,6 +197,7 @@ class Shell(Damped):
     cuts: tuple[Cut, ...] = word("sections with a history: secforc.P_name", default=())
     velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+    velocities: tuple[NodeVelocity, ...] = word("at the start, of sets of nodes", default=())
     blows: tuple[Blow, ...] = word("impulses at the start, on regions", default=())
 
     def node_names(self, part: str) -> list[str]:
@@ -362,6 +391,7 @@ class Laid:
         self.gauged = [nearest(x.mean(axis=1), place) for place in card.gauges]
         self.cuts = [sides(x, cut, scene) for cut in card.cuts]
         self.held = self._held(scene)
+        self.velocity, self.spin = self._motion(scene)
         self.blown = self._blown(x, normal, share, scene)
 
     @property
@@ -444,28 +474,34 @@ class Laid:
         """Bits of the motions that every node does not make."""
         held = np.zeros(len(self.mesh.points), np.uint8)
         for k, hold in enumerate(self.card.hold):
-            own = self._set(hold.nodes, f"hold.{k}.nodes", scene)
+            own = self.set_of(hold.nodes, f"hold.{k}.nodes", scene)
             for motion in hold.motions:
                 held[own] |= 1 << MOTIONS.index(motion)
         for node, index in zip(self.card.nodes, self.named, strict=True):
             if held[index]:
-                message = f"node '{node.name}' is held; say traces if you only want its history"
+                message = (
+                    f"node '{node.name}' is held; say traces if you only want its history, and "
+                    "load it in its other directions by a nodal_force on a set of nodes"
+                )
                 raise scene.fail(message, "nodes")
         held[self.named] = RIDES
         for k, weld in enumerate(self.card.welded):
-            own = self._set(weld.nodes, f"welded.{k}.nodes", scene)
+            own = self.set_of(weld.nodes, f"welded.{k}.nodes", scene)
             if held[own].any():
                 message = "some of these nodes are held, welded or named otherwise already"
                 raise scene.fail(message, f"welded.{k}.nodes")
             held[own] = RIDES
         return held
 
-    def _set(self, name: str, field: str, scene: Any) -> np.ndarray:
+    def set_of(self, name: str, field: str, scene: Any) -> np.ndarray:
         """Numbers of a set of nodes."""
         if name not in self.mesh.sets:
             known = ", ".join(sorted(self.mesh.sets)) or "none"
             raise scene.fail(f"the mesh has no set of nodes '{name}' (sets: {known})", field)
         own: np.ndarray = self.mesh.sets[name]
+        if not len(own):
+            message = f"set '{name}' has no node of these elements"
+            raise scene.fail(f"{message}; name another, or leave it out", field)
         return own
 
     def _first_line(self, scene: Any) -> tuple[float, float, float]:
@@ -473,11 +509,26 @@ class Laid:
         start = scene.curve(self.material.curve)
         return curve_line(scene.curve_points.view(np.recarray), start, 0.0)
 
-    def velocities(self) -> np.ndarray:
-        """Velocities at the start [m/s], of held nodes without what they do not make."""
+    def _motion(self, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities [m/s] and angular velocities [rad/s] of the nodes before any blow."""
         way = self.mesh.points - self.mesh.points[0]
-        rigid = np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, way)
-        return rigid + self.blown
+        velocity = np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, way)
+        spin = np.tile(np.asarray(self.card.angular_velocity, float), (len(way), 1))
+        given = np.zeros(len(way), int)
+        for k, some in enumerate(self.card.velocities):
+            own = self.set_of(some.nodes, f"velocities.{k}.nodes", scene)
+            for other in set(given[own][given[own] > 0]):
+                before = self.card.velocities[other - 1]
+                if some.model_copy(update={"nodes": before.nodes}) != before:
+                    message = f"set '{before.nodes}' gives some of these nodes another velocity"
+                    raise scene.fail(message, f"velocities.{k}.nodes")
+            given[own] = k + 1
+            velocity[own], spin[own] = some.velocity, some.angular_velocity
+        return velocity, spin
+
+    def velocities(self) -> np.ndarray:
+        """Velocities at the start [m/s], those of blows among them."""
+        return self.velocity + self.blown
 
     def _blown(
         self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Any
@@ -500,7 +551,7 @@ class Laid:
     def write_points(self, table: np.ndarray) -> None:
         """Rows of POINT at the start. Writes: table."""
         table["r"], table["v"] = self.mesh.points, self.velocities()
-        table["w"] = self.card.angular_velocity
+        table["w"] = self.spin
         table["mass_inv"], table["J_inv"] = 1.0 / self.mass, 1.0 / self.J
         table["held"] = self.held
         for k in range(3):
@@ -673,7 +724,7 @@ def build(card: Shell, scene: Any) -> list[dict[str, Any]]:
             "position": laid.mesh.points[i],
             "quaternion": (1.0, 0.0, 0.0, 0.0),
             "velocity": speed[i],
-            "angular_velocity": card.angular_velocity,
+            "angular_velocity": laid.spin[i],
         }
         for i in laid.named
     ]

@@ -12,7 +12,7 @@ Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-01
 elastic-perfectly plastic limit of Simo and Hughes (1998), Computational Inelasticity, 1.2.
 """
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -32,6 +32,8 @@ LEDGER = "brake"
 class Brake(PointSpringCard):
     """Friction force of given level between two bodies that holds as well as slides."""
 
+    curve_axes: ClassVar = {"force_curve": ("s", "1")}
+
     axis: Vec3 = word("direction in the frame of a; any length")
     motion: Literal["along", "across"] = word(
         "which motion is braked: along the axis, or in the plane at right angles", default="along"
@@ -44,6 +46,7 @@ class Brake(PointSpringCard):
 
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
+CURVES_OF_TIME = ("force_curve",)
 PARAMETERS = POINTS + Record(
     first=("1", 3, "first direction braked, axes of a"),
     second=("1", 3, "second direction; 0 when only the first is braked"),

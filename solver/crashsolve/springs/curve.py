@@ -6,7 +6,7 @@ Consequence to test: with `unloading_stiffness` k the length after a stroke x ke
 x - f(x) / k, and the spring has absorbed int f dx, of which f^2 / 2k returns.
 """
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.compile import kernel
@@ -27,6 +27,12 @@ from crashsolve.springs._resistance import (
 
 class Curve(PointSpringCard, ResistanceCard):
     """Spring between two points whose force follows a curve, unloading as it came or otherwise."""
+
+    curve_axes: ClassVar = {
+        "curve": ("m", "N"),
+        "unloading_curve": ("m", "N"),
+        "rate_curve": ("m/s", "1"),
+    }
 
     length: float | None = quantity(
         "m", "length without deformation; that at the start when absent", default=None, ge=0

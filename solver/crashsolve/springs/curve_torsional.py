@@ -5,7 +5,7 @@
 Consequence to test: with `unloading_stiffness` k a turn theta leaves the set theta - f(theta) / k.
 """
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.compile import kernel
@@ -25,6 +25,12 @@ from crashsolve.springs._resistance import (
 
 class CurveTorsional(AxisSpringCard, ResistanceCard):
     """Torsional spring about an axis of a whose torque follows a curve."""
+
+    curve_axes: ClassVar = {
+        "curve": ("rad", "N m"),
+        "unloading_curve": ("rad", "N m"),
+        "rate_curve": ("rad/s", "1"),
+    }
 
     angle: float = quantity("rad", "turn from the start without deformation", default=0.0)
     unloading_stiffness: float | None = quantity(

@@ -6,7 +6,7 @@ Consequence to test: without damping the joint rebounds with its speed after the
 pi sqrt(m / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
@@ -30,6 +30,8 @@ LEDGER = "joint"
 
 class SlideLimit(StopCard):
     """Stops of the travel of a joint, counted from its position at the start."""
+
+    curve_axes: ClassVar = {"curve": ("m", "N")}
 
     lower: float | None = quantity("m", "travel of the lower stop; none when absent", default=None)
     upper: float | None = quantity("m", "travel of the upper stop; none when absent", default=None)

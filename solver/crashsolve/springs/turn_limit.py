@@ -6,7 +6,7 @@ Consequence to test: without damping the joint rebounds with its speed after the
 pi sqrt(J / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
@@ -29,6 +29,8 @@ LEDGER = "joint"
 
 class TurnLimit(StopCard):
     """Stops of the angle of a joint, counted from its posture at the start."""
+
+    curve_axes: ClassVar = {"curve": ("rad", "N m")}
 
     lower: float | None = quantity("rad", "angle of the lower stop; none when absent", default=None)
     upper: float | None = quantity("rad", "angle of the upper stop; none when absent", default=None)

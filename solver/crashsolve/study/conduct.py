@@ -1,6 +1,5 @@
 """A study from end to end: settings, runs, answers, findings, table and picture."""
 
-import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -9,7 +8,9 @@ from pathlib import Path
 
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.foundation.errors import DeckError, ExitCode
+from crashsolve.foundation.streams import printable, say
 from crashsolve.output.files import replace_text, reported
+from crashsolve.output.lock import Lock
 from crashsolve.study.convergence import NEAR
 from crashsolve.study.findings import Finding, cheapest, find, worst
 from crashsolve.study.plot import draw
@@ -64,26 +65,27 @@ def study(request: Request) -> int:
     more = [watch for watch in overall(deck) if watch not in watches]
     with reported(request.folder):
         request.folder.mkdir(parents=True, exist_ok=True)
-    known = _reference(request, watches)
-    for text in (*notes, *_axes(deck, methods, meshes)):
-        print(text)
-    print(f"{len(grid)} runs of {request.deck} in {request.folder}", flush=True)
-    jobs = max(request.jobs or cores(), 1)
-    trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _tell)
-    good = [trial for trial in trials if trial.is_good]
-    span = deck.control.end_time - deck.control.start_time
-    with ThreadPoolExecutor(jobs) as pool:
-        answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), good)
-        for trial, answer in zip(good, answers, strict=True):
-            trial.step, trial.answers = span / max(trial.cycles, 1), answer
-    order = order_of_mesh(deck)
-    findings = [
-        find(watch, at, trials, known[at] if known else None, order)
-        for at, watch in enumerate(watches)
-    ]
-    extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
-    _report(request, deck, trials, findings, extra)
-    return ExitCode.NORMAL if good else max(trial.code for trial in trials)
+    with Lock(request.folder):
+        known = _reference(request, watches)
+        for text in (*notes, *_axes(deck, methods, meshes)):
+            say(text)
+        say(f"{len(grid)} runs of {request.deck} in {request.folder}")
+        jobs = max(request.jobs or cores(), 1)
+        trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _tell)
+        good = [trial for trial in trials if trial.is_good]
+        span = deck.control.end_time - deck.control.start_time
+        with ThreadPoolExecutor(jobs) as pool:
+            answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), good)
+            for trial, answer in zip(good, answers, strict=True):
+                trial.step, trial.answers = span / max(trial.cycles, 1), answer
+        order = order_of_mesh(deck)
+        findings = [
+            find(watch, at, trials, known[at] if known else None, order)
+            for at, watch in enumerate(watches)
+        ]
+        extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
+        _report(request, deck, trials, findings, extra)
+        return ExitCode.NORMAL if good else max(trial.code for trial in trials)
 
 
 def _axes(deck: Deck, methods: Sequence[str], meshes: str) -> list[str]:
@@ -111,9 +113,7 @@ def _tell(trial: Trial) -> None:
     """One line as soon as a run has ended."""
     how = "kept" if trial.was_kept else "done"
     words = how if trial.is_good else f"exit code {trial.code}, {trial.message}"
-    # in one piece: several threads tell
-    sys.stdout.write(f"  {trial.setting.name}: {words}\n")
-    sys.stdout.flush()
+    say(printable(f"  {trial.setting.name}: {words}"))
 
 
 def _report(
@@ -127,19 +127,19 @@ def _report(
     replace_text(request.folder / "study.csv", csv_text(trials, findings))
     title = deck.title or request.deck.stem
     missing = draw(request.folder / "study.png", title, trials, findings)
-    print()
-    print(text_table(trials, findings))
-    print()
-    print(legend(findings))
+    say()
+    say(text_table(trials, findings))
+    say()
+    say(legend(findings))
     if any(finding.diverges for finding in findings):
-        print(_still_converging([*findings, *extra]))
+        say(_still_converging([*findings, *extra]))
     if request.target is not None:
-        print()
-        print(_verdict(findings, trials, request.target))
-    print()
-    print(f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png"))
+        say()
+        say(_verdict(findings, trials, request.target))
+    say()
+    say(f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png"))
     if missing:
-        print(missing)
+        say(missing)
 
 
 def _still_converging(findings: list[Finding]) -> str:

@@ -18,6 +18,8 @@ import numpy as np
 
 # differences that shrink by less than a tenth do not count as shrinking
 SHRINKS = 0.9
+# differences larger than this many times those of longer steps have grown: not by their scatter
+GROWS = 2.0
 # differences below this share of the value are round-off and the tolerance of the constraints
 ROUND_OFF = 1e-9
 # an observed order this near the method's is taken for it
@@ -33,7 +35,9 @@ class Convergence:
 
     `error` is the estimated error of the last one, in the unit of the value; `orders` begin with
     the third run; `stalls` is the run from which on the differences shrink no more; then
-    `has_floor` tells that they have become small before.
+    `has_floor` tells that they have become small before. `grows` tells that they are larger again
+    for shorter steps; then `value` is that of the run `stalls`, which agreed best with the one
+    before it.
     """
 
     value: np.ndarray
@@ -42,6 +46,7 @@ class Convergence:
     stalls: int | None = None
     is_extrapolated: bool = False
     has_floor: bool = False
+    grows: bool = False
 
     @property
     def diverges(self) -> bool:
@@ -83,6 +88,12 @@ def examine(
     stalls = _stall(apart, floor)
     if apart[-1] <= floor:
         return Convergence(last, apart[-1], orders, has_floor=True)
+    least = _growth(apart, orders, order, floor)
+    if least is not None:
+        left = max(apart[least + 1 :])
+        has_floor = left <= FLOOR * max(apart)
+        value = last if has_floor else values[least + 1]
+        return Convergence(value, left, orders, least + 1, has_floor=has_floor, grows=not has_floor)
     if stalls is not None:
         left = max(apart[-2:])
         return Convergence(last, left, orders, stalls, has_floor=left <= FLOOR * max(apart))
@@ -130,6 +141,21 @@ def parting_time(time: np.ndarray, values: Sequence[np.ndarray]) -> float | None
     after = np.maximum.accumulate(np.abs(middle - fine))
     apart = (after > SHRINKS * before) & (after > 1e-3 * after[-1])
     return float(time[np.argmax(apart)]) if apart.any() else None
+
+
+def _growth(
+    apart: Sequence[float], orders: Sequence[float], order: float | None, floor: float
+) -> int | None:
+    """The least of the differences, if shorter steps make them grow beyond it; else None.
+
+    Where the last two orders are the method's, longer steps had agreed by luck.
+    """
+    is_settled = order is not None and all(abs(p - order) <= NEAR for p in orders[-2:])
+    if is_settled and len(orders) > 1:
+        return None
+    least = min(range(len(apart)), key=apart.__getitem__)
+    grown = max(apart[least + 1 :], default=0.0)
+    return least if grown > max(GROWS * apart[least], floor) else None
 
 
 def _stall(apart: Sequence[float], floor: float) -> int | None:

@@ -53,7 +53,7 @@ class Ladder:
         error = found.error + self.curves[-1].convergence.error
         return Convergence(
             *(found.value, error, found.orders, found.stalls),
-            *(found.is_extrapolated, found.has_floor),
+            *(found.is_extrapolated, found.has_floor, found.grows),
         )
 
 

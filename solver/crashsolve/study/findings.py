@@ -184,6 +184,8 @@ def _set_reference(
     _hear_others(finding, best, found)
     finding.reference = best.convergence.value
     finding.kind = "extrapolated" if best.convergence.is_extrapolated else "finest run"
+    if best.convergence.grows:
+        finding.kind = "last run before its errors grow"
     if len(curves) > 1:
         finding.kind += f" of {best.name}"
     return best
@@ -255,7 +257,11 @@ def _set_errors(finding: Finding, curve: Curve, scale: float, best: Source | Non
     for trial, value in zip(curve.trials, curve.values, strict=True):
         finding.errors[trial.setting.folder] = distance(value, finding.reference) / scale + blind
     last = curve.trials[-1].setting.folder
-    if best is not None and best.finest is curve:
+    if best is not None and best.convergence.grows:
+        # nobody knows which of its runs are right
+        for trial in curve.trials:
+            finding.errors[trial.setting.folder] += best.convergence.error / scale
+    elif best is not None and best.finest is curve:
         # the finest run is not its own judge
         error = best.convergence.error / scale
         finding.errors[last] = error if isfinite(error) else nan
@@ -303,6 +309,12 @@ def _divergence_told(finding: Finding, curve: Curve, scale: float) -> str:
     if finding.watch.statistic == PATH:
         parted = parting_time(curve.times, curve.values)
     since = "" if parted is None else f", after t = {parted:.6g} s"
+    if found.grows:
+        return (
+            f"its errors grow as the steps shrink, from step {first.step:.3g} s on{since}: shorter "
+            f"ones change it by {_size(found.error / scale, finding)}; no run is to be believed "
+            "before the cause is found"
+        )
     apart = distance(*curve.values[-2:]) / scale
     return (
         f"does not converge from step {first.step:.3g} s on{since}; its last two runs differ by "

@@ -43,7 +43,7 @@ def draw(path: Path, title: str, trials: Sequence[Trial], findings: Sequence[Fin
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        return "no plot: matplotlib is missing; pip install 'crashsolve[post]'"
+        return "no plot: matplotlib is missing; pip install 'crashsolve[plot]'"
     canvas = Figure(figsize=(7.6, 4.6 + 0.24 * len(lines)), layout="constrained", dpi=150)
     axes = canvas.subplots()
     for line in lines:

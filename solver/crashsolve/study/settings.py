@@ -189,7 +189,7 @@ def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | Non
 
 def _within(tolerance: float) -> Words:
     return (
-        f"tolerance {tolerance:g}",
+        f"tolerance {tolerance:.12g}",
         {"control.tolerance": repr(tolerance), "control.step": AUTO},
         None,
     )
@@ -197,7 +197,7 @@ def _within(tolerance: float) -> Words:
 
 def _fixed(step: float) -> Words:
     # with its unit: bare numbers of the deck may be in another
-    return f"{step:.6g}", {"control.step": f"{step!r} s"}, None
+    return f"{step:.12g}", {"control.step": f"{step!r} s"}, None
 
 
 def _automatic(deck: Deck, factor: float) -> Words:
@@ -213,7 +213,7 @@ def _automatic(deck: Deck, factor: float) -> Words:
         "control.safety": repr(min(control.safety * factor, 1.0)),
         "control.step_max": f"{longest * factor!r} s",
     }
-    label = f"auto*{factor:g}" if factor > 1.0 else f"auto/{1 / factor:g}"
+    label = f"auto*{factor:.12g}" if factor > 1.0 else f"auto/{1 / factor:.12g}"
     return label, overrides, factor
 
 

@@ -7,15 +7,16 @@ group) followed by the integrator's own text. Nothing that the scene lacks appea
 
 import ast
 import hashlib
-import os
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.cache import read_own, write_whole
 from crashsolve.foundation.compile import PACKAGE, cache_folder
-from crashsolve.foundation.machine import Function, machine_code, machine_codes
+from crashsolve.foundation.machine import Function, machine_code, machine_codes, runs_plain
 from crashsolve.foundation.table import Tables
+from crashsolve.model.clock import NOT_FINITE
 from crashsolve.model.compliance import (
     contact_rows,
     has_nodal_tangents,
@@ -26,6 +27,7 @@ from crashsolve.system import sharing
 from crashsolve.system.nodal_text import is_damper, nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
+TIMES = "contact_times.time_cards(TIME, h, clock, groups.cards, groups.card_history)"
 CARRY = "points.carry(h, nodes, groups.points, groups.riders)"
 RENEWAL = [
     "tangents(clock, nodes, curves, compliant, groups)",
@@ -122,13 +124,28 @@ def _insert(name: str, given: dict[str, str], texts: dict[str, str]) -> str:
 def load(text: str, tables: Tables) -> Function:
     """The composed step, compiled, under a name and file that depend on nothing but the text."""
     path = cache_folder() / f"crashsolve_step_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
-    if not path.exists():
-        temporary = path.with_suffix(f".{os.getpid()}")
-        temporary.write_text(text, "utf-8")
-        os.replace(temporary, path)
+    if read_own(path) != text.encode():
+        write_whole(path, text.encode())
+    if runs_plain():
+        return ends_in_nan(machine_code(path, "advance", tables))
     if tables.second is None:
         return machine_code(path, "advance", tables)
     return sharing.together(*machine_codes(path, ("advance", "assist"), tables))
+
+
+def ends_in_nan(advance: Function) -> Function:
+    """Plain Python raises where compiled code goes on with infinity or NaN, and is stopped."""
+
+    def plain(number: float, flag: bool, tables: Any) -> None:
+        try:
+            advance(number, flag, tables)
+        except (ArithmeticError, ValueError) as error:
+            is_meant = isinstance(error, ArithmeticError) or "math domain" in str(error)
+            if not is_meant and "cannot convert float" not in str(error):
+                raise
+            tables.clock[0]["status"] = NOT_FINITE
+
+    return plain
 
 
 def group_arrays(model: Any, state: Any) -> dict[str, Any]:
@@ -136,6 +153,8 @@ def group_arrays(model: Any, state: Any) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     for g in model.groups:
         arrays |= {f"{g.word}_p": g.parameters, f"{g.word}_h": g.history, f"{g.word}_o": g.output}
+        if g.members is not None:
+            arrays[f"{g.word}_members"] = g.members
     for c in model.contact_groups:
         arrays |= {
             f"{c.word}_a": c.elements_a,
@@ -238,6 +257,8 @@ def _imports(model: Any) -> str:
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
     if model.integrator == "rattle" and touches(model):
         lines.append("from crashsolve.system import work")
+    if touches(model):
+        lines.append("from crashsolve.system import contact_times")
     if any(n.is_smooth for n in model.nodal_groups):
         lines.append("from crashsolve.system import normals")
     if any(n.is_round for n in model.nodal_groups):
@@ -287,13 +308,14 @@ def _joint_calls(model: Any, stage: str) -> list[str]:
 def _force_calls(model: Any) -> list[str]:
     lines = ["slaves.carry(groups.slaves, nodes)"] * has_slaves(model) + _element_calls(model)
     for g in model.force_groups():
+        words = "curves, groups" + f", groups.{g.word}_members" * (g.members is not None)
         lines += [
             f"p, history, out = groups.{g.word}_p, groups.{g.word}_h, groups.{g.word}_o",
             "for i in range(p.shape[0]):",
             "    old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]",
             f"    {g.word}.force(p[i], old, new, o, time, h, nodes, rows, curves)",
             *(
-                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, curves, groups)"]
+                [f"    {g.word}.force_on_points(p[i], old, new, o, time, h, nodes, {words})"]
                 * (model.elements is not None and hasattr(g.module, "force_on_points"))
             ),
             *(f"    {line}" for line in _load_calls(model, g)),
@@ -324,6 +346,7 @@ def _force_calls(model: Any) -> list[str]:
             lines += [f"{n.word}(clock, h, nodes, curves, groups)" for n in model.nodal_groups]
             lines += ["nodal.close_loads(groups)"]
         lines += ["contacts.close_cards(clock, groups.cards, groups.card_history)"]
+        lines += [TIMES.replace("TIME", "time")]
     if model.elements and not is_assembled(model):
         # that of the mesh takes the place of that of its elements
         lines += ["clock.element_rate = 0.0"]
@@ -643,7 +666,7 @@ def _react_calls(model: Any) -> list[str]:
         params, history, elements = _pairs(c).split(", ", 2)
         call = f"{params}, {history}, groups.{c.word}_o, {elements}"
         lines.append(f"captures.settle(h, clock, {call}, nodes, groups.cards, groups.card_history)")
-    return lines
+    return [*lines, TIMES.replace("TIME", "clock.time + h")]
 
 
 def _data(c: Any) -> str:

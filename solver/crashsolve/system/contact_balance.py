@@ -32,7 +32,7 @@ def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str
 
 def lacks(now: Any, out: Any) -> list[tuple[str, float, float]]:
     """Of normal force and friction of a card: what it is, its lack [J], the most it handled [J]."""
-    pushed = now["held"] + out["dissipated"] + now["work"] - now["begun"]
+    pushed = now["held"] + out["dissipated"] + now["work"] - now["held_first"]
     rubbed = now["bristled"] + out["friction_dissipated"] + now["friction_work"]
     return [
         ("normal force", float(pushed), float(now["handled"])),

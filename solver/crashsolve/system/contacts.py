@@ -56,7 +56,7 @@ def close_cards(clock, cards, history):
         new.handled = max(old.handled, abs(pushed))
         new.friction_handled = max(old.friction_handled, abs(rubbed))
         if clock.cycle == 0:
-            new.begun = pushed + new.work
+            new.held_first = pushed + new.work
 
 
 @kernel
@@ -272,7 +272,7 @@ def carry_onsets(current, history):
     for k in range(history.shape[1]):
         new = history[1 - current, k]
         old = history[current, k]
-        new.onsets, new.begun = old.onsets, old.begun
+        new.onsets, new.held_first = old.onsets, old.held_first
         new.work, new.friction_work = old.work, old.friction_work
         new.held = new.bristled = 0.0
         for j in range(3):

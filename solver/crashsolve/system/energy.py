@@ -60,7 +60,7 @@ def close_ledger(ledger):
 
 @kernel
 def check(clock, control, nodes, ledger):
-    """Stop at a bad number or a broken balance. Writes: clock.
+    """Stop at a bad number or a broken balance; note one that is let pass. Writes: clock.
 
     From rest, the first steps err by much of the little energy there is: what comes from outside is
     judged where its share that is missing falls no more.
@@ -70,6 +70,9 @@ def check(clock, control, nodes, ledger):
     falls = clock.lack == 0.0 or lack < clock.lack
     is_starting = falls and supplied > 0.5 * ledger[LARGEST]
     clock.lack = lack
+    if 0.0 < control.energy_limit < lack and abs(ledger[IMBALANCE]) > clock.missing:
+        clock.missing, clock.missing_share = abs(ledger[IMBALANCE]), lack
+        clock.missing_time = clock.time
     is_due = control.energy_limit > 0.0 and clock.cycle >= control.check_every
     bad = bad_node(nodes)
     if bad >= 0:

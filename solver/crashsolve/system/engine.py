@@ -2,14 +2,17 @@
 
 from collections.abc import Callable
 from importlib import import_module
+from math import inf, nextafter
 from time import monotonic
 from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.machine import runs_plain
 from crashsolve.foundation.table import Tables
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
+    CORNER,
     ENERGY,
     NOT_FINITE,
     PAUSED,
@@ -18,6 +21,7 @@ from crashsolve.model.clock import (
     REBUILD,
 )
 from crashsolve.model.compliance import compliance
+from crashsolve.model.corners import corners_in_time
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodal import give_room
 from crashsolve.model.nodes import ESTIMATE
@@ -44,6 +48,11 @@ MANY_PASSES = 4.0
 FIRST_CALL, LONGEST_CALL = 16, 0.2
 # steps after which work from outside, of a force that grows from nothing, can be compared with
 FIRST_JUDGED = 5
+# a corner of a curve is met within this share of a step, or of the time: its square is the error
+AS_GOOD_AS, ROUND_OFF = 1e-6, 1e-14
+# what the clock keeps of a balance above its limit, and what is no matter: a share of that limit,
+# as the first steps from rest err by much of the little energy there is
+MISSING, TRIFLE = ("missing", "missing_share", "missing_time"), 0.01
 # at most so many passes for friction and reactions of the initial state to agree
 PASSES = 60
 
@@ -56,6 +65,9 @@ class Engine:
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
         self._limit = float(model.control[0]["energy_limit"])
+        self._corners = corners_in_time(model)
+        # of motion: an equilibrium has none
+        self.has_stages = len(state.stages) > 0
         self.is_dense = samples_within_steps(model)
         self.tableau = self._tableau()
         self.stages = self._stages()
@@ -66,7 +78,7 @@ class Engine:
         self._advance = load(compose(model), self._present)
         # asked now and then between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
-        self._steps_per_call = FIRST_CALL
+        self._steps_per_call = 1 if runs_plain() else FIRST_CALL
 
     def bind(self) -> None:
         """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
@@ -138,7 +150,7 @@ class Engine:
 
     def advance(self, until: float) -> None:
         """Step to exactly `until` [s]. Raises SolverError at a numerical stop."""
-        self._step(until, until)
+        self._go_by_corners(until, until)
 
     def reach(self, until: float) -> None:
         """Step to `until` [s], or beyond it where a sample may lie within a step.
@@ -146,7 +158,20 @@ class Engine:
         Raises SolverError at a numerical stop.
         """
         end = float(self.model.control[0]["end"])
-        self._step(until, max(until, end) if self.is_dense else until)
+        self._go_by_corners(until, max(until, end) if self.is_dense else until)
+
+    def _go_by_corners(self, until: float, goal: float) -> None:
+        """Step to `until`, one corner of a curve of time after the other."""
+        clock = self.state.clock[0]
+        while clock["time"] < until:
+            if clock["kinked"] == CORNER:
+                self._turn_corner()
+            corner = self._next_corner(until)
+            # stages at the end of a step are of what comes before a corner
+            end = nextafter(corner, -inf) if self.has_stages else corner
+            self._step(min(until, end), min(goal, end))
+            if clock["time"] >= end:
+                clock["time"], clock["kinked"] = corner, CORNER
 
     def _step(self, until: float, goal: float) -> None:
         s = self.state
@@ -163,6 +188,27 @@ class Engine:
                 self.bind()
             else:
                 raise diagnose(self.model, s, self.clock, s.ledger)
+
+    def _next_corner(self, until: float) -> float:
+        """Time of the next corner of a curve of time [s]; infinite where there is none."""
+        if not len(self._corners):
+            return inf
+        near = max(AS_GOOD_AS * float(self.clock.next_step), ROUND_OFF * abs(until))
+        at = int(np.searchsorted(self._corners, float(self.clock.time) + near, side="right"))
+        if at == len(self._corners):
+            return inf
+        corner = float(self._corners[at])
+        # one that a sample lies on to the last digits is met with it
+        return until if abs(corner - until) <= near else corner
+
+    def _turn_corner(self) -> None:
+        """What methods keep of the end of a step, as it is after the corner there."""
+        clock = self.state.clock[0]
+        if self.has_stages:
+            step = float(clock["step"])
+            self._advance(clock["time"], True, self._present)
+            clock["step"] = step
+        clock["kinked"] = 1
 
     def _call(self, until: float) -> int:
         """One call of the compiled loop, of about LONGEST_CALL at most; returns its status."""
@@ -200,6 +246,12 @@ class Engine:
         if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
+        for name in MISSING:
+            self.state.clock[0][name] = clock[name]
+
+    def probe(self, arrays: dict[str, np.ndarray]) -> None:
+        """A sample of other tables of this scene, of other lengths. Writes: arrays."""
+        self._advance(float(arrays["clock"][0]["time"]), True, Tables(arrays))
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
@@ -225,13 +277,26 @@ class Engine:
 
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for what no law tells: the tension in joints."""
+        found = self._balance_warnings()
         cycles = int(self.clock["cycle"])
         passes = int(self.clock["iterations"]) / max(cycles, 1)
         if self.model.integrator != "rattle" or passes <= MANY_PASSES:
+            return found
+        return [
+            *found,
+            f"the joints took {passes:.1f} iterations a step: the step may be too long for the "
+            "tension in them; halve control.step, or control.step_max, and compare",
+        ]
+
+    def _balance_warnings(self) -> list[str]:
+        """That the balance has been above its limit, where more than a trifle was missing."""
+        clock, largest = self.clock, float(self.ledger[energy.LARGEST])
+        if float(clock["missing"]) <= TRIFLE * self._limit * largest:
             return []
         return [
-            f"the joints took {passes:.1f} iterations a step: the step may be too long for the "
-            "tension in them; halve control.step, or control.step_max, and compare"
+            f"at t = {float(clock['missing_time']):.6g} s the energy balance was off by "
+            f"{100 * float(clock['missing_share']):.3g} % of the largest energy by then, more than "
+            f"control.energy_limit, {100 * self._limit:.3g} %; compare with a shorter step"
         ]
 
     def assembly_errors(self) -> list[tuple[str, str]]:

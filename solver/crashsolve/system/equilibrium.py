@@ -42,7 +42,7 @@ class StaticEngine(Engine):
 
     def __init__(self, model: Model, state: State, tolerance: float | None) -> None:
         super().__init__(model, state)
-        self.tolerance = tolerance or TOLERANCE
+        self.tolerance, self.has_stages = tolerance or TOLERANCE, False
         slaves = set(model.slaves["node"])
         self.free = np.array([i for i in range(1, len(state.nodes)) if i not in slaves])
         self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]

@@ -11,7 +11,7 @@ end keeps the set d - F(d)/k and has taken the area under the curve less the tri
 References: Ambrosio (2003), 5.1, crushable ends of trains; how they unload is left open there.
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,8 @@ from crashsolve.foundation.record import Record
 
 class CrushCurve(Card):
     """Crushable end: force over penetration by a curve, elastic unloading, permanent set."""
+
+    curve_axes: ClassVar = {"curve": ("m", "N")}
 
     curve: CurveName = word("force [N] over penetration [m], starting at (0, 0)")
     unloading_stiffness: float = quantity("N/m", "k, not below any slope of the curve", gt=0)

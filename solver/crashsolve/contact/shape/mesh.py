@@ -4,6 +4,7 @@ The corners of a triangle run counter-clockwise seen from outside. A closed mesh
 throughout, an open one down to `thickness` below its surface.
 """
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from pydantic import model_validator
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
 from crashsolve.deck.card import FileName, Vec3, quantity, word
+from crashsolve.foundation.mesh_file import OUTLINES, MeshFileError, read_mesh_file
 from crashsolve.foundation.record import Record
 
 
@@ -21,7 +23,7 @@ class Mesh(PlacedCard):
     faces: tuple[tuple[int, int, int], ...] | None = word(
         "three points of each triangle, counted from 0, counter-clockwise from outside", None
     )
-    file: FileName | None = word("mesh file instead, of any format meshio reads", None)
+    file: FileName | None = word("mesh file of triangles instead, of any format meshio reads", None)
     scale: float = quantity("1", "length of the file's unit in metres", 1.0, gt=0)
     thickness: float | None = quantity(
         "m", "depth of the solid below the surface; needed when the mesh is open", None, gt=0
@@ -59,19 +61,20 @@ def _read(card: Mesh, scene: Any) -> tuple[np.ndarray, np.ndarray]:
         assert card.vertices is not None and card.faces is not None
         return np.array(card.vertices, float), np.array(card.faces, int).reshape(-1, 3)
     try:
-        import meshio
+        mesh = read_mesh_file(Path(card.file))
     except ImportError:
         raise scene.fail(
             "reading mesh files needs meshio: pip install 'crashsolve[mesh]'", "file"
         ) from None
-    try:
-        mesh = meshio.read(card.file)
-    except Exception as error:
-        # every reader of meshio has its own exceptions
+    except MeshFileError as error:
         raise scene.fail(f"cannot read this mesh: {error}", "file") from None
-    faces = np.asarray(mesh.cells_dict.get("triangle", np.zeros((0, 3), int)), int)
+    others = sorted(set(mesh.kinds) - {"triangle", *OUTLINES})
+    if others:
+        message = f"holds elements of type {', '.join(others)}; this shape is made of triangles"
+        raise scene.fail(message, "file")
+    faces = mesh.corners[mesh.kinds == "triangle", :3]
     # formats such as STL repeat the corners of every triangle
-    points, same = np.unique(np.asarray(mesh.points, float), axis=0, return_inverse=True)
+    points, same = np.unique(mesh.points, axis=0, return_inverse=True)
     return card.scale * points, same.reshape(-1)[faces]
 
 

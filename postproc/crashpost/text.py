@@ -1,0 +1,38 @@
+"""Text of files that anybody may have written: read without waiting, shown without obeying it."""
+
+import os
+import re
+import stat
+from pathlib import Path
+
+# bytes of a text file that are read
+MOST = 1 << 28
+# control characters, ends of lines, marks that turn the order of letters, halves of characters
+_UNPRINTABLE = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+
+
+def plain_text(path: Path) -> str | None:
+    """Text of a plain file; None without one, also for a folder, or a pipe that would wait."""
+    try:
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            return None
+        with path.open("rb") as file:
+            return file.read(MOST).decode("utf-8", errors="replace")
+    except (OSError, ValueError):
+        return None
+
+
+def printable(text: str) -> str:
+    """One line of a text: what would move the cursor, colour it or begin a line is spelt out."""
+    return _UNPRINTABLE.sub(_spelt, text)
+
+
+def _spelt(met: re.Match[str]) -> str:
+    return repr(met[0])[1:-1] if ord(met[0]) < 0xA0 else f"\\u{ord(met[0]):04x}"
+
+
+def printable_lines(text: str) -> str:
+    """The same of several lines."""
+    return "\n".join(map(printable, text.split("\n")))

@@ -1,0 +1,44 @@
+"""How large a model may be: what its elements need against what this machine has.
+
+A bound before anything is allocated. Otherwise a slip of the pen ends in minutes of waiting, in the
+system killing the process, or in a traceback.
+"""
+
+import os
+import resource
+from contextlib import suppress
+from pathlib import Path
+
+# [bytes] of an element with its nodes at the peak of a build; `crashsolve check` under
+# /usr/bin/time with meshes of 10^5 and of 2 10^5 elements tells the difference
+SHELL, BEAM = 5_000, 16_000
+# nodes of beams are bodies with names: check takes 0.1 ms for each
+MOST_BEAMS = 100_000
+
+
+def machine_memory() -> float:
+    """Memory that this process may use [bytes]."""
+    bounds = [float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")]
+    for name in ("memory.max", "memory/memory.limit_in_bytes"):
+        # of a container, where there is one; "max" is none
+        with suppress(OSError, ValueError):
+            bounds.append(float(Path("/sys/fs/cgroup", name).read_text()))
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return min(bounds + ([float(limit)] if limit != resource.RLIM_INFINITY else []))
+
+
+def told(number: float) -> str:
+    """A size in words."""
+    return f"{number:.3g}" if number < 1e15 else "more than 1e15"
+
+
+def excess(shells: int, beams: int) -> str:
+    """Why a model of so many elements is too large; empty where it is not."""
+    if beams > MOST_BEAMS:
+        return f"{told(beams)} elements are too many, beams may have {MOST_BEAMS} in all"
+    memory = machine_memory()
+    if shells * SHELL + beams * BEAM <= memory:
+        return ""
+    needed = told(shells * SHELL / 1e9)
+    have = f"this machine has {memory / 1e9:.3g} GB"
+    return f"{told(shells)} elements need about {needed} GB of memory, and {have}"

@@ -1,0 +1,63 @@
+"""Text for a terminal that cannot be forged, and standard streams that may be closed or full."""
+
+import os
+import re
+import sys
+from contextlib import suppress
+from typing import TextIO
+
+# control characters, ends of lines, marks that turn the order of letters, halves of characters
+_UNPRINTABLE = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+
+
+def printable(text: str) -> str:
+    """One line of a text: what would move the cursor, colour it or begin a line is spelt out."""
+    return _UNPRINTABLE.sub(_spelt, text)
+
+
+def _spelt(met: re.Match[str]) -> str:
+    return repr(met[0])[1:-1] if ord(met[0]) < 0xA0 else f"\\u{ord(met[0]):04x}"
+
+
+def open_standard_streams() -> None:
+    """Give each closed standard stream the null device.
+
+    Otherwise the next file to be opened, results perhaps, would be what the system libraries take
+    for standard output. What an encoding cannot write is spelt out.
+    """
+    for number in (0, 1, 2):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+    with suppress(AttributeError, ValueError):
+        sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+
+
+def give_up(stream: TextIO) -> None:
+    """Send what is left to flush, and all to come, to the null device: no error at exit."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def tell_error(text: str) -> None:
+    """Write to standard error, if anybody listens."""
+    try:
+        print(text, file=sys.stderr, flush=True)
+    except OSError:
+        give_up(sys.stderr)
+
+
+def say(text: str = "") -> None:
+    """Write to standard output, if anybody listens: for work that goes on in any case."""
+    try:
+        # in one piece: several threads may tell
+        sys.stdout.write(f"{text}\n")
+        sys.stdout.flush()
+    except OSError:
+        give_up(sys.stdout)

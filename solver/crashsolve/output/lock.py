@@ -1,0 +1,54 @@
+"""One run in a results folder at a time.
+
+The kernel of the system keeps the lock for the process that holds it, and lets go of it when that
+process ends, however it ends. The file stays: to remove it would let two runs lock two files of one
+name.
+"""
+
+import fcntl
+import os
+import socket
+from contextlib import suppress
+from pathlib import Path
+from typing import Self
+
+from crashsolve.output.errors import OutputError
+from crashsolve.output.files import reported
+
+NAME = "run.lock"
+
+
+class Lock:
+    """Holds a results folder until the end of its block, or that of the process.
+
+    Raises OutputError while another run has it, or when the file cannot be made.
+    `warning` says so where the file system knows no locks.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.warning = ""
+        path = folder / NAME
+        with reported(path):
+            # to be written, as NFS asks of exclusive locks; never a pipe that waits, nor a link
+            flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK
+            self._descriptor = os.open(path, flags, 0o666)
+        try:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            owner = os.read(self._descriptor, 200).decode(errors="replace").strip()
+            os.close(self._descriptor)
+            told = f"another run writes to this folder ({owner})"
+            advice = "stop it, wait for its end, or name another folder with -o"
+            raise OutputError(folder, f"{told}; {advice}") from None
+        except OSError as error:
+            self.warning = f"{path} cannot be locked ({error.strerror}): start no other run here"
+        with suppress(OSError):
+            owner = f"process {os.getpid()} on {socket.gethostname()}\n"
+            os.ftruncate(self._descriptor, 0)
+            os.pwrite(self._descriptor, owner.encode(), 0)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        os.close(self._descriptor)

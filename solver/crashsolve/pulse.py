@@ -1,0 +1,64 @@
+"""Signs of life: at least every ten seconds a run says where it is.
+
+Between samples the run itself does so, whenever the compiled loop pauses. What lasts long beside
+that (reading a large deck, compiling, one long step, estimates of errors) is told from a thread,
+which only looks at the clock.
+"""
+
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from time import monotonic
+from types import TracebackType
+from typing import Self
+
+# [s] after which the run says something at its next pause, and after which the thread does
+AT_PAUSE, AT_LATEST = 8.0, 9.0
+# [s] after the start that the first sign may take
+FIRST = 0.9
+LOOK = 0.2
+
+
+class Pulse:
+    """Tells what a run is doing, by `say(text)`, while nothing else is told."""
+
+    def __init__(self, doing: str, say: Callable[[str], None]) -> None:
+        self.say = say
+        self._doing, self._since = doing, monotonic()
+        self._told, self._has_told = self._since, False
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+
+    def does(self, doing: str) -> None:
+        """What the run does from now on."""
+        self._doing, self._since = doing, monotonic()
+
+    def told(self) -> None:
+        """Something has been told."""
+        self._told, self._has_told = monotonic(), True
+
+    def is_due(self) -> bool:
+        """Whether the run should say something at this pause."""
+        return monotonic() - self._told > AT_PAUSE
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._ended.set()
+        self._thread.join()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(LOOK):
+            now = monotonic()
+            if now - self._told > (AT_LATEST if self._has_told else FIRST):
+                # a file that cannot be written stops the run where it writes itself
+                with suppress(Exception):
+                    self.say(f"{self._doing}: {now - self._since:.0f} s")
+                self.told()

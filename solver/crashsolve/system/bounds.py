@@ -1,0 +1,187 @@
+"""Who sets the step, and why: in words, for the log and status.json.
+
+What acts on the body with the least stable step is looked at one by one: a sample of copies, in
+which nothing else acts, tells what one spring, contact or element of a beam adds to its bound
+
+    omega = sqrt(2 k w + (c w)^2) + c w,   w the mobility of the body where it acts  (timestep.py)
+
+Nothing of this reaches the run.
+"""
+
+from dataclasses import dataclass
+from time import monotonic
+from typing import Any
+
+import numpy as np
+
+from crashsolve.model.ledger import ENTRIES
+from crashsolve.system.compose import group_arrays
+from crashsolve.system.diagnosis import chooses_step, limiter
+from crashsolve.system.engine import Engine
+
+# more of one group on one body are looked at together
+MOST = 32
+# a step is cut into equal ones: of less than half of what is wanted the cause is another
+EQUAL = 0.499
+# [s] after which it is looked for anew who sets the step
+AGAIN = 1.0
+# share of the bound that goes when a body can no more turn, above which its inertia is the cause
+BY_TURN = 0.9
+
+
+@dataclass(frozen=True)
+class Actor:
+    """Entries of one group that act on a body: their name, and arrays of these alone."""
+
+    name: str
+    arrays: dict[str, np.ndarray]
+
+
+class StepBound:
+    """What sets the step of a run; who is looked for again after a second, or on another body."""
+
+    def __init__(self, interval: float, longest: float | None) -> None:
+        """`interval` [s] of samples, `longest` [s] the deck's own bound."""
+        self._interval, self._longest = interval, longest
+        self._culprit, self._at, self._found = "", 0, -np.inf
+
+    def tell(self, engine: Engine) -> str:
+        """What sets the present step, and why."""
+        control, step = engine.model.control[0], float(engine.clock["step"])
+        if step == 0.0:
+            return "-"
+        if float(control["fixed_step"]) > 0.0:
+            return "control.step"
+        if self._longest is not None and step > 0.999 * self._longest:
+            return "control.step_max"
+        if chooses_step(engine.model, engine.state):
+            is_whole = step > 0.999 * self._interval
+            return "samples" if is_whole else "error of a step, control.tolerance"
+        wanted, text = self._stable(engine)
+        if step >= EQUAL * wanted:
+            return text
+        if step >= EQUAL * self._interval:
+            return "samples"
+        return "onset of contact, or bodies that come near each other"
+
+    def _stable(self, engine: Engine) -> tuple[float, str]:
+        """The step [s] that stiffness and turns allow, and what bounds it."""
+        clock, control = engine.clock, engine.model.control[0]
+        turn, spin = float(control["turn"]), 0
+        h, at, text = float(control["step_max"]), int(clock["limit_node"]), "samples"
+        if at:
+            rate = float(clock["element_rate"]) ** 0.5
+            rate = float(_speeds(engine.state.nodes)[at]) if at > 0 else rate
+            if rate * h > 2.0 * float(control["safety"]):
+                h, text = 2.0 * float(control["safety"]) / rate, ""
+        turns = np.linalg.norm(engine.state.nodes["w"], axis=1)
+        spin = int(turns.argmax())
+        if turns[spin] * h > turn:
+            name = engine.model.bodies[spin]
+            return turn / float(turns[spin]), f"body '{name}', it turns at {turns[spin]:.3g} rad/s"
+        return h, text or self._stiffest(engine, at)
+
+    def _stiffest(self, engine: Engine, at: int) -> str:
+        now = monotonic()
+        if at != self._at or now > self._found + AGAIN:
+            self._culprit, self._at, self._found = stiffest(engine, at), at, now
+        return self._culprit
+
+
+def _speeds(nodes: np.ndarray) -> np.ndarray:
+    """Bound of the frequency [rad/s] of every node by what acts on it."""
+    damping = nodes["damping"]
+    found: np.ndarray = np.sqrt(2.0 * nodes["stiffness"] + damping**2) + damping
+    return found
+
+
+def stiffest(engine: Engine, at: int) -> str:
+    """The body or element that has the least stable step, and what makes it so."""
+    model = engine.model
+    name = limiter(model, at)
+    if at < 0:
+        loads, touching = model.nodal_loads, (engine.state.cards["touching"] > 0.0).any()
+        is_loaded = touching and "touched" in loads and loads["touched"]["shortened"][0] > 1.0
+        return f"element {name}" + (", with contact" if is_loaded else "")
+    if model.elements or model.nodal_groups:
+        return f"body '{name}', stiffness of what acts on it"
+    arrays = _copies(engine)
+    found = [(*_alone(engine, actor, arrays, at), actor) for actor in _actors(engine, at)]
+    if not found:
+        return f"body '{name}'"
+    speed, is_damped, actor = max(found, key=lambda one: one[0])
+    kind = "damping" if is_damped else "stiffness"
+    text = f"body '{model.bodies[at]}', {kind} of {actor.name}"
+    held = _alone(engine, actor, arrays, at, turns=False)[0]
+    return f"{text}, by its rotation" if held < (1.0 - BY_TURN) * speed else text
+
+
+def _copies(engine: Engine) -> dict[str, np.ndarray]:
+    """All tables of the step, of which a sample may write what it likes."""
+    m, s = engine.model, engine.state
+    arrays = group_arrays(m, s) | m.saddle._asdict()
+    arrays |= {"control": m.control, "curves": m.curves} | engine.tableau | engine.stages
+    arrays |= {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": np.zeros(len(ENTRIES))}
+    return {name: array.copy() for name, array in arrays.items()}
+
+
+def _actors(engine: Engine, at: int) -> list[Actor]:
+    """Springs, elements of beams and contacts that act on a body."""
+    model, found = engine.model, list[Actor]()
+    current = int(engine.clock["current"])
+    for g in model.force_groups():
+        ends = [name for name in g.parameters.dtype.names or () if name.startswith("node")]
+        acts = np.zeros(len(g.names), bool)
+        for end in ends:
+            acts |= (g.parameters[end] == at).reshape(len(acts), -1).any(axis=1)
+        word = {"springs": "spring", "parts": "element", "loads": "load"}.get(g.keyword, g.keyword)
+        for rows in _split(np.flatnonzero(acts)):
+            names = ", ".join(f"'{g.names[i]}'" for i in rows[:3])
+            more = f" and {len(rows) - 3} more" if len(rows) > 3 else ""
+            found.append(Actor(f"{word} {names}{more}", _only(g, rows)))
+    for c in model.contact_groups:
+        if c.captures:
+            continue
+        p, old = c.parameters, c.history[current]
+        sides = c.elements_a["node"][p["a"]], c.elements_b["node"][p["b"]]
+        touching = (old["active"] == 1) & ((sides[0] == at) | (sides[1] == at))
+        for rows in _split(np.flatnonzero(touching)):
+            others = {int(side[i]) for side in sides for i in rows} - {at}
+            names = ", ".join(sorted(f"'{model.bodies[i]}'" for i in others)[:3])
+            card = model.contacts[int(p["card"][rows[0]])]
+            found.append(Actor(f"contact '{card}' with {names}", _only(c, rows)))
+    return found
+
+
+def _split(rows: np.ndarray) -> list[np.ndarray]:
+    """Each by itself, or all together where they are many."""
+    if len(rows) > MOST:
+        return [rows]
+    return [rows[k : k + 1] for k in range(len(rows))]
+
+
+def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
+    """The tables of a group with some of its rows alone."""
+    return {
+        f"{group.word}_p": group.parameters[rows].copy(),
+        f"{group.word}_h": np.ascontiguousarray(group.history[:, rows]),
+        f"{group.word}_o": group.output[rows].copy(),
+    }
+
+
+def _alone(
+    engine: Engine, actor: Actor, arrays: dict[str, np.ndarray], at: int, turns: bool = True
+) -> tuple[float, bool]:
+    """Bound [rad/s] of a body by one actor, if need be without turns; whether it is a damper."""
+    nobody = np.zeros(0, int)
+    given = dict(arrays)
+    for group in (*engine.model.force_groups(), *engine.model.contact_groups):
+        if not getattr(group, "captures", False):
+            given |= _only(group, nobody)
+    nodes, rows, clock = (arrays[name].copy() for name in ("nodes", "rows", "clock"))
+    if not turns:
+        nodes["W"][at] = nodes["J_inv"][at] = 0.0
+    engine.probe(given | actor.arrays | {"nodes": nodes, "rows": rows, "clock": clock})
+    return float(_speeds(nodes)[at]), float(nodes["damping"][at]) ** 2 > 2.0 * float(
+        nodes["stiffness"][at]
+    )

@@ -1,0 +1,175 @@
+"""Claim: one run to a folder, signals and files of any kind end in a stop, never in a traceback."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import h5py
+import pytest
+from command import arguments, crashsolve, environment, start
+
+from crashpost.status import read_status
+from crashsolve.output.errors import OutputError
+from crashsolve.output.lock import Lock
+
+OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
+# as plain Python: nothing is to be compiled, and a run of a million seconds lasts
+PLAIN = {"NUMBA_DISABLE_JIT": "1"}
+SHORT = ("--set", "control.end_time=0.02", "--set", "control.estimate=off")
+LONG = ("--set", "control.end_time=1e6", "--set", "control.estimate=off")
+
+
+def until(happens: Callable[[], bool], seconds: float = 60.0) -> None:
+    """Wait for something, a minute at most: the machine may be busy."""
+    end = time.monotonic() + seconds
+    while not happens():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def marches(folder: Path) -> bool:
+    """Whether a run has begun to take steps."""
+    path = folder / "log.txt"
+    return path.exists() and "step set by" in path.read_text("utf-8")
+
+
+@pytest.fixture
+def live(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
+    """A run that lasts, and its folder."""
+    run = start(OSCILLATOR, "-o", tmp_path / "live", *LONG, **PLAIN)
+    try:
+        until(lambda: marches(tmp_path / "live"))
+        yield run, tmp_path / "live"
+    finally:
+        run.kill()
+        run.communicate()
+
+
+def test_a_second_run_is_refused_and_the_first_keeps_its_results(
+    live: tuple[subprocess.Popen[str], Path],
+) -> None:
+    run, folder = live
+    for more in ((), ("--restart",)):
+        done = crashsolve(OSCILLATOR, "-o", folder, *SHORT, *more, **PLAIN)
+        assert done.returncode == 5
+        assert f"another run writes to this folder (process {run.pid} on" in done.stderr
+        assert "Traceback" not in done.stderr
+    assert run.poll() is None
+    assert read_status(folder / "status.json")["state"] == "running"
+    # nobody but its process held the lock
+    run.send_signal(signal.SIGKILL)
+    run.communicate()
+    assert read_status(folder / "status.json")["state"] == "killed"
+    with h5py.File(folder / "history.h5") as file:
+        assert file["glstat/time"].shape[0] > 0
+    assert crashsolve(OSCILLATOR, "-o", folder, *SHORT, **PLAIN).returncode == 0
+    assert read_status(folder / "status.json")["state"] == "finished"
+
+
+def test_what_is_no_file_of_words_is_passed_over_and_the_run_can_be_stopped(
+    live: tuple[subprocess.Popen[str], Path],
+) -> None:
+    run, folder = live
+    control, log = folder / "control.txt", folder / "log.txt"
+    os.mkfifo(control)
+    until(lambda: "control.txt is no plain file" in log.read_text("utf-8"))
+    control.unlink()
+    control.mkdir()
+    time.sleep(0.5)
+    assert run.poll() is None
+    control.rmdir()
+    (folder / "words").write_bytes(b"\xff\x1b[2J nonsense stop")
+    os.replace(folder / "words", control)
+    output, errors = run.communicate(timeout=60)
+    assert run.returncode == 3
+    assert "Traceback" not in errors
+    assert "\x1b" not in output + log.read_text("utf-8")
+
+
+def test_a_second_interrupt_ends_at_once(live: tuple[subprocess.Popen[str], Path]) -> None:
+    run, folder = live
+    for pause in (0.0005, 0.3, 0.0):
+        with suppress(ProcessLookupError):
+            run.send_signal(signal.SIGINT)
+        time.sleep(pause)
+    _, errors = run.communicate(timeout=60)
+    assert run.returncode == 3
+    assert "Traceback" not in errors
+    status = read_status(folder / "status.json")
+    assert (status["state"], status["exit_code"]) == ("stopped", 3)
+    h5py.File(folder / "history.h5").close()
+
+
+def test_an_old_status_does_not_speak_for_a_new_run(tmp_path: Path) -> None:
+    assert crashsolve(OSCILLATOR, "-o", tmp_path, *SHORT, **PLAIN).returncode == 0
+    assert read_status(tmp_path / "status.json")["state"] == "finished"
+    run = start(OSCILLATOR, "-o", tmp_path, *LONG, **PLAIN)
+    said = (tmp_path / "status.json").read_text
+    until(lambda: '"running"' in said())
+    # before anything that takes time
+    assert json.loads(said())["message"] == "preparing" or marches(tmp_path)
+    run.kill()
+    run.communicate()
+    assert read_status(tmp_path / "status.json")["state"] == "killed"
+
+
+def test_a_run_that_cannot_be_prepared_has_failed(tmp_path: Path) -> None:
+    assert crashsolve(OSCILLATOR, "-o", tmp_path, *SHORT, **PLAIN).returncode == 0
+    (tmp_path / "log.txt").unlink()
+    (tmp_path / "log.txt").mkdir()
+    done = crashsolve(OSCILLATOR, "-o", tmp_path, *SHORT, **PLAIN)
+    assert done.returncode == 5
+    assert "log.txt: Is a directory" in done.stderr
+    status = read_status(tmp_path / "status.json")
+    assert (status["state"], status["exit_code"]) == ("failed", 5)
+
+
+def test_a_lock_is_for_one_and_ends_with_its_block(tmp_path: Path) -> None:
+    with Lock(tmp_path), pytest.raises(OutputError, match="another run writes to this folder"):
+        Lock(tmp_path)
+    with Lock(tmp_path) as lock:
+        assert not lock.warning
+    (tmp_path / "run.lock").unlink()
+    os.symlink(tmp_path / "elsewhere", tmp_path / "run.lock")
+    with pytest.raises(OutputError, match="run.lock"):
+        Lock(tmp_path)
+
+
+def run_into(stream: str, folder: Path, *words: object) -> subprocess.CompletedProcess[str]:
+    """Run a command whose standard output is `stream` of a shell."""
+    command = " ".join(f"'{word}'" for word in arguments(*words))
+    return subprocess.run(
+        ["sh", "-c", f"{command} {stream}"],
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment(**PLAIN),
+        timeout=120,
+    )
+
+
+@pytest.mark.parametrize("stream", [">/dev/full 2>/dev/full", ">&- 2>&- <&-"])
+def test_a_run_outlives_its_standard_output(stream: str, tmp_path: Path) -> None:
+    done = run_into(stream, tmp_path, OSCILLATOR, "-o", tmp_path, *SHORT)
+    assert done.returncode == 0
+    assert not done.stderr
+    log = (tmp_path / "log.txt").read_text("utf-8")
+    assert log.endswith("N o r m a l    t e r m i n a t i o n\n")
+    assert ("standard output: No space left on device" in log) == ("/dev/full" in stream)
+    h5py.File(tmp_path / "history.h5").close()
+
+
+def test_an_answer_that_cannot_be_told_is_an_error(tmp_path: Path) -> None:
+    done = run_into(">/dev/full", tmp_path, "check", OSCILLATOR)
+    assert done.returncode == 5
+    assert done.stderr == "standard output: No space left on device\n"
+    assert run_into(">&-", tmp_path, "check", OSCILLATOR).returncode == 0
+
+
+def test_errors_keep_their_code_where_nobody_can_be_told(tmp_path: Path) -> None:
+    absent = tmp_path / "absent.yaml"
+    assert run_into(">/dev/full 2>/dev/full", tmp_path, "check", absent).returncode == 2
