@@ -9,8 +9,7 @@ import resource
 from contextlib import suppress
 from pathlib import Path
 
-# [bytes] of an element with its nodes at the peak of a build; `crashsolve check` under
-# /usr/bin/time with meshes of 10^5 and of 2 10^5 elements tells the difference
+# [bytes] of an element with its nodes at the peak of a build: estimates, rather high than low
 SHELL, BEAM = 5_000, 16_000
 # nodes of beams are bodies with names: check takes 0.1 ms for each
 MOST_BEAMS = 100_000

@@ -84,8 +84,7 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         rows[k].trial = rows[k].multiplier
     compliant, factor = scene.compliant_0, end_factor(scene)
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
-    previous, converged = 1e300, False
-    enough = enough_beside(h, clock, control, ORDER, ESTIMATE)
+    previous, converged, enough = 1e300, False, enough_beside(h, clock, control, ORDER, ESTIMATE)
     if ASSEMBLED:
         share = 0.0
     for count in range(PASSES):

@@ -32,6 +32,7 @@ class NodalForce(Card):
     curve: CurveName | None = word("factor over time; 1 when absent", default=None)
 
 
+CURVES_OF_TIME = ("curve",)
 PARAMETERS = Record(
     vector=("N", 3, "F"),
     curve=("index", "factor over time; 0 for none"),

@@ -20,6 +20,7 @@ import numpy as np
 
 from crashsolve.foundation.record import Record
 from crashsolve.model import touch
+from crashsolve.model.holes import warn_of_holes
 from crashsolve.model.model import ContactGroup, NodalGroup
 from crashsolve.model.nodal import NodalBuilder
 from crashsolve.model.pairs import Block, Elements, Pairing, Search, resting
@@ -68,6 +69,9 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
             _add_card(index, entry, surfaces, builders, nodal, scene)
     if scene.errors:
         return [], []
+    for name, entry in deck.entries["contacts"].items():
+        sides = [[surfaces[word] for word in names] for names in (entry.card.a, entry.card.b)]
+        warn_of_holes(name, sides, scene)
     nodes = scene.placed_nodes()
     return [builder.finish(nodes) for builder in builders.values()], nodal.groups
 
@@ -254,6 +258,8 @@ class GroupBuilder:
     def finish(self, nodes: Any) -> ContactGroup:
         """The group with its pairs, all of them or the near ones."""
         parameters, history = touch.PARAMETERS, touch.HISTORY
+        if self._have_ends():
+            history = history + touch.WAY
         for module in self.modules:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
         elements = (self.sides[0].elements, self.sides[1].elements)
@@ -274,6 +280,13 @@ class GroupBuilder:
             history=resting(len(rows), history.dtype, search),
             output=np.zeros(len(rows), touch.OUTPUT.dtype),
             search=search,
+        )
+
+    def _have_ends(self) -> bool:
+        """Whether there are sides that a body may pass the middle of; impulses let none pass."""
+        thick = (side.arrays().thick for side in self.sides)
+        return hasattr(self.modules[0], "normal_force") and all(
+            bool(np.isfinite(t).any()) for t in thick
         )
 
     def _pairing(self, parameters: Record) -> Pairing:

@@ -30,11 +30,14 @@ def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
             # an element bears the name of its part
             owner = next((e for n, e in entries.items() if _is_of(group.names[i], n)), None)
             found.append(deck.error(owner, None, *BEYOND) if owner else of_model(deck))
-    for i in _rows_without_numbers(state.nodes):
+    for i in _rows_without_numbers(state.nodes, np.isfinite):
         name = model.bodies[i]
         entry = deck.entries["bodies"].get(name)
         found.append(deck.error(entry, None, *BEYOND) if entry else of_model(deck, f"'{name}'"))
-    if not found and (len(_rows_without_numbers(state.points)) or np.isnan(state.blocks).any()):
+    is_wrong = (
+        len(_rows_without_numbers(state.points, np.isfinite)) or not np.isfinite(state.blocks).all()
+    )
+    if not found and is_wrong:
         found.append(of_model(deck, "the shells"))
     if found:
         raise DeckErrors({str(error): error for error in found}.values())
@@ -49,11 +52,16 @@ def _is_of(name: str, owner: str) -> bool:
     return name == owner or name.startswith(f"{owner}_")
 
 
-def _rows_without_numbers(table: Any) -> np.ndarray:
-    """Rows with a column that is no number; infinity may be meant."""
+def _is_number(column: np.ndarray) -> np.ndarray:
+    """Of parameters of laws, infinity may be meant."""
+    return ~np.isnan(column)
+
+
+def _rows_without_numbers(table: Any, is_sound: Any = _is_number) -> np.ndarray:
+    """Rows with a column that is no number."""
     wrong = np.zeros(len(table), bool)
     for name in table.dtype.names or ():
         column = table[name]
         if column.dtype.kind == "f":
-            wrong |= np.isnan(column).any(axis=tuple(range(1, column.ndim)))
+            wrong |= (~is_sound(column)).any(axis=tuple(range(1, column.ndim)))
     return np.flatnonzero(wrong)

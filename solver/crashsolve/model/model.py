@@ -66,6 +66,11 @@ class NodalGroup:
     CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait", "gone")
 
     @property
+    def has_ends(self) -> bool:
+        """Whether nodes press on shapes that they may pass the middle of."""
+        return "passed" in (self.arrays["slots"].dtype.names or ())
+
+    @property
     def is_round(self) -> bool:
         """Whether ellipsoids press."""
         return "ellipsoids" in self.arrays

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import permutations
-from math import inf
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from crashsolve.contact.cells import CELL
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
+from crashsolve.model import touch
 from crashsolve.model.model import NodalGroup
 from crashsolve.model.nodes import NODE
 from crashsolve.model.scene import IMPLICIT
@@ -52,6 +53,7 @@ PARAMETERS = Record(
     reach=("m", "by which a step may bring both nearer"),
     margin=("m", "beyond the gap, of the lists of near faces"),
     extent=("m", "the model's size, for the speed of shapes that turn"),
+    thick=("m", "of rigid shapes, from the surface of a probe that touches to both middles"),
     first_point=("index", "of the part whose speed counts"),
     point_count=("count", "its points"),
     own=("flag", "whether the probes are among them"),
@@ -78,6 +80,7 @@ TALLY = Record(
     bristled=("J", "recoverable energy of friction"),
     rubbed=("J", "lost by friction"),
     depth=("m", "deepest touch"),
+    passed=("s", "time at which a probe has passed through faces; 0: none has"),
 )
 SLOT = Record(
     active=("flag", "touching"),
@@ -206,6 +209,8 @@ class NodalBuilder:
     ) -> dict[str, np.ndarray]:
         """Arrays of every group."""
         record, slot = PARAMETERS + law.PARAMETERS, SLOT + law.HISTORY
+        if isfinite(values.get("thick", inf)):
+            slot = slot + touch.FACE
         if friction is not None:
             record, slot = record + friction.PARAMETERS, slot + RUB + friction.HISTORY
         p, n = np.zeros(1, record.dtype), len(probes.rows)
@@ -252,7 +257,7 @@ class NodalBuilder:
             (b.module.half_thickness(e) for e in b.elements if hasattr(b.module, "half_thickness")),
             default=inf,
         )
-        values = {"gap": probes.radius, "share": 1.0}
+        values = {"gap": probes.radius, "share": 1.0, "thick": probes.radius + thick}
         values |= {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
         values |= {"point_count": len(probes.rows), "extent": self.scene.size}
         return narrow, own | {"values": values}, 1

@@ -25,6 +25,12 @@ HISTORY = Record(
     bristled=("J", "recoverable energy of friction"),
     place=("m", 3, "point of contact"),
 )
+# of pairs whose sides have an end (system/passing.py)
+FACE = Record(
+    held=("flag", "goes on by its own face though another is nearer"),
+    passed=("s", "time at which one side has passed the middle of the other; 0: it has not"),
+)
+WAY = Record(normal=("1", 3, "out of b")) + FACE
 OUTPUT = Record(
     force=("N", 3, "on side a"),
     point=("m", 3, "point of contact"),

@@ -71,6 +71,9 @@ def along(card: Any, bar: int) -> np.ndarray:
 def fault(card: Any) -> str:
     """What is wrong with the ends; empty where nothing is."""
     seen = set()
+    count = len(card.points)
+    if not all(1 <= point <= count for bar in card.bars for point in bar):
+        return f"bars join points that are not there: points are 1 to {count}"
     for end in card.ends:
         if end.bar > len(card.bars) or end.point not in card.bars[end.bar - 1]:
             return f"bar {end.bar} does not end in point {end.point}"

@@ -257,6 +257,9 @@ def _imports(model: Any) -> str:
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
     if model.integrator == "rattle" and touches(model):
         lines.append("from crashsolve.system import work")
+    shapes = [n for n in model.nodal_groups if n.narrow is not None]
+    if any(_has_ends(c) for c in model.contact_groups) or any(n.has_ends for n in shapes):
+        lines.append("from crashsolve.system import passing")
     if touches(model):
         lines.append("from crashsolve.system import contact_times")
     if any(n.is_smooth for n in model.nodal_groups):
@@ -509,6 +512,7 @@ def _contact(model: Any, c: Any) -> str:
         "        old, new = history[clock.current, i], history[1 - clock.current, i]",
         f"        a, b = {g}_a[p.a], {g}_b[p.b]",
         f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+        *_way_of(c),
         "        m, w = nodes[a.node], nodes[b.node]",
     ]
     if is_whole:
@@ -518,6 +522,8 @@ def _contact(model: Any, c: Any) -> str:
         "            contacts.separate(clock, old, new, out, depth, x)",
         f"            {normal}.release(p, old, new)",
     ]
+    if _keeps_faces(c):
+        lines.append("            new.dissipated += passing.given_up(clock, h, old, n, stored)")
     if c.friction:
         lines.append(f"            {_alias(c.friction)}.release(p, old, new)")
         lines += ["            work.part_pair(old, new, rubbed)"] * is_whole
@@ -543,6 +549,7 @@ def _contact(model: Any, c: Any) -> str:
         "        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)",
         "        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)",
         "        contacts.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)",
+        *_loss_of_jump(c),
         "        card, card_new = groups.cards[p.card], counts[p.card]",
         "        contacts.sum_card(card, card_new, p.order, felt, f, t, new, out)",
         "        contacts.sum_losses(card, new)",
@@ -571,6 +578,57 @@ def _pair_friction(friction: Any, is_whole: bool) -> list[str]:
         counted = "        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)"
         lines += [seen, mobilities, counted]
     return lines
+
+
+def _keeps_faces(c: Any) -> bool:
+    """Whether a touch may go on by another face than the nearest."""
+    return _has_ends(c) and hasattr(c.narrow, "gap_by")
+
+
+def _has_ends(c: Any) -> bool:
+    """Whether the pairs of a contact group remember their way out."""
+    return "passed" in c.history.dtype.names
+
+
+def _way_of(c: Any) -> list[str]:
+    """What a pair does to go on by its own face, and to notice that it has passed the middle."""
+    if not _keeps_faces(c):
+        call = "passing.note_way(clock, h, p, old, new, depth, n)"
+        return [f"        {call}"] * _has_ends(c)
+    return [
+        "        held, over, stored = False, -1.0, out.stored",
+        "        if passing.is_another_face(old, depth, n, a.radius):",
+        "            v_a = passing.velocity_at(nodes[a.node], x)",
+        "            v_b = passing.velocity_at(nodes[b.node], x)",
+        f"            kept = {_alias(c.narrow)}.gap_by(a, b, nodes, {_data(c)}, old.normal)",
+        "            if passing.keeps_face(old, v_a, v_b, n, kept):",
+        "                held = True",
+        "                depth, n, x, over = kept",
+        *_beyond_middle(c),
+        "        passing.note_face(clock, h, p, old, new, held, over, depth, n)",
+    ]
+
+
+def _beyond_middle(c: Any) -> list[str]:
+    """How far a pair is beyond the middle of a round face."""
+    past = f"max(over, depth - {_alias(c.narrow)}.middle(a, b, nodes, n))"
+    lines = ["        if depth > a.radius:", f"            over = {past}"]
+    return lines if hasattr(c.narrow, "middle") else []
+
+
+def _own_face(c: Any) -> list[str]:
+    """The gap of a pair that goes on by its own face, where forces are not to be found anew."""
+    if not _keeps_faces(c):
+        return []
+    call = f"{_alias(c.narrow)}.gap_by(a, b, nodes, {_data(c)}, old.normal)"
+    return ["if old.held == 1:", f"    depth, n, x, _ = {call}"]
+
+
+def _loss_of_jump(c: Any) -> list[str]:
+    """Energy that a pair loses which leaves its own face sideways, deep within."""
+    lost = "max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)"
+    lines = ["        if old.held == 1 and not held:", f"            new.dissipated += {lost}"]
+    return lines if _keeps_faces(c) else []
 
 
 def _share_felt(model: Any) -> str:
@@ -744,6 +802,7 @@ def _contact_tangent(c: Any, k: int) -> list[str]:
         "        continue",
         f"    a, b = {g}_a[p.a], {g}_b[p.b]",
         f"    depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+        *(f"    {line}" for line in _own_face(c)),
         "    depth = max(depth, 0.0)",
         "    m, w = nodes[a.node], nodes[b.node]",
         "    rate, slip, d_a, d_b = contacts.closing(m, w, x, n)",
@@ -822,6 +881,7 @@ def _beyond_calls(model: Any) -> list[str]:
             "    if old.active == 1:",
             f"        a, b = {g}_a[p.a], {g}_b[p.b]",
             f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+            *(f"        {line}" for line in _own_face(c)),
             "        if depth > 0.0:",
             "            _, slip, _, _ = contacts.closing(nodes[a.node], nodes[b.node], x, n)",
             f"            past = h * {_alias(c.friction)}.regime_left(p, old, slip)",

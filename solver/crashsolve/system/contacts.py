@@ -1,7 +1,7 @@
 """Bookkeeping of contact pairs: onset, slip, application of the force, sums per contact card.
 
-The impact speed is latched at the first evaluation that touches, which the integrator has placed at
-the true onset. A pair that separates forgets it.
+The closing speed is latched at the first evaluation that touches, which the integrator has placed
+at the true onset. A pair that separates forgets it.
 """
 
 from math import sqrt

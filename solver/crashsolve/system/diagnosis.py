@@ -23,6 +23,9 @@ Diagnosis = tuple[str, str, str]
 
 def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> SolverError:
     """The error for a loop that has stopped with this clock and ledger."""
+    passed = passed_through(model, state)
+    if passed is not None:
+        return passed
     status, step = int(clock["status"]), float(clock["next_step"])
     if status == NOT_FINITE:
         at = int(clock["place"])
@@ -48,6 +51,54 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
         advice = f"{closer(model, state)}; control.energy_limit sets the bound"
         found = "the model", cause, advice
     return SolverError(float(clock["time"]), int(clock["cycle"]), *found)
+
+
+def passed_through(model: Model, state: State) -> SolverError | None:
+    """The error for the first pair of bodies of which one has passed the middle of the other."""
+    first: tuple[float, str, str] | None = None
+    for place, time, what in _passed_pairs(model, state) + _passed_nodes(model):
+        if first is None or time < first[0]:
+            first = time, place, what
+    if first is None:
+        return None
+    time, place, what = first
+    cause = f"{what}: the contact is too soft for this speed, or the step too long"
+    advice = f"make the contact stiffer; or {closer(model, state)}"
+    return SolverError(time, int(state.clock[0]["cycle"]), place, cause, advice)
+
+
+def _passed_pairs(model: Model, state: State) -> list[tuple[str, float, str]]:
+    """Contact, time and words for pairs of elements on bodies."""
+    current, found = int(state.clock[0]["current"]), []
+    for group in model.contact_groups:
+        if "passed" not in (group.history.dtype.names or ()):
+            continue
+        history = group.history[current]
+        for i in np.flatnonzero(history["passed"] > 0.0):
+            p = group.parameters[i]
+            a, b = group.elements_a[p["a"]]["node"], group.elements_b[p["b"]]["node"]
+            names = [f"'{model.bodies[node]}'" if node else "the ground" for node in (a, b)]
+            what = f"{names[0]} has passed the middle of what it strikes on {names[1]}"
+            card = f"contact '{model.contacts[p['card']]}'"
+            found.append((card, float(history["passed"][i]), what))
+    return found
+
+
+def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
+    """The same for nodes of shells on rigid shapes, and for nodes and balls on faces."""
+    found = []
+    for group in model.nodal_groups:
+        place = f"contact '{group.card}'"
+        if group.narrow is None:
+            times, what = group.arrays["tally"]["passed"], "a node or ball has passed through faces"
+        elif group.has_ends:
+            what = "a node has passed the middle of what it strikes"
+            times = group.arrays["slots"]["passed"]
+        else:
+            continue
+        if times.any():
+            found.append((place, float(times[times > 0.0].min()), what))
+    return found
 
 
 def closer(model: Model, state: State) -> str:

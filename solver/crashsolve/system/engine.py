@@ -33,7 +33,7 @@ from crashsolve.system.compose import (
     load,
     samples_within_steps,
 )
-from crashsolve.system.diagnosis import diagnose, velocity_error
+from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.sharing import arrays_of_second
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
@@ -183,6 +183,7 @@ class Engine:
             if status == PAUSED:
                 self.on_pause()
             elif status == REBUILD:
+                self._refuse_passing()
                 renew(self.model.contact_groups, s)
                 give_room(self.model.nodal_groups)
                 self.bind()
@@ -241,6 +242,7 @@ class Engine:
         for name, kept in forces.items():
             points[name] = kept
         self.state.clock[0]["sampled"] = clock["time"]
+        self._refuse_passing()
         is_stopped = clock["status"] in (NOT_FINITE, ENERGY, POSITION)
         is_judged = clock["cycle"] >= FIRST_JUDGED
         if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
@@ -255,8 +257,15 @@ class Engine:
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
+        self._refuse_passing()
         if energy.is_broken(self.ledger, self._limit):
             raise diagnose(self.model, self.state, self.clock, self.ledger)
+
+    def _refuse_passing(self) -> None:
+        """Raises SolverError where a body has passed the middle of what it strikes."""
+        passed = passed_through(self.model, self.state)
+        if passed is not None:
+            raise passed
 
     def law_warnings(self) -> list[str]:
         """What contact laws have met outside their range of validity, per contact card."""

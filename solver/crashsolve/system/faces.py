@@ -83,6 +83,14 @@ def let_go(h, tally, old, stored, gone):
 
 
 @kernel
+def note_lost(clock, h, p, tally, old, mesh):
+    """A probe behind its own face, which no face holds any more, has passed. Writes: tally."""
+    is_behind = old.depth > p.gap and mesh[5][old.face] == 0
+    if h > 0.0 and is_behind and tally.passed == 0.0:
+        tally.passed = clock.time + h
+
+
+@kernel
 def is_crowded(p, tally):
     """Whether the lists fill more than half of their room: time for more."""
     return 2 * tally.pairs > p.room

@@ -29,7 +29,8 @@ def {word}(clock, h, nodes, curves, groups):
                 work.push_along(old, past, count)
             if hit.depth <= 0.0:
                 if old.active == 1:
-{lose}                    nodal.leave(clock, h, tally, turns, j, old, new)
+{lose}                    faces.note_lost(clock, h, p, tally, old, mesh)
+                    nodal.leave(clock, h, tally, turns, j, old, new)
                     {law}.release(p, old, new)
 {end}                continue
 {roll}            mob = nodal.mobility_of({probe}, hit, nodes, points)
@@ -81,11 +82,11 @@ def {word}(clock, h, nodes, curves, groups):
             continue
         x, v = nodal.where(probes[i], h, nodes, points)
         nodal.pose(frames, x, hit)
-        for e in range(shapes.shape[0]):
-            depth, n, _ = {narrow}.gap(groups.{word}_a[0], shapes[e], frames, {data})
-            nodal.deeper(hit, e, depth, n)
         now = nodal.settle(turns, i)
         old, new = slots[now, i], slots[1 - now, i]
+{own}        for e in range(shapes.shape[0]):
+            depth, n, _ = {narrow}.gap(groups.{word}_a[0], shapes[e], frames, {data})
+{keep}            nodal.deeper(hit, e, depth, n)
         nodal.wait_for(i, hit, tally, due)
         past = (0.0, 0.0, 0.0)
         if old.active == 1:
@@ -96,14 +97,14 @@ def {word}(clock, h, nodes, curves, groups):
             if old.active == 1:
                 nodal.leave(clock, h, tally, turns, i, old, new)
                 {law}.release(p, old, new)
-{end}            continue
+{left}{end}            continue
         body = nodes[home[shapes[hit.face].node]]
         mob = nodal.body_mobility(body, x, hit)
         mass = 1.0 / max(mob + nodal.mobility_of(probes[i], hit, nodes, points), nodal.STUCK)
         w = nodal.probe_foretells(probes[i], hit, points)
         rate = nodal.closing(v, nodal.body_velocity(body, x), hit, h, old, w)
         contacts.latch(p, old, new, hit.depth, rate, counts)
-        f, stored, power, loss, k, c = {law}.normal_force(
+{way}        f, stored, power, loss, k, c = {law}.normal_force(
             p, old, new, h, hit.depth, rate, mass, curves
         )
         way = work.way_over_body(p, probes[i], hit, False, x, body, h, nodes, points)
@@ -116,6 +117,23 @@ def {word}(clock, h, nodes, curves, groups):
 """
 
 
+# of shapes whose faces are kept, and of others with a middle that may be passed
+NOTE_FACE = "passing.note_probe(clock, h, p, old, new, hit, held, over)\n"
+NOTE_WAY = "passing.note_round_probe(clock, h, p, old, new, hit)\n"
+OWN = "        held, over = False, -1.0\n"
+KEEP = """\
+            if old.face == e and passing.is_another_face(old, depth, n, p.gap):
+                u = nodal.body_velocity(nodes[home[shapes[e].node]], x)
+                kept = {narrow}.gap_by(groups.{word}_a[0], shapes[e], frames, {data}, old.normal)
+                if passing.keeps_face(old, v, u, n, kept):
+                    held = True
+                    depth, n, _, over = kept
+"""
+MIDDLE = """\
+            if old.face == e and depth > p.gap:
+                past = depth - {narrow}.middle(groups.{word}_a[0], shapes[e], frames, n)
+                over = max(over, past)
+"""
 ON_FACES = """\
             d, e = work.arms(p, hit)
             a = rubbing.probe_foretells({probe}, d, old, points)
@@ -186,7 +204,18 @@ def nodal_function(group: Any) -> str:
         return FACES.format(**words)
     names = [f"groups.{group.word}_{name}" for name in group.arrays if name.startswith("data_")]
     data = "(" + "".join(f"{name}, " for name in names).rstrip(" ") + ")"
-    return SHAPE.format(**words, narrow=f"narrow_{_leaf(group.narrow)}", data=data)
+    words |= {"narrow": f"narrow_{_leaf(group.narrow)}", "data": data}
+    return SHAPE.format(**words, **_ways(group, words))
+
+
+def _ways(group: Any, words: dict[str, str]) -> dict[str, str]:
+    """Text by which probes keep the face of a shape, and notice that they pass its middle."""
+    keeps = group.has_ends and hasattr(group.narrow, "gap_by")
+    note = NOTE_FACE if keeps else NOTE_WAY
+    found = {"left": " " * 16 + note, "way": " " * 8 + note}
+    found = found if group.has_ends else dict.fromkeys(found, "")
+    keep = KEEP + MIDDLE * hasattr(group.narrow, "middle")
+    return found | {"own": OWN * keeps, "keep": keep.format(**words) * keeps}
 
 
 def is_damper(friction: Any) -> bool:

@@ -2,15 +2,16 @@
 
     depth = r - d,   d the signed distance of the centre from the box, negative inside
 
+Inside, every face is a way out: `gap` takes the nearest, `gap_by` that by which a touch goes on.
 Point of contact: the deepest of the sphere, c - r n.
 """
 
 from math import copysign
 
-from crashsolve.contact.narrow._frame import out_of, seen_from
+from crashsolve.contact.narrow._frame import into, out_of, seen_from
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import place
-from crashsolve.foundation.vec3 import add_scaled, norm, scale, vec
+from crashsolve.foundation.vec3 import add_scaled, norm, scale, unit, vec
 
 
 @kernel
@@ -21,6 +22,20 @@ def gap(a, b, nodes, data):
     distance, m = from_box(b.half, seen_from(b, body, centre))
     n = out_of(b, body, m)
     return a.radius - distance, n, add_scaled(centre, -a.radius, n)
+
+
+@kernel
+def gap_by(a, b, nodes, data, normal):
+    """The same by the face that `normal` is nearest to, and how far beyond its middle [m]."""
+    body = nodes[b.node]
+    centre = place(nodes[a.node], vec(a.point))
+    y, m = seen_from(b, body, centre), into(b, body, vec(normal))
+    size = max(abs(m[0]), abs(m[1]), abs(m[2]))
+    k = 0 if abs(m[0]) == size else (1 if abs(m[1]) == size else 2)
+    side = copysign(1.0, m[k])
+    distance = side * y[k] - b.half[k]
+    n = out_of(b, body, scale(side, unit(k)))
+    return a.radius - distance, n, add_scaled(centre, -a.radius, n), -distance - b.half[k]
 
 
 @kernel

@@ -7,8 +7,9 @@
 
 Elsewhere the foot is the nearest point of an edge, and the sign is that of the sum of the normals
 that meet there, weighted by their angles; the open edge of a mesh has no inside. The nearest
-triangle alone counts, so that an edge shared by two is met once. A centre deeper than the thickness
-below the surface is behind the mesh and does not touch. (The chapter prints a normal that is not
+triangle alone counts, so that an edge shared by two is met once: `gap_by` takes that among those
+which face the way by which a touch goes on. A centre deeper than the thickness below the surface is
+behind the mesh and does not touch. (The chapter prints a normal that is not
 of unit length and products that are negative inside; these are the corrected ones.)
 
 The nearest triangle is found in a tree of boxes: each is followed by its inner boxes and knows
@@ -18,12 +19,16 @@ References: Ambrosio (2003), Eq. 11-16; Baerentzen and Aanaes (2005), IEEE Trans
 Graph. 11, 243-253 (signs).
 """
 
+from math import sqrt
+
 from crashsolve.contact.narrow import _tree
-from crashsolve.contact.narrow._frame import out_of, seen_from
+from crashsolve.contact.narrow._frame import into, out_of, seen_from
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, scale, sub, vec
 
+# cosine to the normal of a touch, below which a triangle faces another way
+FACING = 0.5
 FACE = 0  # places 1 to 3 are the edges, 4 to 6 the corners at which they start
 data = _tree.data
 
@@ -43,8 +48,49 @@ def gap(a, b, nodes, data):
         m = scale(-1.0 / distance if inside else 1.0 / distance, way)
     n = out_of(b, body, m)
     if inside and distance > b.thickness:
-        return b.thickness - distance, n, centre
+        # the way to the back
+        return b.thickness - distance, scale(-1.0, n), centre
     return a.radius + (distance if inside else -distance), n, add_scaled(centre, -a.radius, n)
+
+
+@kernel
+def gap_by(a, b, nodes, data, normal):
+    """The same by the triangles that face `normal`, and how far beyond the middle [m].
+
+    The middle is where those that face the other way are as near, or, of an open mesh, where it
+    ends. Without a triangle that faces `normal` there is no depth.
+    """
+    body = nodes[b.node]
+    centre = place(nodes[a.node], vec(a.point))
+    y, m = seen_from(b, body, centre), into(b, body, vec(normal))
+    foot, distance = nearest_facing(data[0], data[1], b.root, y, m)
+    _, opposite = nearest_facing(data[0], data[1], b.root, y, scale(-1.0, m))
+    if distance > 0.0 and distance < 1e300:
+        m = scale(1.0 / distance, sub(foot, y))
+    n = out_of(b, body, m)
+    depth = a.radius + distance if distance < 1e300 else -1.0
+    over = distance - min(opposite, b.thickness)
+    return depth, n, add_scaled(centre, -a.radius, n), over
+
+
+@kernel
+def nearest_facing(tree, triangles, root, y, m):
+    """Nearest point to y on triangles whose normal is within 60 degrees of m; its distance [m]."""
+    foot, best = y, 1e300
+    i = root
+    while i < tree[root].skip:
+        box = tree[i]
+        if beyond(box, y) >= best:
+            i = box.skip
+            continue
+        for k in range(box.first, box.first + box.count):
+            if dot(vec(triangles[k].n), m) > FACING:
+                candidate, _ = foot_on(triangles[k], y)
+                far = square(sub(y, candidate))
+                if far < best:
+                    best, foot = far, candidate
+        i += 1
+    return foot, sqrt(best) if best < 1e300 else best
 
 
 @kernel

@@ -2,14 +2,21 @@
 
     f = K delta^n (1 + chi delta_dot / v_0),   never tensile
 
-v_0 is the closing speed at the onset. The stiffness reported to the step control is that at the
-depth a free impact of speed v_0 will reach, so the first step is already short.
+v_0 is the impact speed: the least with which a free impact could show the speeds of this touch. It
+closes no faster than v_0 and opens no faster than x v_0, x the restitution returned, so
+
+    v_0 = max over the touch of (delta_dot, -delta_dot / x),   not below the speed floor
+
+In a free impact that is the closing speed at the onset. A touch that is driven by others has the
+speed at which it is driven, and one that begins compressed that of the free impact which passes
+its state (`_restitution.py`). The stiffness reported to the step control is that at the depth a
+free impact of speed v_0 will reach, so the first step is already short.
 """
 
 from math import inf
 from typing import Any
 
-from crashsolve.contact.normal._restitution import returned
+from crashsolve.contact.normal._restitution import returned, speed_through
 from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.compile import kernel
@@ -22,9 +29,13 @@ PARAMETERS = Record(
     stiffness=("N/m^n", "K"),
     exponent=("1", "n"),
     chi=("1", "damping factor of the law"),
+    returned=("1", "restitution x of a free impact"),
     speed_limit=("m/s", "impact speed beyond which the law is outside its range"),
 )
-HISTORY = Record(too_fast=("flag", "an impact was faster than speed_limit"))
+HISTORY = Record(
+    damping_speed=("m/s", "v_0"),
+    too_fast=("flag", "an impact was faster than speed_limit"),
+)
 # flags of HISTORY that the log reports at the end of a run, with the words for it
 WARNINGS = {"too_fast": "impact faster than 1e-5 sqrt(E/rho): outside the law's range of validity"}
 
@@ -53,6 +64,7 @@ def power_law(card: PowerCard, scene: Any, pair: Any, chi: float) -> dict[str, A
         "stiffness": card.stiffness if given else hertz_stiffness(card, scene, pair),
         "exponent": card.exponent,
         "chi": chi,
+        "returned": returned(chi),
         "speed_limit": card.speed_limit(),
     }
 
@@ -78,31 +90,51 @@ def damped_law(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> dict
 @kernel
 def normal_force(p, old, new, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
-    new.too_fast = 1 if new.impact_speed > p.speed_limit else old.too_fast
+    v = damping_speed(p, old, new, h, depth, rate, mass)
+    new.damping_speed = v
+    new.too_fast = 1 if v > p.speed_limit else old.too_fast
     n = p.exponent
     spring = p.stiffness * depth**n
-    factor = max(0.0, 1.0 + p.chi * rate / new.impact_speed)
+    factor = max(0.0, 1.0 + p.chi * rate / v)
     stored = spring * depth / (n + 1.0)
     # energy that a free impact puts into the spring gives the depth to come
-    reach = (0.5 * (n + 1.0) * mass * new.impact_speed**2 / p.stiffness) ** (1.0 / (n + 1.0))
+    reach = (0.5 * (n + 1.0) * mass * v**2 / p.stiffness) ** (1.0 / (n + 1.0))
     slope = p.stiffness * max(depth, reach) ** (n - 1.0)
     stiffness = n * slope * max(1.0 + p.chi, factor)
-    damping = p.chi * slope * max(depth, reach) / new.impact_speed
+    damping = p.chi * slope * max(depth, reach) / v
     return spring * factor, stored, spring * (factor - 1.0) * rate, 0.0, stiffness, damping
+
+
+@kernel
+def damping_speed(p, old, new, h, depth, rate, mass):
+    """v_0 of this touch so far [m/s]."""
+    v = max(new.impact_speed, rate, -rate / p.returned)
+    if old.active == 1:
+        return max(v, old.damping_speed)
+    if h == 0.0:
+        # the run begins with it
+        n = p.exponent
+        energy = p.stiffness * depth ** (n + 1.0) / ((n + 1.0) * mass)
+        v = max(v, speed_through(p.chi, p.returned, energy, rate))
+    return v
 
 
 @kernel
 def release(p, old, new):
     """Writes: new."""
+    new.damping_speed = 0.0
     new.too_fast = old.too_fast
 
 
 @kernel
 def normal_tangent(p, state, depth, rate, mass, curves):
-    """Rise of the force over the depth and over its rate."""
+    """Rise of the force over the depth and over its rate; none where v_0 grows with the rate."""
     n = p.exponent
-    factor = 1.0 + p.chi * rate / state.impact_speed
+    kept = max(state.impact_speed, state.damping_speed)
+    v = max(kept, rate, -rate / p.returned)
+    factor = 1.0 + p.chi * rate / v
     if factor <= 0.0:
         return 0.0, 0.0
     slope = p.stiffness * depth ** (n - 1.0)
-    return n * slope * factor, p.chi * slope * depth / state.impact_speed
+    damping = p.chi * slope * depth / v if v == kept else 0.0
+    return n * slope * factor, damping

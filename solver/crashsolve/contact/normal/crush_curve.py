@@ -77,7 +77,8 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
     peak, _, _ = curve_value(curves, p.curve, new.crush)
     spring = max(0.0, peak - k * (new.crush - depth))
     loss = 0.0
-    if new.crush > old.crush:
+    # an end that is crushed when the run begins has lost nothing in it
+    if h > 0.0 and new.crush > old.crush:
         loss = lost(p, new.crush, curves) - lost(p, old.crush, curves)
     f = max(0.0, spring + p.damping * rate) if spring > 0.0 else 0.0
     return f, 0.5 * spring * spring / k, (f - spring) * rate, loss, k, p.damping

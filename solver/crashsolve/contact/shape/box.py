@@ -41,6 +41,11 @@ def half_thickness(element: Any) -> float:
     return float(min(element["half"]))
 
 
+def half_width(element: Any) -> float:
+    """Half the middle one of its edges [m]."""
+    return float(np.median(element["half"]))
+
+
 def corners(element: Any) -> list[dict[str, Any]]:
     """The eight corners, as spheres of radius 0."""
     axes = element["axes"].reshape(3, 3)

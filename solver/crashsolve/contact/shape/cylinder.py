@@ -59,6 +59,11 @@ def half_thickness(element: Any) -> float:
     return float(min(element["radius"], element["half_length"]))
 
 
+def half_width(element: Any) -> float:
+    """Half the middle one of its three extents [m]."""
+    return float(element["radius"])
+
+
 def rounds(element: Any) -> list[np.ndarray]:
     """Ellipsoids, as matrices in body axes, that sum up to this shape with rounded rims."""
     axes = element["axes"].reshape(3, 3)

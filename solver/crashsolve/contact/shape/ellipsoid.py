@@ -39,6 +39,11 @@ def half_thickness(element: Any) -> float:
     return float(min(element["semi"]))
 
 
+def half_width(element: Any) -> float:
+    """The middle one of its semi-axes [m]."""
+    return float(np.median(element["semi"]))
+
+
 def rounds(element: Any) -> list[np.ndarray]:
     """Ellipsoids, as matrices in body axes, that sum up to this shape."""
     axes = element["axes"].reshape(3, 3)

@@ -132,6 +132,11 @@ def half_thickness(element: Any) -> float:
     return 0.5 * min(element["thickness"], extent or np.inf)
 
 
+def half_width(element: Any) -> float:
+    """Half the middle one of its three extents [m]."""
+    return float(0.5 * np.median(np.ptp(element["points"], axis=0)))
+
+
 def corners(element: Any) -> list[dict[str, Any]]:
     """The points of the mesh, as spheres of radius 0."""
     used = element["points"][np.unique(element["faces"])]

@@ -9,7 +9,7 @@ from crashsolve.contact.shape import sphere
 from crashsolve.deck.card import Card, PartName, quantity, word
 
 PARAMETERS, bounding = sphere.PARAMETERS, sphere.bounding
-half_thickness = sphere.half_thickness
+half_thickness, half_width = sphere.half_thickness, sphere.half_width
 
 
 class Nodes(Card):

@@ -7,7 +7,7 @@ from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 
 GAP_AS = "sphere"
 PARAMETERS, bounding = sphere.PARAMETERS, sphere.bounding
-half_thickness = sphere.half_thickness
+half_thickness, half_width = sphere.half_thickness, sphere.half_width
 
 
 class PointSet(Card):

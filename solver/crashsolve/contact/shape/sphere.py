@@ -39,3 +39,8 @@ def bounding(element: Any) -> tuple[Any, float]:
 def half_thickness(element: Any) -> float:
     """How deep the middle lies where the shape is thinnest [m]."""
     return float(element["radius"])
+
+
+def half_width(element: Any) -> float:
+    """Radius [m]."""
+    return float(element["radius"])

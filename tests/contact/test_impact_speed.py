@@ -1,0 +1,147 @@
+"""The impact speed of laws of restitution where a touch begins compressed, or others drive it."""
+
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from touching import Contact
+
+from crashsolve.contact.normal._restitution import damping_factor, returned
+
+LAWS = (
+    "lankarani_nikravesh",
+    "hunt_crossley",
+    "herbert_mcwhannell",
+    "lee_wang",
+    "gonthier",
+    "flores",
+    "hu_guo",
+    "exact_restitution",
+)
+K, N, MASS = 1e6, 1.5, 1.0
+
+
+def law(folder: Path, name: str, e: float = 0.5) -> Contact:
+    """A contact whose floor is out of the way."""
+    contact = Contact(folder, f"{{type: {name}, stiffness: {K}, restitution: {e}}}")
+    contact.p.speed_floor = 1e-9
+    return contact
+
+
+def work(chi: float, s: float) -> float:
+    """Integral of u / (1 + chi u) from s to 1, by Gauss's rule: accurate to round-off here."""
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    u = 0.5 * (1 + s) + 0.5 * (1 - s) * nodes
+    return float(0.5 * (1 - s) * (weights * u / (1 + chi * u)).sum())
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("e", (0.3, 0.9))
+def test_every_state_of_a_free_impact_has_its_impact_speed(
+    tmp_path: Path, name: str, e: float
+) -> None:
+    """A run that begins in the middle of an impact goes on as that impact does."""
+    contact, v = law(tmp_path, name, e), 3.0
+    chi = float(contact.p.chi)
+    for s in (0.999, 0.5, 0.1, 0.0, -0.4 * returned(chi), -0.95 * returned(chi)):
+        depth = ((N + 1) * MASS * v * v / K * work(chi, s)) ** (1 / (N + 1))
+        contact.press(depth, s * v, mass=MASS)
+        # round-off of differences of numbers of size one, over shares of a twentieth
+        assert contact.new.damping_speed == pytest.approx(v, rel=1e-11)
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("depth", (0.05, 0.15))
+def test_what_is_set_in_leaves_as_from_the_impact_that_goes_as_deep(
+    tmp_path: Path, name: str, depth: float
+) -> None:
+    contact = law(tmp_path, name)
+    chi, x = float(contact.p.chi), float(contact.p.returned)
+    # (E2) and (E1) of theory/contact.md
+    v = sqrt(K * depth ** (N + 1) / ((N + 1) * MASS * (1 / chi - np.log1p(chi) / chi**2)))
+    speed = leaving(contact, depth, h=2e-6)
+    # some 2000 steps of a method of order 2
+    assert speed == pytest.approx(x * v, rel=1e-4)
+
+
+@pytest.mark.parametrize("e", (0.2, 0.5, 0.9))
+def test_what_is_pressed_slowly_and_let_go_leaves_whatever_the_speed_of_pressing(
+    tmp_path: Path, e: float
+) -> None:
+    """It opens as fast as no free impact of the pressing speed does: 1 - chi x of the energy."""
+    for slow in (1e-3, 1e-6):
+        contact, depth = law(tmp_path, "exact_restitution", e), 0.05
+        contact.press(1e-12, slow, mass=MASS)
+        contact.accept()
+        contact.press(depth, 0.0, h=1.0, mass=MASS)
+        contact.accept()
+        speed = leaving(contact, depth, h=2e-6)
+        energy = K * depth ** (N + 1) / (N + 1)
+        expected = sqrt(2 * energy * (1 - damping_factor(e) * e) / MASS)
+        # the pressing speed is a thousandth of the other, or less
+        assert speed == pytest.approx(expected, rel=2e-3)
+
+
+def leaving(contact: Contact, depth: float, h: float) -> float:
+    """Speed at which a mass leaves that is at rest at this depth, by the velocity Verlet method."""
+    x, v = depth, 0.0
+    now = contact.press(x, v, 0.0, MASS)
+    contact.accept()
+    while True:
+        half = v - 0.5 * h * now.force / MASS
+        x += h * half
+        if x <= 0.0:
+            return -half
+        after = contact.press(x, half - 0.5 * h * now.force / MASS, h, MASS)
+        v = half - 0.5 * h * after.force / MASS
+        now = after
+        contact.accept()
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_results_are_continuous_as_a_gap_goes_to_zero(tmp_path: Path, name: str) -> None:
+    """A ball strikes a ball that is a gap away from a wall: speeds of both in the end."""
+    gaps = (1e-3, 1e-5, 1e-7, 1e-9, 0.0)
+    found = [chain(tmp_path, name, gap) for gap in gaps]
+    limit = found[-1]
+    assert limit[0] > 0.0 and limit[1] > 0.0
+    for gap, speeds in zip(gaps, found, strict=True):
+        # the blow goes 6 mm deep: a gap counts by its share of that, 1/6e-3 per metre
+        assert speeds == pytest.approx(limit, abs=200.0 * gap + 1e-9)
+
+
+def chain(folder: Path, name: str, gap: float) -> list[float]:
+    """Speeds away from the wall of both balls, after the first came at 1 m/s."""
+    pair, wall, h = law(folder, name), law(folder, name), 1e-4
+    # how far the first is into the second, and the second into the wall
+    y = np.array([0.0, -gap])
+    v = np.array([1.0, 0.0])
+    pair.p.speed_floor = wall.p.speed_floor = 1e-3
+
+    def forces(h: float) -> np.ndarray:
+        f = []
+        # closing speeds foretold by the forces of the step before
+        a = push @ before / MASS
+        for k, (contact, depth, mass) in enumerate(((pair, y[0], 0.5), (wall, y[1], 1.0))):
+            u = v + 0.5 * h * a
+            rate = (u[0] - u[1], u[1])[k]
+            if depth > 0.0:
+                f.append(contact.press(float(depth), float(rate), max(h, 1e-30), mass).force)
+            else:
+                contact.release(contact.group.normal)
+                f.append(0.0)
+        return np.array(f)
+
+    push, before = np.array([[-1.0, 0.0], [1.0, -1.0]]), np.zeros(2)
+    for _ in range(600):
+        v = v + 0.5 * h * push @ before / MASS
+        y = y + h * np.array([v[0] - v[1], v[1]])
+        now = forces(h)
+        v = v + 0.5 * h * push @ now / MASS
+        before = now
+        for contact in (pair, wall):
+            contact.accept()
+        if max(y) < 0.0 and v[1] < 0.0 and v[0] < v[1]:
+            break
+    return [-float(v[0]), -float(v[1])]
