@@ -46,6 +46,7 @@ from crashsolve.pulse import Pulse
 from crashsolve.remarks import deleted, undeformed, untouched
 from crashsolve.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.sampling import Schedule
+from crashsolve.system.contact_balance import contact_warnings
 from crashsolve.system.engine import Engine
 from crashsolve.totals import write_totals
 
@@ -329,7 +330,11 @@ class Run:
             "deleted": deleted(self.engine, self.folder / "history.h5"),
         }
         self.account.status(state, code, message)
-        for text in (*self.engine.law_warnings(), *self.engine.step_warnings()):
+        engine = self.engine
+        unbalanced = []
+        if self.deck.control.solution == "transient":
+            unbalanced = contact_warnings(engine.model, engine.state, engine.ledger)
+        for text in (*engine.law_warnings(), *unbalanced, *engine.step_warnings()):
             self.log.warning(text)
         write_totals(self.account)
         self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)
