@@ -43,7 +43,7 @@ from crashsolve.output.status import State as RunState
 from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.pulse import Pulse
-from crashsolve.remarks import deleted, undeformed, untouched
+from crashsolve.remarks import deleted, pressed_at_start, undeformed, untouched
 from crashsolve.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.sampling import Schedule
 from crashsolve.system.contact_balance import contact_warnings
@@ -210,6 +210,8 @@ class Run:
         if resumed is None:
             self.engine.start()
             self._refuse_misfits()
+            for text in pressed_at_start(self.engine):
+                self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         metadata = provenance(self.deck, self.engine)
         self.history = HistoryWriter(
