@@ -24,17 +24,18 @@ STRETCHES = 9
 
 
 def forty_bodies() -> Path:
-    """Eight chains of five hinged rods hang over a floor; twenty of the rods carry spheres."""
+    """Eight chains of five hinged rods swing over a floor; twenty of the rods carry spheres."""
     bodies, joints, surfaces = {}, {}, {"floor": {"type": "plane", "at": [0, 0, -0.96]}}
     for chain in range(8):
         above = "ground"
         for link in range(5):
             name = f"rod_{chain}_{link}"
-            x, z = 0.3 * chain, -0.2 * link
+            # 45 degrees off the vertical: hanging straight the lowest would begin in the floor
+            x, z, half = 0.3 * chain + link * 0.1414, -link * 0.1414, 0.0707
             bodies[name] = {
                 "mass": 1.0,
                 "inertia": [0.0034, 0.0034, 0.0002],
-                "position": [x, 0, z - 0.1],
+                "position": [x + half, 0, z - half],
             }
             joints[f"hinge_{chain}_{link}"] = {
                 "type": "revolute",
@@ -44,7 +45,7 @@ def forty_bodies() -> Path:
                 "axis": [0, 1, 0],
             }
             if (5 * chain + link) % 2 == 0:
-                at = [0, 0, -0.1]
+                at = [half, 0, -half]
                 surfaces[f"tip_{chain}_{link}"] = {
                     "type": "sphere",
                     "body": name,

@@ -17,6 +17,16 @@ OF_BEAMS = ("strain", "curvature")
 STEPS, COLLAPSED = 20, 1e-3
 
 
+def pressed_at_start(engine: Engine) -> list[str]:
+    """Contacts that touch when the run begins, with the energy that sets their bodies in motion."""
+    return [
+        f"contact '{name}' touches at the start, {card['depth']:.3g} m deep at most: "
+        f"it holds {card['stored']:.6g} J"
+        for name, card in zip(engine.model.contacts, engine.state.cards, strict=True)
+        if card["touching"] and card["depth"] > 0.0
+    ]
+
+
 def untouched(engine: Engine) -> list[str]:
     """Contacts that never touched."""
     now = engine.state.card_history[int(engine.clock["current"])]

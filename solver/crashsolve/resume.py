@@ -90,6 +90,7 @@ def _kept_in_place(engine: Engine) -> dict[str, np.ndarray]:
     for c in _lists(engine):
         seen = c.search.arrays() if c.search else {}
         arrays |= {f"{name}/{c.word}": array for name, array in seen.items()}
+    arrays |= model.nodal_loads
     # a sample may lie within the last step
     arrays |= engine.stages
     # an implicit method may use the factors of its last step in the next

@@ -43,9 +43,10 @@ from crashsolve.output.status import State as RunState
 from crashsolve.phases import ContactPhases
 from crashsolve.pictures import Pictures
 from crashsolve.pulse import Pulse
-from crashsolve.remarks import deleted, undeformed, untouched
+from crashsolve.remarks import deleted, pressed_at_start, undeformed, untouched
 from crashsolve.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.sampling import Schedule
+from crashsolve.system.contact_balance import contact_warnings
 from crashsolve.system.engine import Engine
 from crashsolve.totals import write_totals
 
@@ -209,6 +210,8 @@ class Run:
         if resumed is None:
             self.engine.start()
             self._refuse_misfits()
+            for text in pressed_at_start(self.engine):
+                self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         metadata = provenance(self.deck, self.engine)
         self.history = HistoryWriter(
@@ -329,7 +332,11 @@ class Run:
             "deleted": deleted(self.engine, self.folder / "history.h5"),
         }
         self.account.status(state, code, message)
-        for text in (*self.engine.law_warnings(), *self.engine.step_warnings()):
+        engine = self.engine
+        unbalanced = []
+        if self.deck.control.solution == "transient":
+            unbalanced = contact_warnings(engine.model, engine.state, engine.ledger)
+        for text in (*engine.law_warnings(), *unbalanced, *engine.step_warnings()):
             self.log.warning(text)
         write_totals(self.account)
         self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)

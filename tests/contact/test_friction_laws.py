@@ -148,7 +148,6 @@ def test_a_bristle_turns_with_the_normal_and_keeps_its_energy(bristle: Contact) 
     stored = bristle.rub(100.0, (0, 0, 0), (0, 0, 1)).stored
     for angle in (0.1, 0.3, 0.8):
         n = np.array([np.sin(angle), 0, np.cos(angle)])
-        bristle.old.bristle_slip = 0.0
         out = bristle.rub(100.0, (0, 0, 0), n)
         assert out.stored == pytest.approx(stored, rel=1e-14)
         assert abs(out.force @ n) < 1e-13

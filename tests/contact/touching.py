@@ -41,6 +41,8 @@ class Contact:
         self.p = self.pairs[0]
         self.old, self.new = (self.group.history.view(np.recarray)[side, 0] for side in (0, 1))
         self.old.depth = -1.0
+        # sliding velocity at the start of the step, and as it was asked for last
+        self.slip = self._slip = np.zeros(3)
 
     def gaps(self) -> list[tuple[float, np.ndarray, np.ndarray]]:
         """Depth, normal and point of every pair of elements."""
@@ -65,16 +67,35 @@ class Contact:
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         return SimpleNamespace(**dict(zip(names, result, strict=True)))
 
-    def rub(self, normal: float, slip: Any, n: Any, h: float = 0.0, mass: float = 1.0) -> Any:
-        """Friction on side a at a sliding velocity."""
-        self._spoil(self.group.friction)
+    def rub(
+        self,
+        normal: float,
+        slip: Any,
+        n: Any,
+        h: float = 0.0,
+        mass: float = 1.0,
+        ease: float = 0.0,
+        way: Any = None,
+    ) -> Any:
+        """Friction on side a at a sliding velocity.
+
+        A law that is stretched by the slip over the step is given that, by the trapezoidal rule.
+        """
+        law = self.group.friction
+        self._spoil(law)
         self.new.active = 1
-        kernel = plain(self.group.friction.friction_force)
+        kernel = plain(law.friction_force)
         u, m = tuple(map(float, slip)), tuple(map(float, n))
-        result = kernel(self.p, self.old, self.new, h, normal, u, m, mass, self.bench.curves)
+        if getattr(law, "STEPWISE", False):
+            before = self.slip if self.old.active else np.zeros(3)
+            way = 0.5 * h * (before + np.asarray(u)) * self.old.active
+            way = tuple(way - way @ np.asarray(n) * np.asarray(n))
+        self._slip = np.asarray(u)
+        curves = self.bench.curves
+        result = kernel(self.p, self.old, self.new, normal, u, way, m, mass, ease, curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         found = SimpleNamespace(**dict(zip(names, result, strict=True)))
-        found.force = np.array(found.force)
+        found.force = self.new.rub = np.array(found.force)
         return found
 
     def release(self, law: Any) -> None:
@@ -87,6 +108,7 @@ class Contact:
         """The step is accepted: new becomes old."""
         for name in self.old.dtype.names:
             self.old[name] = self.new[name]
+        self.slip = self._slip
 
     def _spoil(self, law: Any) -> None:
         spoil(self.new, law.HISTORY)

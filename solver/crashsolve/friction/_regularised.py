@@ -1,9 +1,23 @@
-"""Friction that depends on the sliding speed alone: applied against the slip, all work is lost."""
+"""Friction that depends on the sliding speed alone: applied against the slip, all work is lost.
+
+Near rest such a law is a damper, and a stiff one would reverse the slip within a step. So the
+friction of an explicit step is that at the slip which it leaves,
+
+    f = F(v),   v = v_free - e f,   e F'(v) <= 1
+
+v_free is the slip without it, and e the slip that it takes per newton in half a step [s/kg]: its
+impulse over a step stops a slip and never reverses it. The speeds over which F rises are widened to
+that end, by no more than the speed that friction can take in half a step. Consequence to test:
+friction sets no step, and for a step short enough F is that of the law.
+
+Reference: Kikuuwe, Takesue, Sano, Mochiyama and Fujimoto (2005), Fixed-step friction simulation,
+IEEE/RSJ International Conference on Intelligent Robots and Systems.
+"""
 
 from math import sqrt
 
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.vec3 import dot, scale
+from crashsolve.foundation.vec3 import add, add_scaled, dot, scale
 
 
 @kernel
@@ -13,11 +27,24 @@ def speed(slip):
 
 
 @kernel
-def against(slip, v, friction, slope):
+def without_friction(slip, rub, n, ease):
+    """Slip as it would be without friction, where `slip` counts on that of the last step."""
+    if ease == 0.0:
+        return slip
+    free = add_scaled(slip, -ease, rub)
+    return add_scaled(free, -dot(free, n), n)
+
+
+@kernel
+def against(slip, v, friction, slope, rub, way):
     """Friction on side a and its record, for a friction force at sliding speed v.
 
     Returns force, stored energy, dissipated power, loss, stiffness, damping; slope bounds the
-    rise of the friction force over the sliding speed [N s/m].
+    rise of the friction force over the sliding speed [N s/m]. With `way`, the slip over a whole
+    step, its loss is its work, `rub` being the friction at the start, and it sets no step.
     """
     share = -friction / v if v > 0.0 else 0.0
-    return scale(share, slip), 0.0, friction * v, 0.0, 0.0, slope
+    force = scale(share, slip)
+    if way is None:
+        return force, 0.0, friction * v, 0.0, 0.0, slope
+    return force, 0.0, 0.0, -0.5 * dot(add(rub, force), way), 0.0, 0.0

@@ -52,10 +52,7 @@ PARAMETERS = Record(
     friction_dynamic=("1", "mu_d"),
     friction_stribeck=("m/s", "v_s"),
 )
-HISTORY = Record(
-    bristle=("m", 3, "elastic slip z of a over b"),
-    bristle_slip=("m/s", 3, "sliding velocity"),
-)
+HISTORY = Record(bristle=("m", 3, "elastic slip z of a over b"))
 
 
 def build(card: Bristle, scene: Any) -> dict[str, Any]:
@@ -69,7 +66,7 @@ def build(card: Bristle, scene: Any) -> dict[str, Any]:
 
 
 @kernel
-def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
+def friction_force(p, old, new, normal_force, slip, way, n, mass, ease, curves):
     """Returns force on a, stored, power, loss, stiffness, damping. Writes: new."""
     k = p.friction_stiffness
     c = 2.0 * p.friction_damping * sqrt(k * mass)
@@ -79,16 +76,15 @@ def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
     start, trial = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     if old.active == 1:
         start = turned(vec(old.bristle), n)
-        way = scale(0.5 * h, add(slip, turned(vec(old.bristle_slip), n)))
         trial = add(start, way)
     z = cut(trial, limit / k)
     put(new.bristle, z)
-    put(new.bristle_slip, slip)
-    loss = 0.5 * k * dot(add(start, z), sub(trial, z))
     spring = scale(k, z)
     pull = cut(add_scaled(spring, c, slip), limit)
-    power = dot(sub(pull, spring), slip)
-    return scale(-1.0, pull), 0.5 * k * dot(z, z), power, loss, k, c
+    # of the damper, at the start of the step and at its end
+    damped = sub(sub(pull, spring), add_scaled(vec(old.rub), k, vec(old.bristle)))
+    loss = 0.5 * (k * dot(add(start, z), sub(trial, z)) + dot(damped, way))
+    return scale(-1.0, pull), 0.5 * k * dot(z, z), 0.0, loss, k, c
 
 
 @kernel
@@ -110,4 +106,3 @@ def cut(x, limit):
 def release(p, old, new):
     """The bristle is straight again; its energy was lost with the normal force. Writes: new."""
     put(new.bristle, (0.0, 0.0, 0.0))
-    put(new.bristle_slip, (0.0, 0.0, 0.0))

@@ -3,7 +3,8 @@
     f = -mu f_d N v/|v|,   f_d = 0 | (|v| - v_0)/(v_1 - v_0) | 1   below v_0 | between | above v_1
 
 v is the tangential velocity of a relative to b (the chapter prints the whole velocity of the node).
-v_0 and v_1 are corners: methods that choose their steps by error end them there.
+v_0 and v_1 are corners: methods that choose their steps by error end them there. In explicit steps
+v_1 - v_0 is not less than the speed that friction takes in half a step (`_regularised.py`).
 Nothing rests on a slope. Consequence to test: on a slope below the friction angle a block creeps
 at v_0 + (v_1 - v_0) tan(slope)/mu.
 
@@ -17,7 +18,8 @@ from pydantic import model_validator
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.friction._regularised import against, speed
+from crashsolve.foundation.vec3 import vec
+from crashsolve.friction._regularised import against, speed, without_friction
 
 
 class Coulomb(Card):
@@ -51,16 +53,18 @@ def build(card: Coulomb, scene: Any) -> dict[str, Any]:
 
 
 @kernel
-def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
+def friction_force(p, old, new, normal_force, slip, way, n, mass, ease, curves):
     """Returns force on a, stored energy, power, loss, stiffness, damping. Writes: new."""
-    v = speed(slip)
+    rub = vec(old.rub)
+    free = without_friction(slip, rub, n, ease)
+    v, full = speed(free), p.friction_coefficient * normal_force
     new.friction_regime = (1 if v >= p.friction_none_below else 0) + (
         1 if v >= p.friction_full_above else 0
     )
-    rise = p.friction_full_above - p.friction_none_below
-    share = min(max((v - p.friction_none_below) / rise, 0.0), 1.0)
-    full = p.friction_coefficient * normal_force
-    return against(slip, v, full * share, full / rise)
+    taken = ease * full
+    rise = max(p.friction_full_above - p.friction_none_below, taken)
+    share = min(max((v - p.friction_none_below) / (rise + taken), 0.0), 1.0)
+    return against(free, v, full * share, full / rise, rub, way)
 
 
 @kernel

@@ -18,7 +18,11 @@ from pydantic import model_validator
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.friction._regularised import against, speed
+from crashsolve.foundation.vec3 import vec
+from crashsolve.friction._regularised import against, speed, without_friction
+
+# of the slip without friction, that which is left; a dozen passes find it
+CLOSED, PASSES = 1e-13, 60
 
 
 class Stribeck(Card):
@@ -58,13 +62,53 @@ def build(card: Stribeck, scene: Any) -> dict[str, Any]:
 
 
 @kernel
-def friction_force(p, old, new, h, normal_force, slip, n, mass, curves):
+def friction_force(p, old, new, normal_force, slip, way, n, mass, ease, curves):
     """Returns force on a, stored energy, dissipated power, loss, stiffness, damping."""
-    v = speed(slip)
-    peak = (p.friction_static - p.friction_dynamic) * exp(-((v / p.friction_stribeck) ** 2))
-    mu = (p.friction_dynamic + peak) * tanh(v / p.friction_smoothing) + p.friction_viscous * v
-    steepest = p.friction_static / p.friction_smoothing + p.friction_viscous
-    return against(slip, v, mu * normal_force, steepest * normal_force)
+    rub = vec(old.rub)
+    free = without_friction(slip, rub, n, ease)
+    v, taken = speed(free), ease * normal_force
+    mu = coefficient(p, slip_left(p, v, taken), taken)
+    return against(free, v, mu * normal_force, steepest(p) * normal_force, rub, way)
+
+
+@kernel
+def steepest(p):
+    """Largest rise of the friction coefficient over the sliding speed [s/m]."""
+    return p.friction_static / p.friction_smoothing + p.friction_viscous
+
+
+@kernel
+def coefficient(p, v, taken):
+    """Friction over normal force at sliding speed v; it rises and falls by 1 / taken at most."""
+    widened = max(1.0, taken * steepest(p))
+    drop = p.friction_static - p.friction_dynamic
+    peak = drop * exp(-((v / max(p.friction_stribeck, taken * drop)) ** 2))
+    smooth = tanh(v / (widened * p.friction_smoothing))
+    return (p.friction_dynamic + peak) * smooth + p.friction_viscous / widened * v
+
+
+@kernel
+def slip_left(p, v_free, taken):
+    """Root v of v + taken mu(v) = v_free, by the Illinois rule; both sides of it rise."""
+    if taken * v_free == 0.0:
+        return v_free
+    low, high = 0.0, v_free
+    miss_low, miss_high = -v_free, taken * coefficient(p, v_free, taken)
+    v, was_high = v_free, False
+    for k in range(PASSES):
+        v = high - miss_high * (high - low) / (miss_high - miss_low)
+        miss = v + taken * coefficient(p, v, taken) - v_free
+        if abs(miss) <= CLOSED * v_free:
+            break
+        is_high = miss > 0.0
+        if is_high:
+            high, miss_high = v, miss
+            miss_low *= 0.5 if k > 0 and was_high else 1.0
+        else:
+            low, miss_low = v, miss
+            miss_high *= 0.5 if k > 0 and not was_high else 1.0
+        was_high = is_high
+    return v
 
 
 @kernel

@@ -277,9 +277,12 @@ def _state(model: Model, scene: Scene) -> State:
     clock[0]["time"] = start = scene.deck.control.start_time
     card_history = np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype)
     card_history["first_touch"] = card_history["last_release"] = start - 1.0
+    nodes = initial_nodes(scene)
+    # the ground never moves
+    nodes["start_q"], nodes["start_A"] = nodes["q"], nodes["A"]
     return State(
         clock=clock,
-        nodes=initial_nodes(scene),
+        nodes=nodes,
         rows=initial_rows(model),
         cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
         card_history=card_history,

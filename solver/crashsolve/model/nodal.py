@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
+from itertools import permutations
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
 # lists of near faces: their margin over the mean radius of a face, and the faces of a probe that
 # there is room for at first
 MARGIN, ROOM = 1.0, 24
+# a node meets no faces of its own surface that are nearer along it than so many gaps: bent round as
+# tightly as its thickness allows a surface touches itself after pi/2 of them, and in its own plane
+# it would have to be crushed to 0.4 of its length
+FOLDED = 2.5
 # share of the gap by which a step may bring two sides nearer
 REACH = 0.5
 # shapes that press on shapes, and on faces
@@ -86,10 +91,11 @@ SLOT = Record(
     stored=("J", "recoverable energy"),
     face=("index", "that is touched"),
     normal=("1", 3, "towards the probe"),
+    N=("1", 4, "weights of the corners"),
 )
 RUB = Record(
     rub=("N", 3, "friction on the probe"),
-    rub_power=("W", "dissipated by it"),
+    bristled=("J", "recoverable energy of friction"),
 )
 HIT = Record(
     depth=("m", "penetration; 0: no touch"),
@@ -104,6 +110,8 @@ STIFFENED = Record(
     stiffness=("1/s^2", "sum of k N / m"),
     damping=("1/s", "sum of c N / m"),
     listed=("flag", "whether the point is among those that are touched"),
+    pressed=("m/s^2", "sum of normal force times N / m, where friction acts"),
+    was_pressed=("m/s^2", "the same in the last step"),
 )
 TOUCHED = Record(
     count=("count", "points that are touched"),
@@ -271,7 +279,10 @@ class NodalBuilder:
         ).max(axis=1)
         gap = probes.radius + 0.5 * (card.thickness or laid.card.thickness)
         around = faces_around(quads, len(laid.mass))
-        spared = spare(quads, around, card.ring) if is_own else nothing(len(probes.rows))
+        spared = nothing(len(probes.rows))
+        if is_own:
+            near = spare(quads, around, card.ring)
+            spared = merged(near, spare_along(laid.mesh.points, quads, around, FOLDED * gap))
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
         values = {
@@ -389,6 +400,59 @@ def spare(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarray, np.nda
         reached = own[at + np.arange(sizes.sum())]
         first, faces = grouped(np.repeat(np.repeat(owners, 4), sizes), reached, count)
     return first, faces
+
+
+def spare_along(
+    points: np.ndarray, quads: np.ndarray, around: Any, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Faces with a corner within `reach` [m] of each point, along sides and diagonals of faces."""
+    count = len(points)
+    owners, reached = points_along(points, quads, reach)
+    first, faces = around
+    sizes = np.diff(first)[reached]
+    at = np.repeat(first[reached] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
+    return grouped(np.repeat(owners, sizes), faces[at + np.arange(sizes.sum())], count)
+
+
+def points_along(
+    points: np.ndarray, quads: np.ndarray, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of points within `reach` [m] of each other along sides and diagonals of faces.
+
+    Shortest ways, all points at once, edge by edge; each point is a pair with itself.
+    """
+    count = len(points)
+    ends = np.concatenate([quads[:, pair] for pair in permutations(range(4), 2)])
+    first, others = grouped(ends[:, 0], ends[:, 1], count)
+    starts = np.repeat(np.arange(count), np.diff(first))
+    lengths = np.linalg.norm(points[others] - points[starts], axis=1)
+    # pairs as one number each, ascending, with the shortest way so far
+    known = front = np.arange(count) * (count + 1)
+    ways = way = np.zeros(count)
+    while len(front):
+        owner, via = np.divmod(front, count)
+        sizes = np.diff(first)[via]
+        at = np.repeat(first[via] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
+        at += np.arange(sizes.sum())
+        longer = np.repeat(way, sizes) + lengths[at]
+        pair, is_near = np.repeat(owner, sizes) * count + others[at], longer < reach
+        pair, longer = pair[is_near], longer[is_near]
+        pairs, values = np.r_[known, pair], np.r_[ways, longer]
+        is_new = np.r_[np.zeros(len(known), bool), np.ones(len(pair), bool)]
+        # of equal ways the known one
+        order = np.lexsort((is_new, values, pairs))
+        pairs, values, is_new = pairs[order], values[order], is_new[order]
+        best = np.r_[True, pairs[1:] != pairs[:-1]]
+        known, ways, is_new = pairs[best], values[best], is_new[best]
+        front, way = known[is_new], ways[is_new]
+    return known // count, known % count
+
+
+def merged(one: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Values by key of two tables together."""
+    count = len(one[0]) - 1
+    keys = np.r_[*(np.repeat(np.arange(count), np.diff(first)) for first, _ in (one, other))]
+    return grouped(keys, np.r_[one[1], other[1]], count)
 
 
 def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:

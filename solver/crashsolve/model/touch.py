@@ -20,6 +20,10 @@ HISTORY = Record(
     power=("W", "its present rate"),
     friction_dissipated=("J", "by friction"),
     friction_power=("W", "its present rate"),
+    push=("N", 3, "normal force on side a"),
+    rub=("N", 3, "friction on side a"),
+    bristled=("J", "recoverable energy of friction"),
+    place=("m", 3, "point of contact"),
 )
 # of pairs whose sides have an end (system/passing.py)
 FACE = Record(
@@ -51,6 +55,13 @@ CARD_HISTORY = Record(
     peak_normal=("N", "largest normal force of any step"),
     peak_depth=("m", "largest depth of any step"),
     onsets=("count", "number of onsets"),
+    held=("J", "recoverable energy of the normal force"),
+    bristled=("J", "recoverable energy of friction"),
+    work=("J", "of the normal force on both sides"),
+    friction_work=("J", "of friction on both sides"),
+    held_first=("J", "held before the first step"),
+    handled=("J", "most that the normal force has held and lost so far"),
+    friction_handled=("J", "most that friction has"),
     touches=("count", "times the card has begun to touch"),
     first_touch=("s", "when that was first; before the start of the run where it never was"),
     last_release=("s", "when it last ceased to touch; the same"),

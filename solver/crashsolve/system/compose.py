@@ -24,7 +24,7 @@ from crashsolve.model.compliance import (
     tangent_groups,
 )
 from crashsolve.system import sharing
-from crashsolve.system.nodal_text import nodal_function
+from crashsolve.system.nodal_text import is_damper, nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
 TIMES = "contact_times.time_cards(TIME, h, clock, groups.cards, groups.card_history)"
@@ -255,6 +255,8 @@ def _imports(model: Any) -> str:
     if model.nodal_groups:
         rubs = any(n.friction for n in model.nodal_groups)
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
+    if model.integrator == "rattle" and touches(model):
+        lines.append("from crashsolve.system import work")
     shapes = [n for n in model.nodal_groups if n.narrow is not None]
     if any(_has_ends(c) for c in model.contact_groups) or any(n.has_ends for n in shapes):
         lines.append("from crashsolve.system import passing")
@@ -336,8 +338,13 @@ def _force_calls(model: Any) -> list[str]:
     if touches(model):
         lines += ["contacts.open_cards(groups.cards)"]
         lines += ["contacts.carry_onsets(clock.current, groups.card_history)"]
+        groups = (*model.contact_groups, *model.nodal_groups)
+        if model.integrator == "rattle" and any(is_damper(c.friction) for c in groups):
+            lines += ["contacts.open_rubbing(nodes)"]
         lines += [f"{c.word}(clock, h, nodes, curves, groups)" for c in model.contact_groups]
         if model.nodal_groups:
+            rubs = any(is_damper(n.friction) for n in model.nodal_groups)
+            lines += ["rubbing.open_rubbing(h, groups)"] * rubs
             lines += ["nodal.open_loads(groups)"]
             lines += [f"{n.word}(clock, h, nodes, curves, groups)" for n in model.nodal_groups]
             lines += ["nodal.close_loads(groups)"]
@@ -493,6 +500,8 @@ def _kick_calls(model: Any) -> list[str]:
 def _contact(model: Any, c: Any) -> str:
     """The loop over the pairs of one contact group."""
     g, normal = f"groups.{c.word}", _alias(c.normal)
+    # one force pass per step: the work over it is that of both its ends
+    is_whole = model.integrator == "rattle"
     lines = [
         "@kernel",
         f"def {c.word}(clock, h, nodes, curves, groups):",
@@ -504,6 +513,11 @@ def _contact(model: Any, c: Any) -> str:
         f"        a, b = {g}_a[p.a], {g}_b[p.b]",
         f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
         *_way_of(c),
+        "        m, w = nodes[a.node], nodes[b.node]",
+    ]
+    if is_whole:
+        lines.append("        rubbed = work.end_first_half(h, old, m, w, counts[p.card])")
+    lines += [
         "        if depth <= 0.0:",
         "            contacts.separate(clock, old, new, out, depth, x)",
         f"            {normal}.release(p, old, new)",
@@ -512,10 +526,10 @@ def _contact(model: Any, c: Any) -> str:
         lines.append("            new.dissipated += passing.given_up(clock, h, old, n, stored)")
     if c.friction:
         lines.append(f"            {_alias(c.friction)}.release(p, old, new)")
+        lines += ["            work.part_pair(old, new, rubbed)"] * is_whole
     lines += [
         "            contacts.sum_losses(groups.cards[p.card], new)",
         "            continue",
-        "        m, w = nodes[a.node], nodes[b.node]",
         "        rate, slip, d_a, d_b = contacts.closing(m, w, x, n)",
         "        contacts.latch(p, old, new, depth, rate, counts)",
         "        mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)",
@@ -526,16 +540,10 @@ def _contact(model: Any, c: Any) -> str:
         "        t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0",
         "        out.friction_stored = 0.0",
     ]
+    if is_whole:
+        lines.append("        way = work.way_to(h, m, w, x)")
     if c.friction:
-        lines += [
-            f"        t, out.friction_stored, t_power, t_loss, t_k, t_c = {_alias(c.friction)}"
-            ".friction_force(",
-            "            p, old, new, h, f, slip, n, mass, curves",
-            "        )",
-            "        u = contacts.along(t, slip, n)",
-            "        mob_t, mob_u = contacts.pair_mobility(m, w, d_a, d_b, u)",
-            "        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)",
-        ]
+        lines += _pair_friction(c.friction, is_whole)
     lines += [
         f"        felt = contacts.{_share_felt(model)}",
         "        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)",
@@ -546,7 +554,30 @@ def _contact(model: Any, c: Any) -> str:
         "        contacts.sum_card(card, card_new, p.order, felt, f, t, new, out)",
         "        contacts.sum_losses(card, new)",
     ]
+    if is_whole:
+        lines.append("        work.begin_second_half(felt, way, f, t, n, x, out, new, card_new)")
     return "\n".join(lines) + "\n"
+
+
+def _pair_friction(friction: Any, is_whole: bool) -> list[str]:
+    """Friction of a pair; what is a damper near rest is no stiffness for a step of `rattle`."""
+    is_eased, law = is_whole and is_damper(friction), _alias(friction)
+    way, ease = ("work.along_plane(way, n)" if is_whole else "None"), "0.0"
+    lines, seen = [], "        u = contacts.along(t, slip, n)"
+    mobilities = "        mob_t, mob_u = contacts.pair_mobility(m, w, d_a, d_b, u)"
+    if is_eased:
+        ease = "contacts.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)"
+        lines += ["        u = contacts.ahead(old, slip, n)", mobilities]
+    lines += [
+        f"        ease = {ease}",
+        f"        t, out.friction_stored, t_power, t_loss, t_k, t_c = {law}.friction_force(",
+        f"            p, old, new, f, slip, {way}, n, mass, ease, curves",
+        "        )",
+    ]
+    if not is_eased:
+        counted = "        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)"
+        lines += [seen, mobilities, counted]
+    return lines
 
 
 def _keeps_faces(c: Any) -> bool:

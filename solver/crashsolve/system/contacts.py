@@ -52,6 +52,11 @@ def close_cards(clock, cards, history):
         new.left_friction_dissipated = old.left_friction_dissipated
         new.peak_normal = max(old.peak_normal, c.normal)
         new.peak_depth = max(old.peak_depth, c.depth)
+        pushed, rubbed = new.held + c.dissipated, new.bristled + c.friction_dissipated
+        new.handled = max(old.handled, abs(pushed))
+        new.friction_handled = max(old.friction_handled, abs(rubbed))
+        if clock.cycle == 0:
+            new.held_first = pushed + new.work
 
 
 @kernel
@@ -142,6 +147,28 @@ def count_stiffness(a, b, mob_a, mob_b, stiffness, damping):
 
 
 @kernel
+def open_rubbing(nodes):
+    """Friction has not been counted in this pass. Writes: nodes."""
+    for i in range(nodes.shape[0]):
+        nodes[i].was_pressed, nodes[i].pressed = nodes[i].pressed, 0.0
+
+
+@kernel
+def ease_of_pair(clock, h, a, b, mob_a, mob_b, f):
+    """Slip that friction takes from a pair in half a step, over the friction [s/kg].
+
+    Of what all friction on both bodies can take, this pair has the share of its normal force f in
+    what they press: sum of f w over the last step. Writes: a, b.
+    """
+    if f <= 0.0:
+        return 0.0
+    a.pressed += f * mob_a
+    b.pressed += f * mob_b
+    total = max(a.was_pressed, f * mob_a) + max(b.was_pressed, f * mob_b)
+    return 0.5 * max(h, clock.next_step) * total / f
+
+
+@kernel
 def along(t, slip, n):
     """Unit vector of the friction t, or of the slip; the normal when there is neither."""
     size = norm(t)
@@ -149,6 +176,12 @@ def along(t, slip, n):
         return scale(1.0 / size, t)
     size = norm(slip)
     return scale(1.0 / size, slip) if size > 0.0 else n
+
+
+@kernel
+def ahead(old, slip, n):
+    """Unit vector along which friction acts, as far as is known before it is."""
+    return along(vec(old.rub), slip, n)
 
 
 @kernel
@@ -195,7 +228,10 @@ def hold_back(clock, params, history, elements_a, elements_b, nodes):
 
 @kernel
 def dissipate(clock, old, new, felt, power, loss, friction_power, friction_loss):
-    """Add up the energy lost over the step, as system/energy.py does for others. Writes: new."""
+    """Add up the energy lost over the step, as system/energy.py does for others.
+
+    What friction that begins within the step loses has the share of its force. Writes: new.
+    """
     if clock.opens == 1:
         new.dissipated = old.dissipated + clock.lead * old.power
         new.friction_dissipated = old.friction_dissipated + clock.lead * old.friction_power
@@ -204,7 +240,7 @@ def dissipate(clock, old, new, felt, power, loss, friction_power, friction_loss)
     new.friction_dissipated += share * friction_power
     if clock.closes == 1:
         new.dissipated += loss
-        new.friction_dissipated += friction_loss
+        new.friction_dissipated += felt * friction_loss
     new.power = power
     new.friction_power = friction_power
 
@@ -235,6 +271,9 @@ def carry_onsets(current, history):
     """Onset counts start from those of the accepted state. Writes: history."""
     for k in range(history.shape[1]):
         new = history[1 - current, k]
-        new.onsets = history[current, k].onsets
+        old = history[current, k]
+        new.onsets, new.held_first = old.onsets, old.held_first
+        new.work, new.friction_work = old.work, old.friction_work
+        new.held = new.bristled = 0.0
         for j in range(3):
             new.late[j] = 0.0

@@ -147,6 +147,8 @@ class Engine:
         stored = [ledger[k] for k in energy.MECHANICAL]
         s.ledger[energy.INITIAL], s.ledger[energy.LARGEST] = sum(stored), max(0.0, *stored)
         s.ledger[energy.IMBALANCE] = 0.0
+        # before there was an energy to count from
+        s.clock[0]["missing"] = 0.0
 
     def advance(self, until: float) -> None:
         """Step to exactly `until` [s]. Raises SolverError at a numerical stop."""

@@ -233,6 +233,8 @@ def note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit):
     new.force, new.stored = f, stored
     new.face = hit.face
     put(new.normal, vec(hit.normal))
+    for j in range(4):
+        new.N[j] = hit.N[j]
     tally.depth = max(tally.depth, hit.depth)
     add_to(card.force, scale(p.order * f, vec(hit.normal)))
     card.normal += f
@@ -242,8 +244,10 @@ def note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit):
 
 
 @kernel
-def close_pass(tally, card):
-    """Energies of the group to its card. Writes: card."""
+def close_pass(tally, card, count):
+    """Energies of the group to its card. Writes: card, count."""
+    count.held += tally.stored
+    count.bristled += tally.bristled
     card.depth = max(card.depth, 0.0)
     card.stored += tally.stored + tally.bristled
     card.dissipated += tally.dissipated

@@ -9,6 +9,7 @@ def {word}(clock, h, nodes, curves, groups):
     slots, turns, found = groups.{word}_slots, groups.{word}_turns, groups.{word}_found
     points, corners, due = groups.points, groups.corners, groups.{word}_due
     card, counts = groups.cards[p.card], groups.card_history[1 - clock.current]
+    count = counts[p.card]
     lists = (groups.{word}_first, groups.{word}_near, groups.{word}_wait, due)
     grid = (groups.{word}_cells, groups.{word}_starts, groups.{word}_sorted)
     around = (groups.{word}_around_first, groups.{word}_around)
@@ -22,6 +23,10 @@ def {word}(clock, h, nodes, curves, groups):
 {look}        for s in range(2):
             j = 2 * i + s
             hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
+            past = (0.0, 0.0, 0.0)
+            if old.active == 1:
+                past = work.way_over_face(p, {probe}, old, True, h, nodes, points, corners)
+                work.push_along(old, past, count)
             if hit.depth <= 0.0:
                 if old.active == 1:
 {lose}                    faces.note_lost(clock, h, p, tally, old, mesh)
@@ -38,11 +43,13 @@ def {word}(clock, h, nodes, curves, groups):
             f, stored, power, loss, k, c = {law}.normal_force(
                 p, old, new, h, hit.depth, rate, mass, curves
             )
+            way = work.way_over_face(p, {probe}, hit, False, h, nodes, points, corners)
 {jump}{rub}            nodal.push_probe({probe}, f, k, c, hit, nodes, groups)
             faces.push_face(p, hit, f, k, c, groups)
             nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)
+            work.push_along(new, way, count)
             nodal.take_turn(h, turns, j)
-    nodal.close_pass(tally, card)
+    nodal.close_pass(tally, card, count)
 """
 PROBE = """\
         x, v = nodal.where(probes[i], h, nodes, points)
@@ -67,6 +74,7 @@ def {word}(clock, h, nodes, curves, groups):
     slots, turns, hit = groups.{word}_slots, groups.{word}_turns, groups.{word}_found[0]
     points, shapes, due = groups.points, groups.{word}_b, groups.{word}_due
     card, counts = groups.cards[p.card], groups.card_history[1 - clock.current]
+    count = counts[p.card]
     frames, home = groups.{word}_frames, groups.{word}_home
     nodal.open_shapes(h, p, tally, probes, nodes, groups, frames, home)
     for i in range(probes.shape[0]):
@@ -80,6 +88,11 @@ def {word}(clock, h, nodes, curves, groups):
             depth, n, _ = {narrow}.gap(groups.{word}_a[0], shapes[e], frames, {data})
 {keep}            nodal.deeper(hit, e, depth, n)
         nodal.wait_for(i, hit, tally, due)
+        past = (0.0, 0.0, 0.0)
+        if old.active == 1:
+            home_before = nodes[home[shapes[old.face].node]]
+            past = work.way_over_body(p, probes[i], old, True, x, home_before, h, nodes, points)
+            work.push_along(old, past, count)
         if hit.depth <= 0.0:
             if old.active == 1:
                 nodal.leave(clock, h, tally, turns, i, old, new)
@@ -94,11 +107,13 @@ def {word}(clock, h, nodes, curves, groups):
 {way}        f, stored, power, loss, k, c = {law}.normal_force(
             p, old, new, h, hit.depth, rate, mass, curves
         )
+        way = work.way_over_body(p, probes[i], hit, False, x, body, h, nodes, points)
 {rub}        nodal.push_probe(probes[i], f, k, c, hit, nodes, groups)
         nodal.push_body(body, x, f, k, c, hit, mob)
         nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)
+        work.push_along(new, way, count)
         nodal.take_turn(h, turns, i)
-    nodal.close_pass(tally, card)
+    nodal.close_pass(tally, card, count)
 """
 
 
@@ -120,7 +135,7 @@ MIDDLE = """\
                 over = max(over, past)
 """
 ON_FACES = """\
-            d, e = rubbing.arms(p, hit)
+            d, e = work.arms(p, hit)
             a = rubbing.probe_foretells({probe}, d, old, points)
             v_a = rubbing.probe_velocity({probe}, v, d, h, nodes, points)
             a = rubbing.face_foretells(p, hit, e, old, a, points, corners)
@@ -134,22 +149,35 @@ ON_SHAPE = """\
 """
 RUB = """\
             slip, n = rubbing.slipping(v_a, v_b, hit, h, a)
-            t, t_stored, t_power, t_loss, t_k, t_c = {friction}.friction_force(
-                p, old, new, h, f, slip, n, mass, curves
+{ease}            t, t_stored, _, t_loss, t_k, t_c = {friction}.friction_force(
+                p, old, new, f, slip, work.along_plane(way, n), n, mass, ease, curves
             )
-            way = contacts.along(t, slip, n)
-            rubbing.rub_probe({probe}, t, way, d, t_k, t_c, nodes, groups)
+            ahead = contacts.along(t, slip, n)
+            rubbing.rub_probe({probe}, t, ahead, d, t_k, t_c, nodes, groups)
             {other}
-            rubbing.note(clock, h, p, tally, card, t, t_stored, t_power, t_loss, old, new)
+            rubbing.note(h, p, tally, card, t, t_stored, t_loss, new)
+            if old.active == 1:
+                work.rub_along(old, past, count)
+            work.rub_along(new, way, count)
 """
 END = """\
-                    rubbing.leave(clock, h, tally, old, new)
+                    rubbing.leave(h, tally, past, old, new, count)
                     {friction}.release(p, old, new)
 """
 OTHER = (
     "rubbing.rub_face(p, hit, t, e, t_k, t_c, groups)",
-    "rubbing.rub_body(body, y, t, way, t_k, t_c)",
+    "rubbing.rub_body(body, y, t, ahead, t_k, t_c)",
 )
+
+# of laws that are dampers near rest, on faces and on shapes
+EASE = (
+    "rubbing.ease_on_face(clock, h, p, {probe}, hit, d, e, ahead, f, nodes, groups)",
+    "rubbing.ease_on_shape(clock, h, {probe}, body, d, y, ahead, f, nodes, groups)",
+)
+DAMPED = """\
+            ahead = contacts.ahead(old, slip, n)
+            ease = {ease}
+"""
 
 
 def nodal_function(group: Any) -> str:
@@ -160,7 +188,10 @@ def nodal_function(group: Any) -> str:
     if group.friction is not None:
         friction = f"friction_{_leaf(group.friction)}"
         rub = (ON_SHAPE if is_shape else ON_FACES) + RUB
-        rub = rub.format(friction=friction, other=OTHER[is_shape], probe=probe)
+        ease = "            ease = 0.0\n"
+        if is_damper(group.friction):
+            ease = DAMPED.format(ease=EASE[is_shape].format(probe=probe))
+        rub = rub.format(friction=friction, other=OTHER[is_shape], probe=probe, ease=ease)
         deep = 4 * is_shape
         end = END.format(friction=friction)
         words |= {"rub": _outdented(rub, deep), "end": _outdented(end, deep)}
@@ -185,6 +216,11 @@ def _ways(group: Any, words: dict[str, str]) -> dict[str, str]:
     found = found if group.has_ends else dict.fromkeys(found, "")
     keep = KEEP + MIDDLE * hasattr(group.narrow, "middle")
     return found | {"own": OWN * keeps, "keep": keep.format(**words) * keeps}
+
+
+def is_damper(friction: Any) -> bool:
+    """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
+    return friction is not None and not getattr(friction, "STEPWISE", False)
 
 
 def _leaf(module: Any) -> str:

@@ -26,14 +26,7 @@ from crashsolve.foundation.vec3 import (
     vec,
 )
 from crashsolve.system.nodal import foretold, free_part, load
-
-
-@kernel
-def arms(p, hit):
-    """To the place of contact: from the probe, and from the nearest place of the mid-surface."""
-    left = p.gap - hit.depth
-    n = vec(hit.normal)
-    return scale(-p.share * left, n), scale((1.0 - p.share) * left, n)
+from crashsolve.system.work import arms, rub_along
 
 
 @kernel
@@ -112,6 +105,65 @@ def slipping(v, u, hit, h, a):
 
 
 @kernel
+def open_rubbing(h, scene):
+    """Friction has not been counted in this step; a sample counts none. Writes: scene.stiffened."""
+    if h == 0.0:
+        return
+    for j in range(scene.touched[0].count):
+        at = scene.stiffened[scene.touched_points[j]]
+        at.was_pressed, at.pressed = at.pressed, 0.0
+
+
+@kernel
+def press(b, h, rate):
+    """Count rate [m/s^2], normal force times mobility, of one contact; returns that of all.
+
+    Writes: b.
+    """
+    if h > 0.0:
+        b.pressed += rate
+    return max(b.was_pressed, rate)
+
+
+@kernel
+def pressed_probe(probe, d, u, f, h, nodes, scene):
+    """What all friction at a probe, this one included, is pressed by. Writes: nodes, stiffened."""
+    if probe.point >= 0:
+        return press(scene.stiffened[probe.point], h, f * ease(scene.points[probe.point], d))
+    body = nodes[probe.node]
+    to = add(arm(body, vec(probe.at)), d)
+    return press(body, h, f * mobility(body, to, u))
+
+
+@kernel
+def ease_on_face(clock, h, p, probe, hit, d, e, u, f, nodes, scene):
+    """Slip that friction takes in half a step, over the friction [s/kg].
+
+    Of what all friction at the probe and at the corners can take along u, this has the share of its
+    normal force f in what presses there: sum of f N w over the last step.
+    Writes: nodes, scene.stiffened.
+    """
+    if f <= 0.0:
+        return 0.0
+    total = pressed_probe(probe, d, u, f, h, nodes, scene)
+    at = corner_points(p, hit.face, scene.corners)
+    for k in range(4):
+        rate = f * hit.N[k] * ease(scene.points[at[k]], e)
+        total += hit.N[k] * press(scene.stiffened[at[k]], h, rate)
+    return 0.5 * max(h, clock.next_step) * total / f
+
+
+@kernel
+def ease_on_shape(clock, h, probe, body, d, y, u, f, nodes, scene):
+    """The same where a probe touches a shape. Writes: nodes, body, scene.stiffened."""
+    if f <= 0.0:
+        return 0.0
+    total = pressed_probe(probe, d, u, f, h, nodes, scene)
+    total += press(body, h, f * mobility(body, sub(y, vec(body.r)), u))
+    return 0.5 * max(h, clock.next_step) * total / f
+
+
+@kernel
 def rub_probe(probe, t, u, d, k, c, nodes, scene):
     """Friction t, along u, in the place d from a probe. Writes: nodes, scene.points, stiffened."""
     if probe.point >= 0:
@@ -146,21 +198,24 @@ def rub_body(body, y, t, u, k, c):
 
 
 @kernel
-def note(clock, h, p, tally, card, t, stored, power, loss, old, new):
+def note(h, p, tally, card, t, stored, loss, new):
     """Add the friction of a slot to what its card and the ledger tell. Writes: tally, card, new."""
     tally.bristled += stored
     if h > 0.0:
-        tally.rubbed += clock.lead * old.rub_power + clock.share * power + loss
-    new.rub_power = power
+        tally.rubbed += loss
+    new.bristled = stored
     put(new.rub, t)
     add_to(card.force, scale(p.order, t))
     card.tangential += norm(t)
 
 
 @kernel
-def leave(clock, h, tally, old, new):
-    """Friction ends. Writes: tally, new."""
+def leave(h, tally, u, old, new, card):
+    """Friction ends: what its bristle held is lost, less its last work over u.
+
+    Writes: tally, new, card.
+    """
     if h > 0.0:
-        tally.rubbed += clock.lead * old.rub_power
-    new.rub_power = 0.0
+        tally.rubbed += old.bristled - rub_along(old, u, card)
+    new.bristled = 0.0
     put(new.rub, (0.0, 0.0, 0.0))

@@ -16,8 +16,9 @@ class Faces(Card):
     part: PartName = word("shell part whose faces they are")
     thickness: float | None = quantity("m", "t; that of the part if absent", None, gt=0)
     ring: int = word(
-        "0: its nodes do not meet the faces they belong to; 1: nor those that touch these; 2: nor "
-        "the next",
+        "own faces that a node does not meet, beside all those nearer along the surface than 2.5 "
+        "times the distance at which both touch; 0: those it belongs to; 1: those that touch "
+        "these; 2: the next",
         default=0,
         ge=0,
         le=20,

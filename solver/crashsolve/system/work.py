@@ -1,0 +1,156 @@
+"""Work of contact forces on both sides over a step, and how far both slide over each other in it.
+
+    W = 1/2 (f_old . u_old + f_new . u_new),   u the displacement of side a over side b in the step
+
+Kick, drift, kick: half of the force at the start and half of that at the end act along what the
+step moves, so W is to the bit the kinetic energy that points get from the contact, whatever else
+acts and however fast they swing. u_old is that of the place that was touched, u_new of that which
+is. Velocities at the end of a step, foretold before all forces are known, would not do: near the
+stable step they have little to do with the way that is gone.
+"""
+
+from crashsolve.contact.cells import corner_points
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    cross,
+    dot,
+    matvec,
+    put,
+    scale,
+    sub,
+    vec,
+)
+from crashsolve.system.points import half_turn
+
+
+@kernel
+def along_plane(u, n):
+    """A vector without its part along n."""
+    return add_scaled(u, -dot(u, n), n)
+
+
+@kernel
+def moved(body, d):
+    """Displacement over the step of what is d from the mass centre, at its start or at its end.
+
+    The turn is that of the drift, along which torques work, and has no part along d: a normal force
+    through the centre of a ball does no work by its spin.
+    """
+    turn = scale(2.0, half_turn(body.start_q, body.q))
+    return add(sub(vec(body.r), vec(body.start_r)), cross(turn, d))
+
+
+# --- pairs of elements on bodies -----------------------------------------------------------------
+
+
+@kernel
+def way_to(h, a, b, x):
+    """Displacement of a over b of what touches at x at the end of the step."""
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    return sub(moved(a, sub(x, vec(a.r))), moved(b, sub(x, vec(b.r))))
+
+
+@kernel
+def end_first_half(h, old, a, b, card):
+    """Work of the forces of the start of the step, of which that of friction is returned [J].
+
+    Writes: card.
+    """
+    if old.active == 0 or h == 0.0:
+        return 0.0
+    x = vec(old.place)
+    u = sub(moved(a, sub(x, vec(a.start_r))), moved(b, sub(x, vec(b.start_r))))
+    rubbed = 0.5 * dot(vec(old.rub), u)
+    card.work += 0.5 * dot(vec(old.push), u)
+    card.friction_work += rubbed
+    return rubbed
+
+
+@kernel
+def begin_second_half(felt, u, f, t, n, x, out, new, card):
+    """Work of the forces at the end of the step, which are kept for the next.
+
+    u is the displacement of a over b at x, felt the share of them that acts in this step.
+    Writes: new, card.
+    """
+    card.work += 0.5 * felt * f * dot(n, u)
+    card.friction_work += 0.5 * felt * dot(t, u)
+    card.held += out.stored
+    card.bristled += out.friction_stored
+    put(new.push, scale(f, n))
+    put(new.rub, t)
+    put(new.place, x)
+    new.bristled = out.friction_stored
+
+
+@kernel
+def part_pair(old, new, rubbed):
+    """Friction ends: what its bristle held is lost, less its last work. Writes: new."""
+    put(new.rub, (0.0, 0.0, 0.0))
+    new.bristled = 0.0
+    new.friction_dissipated += old.bristled - rubbed
+
+
+# --- probes on faces of shells and on shapes -----------------------------------------------------
+
+
+@kernel
+def arms(p, touch):
+    """To the place of contact: from the probe, and from the nearest place of the mid-surface."""
+    left = p.gap - touch.depth
+    n = vec(touch.normal)
+    return scale(-p.share * left, n), scale((1.0 - p.share) * left, n)
+
+
+@kernel
+def way_of_probe(probe, d, is_past, h, nodes, points):
+    """Displacement over the step of the place d from a probe, at the start or at the end of it."""
+    if probe.point >= 0:
+        b = points[probe.point]
+        return scale(h, add(vec(b.v), cross(vec(b.w), d)))
+    body = nodes[probe.node]
+    if is_past:
+        return moved(body, add(matvec(body.start_A, vec(probe.at)), d))
+    return moved(body, add(matvec(body.A, vec(probe.at)), d))
+
+
+@kernel
+def way_over_face(p, probe, touch, is_past, h, nodes, points, corners):
+    """The same over the face at which it touches, or at which it did at the start."""
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    d, e = arms(p, touch)
+    at, v, w = corner_points(p, touch.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(4):
+        b = points[at[k]]
+        v = add_scaled(v, touch.N[k], vec(b.v))
+        w = add_scaled(w, touch.N[k], vec(b.w))
+    return sub(way_of_probe(probe, d, is_past, h, nodes, points), scale(h, add(v, cross(w, e))))
+
+
+@kernel
+def way_over_body(p, probe, touch, is_past, x, body, h, nodes, points):
+    """The same over the body of a shape, where the probe is at x at the end of the step."""
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    d, _ = arms(p, touch)
+    return sub(
+        way_of_probe(probe, d, is_past, h, nodes, points), moved(body, sub(add(x, d), vec(body.r)))
+    )
+
+
+@kernel
+def push_along(touch, u, card):
+    """Work of the normal force of a touch, in one half of the step. Writes: card."""
+    card.work += 0.5 * touch.force * dot(vec(touch.normal), u)
+
+
+@kernel
+def rub_along(touch, u, card):
+    """Work of its friction, which is returned [J]. Writes: card."""
+    work = 0.5 * dot(vec(touch.rub), u)
+    card.friction_work += work
+    return work

@@ -1,0 +1,105 @@
+"""Friction of an explicit step: it may stop a slip, and never reverses it; it sets no step."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from small_runs import last, run
+from touching import Contact
+
+LAWS = {
+    "coulomb": "coefficient: 0.4, none_below: 0.01, full_above: 0.1",
+    "stribeck": "static: 0.5, dynamic: 0.1, stribeck_speed: 0.01, smoothing_speed: 0.02",
+}
+N = 100.0
+UP = (0, 0, 1)
+
+
+@pytest.fixture(params=LAWS)
+def contact(request: pytest.FixtureRequest, tmp_path: Path) -> Contact:
+    return Contact(tmp_path, friction=f"{{type: {request.param}, {LAWS[request.param]}}}")
+
+
+def rub(contact: Contact, v: float, ease: float) -> float:
+    """Friction against a free slip of v."""
+    contact.old.rub = 0.0
+    return -float(contact.rub(N, (v, 0, 0), UP, ease=ease).force[0])
+
+
+@pytest.mark.parametrize("ease", 10.0 ** np.arange(-8, 3))
+def test_the_impulse_of_a_step_stops_a_slip_and_never_reverses_it(
+    contact: Contact, ease: float
+) -> None:
+    for v in 10.0 ** np.arange(-6.0, 2.0, 0.5):
+        friction = rub(contact, v, ease)
+        # twice what half a step takes; round-off, and the root of stribeck to 1e-13
+        assert 0.0 <= 2.0 * ease * friction <= v * (1 + 1e-12)
+
+
+def test_it_is_the_law_at_the_slip_that_it_leaves(contact: Contact) -> None:
+    # 1e-5 s/kg is a thirtieth of what would widen either law
+    for v in (0.005, 0.02, 0.06, 0.5, 5.0):
+        friction = rub(contact, v, 1e-5)
+        assert rub(contact, v - 1e-5 * friction, 0.0) == pytest.approx(friction, rel=1e-9)
+
+
+def test_friction_of_the_last_step_is_taken_out_of_the_slip(contact: Contact) -> None:
+    """A slip that lasts is met by the friction of the law, however long the step."""
+    friction = rub(contact, 0.06, 0.0)
+    for ease in (0.0, 1e-6, 1e-5):
+        contact.old.rub = (-friction, 0.0, 0.0)
+        again = -contact.rub(N, (0.06, 0, 0), UP, ease=ease).force[0]
+        assert again == pytest.approx(friction, rel=1e-11)
+
+
+def test_with_the_slip_of_a_step_it_loses_its_work_and_is_no_damper(contact: Contact) -> None:
+    contact.old.rub = (-3.0, 1.0, 0.0)
+    out = contact.rub(N, (0.06, 0, 0), UP, h=1e-3, ease=1e-6, way=(6e-5, 2e-5, 0.0))
+    mean = 0.5 * (np.array([-3.0, 1.0, 0.0]) + out.force)
+    assert out.loss == pytest.approx(-mean @ (6e-5, 2e-5, 0.0), rel=1e-14)
+    assert (out.power, out.damping) == (0.0, 0.0)
+
+
+def test_friction_alone_sets_no_step(tmp_path: Path) -> None:
+    """A ball on a floor, with and without friction that is full from a nanometre per second on."""
+    cycles = []
+    for mu in (0.0, 0.3):
+        folder = tmp_path / f"{mu}"
+        folder.mkdir()
+        result = run(folder, sliding(mu), 0.05)
+        cycles.append(result.status["cycle"])
+        speed = last(result, "rbdout.ball.velocity.x")
+        # slides with mu g; 5e-5: normal force and onset of the first step
+        assert speed == pytest.approx(1.0 - mu * 9.81 * 0.05, abs=5e-5)
+    assert cycles[1] == cycles[0]
+
+
+def sliding(mu: float) -> dict[str, object]:
+    law = {"type": "coulomb", "coefficient": mu, "none_below": 0, "full_above": 1e-9}
+    normal = {"type": "penalty", "stiffness": 1e4}
+    ball = {"mass": 0.2, "inertia": [1e3, 1e3, 1e3], "velocity": [1, 0, 0]}
+    return {
+        "title": "A ball that does not turn",
+        "bodies": {"ball": ball | {"position": [0, 0, 0.05 - 0.2 * 9.81 / 1e4]}},
+        "surfaces": {
+            "floor": {"type": "plane"},
+            "ball": {"type": "sphere", "body": "ball", "radius": 0.05},
+        },
+        "contacts": {"hit": {"a": ["ball"], "b": ["floor"], "normal": normal, "friction": law}},
+        "loads": {"weight": {"type": "gravity", "acceleration": [0, 0, -9.81]}},
+    }
+
+
+def test_what_a_contact_makes_is_told(tmp_path: Path) -> None:
+    """A ball bounces off a stiff floor in two and a half steps: the work is not what is stored."""
+    scene = sliding(0.0)
+    scene["bodies"]["ball"] |= {"position": [0, 0, 0.06], "velocity": [0, 0, -1]}  # type: ignore[index]
+    log = SimpleNamespace(coarse="", fine="")
+    for name, step in (("coarse", 1.3e-2 / 2.5 / 1.0), ("fine", 1e-4)):
+        folder = tmp_path / name
+        folder.mkdir()
+        result = run(folder, scene, 0.03, step)
+        setattr(log, name, (result.folder / "log.txt").read_text("utf-8"))
+    assert "contact 'hit': its normal force has" in log.coarse
+    assert "its normal force has" not in log.fine
