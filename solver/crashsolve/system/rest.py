@@ -45,16 +45,9 @@ class RestEngine(StaticEngine):
     def __init__(self, model: Model, state: State, control: Any) -> None:
         super().__init__(model, state, control)
         self.fastest = self.pseudo = 0.0
-        turning = [name for g in model.groups for name in _turning(g)]
-        if turning:
-            self.notes.append(
-                f"{', '.join(turning[:NAMED])}{' ...' if len(turning) > NAMED else ''}: the force "
-                "of such a load turns with what it acts on, that of such a joint has an arm to a "
-                "mass centre. Equilibrium has all of it; whether shells and fibre beams are stable "
-                "there is judged without this turning, so that buckling or flutter may be missed, "
-                "or told at another load. To be sure, hold the load in solution: transient, "
-                "disturb the structure a little and see whether it comes to rest there"
-            )
+        told = turning(model.groups)
+        if told:
+            self.notes.append(told)
 
     def _reaches(self, time: float) -> bool:
         """Steps from rest to the equilibrium at a time."""
@@ -175,6 +168,21 @@ class RestEngine(StaticEngine):
         if mode is None:
             return ""
         return self.name_of(int(self.free[own[np.abs(mode).argmax() // 6]]))
+
+
+def turning(groups: list[Any]) -> str | None:
+    """What stability is judged without, as a warning; None where that is nothing."""
+    names = [name for g in groups for name in _turning(g)]
+    if not names:
+        return None
+    listed = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" * (len(names) > NAMED))
+    return (
+        f"{listed}: the force of such a load turns with what it acts on, that of such a joint has "
+        "an arm to a mass centre. Equilibrium has all of it; whether shells and fibre beams are "
+        "stable there is judged without this turning, so that buckling or flutter may be missed, "
+        "or told at another load. To be sure, hold the load in solution: transient, disturb the "
+        "structure a little and see whether it comes to rest there"
+    )
 
 
 def _turning(group: Any) -> list[str]:
