@@ -49,6 +49,29 @@ def forces_by_motions(p: Any, q_a: np.ndarray, q_b: np.ndarray, way: np.ndarray)
     return np.concatenate([force, on_a, -force, on_b], axis=1)
 
 
+def lack_in_tension(
+    p: Any, q_a: np.ndarray, q_b: np.ndarray, way: np.ndarray, tension: np.ndarray
+) -> np.ndarray:
+    """Stiffness (n, 12, 12) that tensions N (n,) [N] lend to bending and elements are without.
+
+        N / l (u_y^2 + u_z^2) / 2 + N l / 12 (theta_y^2 + theta_z^2) / 2
+
+    The work of N along a line that is bent, N / 2 times the integral of w'^2, less what the turn of
+    R has of it; of the shear u only the share of a straight line, which is the least of all shapes
+    (a slender element has 6/5 of it). None in compression. The rest as in forces_by_motions.
+    """
+    R, theta = _halfway(q_a, q_b)
+    y = np.einsum("nji,nj->ni", R, way)
+    T, _, g, _ = _turning(theta, np.zeros_like(theta))
+    to, none = R.transpose(0, 2, 1), np.zeros_like(R)
+    dr, s = np.concatenate([-to, none, to, none], 2), np.concatenate([none, -to, none, to], 2)
+    omega = np.concatenate([none, 0.5 * to, none, 0.5 * to], 2) - _skew(g) @ s
+    rows = np.concatenate([(dr + _skew(y) @ omega)[:, 1:], (T @ s)[:, 1:]], 1)
+    N, length = np.maximum(tension, 0.0), p["length"]
+    stiff = np.array([N / length, N / length, N * length / 12.0, N * length / 12.0]).T
+    return np.einsum("nki,nk,nkj->nij", rows, stiff, rows)
+
+
 def _skew(v: np.ndarray) -> np.ndarray:
     """Matrices (n, 3, 3) of the cross product with v (n, 3)."""
     x, y, z = v.T
