@@ -210,3 +210,25 @@ def test_an_onset_in_the_first_step_of_a_new_list_is_located(tmp_path: Path) -> 
     assert engine.clock.located == 1
     # from the onset on the step suits the contact; unlocated, it begins 0.17 of the slack deep
     assert state.card_history["peak_depth"][engine.clock.current, 0] < 2.1e-5
+
+
+def test_parts_of_shapes_are_followed_by_their_own_points(tmp_path: Path) -> None:
+    """Corners of boxes: followed by the box's middle, a list would be renewed for ever."""
+    boxes = range(70)
+    names = ", ".join(f"b{k}" for k in boxes)
+    path = tmp_path / "boxes.yaml"
+    path.write_text(
+        "control: {end_time: 1}\nbodies:\n"
+        + "".join(
+            f"  b{k}: {{mass: 1, inertia: [1, 1, 1], position: [{k}, 0, 0]}}\n" for k in boxes
+        )
+        + "surfaces:\n  floor: {type: plane, at: [0, 0, -0.06]}\n"
+        + "".join(f"  b{k}: {{type: box, body: b{k}, size: [0.1, 0.1, 0.1]}}\n" for k in boxes)
+        + f"contacts:\n  hit: {{a: [{names}], b: [floor], normal: {{type: hertz, stiffness: 1}}}}\n"
+    )
+    model, state = build(read_deck(path))
+    group = model.contact_groups[0]
+    assert group.search is not None
+    group.search.look(state.nodes)
+    points = state.nodes["r"][group.elements_a["node"]] + group.elements_a["point"]
+    np.testing.assert_allclose(group.search.seen[0]["r"], points, atol=1e-15)

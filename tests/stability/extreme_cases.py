@@ -434,4 +434,18 @@ MATRIX = (
         # the peak of the force is known at the ends of steps alone
         also={"control.tolerance": "1e-10"},
     ),
+    Sweep(
+        "full friction from a sliding speed on, m/s",
+        "extreme/friction_stops",
+        "v1",
+        (1e-12, 1e-9, 1e-6),
+        quick=(1e-12,),
+    ),
+    Sweep("folds that stick and slip, friction", "extreme/folding_tube", "mu", (0.1, 0.25, 0.4)),
+    Sweep(
+        "elements as small as their walls are thick, friction",
+        "extreme/small_elements",
+        "mu",
+        (0, 0.2),
+    ),
 )

@@ -1,7 +1,11 @@
 """Contact card: which surfaces may touch, with which normal force and friction.
 
 force on side a = f n + t,   n the normal out of side b, t against the slip of a over b
+
+With torsion_radius r friction acts on (slip, r w_n) together, w_n the spin of a over b about n.
 """
+
+from pydantic import model_validator
 
 from crashsolve.deck.card import Card, Law, SurfaceName, quantity, word
 
@@ -13,6 +17,19 @@ class Force(Card):
     b: tuple[SurfaceName, ...] = word("surfaces of the other side; the normal points out of them")
     normal: Card = Law("contact/normal", "law of the normal force")
     friction: Card | None = Law("friction", "law of friction; none when absent", default=None)
+    torsion_radius: float | None = quantity(
+        "m",
+        "radius at which friction resists a spin about the normal, 2/3 of that of an evenly "
+        "pressed disc; of boxes and cylinders on each other the least, they tell their own",
+        default=None,
+        gt=0,
+    )
     speed_floor: float = quantity(
         "m/s", "closing speed below which a touch counts as resting", default=1e-3, gt=0
     )
+
+    @model_validator(mode="after")
+    def _rubs(self) -> "Force":
+        if self.torsion_radius is not None and self.friction is None:
+            raise ValueError("torsion_radius: needs a law of friction")
+        return self

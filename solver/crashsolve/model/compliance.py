@@ -13,7 +13,10 @@ from crashsolve.foundation.saddle import plan
 from crashsolve.model.assembly import assembled
 from crashsolve.model.nodes import COMPLIANT, TANGENTS
 
-CONTACT_ROWS = 3  # normal, along the slip, across it
+# along the slip and across it; twice across where friction resists a spin too
+FRICTION_ROWS, SPIN_ROWS = 2, 3
+# torques against tilting of one flat side on another, about both tangents
+TILT_ROWS = 2
 
 
 def tangent_groups(model: Any) -> list[Any]:
@@ -32,8 +35,9 @@ def tangent_contacts(model: Any) -> list[Any]:
 
 
 def contact_rows(group: Any) -> int:
-    """Rows of one pair."""
-    return CONTACT_ROWS if group.friction else 1
+    """Rows of one pair: of the normal force, of tilting, of friction."""
+    rubs = (SPIN_ROWS if group.resists_spin else FRICTION_ROWS) if group.friction else 0
+    return 1 + (TILT_ROWS if group.is_flat else 0) + rubs
 
 
 def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:

@@ -100,15 +100,28 @@ def _add_card(
     for some_a in sides[0].values():
         for some_b in sides[1].values():
             if {some_a[0].shape, some_b[0].shape} & LEAN:
+                if _torsion_radius(card) is not None:
+                    raise scene.fail(
+                        "is for rigid shapes: points and faces of shells resist a spin by being "
+                        "many",
+                        "torsion_radius",
+                    )
                 for a, b in product(some_a, some_b):
                     nodal.add(index, entry, a, b, gap_routine)
                 continue
             narrow, swapped = gap_routine(some_a[0], some_b[0], scene)
             home = _home_of_gap(narrow)
             key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
+            if _torsion_radius(card) is not None:
+                key += "_torsion"
             if key not in builders:
                 builders[key] = GroupBuilder(key, home, laws)
             builders[key].add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
+
+
+def _torsion_radius(card: Any) -> float | None:
+    """Radius [m] with which friction of a contact card resists a spin, if it gives one."""
+    return getattr(card, "torsion_radius", None)
 
 
 def _laws(card: Any) -> list[Any]:
@@ -171,7 +184,11 @@ class Side:
         for element in surface.elements:
             parts = expand([element])
             self.elements.extend(parts)
-            self._bounds.extend([_bound(surface, element)] * len(parts))
+            centre, radius, thick = _bound(surface, element)
+            # a part is followed by its own point, and reaches no farther from it than the whole
+            is_whole = len(parts) == 1 and parts[0] is element
+            for part in parts:
+                self._bounds.append((centre if is_whole else part["point"], radius, thick))
         self.surfaces[name] = range(first, len(self.elements))
         self._of.extend([surface] * len(self.surfaces[name]))
         self._rounds.setdefault(str(surface.radius), len(self._rounds))
@@ -253,6 +270,8 @@ class GroupBuilder:
         for module, card in zip(self.modules[1:], others, strict=True):
             scene.refuse_stepwise(module, "friction")
             law = law | module.build(card, scene)
+        if _torsion_radius(entry.card) is not None:
+            law = law | {"torsion_radius": entry.card.torsion_radius}
         return dict(law)
 
     def finish(self, nodes: Any) -> ContactGroup:
@@ -262,6 +281,12 @@ class GroupBuilder:
             history = history + touch.WAY
         for module in self.modules:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
+        if "torsion_radius" in self.laws[0]:
+            parameters = parameters + touch.TORSION
+        if len(self.modules) > 1 and (
+            "torsion_radius" in self.laws[0] or hasattr(self.home, "patch")
+        ):
+            history = history + touch.SPUN
         elements = (self.sides[0].elements, self.sides[1].elements)
         # the arrays of all elements come first: they may note in an element where its part starts
         data = getattr(self.home, "data", lambda *_: ())(*elements)

@@ -48,6 +48,26 @@ class ContactGroup:
         """Whether its law is a constraint instead of a force."""
         return not hasattr(self.normal, "normal_force")
 
+    @property
+    def has_shares(self) -> bool:
+        """Whether an element of side a has a share of the force of the law only."""
+        return "share" in (self.elements_a.dtype.names or ())
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the sides press on each other over an area."""
+        return hasattr(self.narrow, "patch")
+
+    @property
+    def has_radius(self) -> bool:
+        """Whether its cards give a radius with which friction resists a spin."""
+        return "torsion_radius" in (self.parameters.dtype.names or ())
+
+    @property
+    def resists_spin(self) -> bool:
+        """Whether friction has a torque about the normal."""
+        return self.friction is not None and (self.is_flat or self.has_radius)
+
 
 @dataclass
 class NodalGroup:

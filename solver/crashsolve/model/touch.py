@@ -12,6 +12,10 @@ PARAMETERS = Record(
     spread_a=("m", "how much farther the element on side a reaches than it is thick"),
     spread_b=("m", "the same for side b"),
 )
+# of cards that give it
+TORSION = Record(torsion_radius=("m", "at which friction resists a spin about the normal"))
+# of pairs whose friction resists a spin
+SPUN = Record(radius=("m", "at which it does, at the last step"))
 HISTORY = Record(
     active=("flag", "touching"),
     depth=("m", "penetration; negative is a gap"),

@@ -23,7 +23,7 @@ from crashsolve.model.compliance import (
     tangent_contacts,
     tangent_groups,
 )
-from crashsolve.system import sharing
+from crashsolve.system import area_text, sharing
 from crashsolve.system.nodal_text import is_damper, nodal_function
 
 INTEGRATORS = "crashsolve.integrators"
@@ -255,6 +255,7 @@ def _imports(model: Any) -> str:
     if model.nodal_groups:
         rubs = any(n.friction for n in model.nodal_groups)
         lines.append("from crashsolve.system import faces, nodal" + ", rubbing" * rubs)
+    lines += area_text.imports(model.contact_groups)
     if model.integrator == "rattle" and touches(model):
         lines.append("from crashsolve.system import work")
     shapes = [n for n in model.nodal_groups if n.narrow is not None]
@@ -499,7 +500,8 @@ def _kick_calls(model: Any) -> list[str]:
 
 def _contact(model: Any, c: Any) -> str:
     """The loop over the pairs of one contact group."""
-    g, normal = f"groups.{c.word}", _alias(c.normal)
+    g, felt = f"groups.{c.word}", _share_felt(model)
+    normal, narrow = _alias(c.normal), _alias(c.narrow)
     # one force pass per step: the work over it is that of both its ends
     is_whole = model.integrator == "rattle"
     lines = [
@@ -511,43 +513,33 @@ def _contact(model: Any, c: Any) -> str:
         "        p, out = params[i], output[i]",
         "        old, new = history[clock.current, i], history[1 - clock.current, i]",
         f"        a, b = {g}_a[p.a], {g}_b[p.b]",
-        f"        depth, n, x = {_alias(c.narrow)}.gap(a, b, nodes, {_data(c)})",
+        *_indented(2, area_text.gap_calls(c, narrow, _data(c))),
         *_way_of(c),
         "        m, w = nodes[a.node], nodes[b.node]",
     ]
     if is_whole:
-        lines.append("        rubbed = work.end_first_half(h, old, m, w, counts[p.card])")
+        home = "areas" if c.resists_spin else "work"
+        lines.append(f"        rubbed = {home}.end_first_half(h, old, m, w, counts[p.card])")
+    lines += _part(c, is_whole)
     lines += [
-        "        if depth <= 0.0:",
-        "            contacts.separate(clock, old, new, out, depth, x)",
-        f"            {normal}.release(p, old, new)",
-    ]
-    if _keeps_faces(c):
-        lines.append("            new.dissipated += passing.given_up(clock, h, old, n, stored)")
-    if c.friction:
-        lines.append(f"            {_alias(c.friction)}.release(p, old, new)")
-        lines += ["            work.part_pair(old, new, rubbed)"] * is_whole
-    lines += [
-        "            contacts.sum_losses(groups.cards[p.card], new)",
-        "            continue",
         "        rate, slip, d_a, d_b = contacts.closing(m, w, x, n)",
         "        contacts.latch(p, old, new, depth, rate, counts)",
         "        mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)",
         "        mass = 1.0 / (mob_a + mob_b)",
-        f"        f, out.stored, power, loss, k, c = {normal}.normal_force(",
-        "            p, old, new, h, depth, rate, mass, curves",
-        "        )",
+        *_indented(2, area_text.radius_calls(c, narrow, _data(c))),
+        *_indented(2, area_text.press_calls(c, normal, felt)),
         "        t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0",
         "        out.friction_stored = 0.0",
     ]
     if is_whole:
         lines.append("        way = work.way_to(h, m, w, x)")
-    if c.friction:
+    if c.resists_spin:
+        is_eased = is_whole and is_damper(c.friction)
+        lines += _indented(2, area_text.rub_calls(_alias(c.friction), is_whole, is_eased))
+    elif c.friction:
         lines += _pair_friction(c.friction, is_whole)
     lines += [
-        f"        felt = contacts.{_share_felt(model)}",
-        "        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)",
-        "        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)",
+        *_indented(2, area_text.end_calls(c, felt)),
         "        contacts.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)",
         *_loss_of_jump(c),
         "        card, card_new = groups.cards[p.card], counts[p.card]",
@@ -555,8 +547,31 @@ def _contact(model: Any, c: Any) -> str:
         "        contacts.sum_losses(card, new)",
     ]
     if is_whole:
-        lines.append("        work.begin_second_half(felt, way, f, t, n, x, out, new, card_new)")
+        lines += _indented(2, area_text.work_calls(c))
     return "\n".join(lines) + "\n"
+
+
+def _part(c: Any, is_whole: bool) -> list[str]:
+    """What a pair does that is apart."""
+    lines = [
+        "        if depth <= 0.0:",
+        "            contacts.separate(clock, old, new, out, depth, x)",
+        f"            {_alias(c.normal)}.release(p, old, new)",
+    ]
+    if _keeps_faces(c):
+        lines.append("            new.dissipated += passing.given_up(clock, h, old, n, stored)")
+    if c.friction:
+        lines.append(f"            {_alias(c.friction)}.release(p, old, new)")
+        lines += ["            work.part_pair(old, new, rubbed)"] * is_whole
+    return [
+        *lines,
+        "            contacts.sum_losses(groups.cards[p.card], new)",
+        "            continue",
+    ]
+
+
+def _indented(levels: int, lines: list[str]) -> list[str]:
+    return ["    " * levels + line for line in lines]
 
 
 def _pair_friction(friction: Any, is_whole: bool) -> list[str]:
@@ -809,12 +824,21 @@ def _contact_tangent(c: Any, k: int) -> list[str]:
         "    mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)",
         "    mass = 1.0 / (mob_a + mob_b)",
         f"    k, c = {normal}.normal_tangent(p, old, depth, rate, mass, curves)",
+        *["    k, c = a.share * k, a.share * c"] * c.has_shares,
         "    point_tangent(compliant[at], n, d_a, d_b, k, c)",
     ]
-    if c.friction:
+    if c.friction or c.is_flat:
         lines += [
             f"    f, _, _, _, _, _ = {normal}.normal_force("
             "p, old, history[1 - clock.current, i], 0.0, depth, rate, mass, curves)",
+            *["    f = a.share * f"] * c.has_shares,
+        ]
+    lines += _indented(1, area_text.radius_calls(c, _alias(c.narrow), _data(c)))
+    lines += _indented(1, area_text.tilt_calls(c))
+    if c.resists_spin:
+        lines += _indented(1, area_text.rub_tangent_calls(c, _alias(c.friction)))
+    elif c.friction:
+        lines += [
             f"    c, c_across = {_alias(c.friction)}.friction_tangent(p, f, slip)",
             "    u = contacts.along((0.0, 0.0, 0.0), slip, n)",
             "    point_tangent(compliant[at + 1], u, d_a, d_b, 0.0, c)",
@@ -839,7 +863,16 @@ def _approach_calls(model: Any) -> list[str]:
             ]
         else:
             lines += ["    if history[current, i].active == 0:"]
-            lines += [f"        {line}" for line in [*measure, "deepest = max(deepest, depth)"]]
+            if hasattr(c.narrow, "bound"):
+                call = f"{_alias(c.narrow)}.bound(a, b, nodes, {_data(c)})"
+                measure[1:] = [
+                    f"if {call} > deepest:",
+                    f"    {measure[1]}",
+                    "    deepest = max(deepest, depth)",
+                ]
+                lines += _indented(2, measure)
+            else:
+                lines += [f"        {line}" for line in [*measure, "deepest = max(deepest, depth)"]]
     return [*lines, "return deepest"]
 
 
@@ -884,6 +917,9 @@ def _beyond_calls(model: Any) -> list[str]:
             *(f"        {line}" for line in _own_face(c)),
             "        if depth > 0.0:",
             "            _, slip, _, _ = contacts.closing(nodes[a.node], nodes[b.node], x, n)",
+            *_indented(3, area_text.radius_calls(c, _alias(c.narrow), _data(c))),
+            *["            slip = areas.sliding(nodes[a.node], nodes[b.node], slip, n, radius)"]
+            * c.resists_spin,
             f"            past = h * {_alias(c.friction)}.regime_left(p, old, slip)",
             "            farthest = max(farthest, past)",
         ]

@@ -1,17 +1,17 @@
-"""Gap between two boxes with rounded edges: see contact/narrow/_convex.py."""
+"""Gap between two boxes with rounded edges: see contact/narrow/_edged.py."""
 
-from crashsolve.contact.narrow import _convex
+from crashsolve.contact.narrow import _edged
 from crashsolve.contact.shape import box
 
-PARAMETERS_A = PARAMETERS_B = _convex.PARAMETERS
-gap = _convex.gap
+PARAMETERS_A = PARAMETERS_B = _edged.PARAMETERS
+gap = _edged.gap
 
 
 def expand_a(elements):
-    """Each box as a sum of ellipsoids."""
-    return _convex.expand(elements, box)
+    """Each box with the ellipsoids it is a sum of."""
+    return _edged.expand(elements, box)
 
 
 def expand_b(elements):
-    """Each box as a sum of ellipsoids."""
-    return _convex.expand(elements, box)
+    """Each box with the ellipsoids it is a sum of."""
+    return _edged.expand(elements, box)

@@ -1,0 +1,323 @@
+"""Gap between two boxes or cylinders with rounded edges, which press on each other over an area.
+
+    depth = - max over unit n of  (c_a - c_b) . n - h_a(n) - h_b(n)
+    h = sum_k sqrt(alpha_k + beta_k (n . e_k)^2)
+
+The sums of ellipsoids of contact/narrow/_convex.py, each of which is round about an axis e_k of its
+shape. Two boxes meet at normals of their faces or across two of their edges, so Newton's method
+starts at the best of those 15 axes, found without rounding, and for overlapping bodies at each that
+is as good but for the rounding. Consequence to test: the depth is that of contact/narrow/_convex.
+
+References: Gottschalk, Lin and Manocha (1996), Proc. SIGGRAPH, 171-180 (separating axes).
+"""
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from crashsolve.contact.narrow._convex import ANGLE, CLIMBS, ITERATIONS, ROUND_OFF, tangents
+from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import place
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
+
+__all__ = ["PARAMETERS", "bound", "data", "expand", "gap", "patch"]
+
+# what the manual tells of pairs with this gap
+POINTS = "one, or where sides lie flat up to eight (twelve with a cap) that share the force"
+PARAMETERS = Record(
+    node=("index", "body"),
+    point=("m", 3, "centre from the mass centre, body axes"),
+    axes=("1", 9, "rotation matrix, shape to body, by rows"),
+    half=("m", 3, "half sizes; of a cylinder radius, radius, half length"),
+    radius=("m", "of the enclosing sphere"),
+    edge=("m", "rounding of the edges"),
+    is_round=("flag", "a cylinder about axis 3, not a box"),
+    alpha=("m^2", 3, "of the three ellipsoids, across their axes"),
+    beta=("m^2", 3, "what is more along them"),
+)
+# square of the least sine of the angle between two edges that span a direction
+PARALLEL = 1e-12
+# directions to start from, and how like the one before a start is that leads to the same top
+STARTS, ALIKE = 22, 1.0 - 1e-6
+# separations closer than this share of the distance are those of one direction named twice
+SAME = 1e-12
+# share of a face within which the place is looked for
+OUTERMOST = 0.9999
+NO_TANGENT = (0.0, 0.0, 0.0)
+
+
+def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
+    """Elements of boxes or cylinders with the ellipsoids that they are sums of."""
+    return [_rounded(element, shape) for element in elements]
+
+
+def _rounded(element: dict[str, Any], shape: Any) -> dict[str, Any]:
+    is_round = "radius" in element
+    r = element.get("radius")
+    half = np.array([r, r, element["half_length"]]) if is_round else element["half"]
+    e = shape.ROUNDING * min(half)
+    # semi-axes across and along; a cylinder is a disc and a needle
+    across = [r - e, e, 0.0] if is_round else [e, e, e]
+    along = [e, half[2] - e, 0.0] if is_round else half - 2.0 * e
+    kept = {name: element[name] for name in ("node", "point", "axes")}
+    alpha, beta = np.square(across), np.square(along) - np.square(across)
+    size = {"half": half, "radius": shape.bounding(element)[1], "edge": e, "is_round": is_round}
+    return kept | size | {"alpha": alpha, "beta": beta}
+
+
+def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray]:
+    """Room for the points of one patch."""
+    return (np.zeros(ROWS, SPOT.dtype),)
+
+
+@kernel
+def axes_of(shape, body):
+    """The three axes of the shape, world components."""
+    return axis_of(shape, body, 0), axis_of(shape, body, 1), axis_of(shape, body, 2)
+
+
+@kernel
+def extent(shape, u, n):
+    """How far the enclosing box reaches along n from its centre, u its axes."""
+    half = shape.half
+    return half[0] * abs(dot(u[0], n)) + half[1] * abs(dot(u[1], n)) + half[2] * abs(dot(u[2], n))
+
+
+@kernel
+def bound(a, b, nodes, data):
+    """Depth that the bodies do not exceed [m]: by enclosing spheres, then along faces of boxes."""
+    body_a, body_b = nodes[a.node], nodes[b.node]
+    c = sub(place(body_a, vec(a.point)), place(body_b, vec(b.point)))
+    apart = norm(c) - a.radius - b.radius
+    if apart > 0.0:
+        return -apart
+    u, w = axes_of(a, body_a), axes_of(b, body_b)
+    for k in range(3):
+        apart = max(apart, abs(dot(c, u[k])) - a.half[k] - extent(b, w, u[k]))
+        apart = max(apart, abs(dot(c, w[k])) - b.half[k] - extent(a, u, w[k]))
+    return -apart
+
+
+@kernel
+def gap(a, b, nodes, data):
+    """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
+    body_a, body_b = nodes[a.node], nodes[b.node]
+    centre_a, centre_b = place(body_a, vec(a.point)), place(body_b, vec(b.point))
+    c = sub(centre_a, centre_b)
+    u, w = axes_of(a, body_a), axes_of(b, body_b)
+    # tops of two boxes are as high as their separation along an axis, but for what edges are cut
+    are_boxes = a.is_round + b.is_round == 0
+    allowed = 8.0 * (a.edge + b.edge) if are_boxes else 1e300
+    cosines, c_u, c_w = cosines_of(u, w), along(u, c), along(w, c)
+    best, n, value, before = -1e300, (0.0, 0.0, 1.0), 1e300, (0.0, 0.0, 0.0)
+    for _ in range(CLIMBS):
+        limit = value - SAME * norm(c)
+        if are_boxes:
+            k, value = next_axis(a, b, cosines, c_u, c_w, limit)
+        else:
+            k, value = next_start(a, b, u, w, c, limit)
+        # of two that hardly differ one is enough, and bodies apart have one top only
+        if value < best - allowed or best >= 0.0:
+            break
+        start = toward(direction(u, w, c, k), c)
+        if dot(start, before) < ALIKE:
+            before = start
+            start = over_the_place(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
+            height, top = ascend(a, b, u, w, c, start)
+            if height > best:
+                best, n = height, top
+    x_a = sub(centre_a, reach(a, u, n))
+    x_b = add(centre_b, reach(b, w, n))
+    return -best, n, scale(0.5, add(x_a, x_b))
+
+
+@kernel
+def along(u, x):
+    """Components of x along three axes."""
+    return dot(u[0], x), dot(u[1], x), dot(u[2], x)
+
+
+@kernel
+def cosines_of(u, w):
+    """Cosines between the axes of both shapes, a row for each of the first."""
+    return along(w, u[0]), along(w, u[1]), along(w, u[2])
+
+
+@kernel
+def next_axis(a, b, cosines, c_u, c_w, limit):
+    """Which axis has the largest separation of two boxes below `limit`, and how large it is [m].
+
+    0 to 2 are normals of a, 3 to 5 of b, 6 + 3 i + j is across edges i of a and j of b.
+    """
+    best, best_k, p, q = -1e300, 0, a.half, b.half
+    for i in range(3):
+        r = cosines[i]
+        value = abs(c_u[i]) - p[i] - q[0] * abs(r[0]) - q[1] * abs(r[1]) - q[2] * abs(r[2])
+        if best < value < limit:
+            best, best_k = value, i
+    for j in range(3):
+        r = (cosines[0][j], cosines[1][j], cosines[2][j])
+        value = abs(c_w[j]) - q[j] - p[0] * abs(r[0]) - p[1] * abs(r[1]) - p[2] * abs(r[2])
+        if best < value < limit:
+            best, best_k = value, 3 + j
+    for i in range(3):
+        k, m = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            r_k, r_m = cosines[k][j], cosines[m][j]
+            square = r_k * r_k + r_m * r_m
+            if square > PARALLEL:
+                value = abs(c_u[m] * r_k - c_u[k] * r_m) - p[k] * abs(r_m) - p[m] * abs(r_k)
+                value -= q[(j + 1) % 3] * abs(cosines[i][(j + 2) % 3])
+                value -= q[(j + 2) % 3] * abs(cosines[i][(j + 1) % 3])
+                value /= sqrt(square)
+                if best < value < limit:
+                    best, best_k = value, 6 + 3 * i + j
+    return best_k, best
+
+
+@kernel
+def next_start(a, b, u, w, c, limit):
+    """Which direction has the largest separation below `limit`, and how large it is [m]."""
+    best, best_k, size = -1e300, 0, norm(c)
+    for k in range(STARTS):
+        n = direction(u, w, c, k)
+        square = dot(n, n)
+        if square > PARALLEL * (size * size if k >= 15 else 1.0):
+            n = scale(1.0 / sqrt(square), n)
+            value = abs(dot(c, n)) - extent_of(a, u, n) - extent_of(b, w, n)
+            if best < value < limit:
+                best, best_k = value, k
+    return best_k, best
+
+
+@kernel
+def toward(n, c):
+    """Unit vector along n, to the side of c."""
+    length = norm(n)
+    return scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
+
+
+@kernel
+def over_the_place(a, b, u, w, c, k, n):
+    """Normal of a rounded face where the other box is nearest to it, for the normal n of the face.
+
+    Newton's method comes there too, in small steps.
+    """
+    if k < 3:
+        return bent(a, u, k, sub(c, reach(b, w, n)), n, -1.0)
+    return bent(b, w, k - 3, sub(c, reach(a, u, n)), n, 1.0)
+
+
+@kernel
+def bent(shape, u, k, way, n, sign):
+    """Normal of the rounded face k at the place `way` from the centre. See over_the_place."""
+    turned = n
+    for j in range(3):
+        if j != k:
+            full = shape.alpha[j] + shape.beta[j]
+            most = OUTERMOST * sqrt(full)
+            p = max(-most, min(most, dot(way, u[j])))
+            slope = p * sqrt(shape.alpha[j] / (full * full - p * p * shape.beta[j]))
+            turned = add_scaled(turned, sign * slope, u[j])
+    return scale(1.0 / norm(turned), turned)
+
+
+@kernel
+def extent_of(shape, u, n):
+    """How far the shape reaches along n from its centre, edges not rounded."""
+    if shape.is_round == 1:
+        z = dot(u[2], n)
+        return shape.half[0] * sqrt(max(0.0, 1.0 - z * z)) + shape.half[2] * abs(z)
+    return extent(shape, u, n)
+
+
+@kernel
+def direction(u, w, c, k):
+    """Normals of faces, of edge on edge, of edge on corner, and the line of centres."""
+    if k < 3:
+        return u[k]
+    if k < 6:
+        return w[k - 3]
+    if k < 15:
+        return cross(u[(k - 6) // 3], w[(k - 6) % 3])
+    if k < 21:
+        e = u[k - 15] if k < 18 else w[k - 18]
+        return add_scaled(c, -dot(c, e), e)
+    return c
+
+
+@kernel
+def reach(shape, u, n):
+    """Farthest point of the shape along n from its centre, world components."""
+    total, _ = survey(shape, u, n, NO_TANGENT, NO_TANGENT)
+    return total
+
+
+@kernel
+def survey(shape, u, n, s, t):
+    """Farthest point along n [m] and its second derivatives along s and t: (ss, st, tt) [m]."""
+    e = (u[2], u[2], u[2]) if shape.is_round == 1 else u
+    total, ss, st, tt, even = (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0
+    for k in range(3):
+        alpha, beta = shape.alpha[k], shape.beta[k]
+        q = dot(e[k], n)
+        square = alpha + beta * q * q
+        if square > 0.0:
+            size = 1.0 / sqrt(square)
+            even += size * alpha
+            total = add_scaled(total, size * beta * q, e[k])
+            more = alpha * beta * size / square
+            e_s, e_t = dot(e[k], s), dot(e[k], t)
+            ss += more * e_s * e_s
+            st += more * e_s * e_t
+            tt += more * e_t * e_t
+    return add_scaled(total, even, n), (even + ss, st, even + tt)
+
+
+@kernel
+def around(a, b, u, w, c, n, s, t):
+    """From the farthest point of b along n to that of a against n, and both second derivatives."""
+    x_a, bend_a = survey(a, u, n, s, t)
+    x_b, bend_b = survey(b, w, n, s, t)
+    return sub(c, add(x_a, x_b)), add(bend_a, bend_b)
+
+
+@kernel
+def ascend(a, b, u, w, c, n):
+    """Climb to the top nearest to direction n: its height and direction."""
+    s, t = tangents(n)
+    way, bend = around(a, b, u, w, c, n, s, t)
+    best, damping, round_off = dot(way, n), 0.0, ROUND_OFF * norm(c)
+    for _ in range(ITERATIONS):
+        n_new, angle = climb(n, s, t, way, bend, best, damping)
+        s_new, t_new = tangents(n_new)
+        way_new, bend_new = around(a, b, u, w, c, n_new, s_new, t_new)
+        value = dot(way_new, n_new)
+        if value >= best - round_off:
+            n, s, t, way, bend, best = n_new, s_new, t_new, way_new, bend_new, value
+            damping *= 0.1
+        else:
+            damping = max(4.0 * damping, 1e-3)
+        if angle < ANGLE:
+            break
+    return best, n
+
+
+@kernel
+def climb(n, s, t, way, bend, best, damping):
+    """Next direction by a damped Newton step, and the angle to it."""
+    m_ss, m_st, m_tt = bend[0] + best, bend[1], bend[2] + best
+    lowest = 0.5 * (m_ss + m_tt) - sqrt(0.25 * (m_ss - m_tt) ** 2 + m_st * m_st)
+    size = bend[0] + bend[2]
+    # the curvature must be positive, or the step would go down
+    more = damping * size + max(0.0, 1e-6 * size - lowest)
+    m_ss, m_tt = m_ss + more, m_tt + more
+    g_s, g_t = dot(way, s), dot(way, t)
+    det = m_ss * m_tt - m_st * m_st
+    step_s, step_t = (m_tt * g_s - m_st * g_t) / det, (m_ss * g_t - m_st * g_s) / det
+    angle = sqrt(step_s * step_s + step_t * step_t)
+    turned = add(n, add(scale(step_s, s), scale(step_t, t)))
+    return scale(1.0 / norm(turned), turned), angle
