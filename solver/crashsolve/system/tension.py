@@ -51,8 +51,10 @@ def lack(groups: list[Any], nodes: np.ndarray, free: np.ndarray) -> np.ndarray:
     for g in beams(groups):
         p = g.parameters
         a, b = nodes[p["node_a"]], nodes[p["node_b"]]
-        q = [products(x["q"], p["turn"]) if "turn" in p.dtype.names else x["q"] for x in (a, b)]
-        found = lack_in_tension(p, *q, b["r"] - a["r"], g.output["force"][:, 0])
+        q_a, q_b = a["q"], b["q"]
+        if "turn" in p.dtype.names:
+            q_a, q_b = products(q_a, p["turn"]), products(q_b, p["turn"])
+        found = lack_in_tension(p, q_a, q_b, b["r"] - a["r"], g.output["force"][:, 0])
         found = found.reshape(-1, 2, 6, 2, 6)
         ends = place[p["node_a"]], place[p["node_b"]]
         for i, j in np.ndindex(2, 2):
