@@ -4,10 +4,11 @@
 
 An element of a beam measures bending in the mean of its ends: of the work of its tension N along
 the bent line it has less than a continuous beam. Drawn straight it would fold sideways by itself,
-elastic or not, from N l^2 = 12 E I on with hinges at its ends, and from (6 + sqrt(84)) E I = 15.2 E I
-on if clamped at one end and free at the other. That is no way out of a beam. So where an element of a model bears that much, stability is judged with what its
-elements are without (parts/_beam_tangent.py), and a warning names it, as what bends it is wrong.
-Below these bounds no element folds so. Consequence to test: no tension is unstable.
+elastic or not, from N l^2 = 12 E I on with hinges at its ends, and from (6 + sqrt(84)) E I =
+15.2 E I on if clamped at one end and free at the other. That is no way out of a beam. So where an
+element of a model bears more than the bounds above, stability is judged with what its elements are
+without (parts/_beam_tangent.py), and a warning names it, as how it bends is wrong. Below these
+bounds no element folds so. Consequence to test: no tension is unstable.
 
 Reference: Przemieniecki (1968), Theory of Matrix Structural Analysis, 15.2 (geometric stiffness).
 """
