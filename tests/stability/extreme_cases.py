@@ -439,7 +439,6 @@ MATRIX = (
         "extreme/friction_stops",
         "v1",
         (1e-12, 1e-9, 1e-6),
-        quick=(1e-12,),
     ),
     Sweep("folds that stick and slip, friction", "extreme/folding_tube", "mu", (0.1, 0.25, 0.4)),
     Sweep(
