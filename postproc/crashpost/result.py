@@ -18,9 +18,10 @@ import h5py
 import numpy as np
 
 from crashpost.errors import PostError, unknown
-from crashpost.expression import Series, evaluate
 from crashpost.status import read_status
 from crashpost.text import plain_text, printable
+from crashsolve.channels.expression import evaluate
+from crashsolve.channels.series import Series
 
 FORMAT = "crashsolve history"
 # the first one has other names for some energies, and reads the same
