@@ -5,7 +5,8 @@ characters than letters, digits and dots is put in quotes: `2 * 'rbdout.car-a.ve
 number with a unit: `rbdout.a.velocity.x - '54 km/h'`. The word `time` is the sample time itself.
 
 A file of `functions` holds `apply(time, x, ...)`, from sample times (n,) and Terms to a Term, and
-SAMPLED = True where samples at other times enter the value at a moment.
+SAMPLED = True where samples at other times enter the value at a moment, IS_SAMPLE_TIME = True where
+values are times of samples.
 """
 
 import ast
@@ -29,6 +30,8 @@ Lookup = Callable[[str], Series]
 
 FOLDER = "functions"
 LONGEST = 4000
+# letters of an expression that a message repeats
+SHOWN = 60
 # a whole number may have more digits than a float holds
 MOST = 1e300
 _QUOTED_OR_NAME = re.compile(r"'[^']*'|\"[^\"]*\"|(?<![\w.])[A-Za-z_]\w*(?:\.\w+)+")
@@ -63,9 +66,18 @@ def channels_in(expression: str) -> list[str]:
 
 def is_sampled(expression: str) -> bool:
     """Whether samples at other times enter the value of a moment, as by an integral."""
+    return _calls_any(expression, "SAMPLED")
+
+
+def tells_sample_times(expression: str) -> bool:
+    """Whether values are times of samples, known to an interval and no better."""
+    return _calls_any(expression, "IS_SAMPLE_TIME")
+
+
+def _calls_any(expression: str, flag: str) -> bool:
     called = re.findall(r"([A-Za-z_]\w*)\s*\(", expression)
     known = [word for word in called if word in words_in(FOLDER)]
-    return any(getattr(module_of(FOLDER, word), "SAMPLED", False) for word in known)
+    return any(getattr(module_of(FOLDER, word), flag, False) for word in known)
 
 
 @lru_cache(maxsize=1024)
@@ -187,7 +199,8 @@ class _Evaluation:
         try:
             return act(*arguments)
         except ChannelError as error:
-            raise type(error)(f"{error} in '{self.expression}'") from None
+            place = f" in '{self.expression}'" if len(self.expression) <= SHOWN else ""
+            raise type(error)(f"{error}{place}") from None
 
 
 def _product(a: Term, b: Term, power: int) -> Product | None:

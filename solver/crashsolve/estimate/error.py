@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from crashsolve.channels.expression import is_sampled
+from crashsolve.channels.expression import is_sampled, tells_sample_times
 from crashsolve.channels.series import Series, within
 from crashsolve.channels.statistic import (
     is_a_time,
@@ -276,6 +276,8 @@ def _gap_inside(watch: Watch, main: Samples) -> float:
     """Error by samples of an expression that integrates or differentiates; 0 for others."""
     if not is_sampled(watch.channels[0]):
         return 0.0
+    if tells_sample_times(watch.channels[0]):
+        return float(np.max(np.diff(main.time)))
     half = main.at(main.time[::2])
     if watch.statistic == PATH:
         return distance(_value(watch, main.at(half.time)), series_of(watch, half).values) / 3.0

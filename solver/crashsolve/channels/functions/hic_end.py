@@ -6,6 +6,7 @@ from crashsolve.channels.functions._windows import worst
 from crashsolve.channels.term import SECOND, Term
 
 SAMPLED = True
+IS_SAMPLE_TIME = True
 
 
 def apply(time: np.ndarray, a: Term, window: Term | None = None) -> Term:

@@ -1,8 +1,8 @@
 """Severity Index: SI = integral of a^2.5 dt, a in g, t in s; up to each moment.
 
 a is the magnitude, so that of one axis its sign does not matter: take the resultant of three. The
-integral is by the trapezoidal rule, of second order in the interval of the samples. The statistic
-`final` or `max` is the index of the whole history.
+integral is by the trapezoidal rule, of second order in the interval of the samples, of first order
+across a jump. The statistic `final` or `max` is the index of the whole history.
 
 References: Gadd (1966), SAE 660793; SAE J885 (2011).
 """
