@@ -41,7 +41,7 @@ def cpu_time() -> float:
 
 @contextmanager
 def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[Log]:
-    """The log of a run; log and status.json tell of its preparation, and of how that ended if badly.
+    """The log of a run; log and status.json tell of its preparation and how it ended.
 
     From here on status.json speaks of this run, and not of one before it. Raises OutputError.
     """
