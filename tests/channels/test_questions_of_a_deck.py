@@ -31,15 +31,15 @@ def test_questions_that_make_no_sense_are_refused_before_the_run(flight: Path) -
         "hic(rbdout.ball.velocity.x, '15 ms')": "hic() takes an acceleration, not 'm/s'",
         "sin(rbdout.ball.velocity.x)": "unknown function 'sin'",
     }
-    entries = ", ".join(f'{{channel: "{channel}", statistic: max}}' for channel in wrong)
-    flight.write_text(f"{FLIGHT}watch: [{entries}]\n")
+    entries = [f'{{channel: "{channel}", statistic: max}}' for channel in wrong]
+    entries += ["{channel: rbdout.ball.velocity.x, statistic: at:-0.1}"]
+    flight.write_text(f"{FLIGHT}watch: [{', '.join(entries)}]\n")
     done = crashsolve(flight, "-o", flight.parent / "results", NUMBA_DISABLE_JIT="1")
-    lines = done.stderr.splitlines()
+    *lines, last = done.stderr.splitlines()
     assert (done.returncode, len(lines)) == (2, len(wrong)), done.stderr
-    for line, (told, number) in zip(
-        lines, zip(wrong.values(), range(1, 5), strict=True), strict=True
-    ):
+    for number, (line, told) in enumerate(zip(lines, wrong.values(), strict=True), 1):
         assert "flight.yaml:5:" in line and f"watch {number}: channel: {told}" in line
+    assert "watch 5: statistic: 'at:-0.1' is before the run, from 0 s on" in last
 
 
 def test_a_study_refuses_a_moment_that_no_run_samples(flight: Path) -> None:
