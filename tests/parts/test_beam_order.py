@@ -1,4 +1,4 @@
-"""Claim: beams at rest converge with the fourth power of the element's length, in motion the second.
+"""Claim: beams at rest converge with the fourth power of the element's length, moving ones the 2nd.
 
 Equilibria and frequencies come from the element's force and tangent alone, without time steps.
 """

@@ -79,7 +79,7 @@ def test_a_taut_string_vibrates_as_it_should(tmp_path: Path, ratio: float) -> No
 
 @pytest.mark.parametrize(("count", "share"), [(1, 1.00752), (2, 1.00051), (4, 1.00003)])
 def test_columns_buckle_at_the_critical_load(tmp_path: Path, count: int, share: float) -> None:
-    """Of pi^2 E I / 4 L^2; shares of cubic elements, Cook et al. (2002), 18.4, by their matrices."""
+    """Of pi^2 E I / 4 L^2; shares of cubic elements, by their matrices."""
     signs = []
     for factor in (share - 1e-4, share + 1e-4):
         K, _ = chain(tmp_path, count, -factor * np.pi**2 / 4.0)

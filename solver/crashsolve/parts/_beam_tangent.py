@@ -5,8 +5,9 @@
     (df, dm) = U'' (dy, dtheta),   dm' = T dm + (dT) m + 2 (dg x c + g x dc)
 
 in axes of R, with the spins s of b over a and w_0 of the mean (`_halfway.py`): the whole
-derivative, with what bends already and what turns; U'' is that of the energy by y and theta. For all elements at once, in numpy, where
-statics asks for it. Consequence to test: central differences of the forces.
+derivative, with what bends already and what turns; U'' is that of the energy by y and theta. For
+all elements at once, in numpy, where statics asks for it. Consequence to test: central differences
+of the forces.
 
 Reference: Crisfield (1990), A consistent co-rotational formulation for non-linear,
 three-dimensional beam-elements, Computer Methods in Applied Mechanics and Engineering 81, 131-150.

@@ -16,8 +16,8 @@ stiffness at a tension N of a straight element is that of the consistent geometr
 
 References: Reissner (1972), On one-dimensional finite-strain beam theory: the plane problem,
 Zeitschrift für angewandte Mathematik und Physik 23, 795-804. Przemieniecki (1968), Theory of Matrix
-Structural Analysis, 15.2 (geometric stiffness). Crisfield (1991), Non-linear Finite Element Analysis
-of Solids and Structures, vol. 1, 7.
+Structural Analysis, 15.2 (geometric stiffness). Crisfield (1991), Non-linear Finite Element
+Analysis of Solids and Structures, vol. 1, 7.
 """
 
 from math import sqrt
