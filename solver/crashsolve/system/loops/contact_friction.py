@@ -32,12 +32,12 @@ def friction_in_point(
 
 @stage
 def friction_in_area(
-    group, clock, h, p, old, new, out, m, w, d_a, d_b, n, slip, f, mass, way, radius, curves
+    group, clock, h, p, old, new, out, m, w, d_a, d_b, n, slip, f, mass, motion, way, radius, curves
 ):
     """Friction against slip and spin, and the way of both; power, loss. Writes: new, out, m, w."""
     slip = areas.sliding(m, w, slip, n, radius)
     ease = 0.0
-    glide = areas.way_of_sliding(h, m, w, way, n, radius) if KICK_DRIFT_KICK else None
+    glide = areas.way_of_sliding(motion, way, n, radius) if KICK_DRIFT_KICK else None
     if KICK_DRIFT_KICK and group.friction_damps:
         u = contacts.ahead(old, slip, n)
         mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)

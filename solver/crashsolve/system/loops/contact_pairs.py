@@ -42,10 +42,13 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
         elif group.has_ends:
             passing.note_way(clock, h, p, old, new, depth, n)
         m, w = nodes[a.node], nodes[b.node]
+        motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
         if KICK_DRIFT_KICK and group.resists_spin:
-            rubbed = areas.end_first_half(h, old, m, w, counts[p.card])
+            rubbed = areas.end_first_half(h, old, motion, m, counts[p.card])
+        elif KICK_DRIFT_KICK and group.friction:
+            rubbed = work.end_first_half(h, old, motion, m, counts[p.card])
         elif KICK_DRIFT_KICK:
-            rubbed = work.end_first_half(h, old, m, w, counts[p.card])
+            work.end_push(h, old, motion, m, counts[p.card])
         if depth <= 0.0:
             contacts.separate(clock, old, new, out, depth, x)
             group.normal.release(p, old, new)
@@ -57,7 +60,9 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
                 work.part_pair(old, new, rubbed)
             contacts.sum_losses(scene.cards[p.card], new)
             continue
-        press(group, clock, h, p, old, new, out, a, b, m, w, depth, n, x, nodes, curves, scene)
+        press(
+            group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, nodes, curves, scene
+        )
         if group.keeps_faces and old.held == 1 and not held:
             # it leaves its own face sideways, deep within
             new.dissipated += max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)
@@ -65,7 +70,7 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
 
 
 @stage
-def press(group, clock, h, p, old, new, out, a, b, m, w, depth, n, x, nodes, curves, scene):
+def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, nodes, curves, scene):
     """Forces of one pair in touch. Writes: nodes, scene.cards, output, new history."""
     counts = scene.card_history[1 - clock.current]
     rate, slip, d_a, d_b = contacts.closing(m, w, x, n)
@@ -97,10 +102,28 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, depth, n, x, nodes, cur
         loss, k, c = a.share * loss, a.share * k, a.share * c
     t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0
     out.friction_stored = 0.0
-    way = work.way_to(h, m, w, x) if KICK_DRIFT_KICK else None
+    way = work.way_to(motion, m, x) if KICK_DRIFT_KICK else None
     if group.resists_spin:
         rub, glide, t_power, t_loss = friction_in_area(
-            group, clock, h, p, old, new, out, m, w, d_a, d_b, n, slip, f, mass, way, radius, curves
+            group,
+            clock,
+            h,
+            p,
+            old,
+            new,
+            out,
+            m,
+            w,
+            d_a,
+            d_b,
+            n,
+            slip,
+            f,
+            mass,
+            motion,
+            way,
+            radius,
+            curves,
         )
         t = areas.along_surface(rub, n)
     elif group.friction:
@@ -119,5 +142,7 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, depth, n, x, nodes, cur
     contacts.sum_card(scene.cards[p.card], counts[p.card], p.order, felt, f, t, new, out)
     if KICK_DRIFT_KICK and group.resists_spin:
         areas.begin_second_half(felt, way, glide, f, rub, n, x, radius, out, new, counts[p.card])
-    elif KICK_DRIFT_KICK:
+    elif KICK_DRIFT_KICK and group.friction:
         work.begin_second_half(felt, way, f, t, n, x, out, new, counts[p.card])
+    elif KICK_DRIFT_KICK:
+        work.begin_push(felt, way, f, n, x, out, new, counts[p.card])
