@@ -316,7 +316,7 @@ def results(folder: Path, decks: list[str]) -> None:
     for word, steps in BATTERY.items():
         path, _, number = word.partition(" ")
         name = f"{path.replace('/', '.')}.{number or 0}.json"
-        if not decks or word in decks or path in decks:
+        if not decks or word in decks:
             found = state_after(ROOT / "decks" / f"{path}.yaml", SETTINGS[int(number or 0)], steps)
             (folder / name).write_text(json.dumps(found, indent=1), "utf-8")
             print(name, flush=True)

@@ -10,10 +10,9 @@ from crashsolve.system.scene import KICK_DRIFT_KICK
 
 
 @stage
-def friction_in_point(
-    group, clock, h, p, old, new, out, m, w, d_a, d_b, n, slip, f, mass, way, curves
-):
+def friction_in_point(group, clock, h, p, old, new, out, sides, n, slip, f, mass, way, curves):
     """Friction against the slip: force, power, loss without a rate. Writes: new, out, m, w."""
+    m, w, d_a, d_b = sides
     ease = 0.0
     if KICK_DRIFT_KICK and group.friction_damps:
         u = contacts.ahead(old, slip, n)
@@ -32,9 +31,10 @@ def friction_in_point(
 
 @stage
 def friction_in_area(
-    group, clock, h, p, old, new, out, m, w, d_a, d_b, n, slip, f, mass, motion, way, radius, curves
+    group, clock, h, p, old, new, out, sides, n, slip, f, mass, motion, way, radius, curves
 ):
     """Friction against slip and spin, and the way of both; power, loss. Writes: new, out, m, w."""
+    m, w, d_a, d_b = sides
     slip = areas.sliding(m, w, slip, n, radius)
     ease = 0.0
     glide = areas.way_of_sliding(motion, way, n, radius) if KICK_DRIFT_KICK else None

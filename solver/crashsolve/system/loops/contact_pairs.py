@@ -102,33 +102,16 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
         loss, k, c = a.share * loss, a.share * k, a.share * c
     t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0
     out.friction_stored = 0.0
+    sides = (m, w, d_a, d_b)
     way = work.way_to(motion, m, x) if KICK_DRIFT_KICK else None
     if group.resists_spin:
         rub, glide, t_power, t_loss = friction_in_area(
-            group,
-            clock,
-            h,
-            p,
-            old,
-            new,
-            out,
-            m,
-            w,
-            d_a,
-            d_b,
-            n,
-            slip,
-            f,
-            mass,
-            motion,
-            way,
-            radius,
-            curves,
+            group, clock, h, p, old, new, out, sides, n, slip, f, mass, motion, way, radius, curves
         )
         t = areas.along_surface(rub, n)
     elif group.friction:
         t, t_power, t_loss = friction_in_point(
-            group, clock, h, p, old, new, out, m, w, d_a, d_b, n, slip, f, mass, way, curves
+            group, clock, h, p, old, new, out, sides, n, slip, f, mass, way, curves
         )
     if group.is_flat:
         contacts.touch(m, w, d_a, d_b, felt, 0.0, t, n, x, out)

@@ -46,36 +46,19 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
             work.push_along(old, past, count)
         if hit.depth <= 0.0:
             if old.active == 1:
-                leave_shape(
-                    group, clock, h, p, tally, i, old, new, past, hit, held, over, count, scene
-                )
+                leave_shape(group, clock, h, i, old, new, past, hit, held, over, count, scene)
             continue
         press_on_shape(
-            group,
-            clock,
-            h,
-            p,
-            tally,
-            i,
-            x,
-            v,
-            old,
-            new,
-            hit,
-            held,
-            over,
-            past,
-            nodes,
-            curves,
-            scene,
+            group, clock, h, i, x, v, old, new, hit, held, over, past, nodes, curves, scene
         )
         nodal.take_turn(h, turns, i)
     nodal.close_pass(tally, card, count)
 
 
 @stage
-def leave_shape(group, clock, h, p, tally, i, old, new, past, hit, held, over, count, scene):
+def leave_shape(group, clock, h, i, old, new, past, hit, held, over, count, scene):
     """A probe leaves a shape. Writes: tally, slots, count."""
+    p, tally = group.p[0], group.tally[0]
     nodal.leave(clock, h, tally, group.turns, i, old, new)
     group.normal.release(p, old, new)
     if group.keeps_faces:
@@ -88,10 +71,9 @@ def leave_shape(group, clock, h, p, tally, i, old, new, past, hit, held, over, c
 
 
 @stage
-def press_on_shape(
-    group, clock, h, p, tally, i, x, v, old, new, hit, held, over, past, nodes, curves, scene
-):
+def press_on_shape(group, clock, h, i, x, v, old, new, hit, held, over, past, nodes, curves, scene):
     """Forces of one probe on one shape. Writes: scene.points, cards, loads, slots, nodes."""
+    p, tally = group.p[0], group.tally[0]
     points, probes = scene.points, group.probes
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     count = counts[p.card]

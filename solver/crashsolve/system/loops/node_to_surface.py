@@ -45,20 +45,19 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
                 work.push_along(old, past, count)
             if hit.depth <= 0.0:
                 if old.active == 1:
-                    leave_face(group, clock, h, p, tally, j, old, new, past, mesh, count, scene)
+                    leave_face(group, clock, h, j, old, new, past, mesh, count, scene)
                 continue
             if group.is_round:
                 v = ellipsoids.roll(probe, p, hit, nodes, points, corners)
-            press_on_face(
-                group, clock, h, p, tally, probe, v, old, new, hit, past, nodes, curves, scene
-            )
+            press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves, scene)
             nodal.take_turn(h, turns, j)
     nodal.close_pass(tally, card, count)
 
 
 @stage
-def leave_face(group, clock, h, p, tally, j, old, new, past, mesh, count, scene):
+def leave_face(group, clock, h, j, old, new, past, mesh, count, scene):
     """A probe leaves a face. Writes: tally, slots, count."""
+    p, tally = group.p[0], group.tally[0]
     if group.can_fail:
         faces.let_go(h, tally, old, 0.0, group.gone)
     faces.note_lost(clock, h, p, tally, old, mesh)
@@ -70,8 +69,9 @@ def leave_face(group, clock, h, p, tally, j, old, new, past, mesh, count, scene)
 
 
 @stage
-def press_on_face(group, clock, h, p, tally, probe, v, old, new, hit, past, nodes, curves, scene):
+def press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves, scene):
     """Forces of one probe on one face. Writes: scene.points, cards, loads, slots, nodes."""
+    p, tally = group.p[0], group.tally[0]
     points, corners = scene.points, scene.corners
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     count = counts[p.card]
@@ -90,23 +90,7 @@ def press_on_face(group, clock, h, p, tally, probe, v, old, new, hit, past, node
         faces.let_go(h, tally, old, stored, group.gone)
     if group.friction:
         friction_on_face(
-            group,
-            clock,
-            h,
-            p,
-            tally,
-            probe,
-            v,
-            old,
-            new,
-            hit,
-            past,
-            way,
-            f,
-            mass,
-            nodes,
-            curves,
-            scene,
+            group, clock, h, probe, v, old, new, hit, past, way, f, mass, nodes, curves, scene
         )
     nodal.push_probe(probe, f, k, c, hit, nodes, scene)
     faces.push_face(p, hit, f, k, c, scene)

@@ -6,9 +6,10 @@ from crashsolve.system import contacts, nodal, rubbing, work
 
 @stage
 def friction_on_face(
-    group, clock, h, p, tally, probe, v, old, new, hit, past, way, f, mass, nodes, curves, scene
+    group, clock, h, probe, v, old, new, hit, past, way, f, mass, nodes, curves, scene
 ):
     """Writes: scene.points, loads, tally, cards, new."""
+    p, tally = group.p[0], group.tally[0]
     points, corners = scene.points, scene.corners
     card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
     d, e = work.arms(p, hit)
@@ -56,6 +57,7 @@ def friction_on_shape(
     scene,
 ):
     """Writes: scene.points, loads, tally, cards, new, body."""
+    p, tally = group.p[0], group.tally[0]
     points = scene.points
     card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
     d, y = rubbing.on_shape(p, hit, x)
