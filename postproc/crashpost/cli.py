@@ -1,6 +1,6 @@
 """The command `crashpost`: one sub-command per question about a result.
 
-Exit codes: 0 answered, 1 an expectation failed, 2 the request cannot be met.
+Exit codes: 0 answered, 1 an expectation failed or a measure has no value, 2 the request cannot be met.
 """
 
 import argparse
@@ -95,6 +95,9 @@ def _parser() -> argparse.ArgumentParser:
     sub = add("export", _export, "write channels as comma-separated values")
     sub.add_argument("--csv", type=Path, required=True, metavar="FILE")
     sub.add_argument("--channels", nargs="+", default=["*"], metavar="GLOB")
+    sub = add("sweep", _sweep, "gather the runs of a sweep in one table, and draw them")
+    sub.add_argument("-o", "--output", type=Path, help="folder of the pictures; default RESULT")
+    sub.add_argument("--table", action="store_true", help="only the table")
     sub = add("report", _report, "write one self-contained HTML page")
     sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
     return parser
@@ -199,6 +202,23 @@ def _export(options: argparse.Namespace) -> int:
     count = export_csv(_open(options), options.csv, options.channels)
     _say(f"{options.csv}: {count} channels")
     return 0
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from crashpost import sweep
+
+    found = sweep.read(options.result)
+    _say(sweep.told(found, sweep.write(found)))
+    # a measure that no run has is a mistake of the plan
+    code = 1 if sweep.unanswered(found) else 0
+    if options.table:
+        return code
+    from crashpost.sweep_pictures import draw
+
+    paths, missing = draw(found, options.output or options.result)
+    for line in (*map(str, paths), *missing):
+        _say(line)
+    return code
 
 
 def _report(options: argparse.Namespace) -> int:

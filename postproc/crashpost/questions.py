@@ -28,10 +28,11 @@ def answers(result: Result, questions: Path) -> list[dict[str, Any]]:
         raise PostError(f"{questions}: {error}") from error
     if not isinstance(asked, list) or not all(isinstance(entry, dict) for entry in asked):
         raise PostError(f"{questions}: must be a list of tables")
-    return [_answer(result, entry) for entry in asked]
+    return [answer(result, entry) for entry in asked]
 
 
-def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
+def answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
+    """The answer to one question: {value, unit}, with times for a path, or {problem}."""
     try:
         series, word = result.series(str(asked["channel"])), str(asked["statistic"])
         during = (

@@ -3,6 +3,7 @@
 crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart [--until T]]
 crashsolve check DECK    crashsolve explain DECK
 crashsolve study DECK [--steps A,B] [--integrators A,B] [--meshes 1,2] [--channel C[:STATISTIC]]
+crashsolve sweep PLAN [-o DIR] [--jobs N] [--again failed] [--slurm]
 crashsolve example [NAME [-o DIR]]    crashsolve manual [PAGE]
 crashsolve schema    crashsolve keywords    crashsolve equations
 """
@@ -18,9 +19,10 @@ from typing import Any
 from crashsolve import __version__
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
 from crashsolve.foundation.streams import give_up, open_standard_streams, printable, tell_error
+from crashsolve.sweep import command as sweep_command
 
-COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "example", "manual")
-COMMANDS += ("schema", "keywords", "equations")
+COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "example")
+COMMANDS += ("manual", "schema", "keywords", "equations")
 
 STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
 
@@ -93,6 +95,10 @@ def _parser() -> argparse.ArgumentParser:
         command.set_defaults(act=act)
     _study_arguments(
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
+    )
+    text = sweep_command.TEXT
+    sweep_command.add_arguments(
+        commands.add_parser("sweep", help=text[0].lower() + text[1:], description=text)
     )
     _document_arguments(commands)
     return parser
