@@ -1,6 +1,7 @@
 """The command `crashpost`: one sub-command per question about a result.
 
-Exit codes: 0 answered, 1 an expectation failed or a measure has no value, 2 the request cannot be met.
+Exit codes: 0 answered, 1 an expectation failed or a measure has no value, 2 the request cannot be
+met.
 """
 
 import argparse
