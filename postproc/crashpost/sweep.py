@@ -48,7 +48,7 @@ class Axis:
 
 @dataclass
 class Measure:
-    """What is asked of every run; the unit is known from the first answer."""
+    """What is asked of every run; a unit that the plan does not name is known from an answer."""
 
     name: str
     question: dict[str, Any]
@@ -103,7 +103,10 @@ def read(folder: Path) -> Sweep:
         raise PostError(f"{path}: version {data.get('format_version')} is not known here")
     try:
         axes = [Axis(**entry) for entry in data["axes"]]
-        measures = [Measure(str(entry["name"]), entry) for entry in data["measures"]]
+        measures = [
+            Measure(str(entry["name"]), entry, str(entry.get("unit") or ""))
+            for entry in data["measures"]
+        ]
         rows = [_row(folder, entry, axes, measures) for entry in data["runs"]]
         return Sweep(folder, str(data["title"]), str(data["design"]), axes, measures, rows)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -144,8 +147,9 @@ def _state(folder: Path, mark: dict[str, str]) -> tuple[str, str]:
     if state == "unknown":
         is_known = note.get("state") in ("failed", "stopped", "killed")
         return (str(note["state"]) if is_known else "new"), str(note.get("message", ""))
-    if state == "killed" and note.get("message"):
-        message = str(note["message"])
+    if state == "killed" and note.get("state") in ("stopped", "killed"):
+        # the process that conducted the sweep knows more
+        return str(note["state"]), str(note.get("message", ""))
     return state, message
 
 

@@ -19,7 +19,7 @@ from crashsolve.deck.dump import as_data
 from crashsolve.deck.read import Deck
 from crashsolve.foundation.errors import ExitCode
 from crashsolve.model.ledger import IMBALANCE, KINETIC, LARGEST
-from crashsolve.output.log import ERROR, Log
+from crashsolve.output.log import ERROR, STOPPED, Log
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.phases import ContactPhases
@@ -31,6 +31,9 @@ from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
     from crashsolve.estimate.conduct import Estimating
+
+
+STOPPED_EARLY = "stopped on request before the first step"
 
 
 def cpu_time() -> float:
@@ -55,7 +58,7 @@ def announced(path: Path, deck: Deck) -> Iterator[None]:
         is_asked = isinstance(error, KeyboardInterrupt)
         status.state = "stopped" if is_asked else "failed"
         status.exit_code = int(ExitCode.STOPPED if is_asked else code)
-        status.message = str(error) or type(error).__name__
+        status.message = STOPPED_EARLY if is_asked else str(error) or type(error).__name__
         write_status(path, status)
         raise
 
@@ -74,6 +77,10 @@ def preparing(deck: Deck, folder: Path, log: Log, pulse: Pulse) -> Iterator[None
     begun, pulse.say = time.monotonic(), say
     try:
         yield
+    except KeyboardInterrupt:
+        log.line(STOPPED_EARLY)
+        log.finish(STOPPED)
+        raise
     except BaseException as error:
         log.error(str(error) or type(error).__name__)
         log.finish(ERROR)
