@@ -28,6 +28,7 @@ from crashpost.units import factor
 
 FORMAT, FORMAT_VERSION = "crashsolve sweep", 1
 CSV, PARQUET = "sweep.csv", "sweep.parquet"
+AUTO = "auto-"
 _METHOD = re.compile(r"(?m)^  integrator: .*\n")
 
 
@@ -161,7 +162,8 @@ def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
     except PostError as error:
         row.state, row.message = "stale", f"damaged results: {error}"
         return
-    if _text_mark(text) != _table(folder / "run.json")["mark"]["deck"]:
+    mark = str(_table(folder / "run.json")["mark"]["deck"])
+    if _text_mark(text, mark.startswith(AUTO)) != mark:
         row.state, row.message = "stale", "of another deck or other values"
         return
     problems = []
@@ -184,9 +186,10 @@ def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
     row.message = "; ".join(problems)
 
 
-def _text_mark(text: str) -> str:
-    """Hash of the text of a deck, without the method, which a run may choose."""
-    return hashlib.sha256(_METHOD.sub("", text).encode()).hexdigest()[:16]
+def _text_mark(text: str, is_auto: bool) -> str:
+    """Hash of the text of a deck, without the method where the run has chosen it."""
+    kept = _METHOD.sub("", text) if is_auto else text
+    return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]
 
 
 def _table(path: Path) -> dict[str, Any]:

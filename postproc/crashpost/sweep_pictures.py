@@ -38,6 +38,8 @@ def draw(sweep: Sweep, folder: Path) -> tuple[list[Path], list[str]]:
             _panels(sweep, lambda axes, i, j: _scatter(axes, sweep, i, j), about, paths[0])
             note = f"means of {about} with their standard errors"
             _panels(sweep, lambda axes, i, j: _effect(axes, sweep, i, j), note, paths[1])
+            # one of another design must not be taken for one of this
+            (folder / "indices.png").unlink(missing_ok=True)
             if sweep.design != "saltelli":
                 return paths, []
             found = [indices(sweep, at) for at in range(len(sweep.measures))]

@@ -45,6 +45,7 @@ WRONG = {
     "a seed of a grid": ("sobol, runs: 4", "grid, seed: 2", "the values alone say what is run"),
     "two headings": (MEASURE, MEASURE.replace("]", "]\nx: 1")[:-5].replace(
         "max}", "max}, {channel: rcforc.buffer.normal, statistic: max}"), "is a heading already"),
+    "a name of the table": ("mass: [", "state: [", "'state' is a column of the table already"),
     "no statistic": ("statistic: max", "statistic: maxi", "unknown statistic 'maxi'"),
     "no deviation": ('{from: "5 km/h", to', '{distribution: normal, mean: "5 km/h", to',
                      "distribution: normal needs 'deviation'"),

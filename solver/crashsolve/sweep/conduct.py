@@ -26,6 +26,8 @@ from crashsolve.sweep.march import March
 from crashsolve.sweep.plan import Plan, read_plan
 from crashsolve.sweep.script import Queue, submit, write_script
 
+# what crashpost makes of the runs
+GATHERED = ("sweep.csv", "sweep.parquet", "scatter.png", "effects.png", "indices.png")
 # runs that failed before and are named
 TOLD = 8
 
@@ -62,6 +64,7 @@ def sweep(request: Request) -> int:
         _refuse_stale(request, runs, looks)
         write_sweep(request.folder, plan, title, runs)
         due = [run for run in runs if _is_due(looks[run.number], request.again)]
+        _remove_old(request.folder, due)
         _tell_kept(request, runs, looks)
         if request.queue is not None:
             return _queue(request, due)
@@ -163,6 +166,16 @@ def _refuse_stale(request: Request, runs: Sequence[Run], looks: dict[int, Look])
     )
     advice = "name another folder with -o, or lose them and run anew with --again stale"
     raise DeckError(str(request.folder), None, None, "", told, advice)
+
+
+def _remove_old(folder: Path, due: Sequence[Run]) -> None:
+    """Remove the table and pictures of before: whoever looks meanwhile must not take them for new.
+
+    Raises OutputError.
+    """
+    with reported(folder):
+        for name in GATHERED if due else ():
+            (folder / name).unlink(missing_ok=True)
 
 
 def _is_due(found: Look, again: Sequence[str]) -> bool:

@@ -30,7 +30,7 @@ from crashsolve.sweep.plan import Plan
 
 NAME, NOTE, ERRORS = "sweep.json", "run.json", "errors.txt"
 FORMAT, FORMAT_VERSION = "crashsolve sweep", 1
-# a run chooses the method that auto stands for, and tells of that
+AUTO = "auto-"
 _METHOD = re.compile(r"(?m)^  integrator: .*\n")
 
 
@@ -87,12 +87,17 @@ def mark_of(deck: Deck) -> Mark:
     for path in sorted(set(_files_of(deck))):
         with reported(path):
             files.update(_digest(path, path.stat().st_mtime_ns))
-    return Mark(text_mark(deck.text), files.hexdigest()[:16], version_mark())
+    is_auto = deck.control.integrator == "auto"
+    return Mark(text_mark(deck.text, is_auto), files.hexdigest()[:16], version_mark())
 
 
-def text_mark(text: str) -> str:
-    """Hash of the text of a deck, as sweep.json and history.h5 have it."""
-    return hashlib.sha256(_METHOD.sub("", text).encode()).hexdigest()[:16]
+def text_mark(text: str, is_auto: bool) -> str:
+    """Hash of the text of a deck, as sweep.json and history.h5 have it.
+
+    With `integrator: auto` without its line: results tell the method that was chosen.
+    """
+    kept = _METHOD.sub("", text) if is_auto else text
+    return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]
 
 
 @cache
@@ -204,7 +209,8 @@ def _other_text(folder: Path, mark: Mark) -> str:
 
     try:
         with h5py.File(folder / "history.h5") as file:
-            is_same = text_mark(str(file.attrs["deck_text"])) == mark.deck
+            text = str(file.attrs["deck_text"])
+            is_same = text_mark(text, mark.deck.startswith(AUTO)) == mark.deck
     except (OSError, KeyError):
         return "damaged results"
     return "" if is_same else "another deck or other values"

@@ -28,6 +28,8 @@ from crashsolve.sweep.axis import Axis
 DRAWN = ("latin_hypercube", "sobol", "saltelli")
 LISTED = ("grid", "list")
 MOST = 100_000
+# of every table
+COLUMNS = ("run", "state", "message")
 
 
 class Design(Card):
@@ -179,7 +181,11 @@ def _contradictions(card: PlanCard, axes: Mapping[str, Axis]) -> list[Mistake]:
             told = f"'{name}' is given already, under {known[own]}"
             found.append(Mistake((keyword, name), told, "leave one of them out", True))
         known[own] = keyword
-    titles = set(axes)
+    titles = {*axes, *COLUMNS}
+    for name in axes:
+        if name in COLUMNS:
+            told = f"'{name}' is a column of the table already"
+            found.append(Mistake(("vary", name), told, f"write parameters.{name}", True))
     for i, measure in enumerate(card.measure):
         if measure.title in titles:
             told = f"'{measure.title}' is a heading already"
