@@ -111,6 +111,8 @@ class March:
             if not (scene in self._warm or is_first):
                 continue
             if is_held(run.folder(self.folder)):
+                if run.number not in self._held:
+                    self._say(f"  {run.name} runs in another process: waiting for its end")
                 self._held.add(run.number)
                 continue
             waiting.remove(run)
