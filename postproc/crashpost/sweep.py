@@ -19,12 +19,12 @@ from pathlib import Path
 from typing import Any
 
 from crashpost.accuracy import error_of
+from crashpost.answer import answer
 from crashpost.errors import PostError
-from crashpost.questions import answer
 from crashpost.result import Result
 from crashpost.status import read_status
 from crashpost.text import plain_text
-from crashpost.units import factor
+from crashsolve.channels.display import factor
 
 FORMAT, FORMAT_VERSION = "crashsolve sweep", 1
 CSV, PARQUET = "sweep.csv", "sweep.parquet"
@@ -166,24 +166,23 @@ def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
     if _text_mark(text, mark.startswith(AUTO)) != mark:
         row.state, row.message = "stale", "of another deck or other values"
         return
-    problems = []
+    remarks = []
     for at, measure in enumerate(measures):
         asked = measure.question
-        found = answer(result, asked | {"unit": None})
-        if "problem" in found:
-            problems.append(f"{measure.name}: {found['problem']}")
-            continue
+        channel, word = str(asked["channel"]), str(asked["statistic"])
+        during = (asked["during"][0], asked["during"][1]) if asked.get("during") else None
         try:
-            size = factor(found["unit"], asked.get("unit") or found["unit"])
-        except PostError as error:
-            problems.append(f"{measure.name}: {error}")
+            found = answer(result, channel, word, during)
+            size = factor(found.unit, asked.get("unit") or found.unit)
+        except (PostError, ValueError, LookupError, OverflowError) as error:
+            remarks.append(f"{measure.name}: {error}")
             continue
-        measure.unit = str(asked.get("unit") or found["unit"])
-        row.measured[at] = found["value"] * size
-        during = tuple(asked["during"]) if asked.get("during") else None
-        estimate = error_of(result, asked["channel"], asked["statistic"], during)
+        remarks += [f"{measure.name}: {found.remark}"] if found.remark else []
+        measure.unit = str(asked.get("unit") or found.unit)
+        row.measured[at] = found.value * size
+        estimate = error_of(result, channel, word, during)
         row.errors[at] = nan if estimate is None else estimate * size
-    row.message = "; ".join(problems)
+    row.message = "; ".join(remarks)
 
 
 def _text_mark(text: str, is_auto: bool) -> str:

@@ -46,6 +46,8 @@ WRONG = {
     "two headings": (MEASURE, MEASURE.replace("]", "]\nx: 1")[:-5].replace(
         "max}", "max}, {channel: rcforc.buffer.normal, statistic: max}"), "is a heading already"),
     "a name of the table": ("mass: [", "state: [", "'state' is a column of the table already"),
+    "an expression": ("rcforc.buffer.normal", "\"maxx(rcforc.buffer.normal)\"", "maxx"),
+    "a unit": ("statistic: max", "statistic: max, unit: kNN", "measure 1 unit: unknown unit"),
     "no statistic": ("statistic: max", "statistic: maxi", "unknown statistic 'maxi'"),
     "no deviation": ('{from: "5 km/h", to', '{distribution: normal, mean: "5 km/h", to',
                      "distribution: normal needs 'deviation'"),

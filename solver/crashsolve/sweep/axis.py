@@ -13,10 +13,10 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 from pydantic import field_validator, model_validator
 
+from crashsolve.channels.units import UnitError, parse_unit, split_quantity
 from crashsolve.deck.card import Card, word
 from crashsolve.deck.mistakes import refuse, shown
 from crashsolve.deck.numbers import as_written
-from crashsolve.foundation.units import UnitError, parse_unit, split_quantity
 
 # share of a distribution that its limits must leave
 LEAST_SHARE = 1e-6

@@ -16,12 +16,17 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ValidationError, field_validator, model_validator
 
+from crashsolve.channels.display import Product
+from crashsolve.channels.errors import ChannelError
+from crashsolve.channels.expression import channels_in
+from crashsolve.channels.series import Window
+from crashsolve.channels.units import UnitError
 from crashsolve.deck.card import Card, FileName, quantity, word
 from crashsolve.deck.mistakes import Mistake, mistakes_of, refuse, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.overrides import PARAMETERS
 from crashsolve.deck.source import BROKEN, Position, Table, locate, read_yaml
-from crashsolve.deck.statistic import STATISTICS, Window, check_window, known_statistic
+from crashsolve.deck.statistic import check_window, known_statistic, words_told
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.sweep.axis import Axis
 
@@ -68,7 +73,7 @@ class Measure(Card):
 
     name: str = word("heading of its column; channel and statistic when empty", "")
     channel: str = word("channel, or arithmetic of channels")
-    statistic: str = word(f"{', '.join(STATISTICS)}, or at:T with T in seconds")
+    statistic: str = word(words_told())
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
     unit: str | None = word("unit of the number; the channel's own when absent", None)
 
@@ -76,6 +81,26 @@ class Measure(Card):
     @classmethod
     def _known_statistic(cls, text: str) -> str:
         return known_statistic(text)
+
+    @field_validator("channel")
+    @classmethod
+    def _readable(cls, text: str) -> str:
+        try:
+            # names of channels may have a "-", and none has brackets
+            if "(" in text:
+                channels_in(text)
+        except ChannelError as error:
+            refuse(str(error))
+        return text
+
+    @field_validator("unit")
+    @classmethod
+    def _known_unit(cls, text: str | None) -> str | None:
+        try:
+            Product.parse(text or "")
+        except UnitError as error:
+            refuse(str(error))
+        return text
 
     @model_validator(mode="after")
     def _has_a_window(self) -> "Measure":
