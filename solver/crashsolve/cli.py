@@ -12,6 +12,7 @@ import argparse
 import ctypes
 import gc
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -19,11 +20,11 @@ from typing import Any
 from crashsolve import __version__
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
 from crashsolve.foundation.streams import give_up, open_standard_streams, printable, tell_error
-from crashsolve.sweep import command as sweep_command
 
 COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "example")
 COMMANDS += ("manual", "schema", "keywords", "equations")
 
+SWEEP = "Run a deck over values of its parameters, as a plan says; what has finished is kept"
 STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
 
 
@@ -37,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
     # `crashsolve deck.yaml` is short for `crashsolve run deck.yaml`
     if given and given[0] not in COMMANDS and not given[0].startswith("-"):
         given = ["run", *given]
-    options = _parser().parse_args(given)
+    options = _parser(given).parse_args(given)
     try:
         code = int(options.act(options))
         sys.stdout.flush()
@@ -68,7 +69,7 @@ def give_back_memory() -> None:
         ctypes.CDLL(None).mallopt(-3, 1 << 18)
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(asked: Sequence[str]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="crashsolve",
         description="Solves the impact of multibody systems from an input deck.",
@@ -96,10 +97,12 @@ def _parser() -> argparse.ArgumentParser:
     _study_arguments(
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
-    text = sweep_command.TEXT
-    sweep_command.add_arguments(
-        commands.add_parser("sweep", help=text[0].lower() + text[1:], description=text)
-    )
+    sweep = commands.add_parser("sweep", help=SWEEP[0].lower() + SWEEP[1:], description=SWEEP)
+    if list(asked[:1]) == ["sweep"]:
+        # a run does not pay for the words of others
+        from crashsolve.sweep.command import add_arguments
+
+        add_arguments(sweep)
     _document_arguments(commands)
     return parser
 

@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NODE = Path(__file__).parent / "one_node_slurm.sh"
 WAGON = ROOT / "decks" / "queue" / "wagon.yaml"
 CRASHSOLVE = f"{sys.executable} -m crashsolve"
-# [s] of a run at the pace of this machine now: its job is told to stop half a minute after its start
+# [s] of a run at the pace of this machine now: its job is told to stop half a minute before
 LASTS = 60.0
 
 pytestmark = [pytest.mark.queue, pytest.mark.xdist_group("slurm")]

@@ -5,8 +5,6 @@ from pathlib import Path
 
 from crashsolve.foundation.errors import DeckError, ExitCode
 
-TEXT = "Run a deck over values of its parameters, as a plan says; finished runs are not repeated"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the words of the command."""
