@@ -146,7 +146,7 @@ def _words(sweep: Sweep, j: int) -> list[str]:
 
 def _name_words(axes: Axes, sweep: Sweep, j: int) -> None:
     if not sweep.axes[j].is_of_numbers:
-        words = [_cut(word, 14) for word in _words(sweep, j)]
+        words = [_cut(word, 20) for word in _words(sweep, j)]
         axes.set_xticks(range(len(words)), words, rotation=20, ha="right", fontsize=8)
         axes.set_xlim(-0.5, len(words) - 0.5)
 
