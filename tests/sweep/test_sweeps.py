@@ -86,8 +86,9 @@ def test_a_run_that_fails_has_a_message_and_no_number(tmp_path: Path) -> None:
     (tmp_path / "deck.yaml").write_text(STEP.read_text("utf-8"), "utf-8")
     plan, out = tmp_path / "plan.yaml", tmp_path / "out"
     plan.write_text(
-        "deck: deck.yaml\ndesign: list\nset: {control.end_time: 0.2}\nvary: {control.step: [1.0e-4, 0.01]}\n"
-        "measure: [{name: x, channel: rbdout.block.position.x, statistic: max}]\n",
+        "deck: deck.yaml\ndesign: list\nset: {control.end_time: 0.2}\n"
+        "vary: {control.step: [1.0e-4, 0.01]}\n"
+        "measure: [{name: x, channel: rbdout.block.position.x, statistic: abs_max}]\n",
         "utf-8",
     )
     words = ("sweep", plan, "-o", out)
