@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.family import ANY, families
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.posture import matrix, perpendicular
 from crashsolve.model import welds
@@ -45,6 +46,7 @@ class Scene:
         self.warnings: list[str] = []
         self.errors: list[DeckError] = []
         self.stepwise: list[str] = []  # laws that count in whole steps
+        self.methods: list[str] = []  # integrators of all families; empty for any
         self.joints: dict[str, Any] = {}
         self.surfaces: dict[str, Any] = {}
         self.names = ["ground", *deck.entries["bodies"]]
@@ -220,6 +222,18 @@ class Scene:
             message = f"'{law}' counts in whole steps, integrator {method} needs rates at any time"
             known = " or ".join(["rattle", *others])
             raise self.fail(f"{message}; say integrator: {known}", field)
+
+    def refuse_method(self, section: str) -> None:
+        """A family of laws that the integrator of the deck cannot step. Writes: methods."""
+        family, method = families()[section], self.deck.control.integrator
+        if family.integrators == ANY:
+            return
+        known = " or ".join(family.integrators)
+        if method != "auto" and not family.supports(method):
+            raise self.fail(f"{section} cannot be stepped by {method}; say integrator: {known}")
+        self.methods = [m for m in self.methods or family.integrators if family.supports(m)]
+        if not self.methods:
+            raise self.fail(f"no integrator can step {section}, known to {known}, with the others")
 
     def warn(self, message: str) -> None:
         if message not in self.warnings:
