@@ -118,11 +118,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     if nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator == "auto":
-        tolerance = float(model.control[0]["tolerance"])
-        model.integrator, model.choice = choose(model, state, scene.stepwise, tolerance)
-        if scene.methods and model.integrator not in scene.methods:
-            model.integrator = scene.methods[0]
-            model.choice = f"of '{model.integrator}' alone all families of the deck are known"
+        model.integrator, model.choice = _choose(model, state, scene)
     if model.elements:
         _arrange(model, state, deck)
     state.stages = initial_stages(model, len(state.nodes))
@@ -130,6 +126,14 @@ def _build(deck: Deck) -> tuple[Model, State]:
         for g in model.force_groups():
             g.powers = np.zeros(len(state.stages) * len(g.names))
     return model, state
+
+
+def _choose(model: Model, state: State, scene: Scene) -> tuple[str, str]:
+    """The integrator for a deck that names none, and why."""
+    choice = choose(model, state, scene.stepwise, float(model.control[0]["tolerance"]))
+    if not scene.methods or choice.integrator in scene.methods:
+        return choice
+    return scene.methods[0], "known to all families of laws in the deck"
 
 
 def _arrange(model: Model, state: State, deck: Deck) -> None:
