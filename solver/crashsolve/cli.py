@@ -180,7 +180,7 @@ def _overrides(options: argparse.Namespace) -> dict[str, str]:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from crashsolve.run import solve
+    from crashsolve.solve import solve
 
     folder = options.output or Path(options.deck.stem + ".results")
     overrides = _overrides(options)

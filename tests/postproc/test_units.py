@@ -3,7 +3,7 @@
 import pytest
 
 from crashpost.errors import PostError
-from crashpost.units import Unit, factor, readable
+from crashsolve.channels.display import Product, factor, readable
 
 
 @pytest.mark.parametrize(
@@ -40,11 +40,11 @@ def test_unreadable_units_are_refused(text: str) -> None:
 
 
 def test_products_cancel_and_print_in_the_notation_of_the_result_files() -> None:
-    work = Unit.parse("N/m").times(Unit.parse("m")).times(Unit.parse("m"))
+    work = Product.parse("N/m").times(Product.parse("m")).times(Product.parse("m"))
     assert str(work) == "N m"
-    assert str(work.times(Unit.parse("s"), -1)) == "N m/s"
-    assert str(Unit.parse("1/s")) == "1/s"
-    assert str(Unit.parse("m").times(Unit.parse("m"), -1)) == ""
+    assert str(work.times(Product.parse("s"), -1)) == "N m/s"
+    assert str(Product.parse("1/s")) == "1/s"
+    assert str(Product.parse("m").times(Product.parse("m"), -1)) == ""
 
 
 @pytest.mark.parametrize(

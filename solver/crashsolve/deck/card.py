@@ -27,6 +27,7 @@ from pydantic import (
     model_validator,
 )
 
+from crashsolve.channels.units import UnitError
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
 from crashsolve.deck.laws import UnknownType, law_class, types_in
 from crashsolve.deck.mistakes import (
@@ -40,7 +41,6 @@ from crashsolve.deck.mistakes import (
 )
 from crashsolve.deck.numbers import Context, number, number_in
 from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE
-from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
