@@ -58,7 +58,7 @@ def end_after_first_step(deck: str, folder: str) -> None:
 
 
 def start(deck: Path, cache: str) -> tuple[float, float, float, float]:
-    """Time by the clock and of CPU [s], peak memory [MB] of the run and its compiler, of a start."""
+    """Clock and CPU time [s], peak memory [MB] of the run and its compiler, of one start."""
     environment = os.environ | {"CRASHSOLVE_CACHE": cache}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     begun = time.monotonic()
