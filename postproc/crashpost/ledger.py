@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crashpost.result import Channel, Result
-from crashsolve.channels.display import Product, factor, same_dimension
+from crashsolve.channels.display import factor, measure_the_same
 from crashsolve.channels.series import Series
 from crashsolve.channels.statistic import statistic
 
@@ -87,10 +87,5 @@ def worst_momentum(result: Result, name: str = "momentum_error") -> float | None
 
 
 def _entries(result: Result, unit: str) -> list[Entry]:
-    wanted = Product.parse(unit)
-    channels = [
-        channel
-        for channel in result.channels("glstat.*")
-        if same_dimension(Product.parse(channel.unit), wanted)
-    ]
+    channels = [c for c in result.channels("glstat.*") if measure_the_same(c.unit, unit)]
     return [Entry(channel, result.series(channel.name)) for channel in channels]

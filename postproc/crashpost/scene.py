@@ -33,7 +33,7 @@ def scene(result: Result, time: float | None) -> "MultiBlock":
         raise PostError(f"no state near {wanted:g} s, only {times[0]:g} s to {times[-1]:g} s")
     reader.set_active_time_value(nearest)
     blocks: MultiBlock = reader.read()
-    for block in blocks:
+    for block in (block for block in blocks if block is not None):
         block.points = block.points + block.point_data["displacement"]
     blocks.field_data["time"] = [nearest]
     return blocks

@@ -37,7 +37,7 @@ def run(
     """Solve a deck; returns its results folder, and raises RunFailed where it does not end.
 
     `deck` is a path, or the deck itself as a dict, which is then written to deck.yaml of the
-    folder: files that it names are looked for there. `folder` is DECK.results in the present folder when
+    folder: files that it names are looked for there. `folder` is DECK.results when
     absent. `set` replaces parameters and fields, as --set does: {"control.step": "0.1 ms"}; bare
     numbers are in the deck's units. `restart` goes on from the newest dump. `tell` is called with
     every line that the run prints, as in tell=print.

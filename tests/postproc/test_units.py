@@ -3,7 +3,7 @@
 import pytest
 
 from crashpost.errors import PostError
-from crashsolve.channels.display import Product, factor, readable
+from crashsolve.channels.display import Product, factor, measure_the_same, readable
 
 
 @pytest.mark.parametrize(
@@ -37,6 +37,17 @@ def test_different_dimensions_are_refused() -> None:
 def test_unreadable_units_are_refused(text: str) -> None:
     with pytest.raises(PostError, match="unit"):
         factor("m", text)
+
+
+def test_an_unknown_unit_is_shown_as_it_is_and_like_none_other() -> None:
+    assert factor("furlong", "furlong") == 1.0
+    assert not measure_the_same("furlong", "m")
+    assert measure_the_same("N s", "kg m/s") and not measure_the_same("J", "N")
+
+
+def test_an_acceleration_in_g_and_a_force_in_t_are_what_people_mean() -> None:
+    assert factor("m/s^2", "g") == pytest.approx(1 / 9.80665)
+    assert factor("kg", "g") == pytest.approx(1e3)
 
 
 def test_products_cancel_and_print_in_the_notation_of_the_result_files() -> None:

@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from crashsolve.channels.errors import ChannelError
-from crashsolve.channels.units import read_product, symbol_unit
+from crashsolve.channels.units import UnitError, read_product, symbol_unit
 
 # what a symbol means for values that the symbol's own dimension cannot be of
 ELSEWHERE = {("t", "N"): "tf", ("g", "m/s^2"): "g0"}
@@ -80,16 +80,26 @@ def same_dimension(a: Product, b: Product) -> bool:
     return a == b or a.size() == b.size()
 
 
+def measure_the_same(a: str, b: str) -> bool:
+    """Whether values in units of these names can be added; an unknown unit is like none other."""
+    try:
+        return a == b or same_dimension(Product.parse(a), Product.parse(b))
+    except UnitError:
+        return False
+
+
 def factor(source: str, wanted: str) -> float:
     """Values in `source` times this are values in `wanted`; raises ChannelError.
 
     A force asked for in "t" comes in tonne-force, an acceleration in "g" in standard gravity.
     """
+    if source == wanted:
+        return 1.0
     unit, target = Product.parse(source), Product.parse(wanted)
     for (symbol, of), other in ELSEWHERE.items():
         if wanted == symbol and unit.size().powers == Product.parse(of).size().powers:
             target = Product.parse(other)
-    ratio = unit.times(target, -1).size() if unit != target else ONE
+    ratio = unit.times(target, -1).size()
     if ratio.powers != ONE.powers:
         raise ChannelError(f"cannot show '{source}' in '{wanted}': they measure different things")
     return ratio.factor

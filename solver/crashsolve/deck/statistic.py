@@ -2,11 +2,19 @@
 
 from crashsolve.channels import statistic as known
 from crashsolve.channels.errors import ChannelError
+from crashsolve.channels.expression import FOLDER
+from crashsolve.channels.folder import words_in
 from crashsolve.channels.series import Window
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import refuse
 
 PATH = "path"  # no one number, but the whole history
+
+
+def channel_told() -> str:
+    """What a channel of a question may be, as the manual says it."""
+    functions = ", ".join(f"{word}()" for word in words_in(FOLDER))
+    return f"channel, or arithmetic of channels with {functions}; see theory/channels.md"
 
 
 def words_told() -> str:

@@ -6,7 +6,7 @@ from pydantic import field_validator, model_validator
 
 from crashsolve.channels.series import Window
 from crashsolve.deck.card import Card, quantity, word
-from crashsolve.deck.statistic import PATH, check_window, known_statistic, words_told
+from crashsolve.deck.statistic import PATH, channel_told, check_window, known_statistic, words_told
 
 
 class Watch(Card):
@@ -14,7 +14,7 @@ class Watch(Card):
 
     shorthand: ClassVar[str] = "channel"
 
-    channel: str = word("channel, or arithmetic of channels")
+    channel: str = word(channel_told())
     statistic: str = word(f"{words_told()}, or {PATH}: the whole history", PATH)
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
 

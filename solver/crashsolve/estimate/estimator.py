@@ -18,9 +18,11 @@ from math import inf, isfinite
 import numpy as np
 
 from crashsolve.channels.errors import TooShort
+from crashsolve.channels.statistic import moment_asked
 from crashsolve.deck.expect import Expect
 from crashsolve.deck.read import Deck
 from crashsolve.deck.source import Position
+from crashsolve.deck.statistic import PATH
 from crashsolve.deck.watch import Watch as WatchCard
 from crashsolve.engines import engine_of, is_static
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
@@ -132,6 +134,12 @@ def _look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]
                 _try_out(card.channel, found[card.channel], interval)
             except ValueError as problem:
                 mistakes.append(DeckError(*place, f"{keyword} {number}", f"channel: {problem}"))
+            moment = None if card.statistic == PATH else moment_asked(card.statistic)
+            if moment is not None and moment < deck.control.start_time:
+                told = (
+                    f"'{card.statistic}' is before the run, from {deck.control.start_time:g} s on"
+                )
+                mistakes.append(DeckError(*place, f"{keyword} {number}", f"statistic: {told}"))
     if mistakes:
         raise DeckErrors(mistakes)
     return found
