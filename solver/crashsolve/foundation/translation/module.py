@@ -116,7 +116,7 @@ class Module:
         linkage = "" if how == "entry" else "linkonce_odr "
         head = f'define {linkage}{struct_of(one.returns.words)} @"{symbol}"({given}) nounwind'
         head += " alwaysinline" * (how in ("inlined", "stage"))
-        if self.has_lanes and how != "inlined" and function.__name__ in APART:
+        if self.has_lanes and how in ("kernel", "blockwise") and function.__name__ in APART:
             head += " noinline"
         end = [] if one.text.ended else ["unreachable"]
         return "\n".join([head + " {", "entry:", *one.rooms(), *one.text.lines, *end, "}"])
