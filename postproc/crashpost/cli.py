@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from crashpost import pictures
 from crashpost.errors import PostError
 from crashpost.text import printable, printable_lines
 
@@ -92,6 +93,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="CHANNEL=UNIT",
         help="show a channel, or time, in this unit",
     )
+    pictures.add_commands(add)
     sub = add("export", _export, "write channels as comma-separated values")
     sub.add_argument("--csv", type=Path, required=True, metavar="FILE")
     sub.add_argument("--channels", nargs="+", default=["*"], metavar="GLOB")

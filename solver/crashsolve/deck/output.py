@@ -8,6 +8,7 @@ from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.statistic import Window, check_window, known_statistic
 
 Pair = tuple[float, float]
+VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
 
 
 class History(Card):
@@ -97,10 +98,40 @@ class Figure(Card):
     note: str = word("text below the figure", "")
 
 
+class Scene(Card):
+    """Pictures of the run side by side in the report, as `crashpost render` makes them."""
+
+    title: str = word("heading")
+    at: tuple[str | float, ...] = word(
+        "moments: 0.05 or 50ms, start, end, max:CHANNEL, min:CHANNEL, abs_max:CHANNEL; four over "
+        "the run when absent",
+        (),
+    )
+    view: str = word("side, front, rear, top, bottom, iso, or towards the eye as 1,-1,0.5", "auto")
+    show: tuple[str, ...] = word("names of bodies and parts, with globs; all when absent", ())
+    color: str = word("field of the states such as plastic_strain; by body when empty", "")
+    arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
+    follow: str = word("body or part that stays in place", "")
+
+    @field_validator("view")
+    @classmethod
+    def _known_view(cls, text: str) -> str:
+        if text not in VIEWS:
+            numbers = text.split(",")
+            try:
+                is_direction = len(numbers) == 3 and any(map(float, numbers))
+            except ValueError:
+                is_direction = False
+            if not is_direction:
+                raise ValueError(f"unknown view '{text}' (known: {', '.join(VIEWS)}, or 1,-1,0.5)")
+        return text
+
+
 class Report(Card):
     """The page that `crashpost report` makes."""
 
-    figures: tuple[Figure, ...] = word("figures, in order", ())
+    figures: tuple[Figure, ...] = word("figures, in order; a default choice when absent", ())
+    scenes: tuple[Scene, ...] = word("pictures, in order; a default choice when absent", ())
 
 
 class Output(Card):
