@@ -99,6 +99,12 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--channels", nargs="+", default=["*"], metavar="GLOB")
     sub = add("report", _report, "write one self-contained HTML page")
     sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
+    sub.add_argument(
+        "--pictures",
+        choices=("all", "strips", "none"),
+        default="all",
+        help="strips: without film and 3-D; none: curves and tables only",
+    )
     return parser
 
 
@@ -207,7 +213,7 @@ def _report(options: argparse.Namespace) -> int:
     result = _open(options)
     from crashpost.report import report
 
-    text, problems = report(result)
+    text, problems = report(result, options.pictures)
     output = options.output or result.folder / "report.html"
     try:
         output.write_text(text, encoding="utf-8", errors="xmlcharrefreplace")

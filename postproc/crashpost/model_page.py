@@ -27,9 +27,9 @@ MOST_NAMES = 8
 PLAYER = """
 const facts = @FACTS@;
 const bar = document.createElement('div');
-bar.style.cssText = 'position:fixed;z-index:1000;left:0;right:0;bottom:0;padding:8px 12px;display:flex;' +
-  'gap:12px;align-items:center;flex-wrap:wrap;background:#ffffffd0;font:14px system-ui,sans-serif;' +
-  'color:#1c2126';
+bar.style.cssText = 'position:fixed;z-index:1000;left:0;right:0;bottom:0;padding:8px 12px;' +
+  'display:flex;gap:12px;align-items:center;flex-wrap:wrap;background:#ffffffd0;' +
+  'font:14px system-ui,sans-serif;color:#1c2126';
 const button = document.createElement('button');
 button.style.cssText = 'font:inherit;width:5em;padding:4px';
 const slider = document.createElement('input');
@@ -43,8 +43,8 @@ for (const [colour, name] of facts.key) {
   const item = document.createElement('span');
   if (colour) {
     const mark = document.createElement('i');
-    mark.style.cssText = 'display:inline-block;width:12px;height:12px;margin-right:5px;background:' +
-      colour;
+    mark.style.cssText = 'display:inline-block;width:12px;height:12px;margin-right:5px';
+    mark.style.background = colour;
     item.append(mark);
   }
   item.append(name);

@@ -52,7 +52,7 @@ class Painter:
             colour = lines.colour if lines.values is None else shades.colours(lines.values) / 255
             widths = lines.width
             axes.add_collection(
-                LineCollection(flat, colors=colour, linewidths=widths, zorder=order + 0.5)
+                LineCollection(list(flat), colors=colour, linewidths=widths, zorder=order + 0.5)
             )
         if len(drawing.dots):
             flat = camera.flat(drawing.dots)

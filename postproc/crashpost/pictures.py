@@ -1,4 +1,4 @@
-"""The commands `render` and `film`: words turned into tasks for the studio."""
+"""The commands `render`, `film` and `pack`: words turned into tasks for the studio."""
 
 import argparse
 import math
@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from crashpost.errors import PostError
+from crashpost.text import printable
 
 if TYPE_CHECKING:
     from crashpost.result import Result
@@ -25,7 +26,7 @@ Add = Callable[[str, Callable[[argparse.Namespace], int], str], argparse.Argumen
 
 
 def add_commands(add: Add) -> None:
-    """Put `render` and `film` among the commands."""
+    """Put `render`, `film` and `pack` among the commands."""
     sub = add("render", _render, "draw the run at some moments, side by side")
     sub.add_argument(
         "--at",
@@ -45,6 +46,24 @@ def add_commands(add: Add) -> None:
     sub.add_argument("--size", default="960x540", metavar="WxH", help="of a frame, even numbers")
     sub.add_argument("-o", "--output", type=Path, help="mp4, gif or html; default RESULT/film.mp4")
     _add_look(sub)
+    _add_pack(add)
+
+
+def _add_pack(add: Add) -> None:
+    sub = add("pack", _pack, "merge the states into one VTKHDF file for ParaView (5.12 and later)")
+    sub.add_argument("-o", "--output", type=Path, help="default RESULT/states.vtkhdf")
+
+
+def _pack(options: argparse.Namespace) -> int:
+    from crashpost.pack import pack
+    from crashpost.result import Result
+    from crashpost.states import States
+
+    folder = Result(options.result).folder
+    output = options.output or folder / "states.vtkhdf"
+    _known_ending(output, (".vtkhdf", ".hdf"))
+    print(printable(pack(States(folder), output, _bar(output.name))))
+    return 0
 
 
 def _add_look(sub: argparse.ArgumentParser) -> None:
@@ -74,7 +93,7 @@ def _render(options: argparse.Namespace) -> int:
     _known_ending(output, (".png", ".pdf", ".svg", ".jpg"))
     task = strip_task(result, output, split(options.at), _title(result, options), **_look(options))
     make(result.folder, [task], _bar(output.name), _tell)
-    print(output)
+    print(printable(str(output)))
     return 0
 
 
@@ -87,7 +106,7 @@ def _film(options: argparse.Namespace) -> int:
     if output.suffix == ".html":
         from crashpost.model_page import write_page
 
-        print(write_page(result, output, **_look(options)))
+        print(printable(write_page(result, output, **_look(options))))
         return 0
     from crashpost.reel import can_write_mp4
     from crashpost.studio import make
@@ -106,7 +125,7 @@ def _film(options: argparse.Namespace) -> int:
         **_look(options),
     )
     make(result.folder, [task], _bar(output.name), _tell)
-    print(output)
+    print(printable(str(output)))
     return 0
 
 
@@ -234,7 +253,7 @@ def _known_ending(path: Path, endings: tuple[str, ...]) -> None:
 
 
 def _tell(text: str) -> None:
-    print(f"crashpost: {text}", file=sys.stderr)
+    print(printable(f"crashpost: {text}"), file=sys.stderr)
 
 
 def _bar(name: str) -> Callable[[int, int], None]:

@@ -302,8 +302,8 @@ class Scene:
             if "mass_centres" not in self.states.blocks:
                 return empty, empty
             rows = np.array(sorted(self.bodies), int) - 1
-            found = self.states.read(int(number), "mass_centres", "velocity")["velocity"]
-            return self.positions(number, "mass_centres")[rows], found[rows].astype(float)
+            speed = self.states.read(int(number), "mass_centres", "velocity")["velocity"]
+            return self.positions(number, "mass_centres")[rows], speed[rows].astype(float)
         if "contacts" not in self.states.blocks:
             return empty, empty
         found = self.states.read(int(number), "contacts", "force", "contact")
@@ -339,7 +339,7 @@ class Scene:
         wholes = sorted(set(self.groups[1:]))
         return BODY_COLOURS[wholes.index(self.groups[body]) % len(BODY_COLOURS)]
 
-    def _part_colour(self, number: float) -> str:
+    def _part_colour(self, number: int) -> str:
         return BODY_COLOURS[number % len(BODY_COLOURS)]
 
     def _skin(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:

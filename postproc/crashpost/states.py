@@ -50,6 +50,7 @@ class States:
         if not mesh.is_file() or not self.files:
             raise PostError(f"{self.folder}: no states to draw (mesh.h5 and states/)")
         self.units: dict[str, str] = {}
+        self._fields: dict[str, list[str]] = {}
         with _open(mesh) as file:
             self._check(mesh, file.attrs)
             names = json.loads(file.attrs.get("names", "{}"))
@@ -68,9 +69,11 @@ class States:
 
     def fields(self, block: str) -> list[str]:
         """Names of what a block carries, points and displacement among it."""
-        with _open(self.files[0]) as file:
-            changing = list(file[block]) if block in file else []
-        return [*changing, *self.blocks[block].fixed]
+        if block not in self._fields:
+            with _open(self.files[0]) as file:
+                changing = list(file[block]) if block in file else []
+            self._fields[block] = [*changing, *self.blocks[block].fixed]
+        return self._fields[block]
 
     def read(self, number: int, block: str, *names: str) -> dict[str, np.ndarray]:
         """Fields of a block at a state; those that it does not have are left out."""

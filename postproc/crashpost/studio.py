@@ -241,8 +241,8 @@ def main() -> int:
         states = States(Path(job["folder"]))
         for entry in job["tasks"]:
             frames = tuple((number, caption) for number, caption in entry.pop("frames"))
-            words = {"show": tuple(entry.pop("show")), "size": tuple(entry.pop("size"))}
-            shoot(states, Task(frames=frames, **words, **entry), Painter, progress)
+            entry |= {name: tuple(entry[name]) for name in ("show", "size")}
+            shoot(states, Task(frames=frames, **entry), Painter, progress)
     except PostError as error:
         print(f"error {json.dumps(str(error))}", flush=True)
         return PostError.exit_code

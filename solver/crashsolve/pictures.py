@@ -115,9 +115,9 @@ class Pictures:
         if n:
             vertices = np.arange(n)[:, None]
             points = self._r0[1:]
-            fixed = ((BODY, np.arange(1.0, n + 1.0)),)
+            counted = ((BODY, np.arange(1.0, n + 1.0)),)
             blocks.append(
-                Block("mass_centres", points, (("vertex", vertices),), (VELOCITY,), fixed)
+                Block("mass_centres", points, (("vertex", vertices),), (VELOCITY,), counted)
             )
         for name, pieces in self._skin.items():
             points, cells = self._skin_points(pieces), _cells(pieces)
