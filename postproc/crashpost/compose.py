@@ -89,14 +89,14 @@ def wrapped(title: str, width: float) -> list[str]:
 def layout(captions: Sequence[str], aspect: float, title: str, width: float = WIDTH) -> Layout:
     """How many pictures side by side, and how large."""
     count = len(captions)
-    columns = 1 if aspect >= WIDE else min(count, MOST_COLUMNS)
+    rows = -(-count // (1 if aspect >= WIDE else MOST_COLUMNS))
+    columns = -(-count // rows)
     width -= 2.0 * PAD
     # four tall ones in a row, or rows of as many as fill the width
     panel = (width - GAP * (columns - 1)) / columns
     # a single tall picture need not fill a page
     panel = min(panel, 4.6 * aspect)
     sheet = max(columns * panel + GAP * (columns - 1) + 2.0 * PAD, LEAST_WIDTH)
-    rows = -(-count // columns)
     lines = len(wrapped(title, sheet))
     head = TITLE + LINE * (lines - 1) if lines else 0.06
     caption = CAPTION + 0.14 * any("\n" in caption for caption in captions)

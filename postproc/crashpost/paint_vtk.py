@@ -27,6 +27,8 @@ class Painter:
 
     def __init__(self, width: int, height: int) -> None:
         vtk.vtkObject.GlobalWarningDisplayOff()
+        # lines on a surface are seen whole
+        vtk.vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()
         self.window = vtk.vtkRenderWindow()
         self.window.SetOffScreenRendering(True)
         self.window.SetSize(width, height)
@@ -68,8 +70,9 @@ class Painter:
             self._surface(renderer, surface, shades)
         for lines in drawing.lines:
             colours = None if lines.values is None else shades.colours(lines.values)
-            mesh = segments(lines.ends)
-            _add(renderer, mesh, colours, lines.colour, width=2.0 * lines.width)
+            if len(lines.ends):
+                mesh = segments(lines.ends)
+                _add(renderer, mesh, colours, lines.colour, width=2.0 * lines.width)
         if len(drawing.dots):
             ball = pyvista.Sphere(radius=DOT * camera.half_height)
             dots = pyvista.PolyData(drawing.dots).glyph(geom=ball, scale=False, orient=False)
@@ -86,16 +89,19 @@ class Painter:
             _add(renderer, mesh, colours, "")
             return
         if surface.edges:
+            actor = _add(renderer, mesh, colours, "", is_lit=True)
             if len(surface.corners) <= MOST_EDGES:
-                _add(renderer, mesh.extract_all_edges(), None, EDGE, opacity=0.6)
-        else:
-            # round shapes look round; edges are those that turn by more
-            mesh = mesh.compute_normals(
-                split_vertices=True, feature_angle=SHARP, cell_normals=False
-            )
-            edges = mesh.extract_feature_edges(
-                SHARP, boundary_edges=True, non_manifold_edges=False, manifold_edges=False
-            )
+                actor.GetProperty().EdgeVisibilityOn()
+                actor.GetProperty().SetEdgeColor(*(rgb(EDGE) / 255.0))
+                actor.GetProperty().SetLineWidth(0.5)
+                actor.GetProperty().SetEdgeOpacity(0.5)
+            return
+        # round shapes look round; edges are those that turn by more
+        mesh = mesh.compute_normals(split_vertices=True, feature_angle=SHARP, cell_normals=False)
+        edges = mesh.extract_feature_edges(
+            SHARP, boundary_edges=True, non_manifold_edges=False, manifold_edges=False
+        )
+        if edges.n_cells:
             _add(renderer, edges, None, EDGE, opacity=0.6)
         _add(renderer, mesh, mesh.cell_data["colour"], "", is_lit=True)
 
@@ -119,10 +125,8 @@ def _add(
     width: float = 1.0,
     opacity: float = 1.0,
     is_lit: bool = False,
-) -> None:
+) -> vtk.vtkActor:
     """Put a mesh of one colour, or of one (0 to 255) for each cell, into a layer."""
-    if not mesh.n_cells:
-        return
     mapper = vtk.vtkPolyDataMapper()
     if colours is not None:
         mesh.cell_data["colour"] = np.asarray(colours).astype(np.uint8)
@@ -143,6 +147,7 @@ def _add(
     look.SetAmbient(0.28)
     look.SetDiffuse(0.75)
     renderer.AddActor(actor)
+    return actor
 
 
 def polygons(points: np.ndarray, corners: np.ndarray) -> pyvista.PolyData:

@@ -22,6 +22,9 @@ BAR = 40
 # frames of a film at most: more is a slip of the keyboard
 MOST_FRAMES = 20_000
 
+# the look of who says nothing of it
+UNSAID = {"view": "auto", "show": (), "color": "", "arrows": "", "follow": "", "ghost": True}
+
 Add = Callable[[str, Callable[[argparse.Namespace], int], str], argparse.ArgumentParser]
 
 
@@ -32,7 +35,7 @@ def add_commands(add: Add) -> None:
         "--at",
         default="",
         metavar="MOMENTS",
-        help="0,50ms,end,max:CHANNEL,min:CHANNEL,abs_max:CHANNEL; four over the run when absent",
+        help="0,50ms,end,max:CHANNEL,min:CHANNEL,abs_max:CHANNEL; those of the deck when absent",
     )
     sub.add_argument("--title", help="above the pictures; the deck's when absent")
     sub.add_argument("-o", "--output", type=Path, help="png, pdf or svg; default RESULT/strip.png")
@@ -91,7 +94,10 @@ def _render(options: argparse.Namespace) -> int:
     result = Result(options.result)
     output = options.output or result.folder / "strip.png"
     _known_ending(output, (".png", ".pdf", ".svg", ".jpg"))
-    task = strip_task(result, output, split(options.at), _title(result, options), **_look(options))
+    at, look = split(options.at), _look(options)
+    if not at and look == UNSAID | {"ghost": look["ghost"]}:
+        at, look = _scene(result, look)
+    task = strip_task(result, output, at, _title(result, options), **look)
     make(result.folder, [task], _bar(output.name), _tell)
     print(printable(str(output)))
     return 0
@@ -101,12 +107,15 @@ def _film(options: argparse.Namespace) -> int:
     from crashpost.result import Result
 
     result = Result(options.result)
+    look = _look(options)
+    if look == UNSAID | {"ghost": look["ghost"]}:
+        _, look = _scene(result, look)
     output = options.output or result.folder / "film.mp4"
     _known_ending(output, (".mp4", ".gif", ".html"))
     if output.suffix == ".html":
         from crashpost.model_page import write_page
 
-        print(printable(write_page(result, output, **_look(options))))
+        print(printable(write_page(result, output, **look)))
         return 0
     from crashpost.reel import can_write_mp4
     from crashpost.studio import make
@@ -122,11 +131,21 @@ def _film(options: argparse.Namespace) -> int:
         slow=options.slow,
         span=(options.start, options.end),
         size=_size(options.size),
-        **_look(options),
+        **look,
     )
     make(result.folder, [task], _bar(output.name), _tell)
     print(printable(str(output)))
     return 0
+
+
+def _scene(result: "Result", look: dict[str, Any]) -> tuple[list[str], dict[str, Any]]:
+    """Moments and look of the deck's first scene, or of the default one."""
+    from crashpost import sights
+    from crashpost.states import States
+
+    asked = sights.scenes_of(result.stored_json("report", dict))
+    scene = asked[0] if asked else sights.default_scene(result, States(result.folder))
+    return [str(word) for word in scene.get("at", [])], look | sights.look(scene)
 
 
 def strip_task(result: "Result", output: Path, at: list[str], title: str, **look: Any) -> "Task":

@@ -23,7 +23,7 @@ ARROW_LENGTH, ARROW_WIDTH = 0.28, 0.022
 # a moment this near a state is that state; edges drawn between two states may be this short
 LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
 # a plane this near to the model, of its size, is in the picture; how far planes reach beyond it
-CLOSE, PLANE_MARGIN = 0.5, 0.5
+CLOSE, PLANE_MARGIN = 0.5, 0.12
 
 
 @dataclass(frozen=True)
@@ -249,7 +249,8 @@ class Scene:
         names, found = self.states.names, dict[str, str]()
         for name in ("bodies", "links"):
             block = self.states.blocks.get(name)
-            for body in np.unique(block.fixed["body"]) if block else ():
+            numbers = block.fixed.get("body", ()) if block else ()
+            for body in np.unique(numbers):
                 if int(body) in self.bodies:
                     whole = names["bodies"][self.groups[int(body)]]
                     found.setdefault(whole, self._body_colour(int(body)))
@@ -377,6 +378,7 @@ class Scene:
                         rows[kept],
                         own,
                         edges=is_fine,
+                        is_flat=name == "ground",
                     )
                 )
 

@@ -8,7 +8,7 @@ import numpy as np
 from crashpost.units import factor, readable
 
 # one hue to another by lightness, for what begins at zero; two hues about zero
-SEQUENTIAL, DIVERGING = "viridis_r", "RdBu_r"
+SEQUENTIAL, DIVERGING = "YlGnBu", "RdBu_r"
 
 
 @dataclass(frozen=True)

@@ -61,6 +61,7 @@ class States:
             self.sections = [np.array(o) for o in json.loads(file.attrs.get("sections", "[]"))]
             self.up = np.array(json.loads(file.attrs.get("up", "[0, 0, 1]")))
             self.blocks = {name: self._block(name, file[name]) for name in file}
+        self._name_what_is_without()
         self.times = np.array([self._time(path) for path in self.files])
 
     def nearest(self, time: float) -> int:
@@ -100,6 +101,16 @@ class States:
         ghost = self.read(number, block, GHOST).get(GHOST)
         count = self.blocks[block].n_cells
         return np.ones(count, bool) if ghost is None else (ghost.astype(int) & HIDDEN) == 0
+
+    def _name_what_is_without(self) -> None:
+        """Version 2 knows no names: bodies are numbers there, parts those of the blocks."""
+        centres, names = self.blocks.get("mass_centres"), self.names
+        if centres is not None and not names["bodies"]:
+            numbers = range(1, len(centres.points) + 1)
+            names["bodies"] = ["ground", *(f"body {k}" for k in numbers)]
+        if not names["parts"]:
+            blocks = (name for name in self.blocks if name.startswith("part_"))
+            names["parts"] = [name.removeprefix("part_") for name in blocks]
 
     def _check(self, path: Path, attributes: Any) -> None:
         version = attributes.get("format_version")

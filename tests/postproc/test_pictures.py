@@ -301,12 +301,15 @@ def test_the_packed_file_says_what_the_states_say(run: Path, crashpost: Command)
     code, out, err = crashpost("pack", run)
     assert (code, err) == (0, ""), err
     assert "4 states" in out
-    reader = pyvista.get_reader(run / "states.vtkhdf")
-    np.testing.assert_allclose(reader.time_values, TIMES)
+    reader = pyvista.get_reader(run / "states.vtkhdf").reader
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == len(TIMES)
     states, blocks = States(run), list(States(run).blocks)
     for k in range(len(TIMES)):
-        reader.set_active_time_point(k)
-        grid = reader.read()
+        reader.SetStep(k)
+        reader.Update()
+        assert reader.GetTimeValue() == TIMES[k]
+        grid = pyvista.wrap(reader.GetOutput())
         places = np.concatenate([states.positions(k, name) for name in blocks])
         np.testing.assert_allclose(grid.points, places, atol=1e-6)
         sheet = grid.cell_data["block"] == blocks.index("part_sheet")
