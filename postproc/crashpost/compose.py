@@ -19,10 +19,10 @@ from matplotlib.figure import Figure
 
 from crashpost.camera import Camera, round_length
 from crashpost.draw import INK, MUTED, STYLE, tick
+from crashpost.drawing import ARROW
 from crashpost.errors import PostError
-from crashpost.scene import ARROW
 from crashpost.shades import Shades
-from crashpost.units import factor, readable
+from crashsolve.channels.display import factor, readable
 
 # inches
 WIDTH, LEAST_WIDTH, GAP, CAPTION, TITLE, LINE, FOOTER = 7.2, 4.8, 0.12, 0.24, 0.36, 0.18, 0.66

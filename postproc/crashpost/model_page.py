@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from crashpost.camera import Camera
+from crashpost.drawing import ARROW, LINE, Drawing, Look, Scene, Surface
 from crashpost.errors import PostError
 from crashpost.result import Result
-from crashpost.scene import ARROW, LINE, Drawing, Look, Scene, Surface
 from crashpost.shades import Shades
 from crashpost.states import States
 from crashpost.studio import Task, _camera, clock

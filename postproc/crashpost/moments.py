@@ -7,8 +7,8 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.result import Result
-from crashpost.statistic import statistic
-from crashpost.units import factor
+from crashsolve.channels.display import factor
+from crashsolve.channels.statistic import statistic
 
 PEAKS = {"max": "argmax", "min": "argmin", "abs_max": "argmax"}
 _NUMBER = re.compile(r"\s*([-+0-9.eE]+)\s*([A-Za-zµ]*)\s*$")

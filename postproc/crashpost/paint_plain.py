@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from crashpost.camera import Camera
-from crashpost.scene import LINE, Drawing, Surface
+from crashpost.drawing import LINE, Drawing, Surface
 from crashpost.shades import Shades, rgb
 
 DPI = 100

@@ -8,7 +8,7 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from crashpost.camera import Camera
-from crashpost.scene import LINE, Drawing, Surface
+from crashpost.drawing import LINE, Drawing, Surface
 from crashpost.shades import Shades, rgb
 
 DOT = 0.012  # radius of a mass centre over the half height of the picture

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from crashpost.units import factor, readable
+from crashsolve.channels.display import factor, readable
 
 # one hue to another by lightness, for what begins at zero; two hues about zero
 SEQUENTIAL, DIVERGING = "YlGnBu", "RdBu_r"

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from crashpost import camera as cameras
+from crashpost.drawing import ARROW_LENGTH, Drawing, Look, Scene, arrows_of
 from crashpost.errors import PostError
-from crashpost.scene import ARROW_LENGTH, Drawing, Look, Scene, arrows_of
 from crashpost.shades import Shades
 from crashpost.states import States
-from crashpost.units import factor, readable
+from crashsolve.channels.display import factor, readable
 
 PACKAGES = "libgl1 libegl1 libgl1-mesa-dri libxrender1 libxext6"
 INSTALL = "pip install 'crashsolve[render]'"

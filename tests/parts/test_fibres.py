@@ -69,7 +69,9 @@ def bend(law: Law, turn: float, axis: int = 1, stretch: float = 0.0) -> Any:
     for node, sign in ((1, -1.0), (2, 1.0)):
         law.bench.move(node, q=q[node - 1])
         law.bench.turn(node, sign * rotation)
-    law.bench.move(2, r=nodes[1].r + [1.0 + stretch, 0.0, 0.0])
+    # the chord of an arc of this length, as elements have it
+    chord = (1.0 + stretch) / (1.0 + turn**2 / 24.0)
+    law.bench.move(2, r=nodes[1].r + [chord, 0.0, 0.0])
     return act(law)
 
 
@@ -225,6 +227,7 @@ REFUSED = {
     ),
     "beam": ("type: fibre_beam", "type: beam", "fibres"),
     "many": ("fibres: [4, 16]", "fibres: [9, 16]", "makes 144 fibres of this section; at most 64"),
+    "huge": ("fibres: [4, 16]", "fibres: [1000000000000, 16]", "at most 64 fibres in all"),
     "line": ("fibres: [4, 16]", "fibres: [1, 16]", "fibres on one line do not resist bending"),
     "general": (
         RECTANGLE,

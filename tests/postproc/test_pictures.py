@@ -11,11 +11,11 @@ from conftest import Command
 
 from crashpost import camera as cameras
 from crashpost.compose import Key
+from crashpost.drawing import Look, Scene, rotated
 from crashpost.errors import PostError
 from crashpost.moments import moment, split
 from crashpost.pictures import film_task, strip_task
 from crashpost.result import Result
-from crashpost.scene import Look, Scene, rotated
 from crashpost.shades import Shades
 from crashpost.states import States
 from crashpost.studio import clock
@@ -279,7 +279,7 @@ def test_a_result_larger_than_memory_is_read_state_by_state(tmp_path: Path, run:
         target.hardlink_to(run / "states" / "000000.h5")
     code = (
         "import resource, sys\n"
-        "from crashpost.scene import Look, Scene\n"
+        "from crashpost.drawing import Look, Scene\n"
         "from crashpost.states import States\n"
         "states = States(sys.argv[1])\n"
         "states.blocks = {k: v for k, v in states.blocks.items() if k == 'part_sheet'}\n"

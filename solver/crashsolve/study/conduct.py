@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
 
+from crashsolve.apart import cores
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.foundation.errors import DeckError, ExitCode
 from crashsolve.foundation.streams import printable, say
@@ -25,7 +26,7 @@ from crashsolve.study.settings import (
     suited,
 )
 from crashsolve.study.table import csv_text, legend, text_table
-from crashsolve.study.trials import Trial, cores, run_all
+from crashsolve.study.trials import Trial, run_all
 from crashsolve.study.watch import Watch, ask, overall, watched
 
 # an overall number whose estimated error is below this is worth naming
@@ -106,7 +107,11 @@ def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]
     if not (request.reference / "history.h5").exists():
         place, advice = f"--reference {request.reference}", "name the results folder of a run"
         raise DeckError(place, None, None, "", "no results there", advice)
-    return ask(request.reference, watches)
+    known = ask(request.reference, watches)
+    for watch, answer in zip(watches, known, strict=True):
+        if "remark" in answer:
+            say(printable(f"--reference, {watch.name}: {answer['remark']}"))
+    return known
 
 
 def _tell(trial: Trial) -> None:
