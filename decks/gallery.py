@@ -5,7 +5,7 @@
     python decks/gallery.py --list                renews the page alone
 
 A picture is that of `crashpost render`: the first scene under `output: report: scenes:` of the
-deck, or four moments. Results are kept in gallery.results/, and a run that is there is not repeated.
+deck, or four moments. Results are kept in gallery.results/; a run that is there is not repeated.
 """
 
 import argparse
@@ -25,7 +25,7 @@ FOLDERS = {"tutorial": "Tutorial", "scenes": "Scenes", "benchmark": "Benchmarks"
 # what is changed for the picture alone: finer meshes take longer than a picture is worth
 SETTINGS = {"tube_crush": ["across=12", "along=72"]}
 # colours of a picture and its width: none is above 100 kB
-COLOURS, WIDTH = 64, 900
+COLOURS, WIDTH = 128, 900
 
 
 def decks() -> list[Path]:
@@ -66,7 +66,9 @@ def shrink(path: Path) -> None:
         whole = opened.convert("RGB")
     size = (WIDTH, round(whole.height * WIDTH / whole.width))
     small = whole.resize(size, Image.Resampling.LANCZOS) if whole.width > WIDTH else whole
-    small.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+    # small areas of their own colour, such as arrows, keep it
+    few = small.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(path, optimize=True)
 
 
 def page() -> str:

@@ -144,6 +144,8 @@ def _camera(
 ) -> tuple[cameras.Camera, float]:
     """The camera that holds all pictures, and the length of arrows, m for each unit."""
     near = [scene.extent(number) - moved for number, moved in zip(numbers, shift, strict=True)]
+    if task.ghost:
+        near.append(scene.extent(0) - shift[0])
     points = np.concatenate(near)
     points = np.concatenate([points, scene.footprints(points)])
     scene.reach = np.concatenate([points + moved for moved in shift]) if task.follow else points
@@ -245,7 +247,7 @@ def main() -> int:
             shoot(states, Task(frames=frames, **entry), Painter, progress)
     except PostError as error:
         print(f"error {json.dumps(str(error))}", flush=True)
-        return PostError.exit_code
+        return 2
     return 0
 
 
