@@ -29,7 +29,7 @@ WIDTH, LEAST_WIDTH, GAP, CAPTION, TITLE, LINE, FOOTER = 7.2, 4.8, 0.12, 0.24, 0.
 # around the sheet
 PAD = 0.07
 # a picture this many times as wide as high is put below the one before, not beside it
-WIDE = 2.2
+WIDE, HALF_WIDE = 3.2, 1.6
 MOST_COLUMNS, MOST_NAMES = 4, 8
 DPI = 160
 
@@ -89,7 +89,8 @@ def wrapped(title: str, width: float) -> list[str]:
 def layout(captions: Sequence[str], aspect: float, title: str, width: float = WIDTH) -> Layout:
     """How many pictures side by side, and how large."""
     count = len(captions)
-    rows = -(-count // (1 if aspect >= WIDE else MOST_COLUMNS))
+    most = 1 if aspect >= WIDE else 2 if aspect >= HALF_WIDE else MOST_COLUMNS
+    rows = -(-count // most)
     columns = -(-count // rows)
     width -= 2.0 * PAD
     # four tall ones in a row, or rows of as many as fill the width
@@ -210,7 +211,8 @@ def _panel(
     time, _, why = caption.partition("\n")
     low = (bottom + h + 0.035) / height
     # what a moment was chosen for stands below its time, in the words of the command
-    shown = textwrap.shorten(why, max(int(w * 17), 10), placeholder="\N{HORIZONTAL ELLIPSIS}")
+    most = max(int(w * 17), 10)
+    shown = why if len(why) <= most else why[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
     figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
     raised = low + (0.14 / height if is_tall else 0.0)
     figure.text(left / width, raised, time, fontsize=8.5, va="bottom")

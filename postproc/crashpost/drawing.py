@@ -243,7 +243,10 @@ class Scene:
         return "m/s" if self.look.arrows == "velocity" else "N"
 
     def legend(self) -> list[tuple[str, str]]:
-        """Names of what is drawn in colours of its own, with the colours; none by a field."""
+        """Names of what is drawn in colours of its own, with the colours; none by a field.
+
+        None either where colours come again: they only tell neighbours apart then.
+        """
         if self.look.color:
             return []
         names, found = self.states.names, dict[str, str]()
@@ -257,7 +260,7 @@ class Scene:
         for k, part in enumerate(names["parts"]):
             if part in self.parts:
                 found[part] = self._part_colour(k)
-        return list(found.items())
+        return list(found.items()) if len(found) <= len(BODY_COLOURS) else []
 
     def _shown(self) -> tuple[set[int], set[str]]:
         """Numbers of the bodies and names of the parts that the look shows."""
