@@ -29,7 +29,7 @@ WIDTH, LEAST_WIDTH, GAP, CAPTION, TITLE, LINE, FOOTER = 7.2, 4.8, 0.12, 0.24, 0.
 # around the sheet
 PAD = 0.07
 # a picture this many times as wide as high is put below the one before, not beside it
-WIDE, HALF_WIDE = 3.2, 1.6
+WIDE, HALF_WIDE = 3.2, 2.2
 MOST_COLUMNS, MOST_NAMES = 4, 8
 DPI = 160
 
