@@ -203,7 +203,8 @@ class Run:
         """Make this engine the run's: what is told, written and obeyed is of it."""
         self.engine = self.account.engine = engine
         engine.on_pause = self._obey_at_once
-        self.histories, self.pictures = Histories(engine), Pictures(engine)
+        self.histories = Histories(engine)
+        self.pictures = Pictures(engine, self.deck)
 
     def _open(self, resumed: float | None) -> None:
         """Evaluate the initial state, unless a dump brought another; open the files."""
@@ -220,7 +221,8 @@ class Run:
         )
         self.files.callback(lambda: write_peaks(self.folder / "peaks.txt", self.history.extremes))
         self.files.callback(self.history.close)
-        self.states = StateWriter(self.folder, self.pictures.blocks, metadata, resumed)
+        described = metadata | self.pictures.description()
+        self.states = StateWriter(self.folder, self.pictures.blocks, described, resumed)
         self.files.callback(self.states.close)
         if resumed is None:
             self.engine.sample()
