@@ -41,7 +41,7 @@ def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
             yield entry, f"{message}, but joints"
     for g in groups:
         remembers = set(g.history.dtype.names or ()) - KEPT
-        if hasattr(g.module, "force") and remembers and g.keyword == "springs":
+        if hasattr(g.module, "force") and remembers and g.keyword in ("springs", "hinges"):
             keyword = deck.entries[g.keyword]
             for entry in (e for e in keyword.values() if e.type == g.type):
                 yield entry, "a quasi-static solution has no laws that remember yet"

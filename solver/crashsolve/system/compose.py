@@ -991,6 +991,7 @@ def _rebuild_calls(model: Any) -> list[str]:
 # entries of what laws store and of what they lose, by the word LEDGER of their module
 BOOKED = {
     "spring": ("SPRING_STORED", "SPRING_DISSIPATED"),
+    "hinge": ("HINGE_STORED", "HINGE_DISSIPATED"),
     "joint": ("JOINT_STORED", "JOINT_DISSIPATED"),
     "brake": ("BRAKE_STORED", "BRAKE_DISSIPATED"),
     "external": ("POTENTIAL", "EXTERNAL_WORK"),
