@@ -9,14 +9,14 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scenes import Known, Scene, kinds
 
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistic import refined
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.deck.source import Position
 from crashsolve.deck.watch import Watch
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import estimate_in_memory
-from crashsolve.estimate.expression import evaluate
 from crashsolve.estimate.samples import Samples
-from crashsolve.estimate.statistic import Series, refined
 from crashsolve.model.build import build
 from crashsolve.study.trials import cores
 
@@ -123,7 +123,7 @@ def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> 
     if not callable(known.truth):
         return abs((found.value or 0.0) - known.truth)
     if statistic == "path":
-        values = evaluate(known.channel, main.time, main.values)
+        values = main.series(known.channel).values
         return float(np.max(np.abs(values - known.truth(main.time))))
     # 64 points between samples: a parabola, or Simpson's rule, leaves less than round-off
     fine = np.linspace(main.time[0], main.time[-1], 64 * (len(main.time) - 1) + 1)

@@ -3,8 +3,8 @@
 from typing import Any
 
 from crashpost.result import Result
-from crashpost.statistic import Window
 from crashpost.table import number, text_table
+from crashsolve.channels.series import Window
 
 HEADER = ("watched channel", "value", "unit", "error", "of its scale", "how")
 # key in status.json, what it is, unit

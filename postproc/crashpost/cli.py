@@ -12,23 +12,29 @@ from typing import TYPE_CHECKING
 
 from crashpost.errors import PostError
 from crashpost.text import printable, printable_lines
+from crashsolve import __version__
+from crashsolve.channels.command_line import add_completion, completion, protected
 
 if TYPE_CHECKING:
     from crashpost.result import Result
 
-STATISTICS_HELP = "max | min | abs_max | mean | final | integral | argmax | argmin | at:T (seconds)"
+# exit code of a request that cannot be met
+REFUSED = 2
+CHANNELS = "name, pattern such as 'rcforc.*.force.x', or arithmetic such as '-a.b.c / 2'"
+STATISTIC = "as under expect in a deck: max, mean, at:T with T in seconds, ..."
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
-    options = _parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    options = _parser().parse_args(protected(given))
     try:
         code: int = options.command(options)
         sys.stdout.flush()
         return code
     except PostError as error:
         print(printable(f"crashpost: error: {error}"), file=sys.stderr)
-        return error.exit_code
+        return REFUSED
     except BrokenPipeError:
         # the reader, such as `head`, has seen enough
         _give_up_output()
@@ -39,10 +45,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         _give_up_output()
         print(f"crashpost: error: standard output: {error.strerror}", file=sys.stderr)
-        return PostError.exit_code
+        return REFUSED
     except KeyboardInterrupt:
         print("crashpost: interrupted", file=sys.stderr)
-        return PostError.exit_code
+        return REFUSED
 
 
 def _give_up_output() -> None:
@@ -57,6 +63,7 @@ def _say(text: str) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="crashpost", description="Look into crashsolve results.")
+    parser.add_argument("--version", action="version", version=f"crashpost {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     def add(command: str, function: object, words: str) -> argparse.ArgumentParser:
@@ -67,12 +74,12 @@ def _parser() -> argparse.ArgumentParser:
 
     add("summary", _summary, "status, energies, balances, peaks and warnings on one screen")
     sub = add("channels", _channels, "list the channels")
-    sub.add_argument("--match", default="*", metavar="GLOB", help="only names that fit")
-    sub = add("value", _value, "one number of a channel, for scripts")
-    sub.add_argument("channel", help="channel, or arithmetic on channels, as in '(-a.b.c)'")
-    sub.add_argument("--statistic", required=True, metavar="WORD", help=STATISTICS_HELP)
+    sub.add_argument("channels", nargs="*", metavar="CHANNEL", help=CHANNELS)
+    sub = add("value", _value, "numbers of channels, for scripts; of one channel nothing else")
+    sub.add_argument("channels", nargs="+", metavar="CHANNEL[:STATISTIC]", help=CHANNELS)
+    sub.add_argument("--statistic", metavar="WORD", help=STATISTIC)
     sub.add_argument("--during", metavar="FROM:TO", help="only samples of these times (seconds)")
-    sub.add_argument("--unit", help="unit of the channel's values; its own when absent")
+    sub.add_argument("--unit", help="unit of the numbers; their own when absent")
     sub = add("values", _values, "many numbers at once, for programs: JSON in, JSON out")
     sub.add_argument(
         "questions",
@@ -81,8 +88,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     sub = add("expect", _expect, "evaluate the deck's expectations")
     sub.add_argument("--partial", action="store_true", help="also of a run that did not finish")
-    sub = add("plot", _plot, "draw channels")
-    sub.add_argument("channels", nargs="+", metavar="channel")
+    sub = add("plot", _plot, "draw channels, and where a statistic is named its value")
+    sub.add_argument("channels", nargs="+", metavar="CHANNEL[:STATISTIC]", help=CHANNELS)
     sub.add_argument("--against", default="time", metavar="CHANNEL", help="abscissa, default time")
     sub.add_argument("-o", "--output", type=Path, help="png, svg or pdf; default RESULT/plot.png")
     sub.add_argument(
@@ -93,10 +100,14 @@ def _parser() -> argparse.ArgumentParser:
         help="show a channel, or time, in this unit",
     )
     sub = add("export", _export, "write channels as comma-separated values")
-    sub.add_argument("--csv", type=Path, required=True, metavar="FILE")
-    sub.add_argument("--channels", nargs="+", default=["*"], metavar="GLOB")
+    sub.add_argument("channels", nargs="*", metavar="CHANNEL", help=f"{CHANNELS}; all if absent")
+    sub.add_argument(
+        "-o", "--output", "--csv", type=Path, required=True, metavar="FILE", help="to be written"
+    )
     sub = add("report", _report, "write one self-contained HTML page")
     sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
+    add_completion(commands)
+    commands.choices["completion"].set_defaults(command=lambda o: _completion(parser, o))
     return parser
 
 
@@ -115,28 +126,40 @@ def _summary(options: argparse.Namespace) -> int:
 
 
 def _channels(options: argparse.Namespace) -> int:
+    result = _open(options)
+    from crashpost.choice import channels
     from crashpost.table import text_table
 
-    channels = list(_open(options).channels(options.match))
-    if not channels:
-        raise PostError(f"no channel fits '{options.match}'")
-    rows = [[c.name, c.unit or "-", str(c.samples), c.meaning] for c in channels]
+    known = {channel.name: channel for channel in result.channels()}
+    rows = []
+    for name in channels(result, options.channels) if options.channels else known:
+        unit = known[name].unit if name in known else result.series(name).unit
+        meaning = known[name].meaning if name in known else "expression"
+        rows.append([name, unit or "-", str(len(result.time)), meaning])
     _say(text_table(("channel", "unit", "samples", "meaning"), rows))
     return 0
 
 
 def _value(options: argparse.Namespace) -> int:
     result = _open(options)
-    from crashpost.expression import Series
-    from crashpost.statistic import statistic
-    from crashpost.units import factor
+    from crashpost.answer import answer
+    from crashpost.choice import choices
+    from crashpost.table import text_table
 
-    time, values, unit = result.series(options.channel)
-    if options.unit:
-        values = values * factor(unit, options.unit)
-    series = Series(time, values, options.unit or unit)
     during = _window(options.during) if options.during else None
-    print(repr(statistic(series, options.statistic, during)))
+    rows = []
+    for channel, own in choices(result, options.channels):
+        word = own or options.statistic
+        if not word:
+            raise PostError("say which number: CHANNEL:STATISTIC, or --statistic WORD")
+        found = answer(result, channel, word, during, options.unit)
+        if found.remark:
+            print(printable(f"crashpost: {channel}: {found.remark}"), file=sys.stderr)
+        rows.append([channel, word, repr(found.value), found.unit or "-"])
+    if len(rows) == 1:
+        print(rows[0][2])
+    else:
+        _say(text_table(("channel", "statistic", "value", "unit"), rows))
     return 0
 
 
@@ -176,12 +199,14 @@ def _expect(options: argparse.Namespace) -> int:
 
 def _plot(options: argparse.Namespace) -> int:
     result = _open(options)
+    from crashpost.choice import choices
     from crashpost.draw import save
     from crashpost.gallery import panels
 
     units = dict(_unit_choice(text) for text in options.unit)
     output = options.output or result.folder / "plot.png"
-    save(result, panels(result, options.channels, options.against, units), output)
+    chosen = choices(result, options.channels)
+    save(result, panels(result, chosen, options.against.strip(), units), output)
     _say(str(output))
     return 0
 
@@ -190,14 +215,19 @@ def _unit_choice(text: str) -> tuple[str, str]:
     channel, equals, unit = text.rpartition("=")
     if not equals or not unit:
         raise PostError(f"--unit takes CHANNEL=UNIT, not '{text}'")
-    return channel, unit
+    return channel.strip(), unit
 
 
 def _export(options: argparse.Namespace) -> int:
     from crashpost.export import export_csv
 
-    count = export_csv(_open(options), options.csv, options.channels)
-    _say(f"{options.csv}: {count} channels")
+    count = export_csv(_open(options), options.output, options.channels or ["*"])
+    _say(f"{options.output}: {count} channels")
+    return 0
+
+
+def _completion(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
+    print(completion(parser, options.shell))
     return 0
 
 

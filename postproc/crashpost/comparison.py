@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crashpost.expression import Series
 from crashpost.figure import Figure, Reference
 from crashpost.result import Result
-from crashpost.statistic import TIMES, statistic, unit_of
-from crashpost.units import factor
+from crashsolve.channels.display import factor
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistic import is_a_time, statistic, unit_of
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def comparisons(result: Result, figure: Figure) -> list[Comparison]:
 
 def _compare(result: Result, figure: Figure, reference: Reference) -> Comparison:
     series = result.series(reference.channel)
-    if reference.statistic in TIMES:
+    if is_a_time(reference.statistic):
         on_time = figure.x == "time"
         unit = (figure.x_unit if on_time else "") or "s"
         offset = figure.x_offset if on_time else 0.0
@@ -68,6 +68,6 @@ def _published(reference: Reference) -> tuple[float, float]:
         return reference.value, reference.value
     if reference.from_ is not None and reference.to is not None:
         return min(reference.from_, reference.to), max(reference.from_, reference.to)
-    axis = 0 if reference.statistic in TIMES else 1
+    axis = 0 if is_a_time(reference.statistic) else 1
     numbers = np.array(reference.points)[:, axis]
     return float(numbers.min()), float(numbers.max())

@@ -21,10 +21,9 @@ except ModuleNotFoundError as missing:
         f"figures need {missing.name}, which is missing: pip install 'crashsolve[plot]'"
     ) from None
 
-from crashpost.expression import Series
-from crashpost.figure import AUTO, Curve, Figure, Pair, Reference
+from crashpost.figure import Curve, Figure, Pair, Reference, axis_unit
 from crashpost.result import Result
-from crashpost.units import factor, readable
+from crashsolve.channels.display import factor
 
 INK, MUTED, RULE = "#1c2126", "#66707a", "#e4e7ea"
 COLOURS = ("#1f5a99", "#c4472b", "#2e8b63", "#c98a12", "#74509e", "#3f9fc4", "#7d5a44", "#8a9199")
@@ -216,8 +215,8 @@ def _scaled(result: Result, figure: Figure) -> _Scaled:
     """Every curve in the units of the axes."""
     abscissas = [result.series(curve.x or figure.x) for curve in figure.y]
     ordinates = [result.series(curve.channel) for curve in figure.y]
-    x_unit = _axis_unit(abscissas, figure.x_unit)
-    y_unit = _axis_unit(ordinates, figure.y_unit)
+    x_unit = axis_unit(abscissas, figure.x_unit)
+    y_unit = axis_unit(ordinates, figure.y_unit)
     lines = []
     for label, x, y in zip(_line_labels(figure.y), abscissas, ordinates, strict=True):
         along = x.values * factor(x.unit, x_unit) + figure.x_offset
@@ -226,13 +225,6 @@ def _scaled(result: Result, figure: Figure) -> _Scaled:
             raise PostError(f"'{label}' has no positive value to show on a logarithmic axis")
         lines.append(_Line(label, *_thinned(along, up)))
     return _Scaled(lines, x_unit, y_unit)
-
-
-def _axis_unit(series: Sequence[Series], wanted: str) -> str:
-    """The unit of an axis: that asked for, else that of the first series or a multiple of it."""
-    if wanted != AUTO:
-        return wanted or series[0].unit
-    return readable(series[0].unit, max(np.max(np.abs(s.values), initial=0.0) for s in series))
 
 
 def _line_labels(curves: Sequence[Curve]) -> list[str]:

@@ -12,9 +12,10 @@ from typing import Any
 from crashpost.accuracy import error_of
 from crashpost.errors import PostError
 from crashpost.result import Result
-from crashpost.statistic import Window, statistic, unit_of
 from crashpost.table import number, text_table
-from crashpost.units import factor
+from crashsolve.channels.display import factor
+from crashsolve.channels.series import Window
+from crashsolve.channels.statistic import statistic, unit_of
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,16 @@ A reference that also has `channel` and `statistic` is compared with what the ru
 [t0, t1]` limits the comparison to a time window, `over: [x0, x1]` the width of a level or band.
 """
 
+from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
+import numpy as np
+
 from crashpost.errors import PostError, unknown
-from crashpost.statistic import TIMES
+from crashsolve.channels.display import readable
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistic import is_a_time
 
 KINDS = ("level", "band", "point", "curve")
 SCALES = ("linear", "log")
@@ -123,7 +128,7 @@ def _reference(entry: Any, place: str) -> Reference:
         )
     if bool(reference.channel) != bool(reference.statistic):
         raise PostError(f"{place}: reference '{reference.label}': channel goes with statistic")
-    if reference.statistic in TIMES and not reference.points:
+    if reference.statistic and is_a_time(reference.statistic) and not reference.points:
         raise PostError(f"{place}: reference '{reference.label}': a time is compared with points")
     return reference
 
@@ -160,3 +165,10 @@ def _typed(value: Any, name: str, place: str) -> Any:
 def _pair(value: Any) -> Pair:
     first, second = value
     return float(first), float(second)
+
+
+def axis_unit(series: Sequence[Series], wanted: str) -> str:
+    """The unit of an axis: that asked for, else that of the first series or a multiple of it."""
+    if wanted != AUTO:
+        return wanted or series[0].unit
+    return readable(series[0].unit, max(np.max(np.abs(s.values), initial=0.0) for s in series))

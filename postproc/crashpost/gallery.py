@@ -1,13 +1,18 @@
 """Figures for a result whose deck asks for none: energies, balance, momenta, one per family."""
 
 from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
 
 import numpy as np
 
 from crashpost import ledger
+from crashpost.answer import answer
+from crashpost.choice import Choice
 from crashpost.errors import PostError
-from crashpost.figure import AUTO, Curve, Figure
+from crashpost.figure import AUTO, Curve, Figure, Reference, axis_unit
 from crashpost.result import Column, Family, Result
+from crashsolve.channels.display import factor
+from crashsolve.channels.statistic import is_a_time, is_of_a_moment, moment_asked
 
 MOST_CURVES = 8
 # what is worth a look, by the first word of the channels; where it rests, what moves
@@ -87,23 +92,65 @@ def _ranges(result: Result, family: Family, columns: list[Column]) -> dict[str, 
 
 
 def panels(
-    result: Result, channels: Sequence[str], against: str, units: Mapping[str, str]
+    result: Result, choices: Sequence[Choice], against: str, units: Mapping[str, str]
 ) -> list[Figure]:
-    """The channels as figures, one for each unit, against time or another channel."""
+    """The channels as figures, one for each unit, against time or another channel.
+
+    The statistic of a choice is told in the legend, and marked where it is a value of the channel.
+    """
+    channels = list(dict.fromkeys(choice.channel for choice in choices))
     for name in units:
-        if name not in (against, *channels):
+        if not any(_is_meant(name, channel) for channel in (against, *channels)):
             raise PostError(f"--unit names '{name}', which is not drawn")
     groups: dict[str, list[str]] = {}
     for channel in channels:
-        groups.setdefault(units.get(channel) or result.series(channel).unit, []).append(channel)
-    x_unit = units.get(against, AUTO)
-    return [
-        Figure(
-            ", ".join(group),
-            tuple(map(Curve, group)),
-            x=against,
-            x_unit=x_unit,
-            y_unit=unit if any(channel in units for channel in group) else AUTO,
-        )
-        for unit, group in groups.items()
-    ]
+        unit = _wanted(units, channel) or result.series(channel).unit
+        groups.setdefault(unit, []).append(channel)
+    return [_panel(result, unit, group, choices, against, units) for unit, group in groups.items()]
+
+
+def _is_meant(name: str, channel: str) -> bool:
+    """Whether a name or pattern is that of a channel."""
+    return name == channel or fnmatchcase(channel, name)
+
+
+def _wanted(units: Mapping[str, str], channel: str) -> str:
+    """The unit in which a channel is to be shown; "" for any."""
+    return next((unit for name, unit in units.items() if _is_meant(name, channel)), "")
+
+
+def _panel(
+    result: Result,
+    unit: str,
+    group: Sequence[str],
+    choices: Sequence[Choice],
+    against: str,
+    units: Mapping[str, str],
+) -> Figure:
+    """The figure of the channels of one unit."""
+    y_unit = unit if any(_wanted(units, channel) for channel in group) else AUTO
+    x_unit, marks = _wanted(units, against) or AUTO, list[Reference]()
+    asked = [choice for choice in choices if choice.statistic and choice.channel in group]
+    if asked:
+        # marks are in the units of the axes, which must be known
+        y_unit = axis_unit([result.series(channel) for channel in group], y_unit)
+        x_unit = axis_unit([result.series(against)], x_unit)
+        marks = [_mark(result, choice, against, (x_unit, y_unit)) for choice in asked]
+    title = ", ".join(group)
+    curves = tuple(map(Curve, group))
+    return Figure(title, curves, x=against, x_unit=x_unit, y_unit=y_unit, reference=tuple(marks))
+
+
+def _mark(result: Result, choice: Choice, against: str, units: tuple[str, str]) -> Reference:
+    """A level at a statistic, or a point where it is a moment or measures something else."""
+    channel, word = choice
+    series, found = result.series(channel), answer(result, channel, word)
+    number = f"{word} {found.value:.5g} {found.unit}".rstrip()
+    if found.unit == series.unit and not is_of_a_moment(word):
+        size = factor(series.unit, units[1])
+        return Reference(number, value=found.value * size)
+    moment = found.value if is_a_time(word) else moment_asked(word)
+    moment = float(series.time[-1]) if moment is None else moment
+    at = f"at:{moment!r}"
+    x, y = answer(result, against, at, None, units[0]), answer(result, channel, at, None, units[1])
+    return Reference(number, "point", points=((x.value, y.value),))

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crashpost.expression import Series
 from crashpost.result import Channel, Result
-from crashpost.statistic import statistic
-from crashpost.units import Unit, factor, same_dimension
+from crashsolve.channels.display import factor, measure_the_same
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistic import statistic
 
 MOMENTUM, ANGULAR_MOMENTUM = "N s", "N m s"
 # columns of glstat that sum up or scale the others
@@ -88,10 +88,5 @@ def worst_momentum(result: Result, name: str = "momentum_error") -> float | None
 
 
 def _entries(result: Result, unit: str) -> list[Entry]:
-    wanted = Unit.parse(unit)
-    channels = [
-        channel
-        for channel in result.channels("glstat.*")
-        if same_dimension(Unit.parse(channel.unit), wanted)
-    ]
+    channels = [c for c in result.channels("glstat.*") if measure_the_same(c.unit, unit)]
     return [Entry(channel, result.series(channel.name)) for channel in channels]

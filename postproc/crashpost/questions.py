@@ -1,7 +1,8 @@
 """Many questions about one result in one call, for programs: JSON in, JSON out.
 
     asked     [{channel, statistic, during, unit}, ...]      during and unit may be absent
-    answered  [{value, unit}, ...], in the same order; {problem} where there is no answer
+    answered  [{value, unit}, ...], in the same order; {problem} where there is no answer, and with
+              {remark} where a time was asked for at which there is no sample
 
 The statistic `path` asks for the whole history and is answered by {time, value, unit}, both lists.
 """
@@ -12,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from crashpost.answer import answer
 from crashpost.errors import PostError
 from crashpost.result import Result
-from crashpost.statistic import statistic, unit_of, within
-from crashpost.units import factor
+from crashsolve.channels.display import factor
+from crashsolve.channels.series import covered
 
 PATH = "path"
 
@@ -33,12 +35,12 @@ def answers(result: Result, questions: Path) -> list[dict[str, Any]]:
 
 def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
     try:
-        series, word = result.series(str(asked["channel"])), str(asked["statistic"])
+        channel, word = str(asked["channel"]), str(asked["statistic"])
         during = (
             (float(asked["during"][0]), float(asked["during"][1])) if asked.get("during") else None
         )
         if word == PATH:
-            time, values, unit = within(series, during) if during else series
+            time, values, unit = covered(result.series(channel), during)
             wanted = asked.get("unit") or unit
             if not np.isfinite(values).all():
                 raise PostError("division by zero at some of its samples")
@@ -47,10 +49,9 @@ def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
                 "value": (values * factor(unit, wanted)).tolist(),
                 "unit": wanted,
             }
-        unit = unit_of(word, series.unit)
-        wanted = asked.get("unit") or unit
-        value = statistic(series, word, during) * factor(unit, wanted)
-        return {"value": value, "unit": wanted}
+        found = answer(result, channel, word, during, asked.get("unit"))
+        remark = {"remark": found.remark} if found.remark else {}
+        return {"value": found.value, "unit": found.unit, **remark}
     except KeyError as error:
         return {"problem": f"{error} is missing"}
     except (PostError, TypeError, ValueError, LookupError, OverflowError) as error:

@@ -17,7 +17,7 @@ from crashpost.figure import Figure, figures_of
 from crashpost.page import block, escape, figure, fold, page, table, tiles
 from crashpost.result import Result
 from crashpost.summary import peaks, status_line
-from crashpost.units import factor, readable
+from crashsolve.channels.display import factor, readable
 
 OPEN_PEAKS, MOST_PEAKS = 30, 1000
 GOOD, BAD = {"finished"}, {"failed", "killed"}

@@ -12,15 +12,20 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from crashpost.errors import PostError, unknown
-from crashpost.expression import Series, evaluate
 from crashpost.status import read_status
 from crashpost.text import plain_text, printable
+from crashsolve.channels.expression import evaluate
+from crashsolve.channels.series import Series, Window
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from pyvista import MultiBlock
 
 FORMAT = "crashsolve history"
 # the first one has other names for some energies, and reads the same
@@ -107,6 +112,26 @@ class Result:
                 return evaluate(expression, self._channel)
             except RecursionError:
                 raise PostError("expression nested too deeply") from error
+
+    def value(
+        self, channel: str, statistic: str, during: Window | None = None, unit: str = ""
+    ) -> float:
+        """A statistic such as max of a channel or expression, in `unit`; raises PostError."""
+        from crashpost.answer import answer
+
+        return answer(self, channel, statistic, during, unit).value
+
+    def frame(self, *channels: str) -> "DataFrame":
+        """Channels, by name, pattern or expression, as a table of pandas over time [s]."""
+        from crashpost.frame import frame
+
+        return frame(self, channels or ["*"])
+
+    def mesh(self, time: float | None = None) -> "MultiBlock":
+        """The model as meshes of pyvista in the state nearest to a time [s], or in the last."""
+        from crashpost.scene import scene
+
+        return scene(self, time)
 
     def block(self, family: Family, column: Column) -> np.ndarray:
         """One quantity of all entities of a family, (n_time, n_id)."""

@@ -19,7 +19,7 @@ from crashsolve.deck.dump import as_data
 from crashsolve.deck.read import Deck
 from crashsolve.foundation.errors import ExitCode
 from crashsolve.model.ledger import IMBALANCE, KINETIC, LARGEST
-from crashsolve.output.log import ERROR, Log
+from crashsolve.output.log import ERROR, STOPPED, Log
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.phases import ContactPhases
@@ -40,43 +40,37 @@ def cpu_time() -> float:
 
 
 @contextmanager
-def announced(path: Path, deck: Deck) -> Iterator[None]:
-    """While a run is prepared status.json speaks of it already, and not of one before it.
+def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[Log]:
+    """The log of a run; log and status.json tell of its preparation and how it ended.
 
-    Raises OutputError.
+    From here on status.json speaks of this run, and not of one before it. Raises OutputError.
     """
-    span = deck.control.start_time, deck.control.end_time
-    status = Status("running", span[0], 0, span[1], 0.0, 0.0, 0.0, 0.0, message="preparing")
-    write_status(path, status)
-    try:
-        yield
-    except BaseException as error:
-        code = getattr(error, "exit_code", ExitCode.INTERNAL)
-        is_asked = isinstance(error, KeyboardInterrupt)
-        status.state = "stopped" if is_asked else "failed"
-        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
-        status.message = str(error) or type(error).__name__
-        write_status(path, status)
-        raise
-
-
-@contextmanager
-def preparing(deck: Deck, folder: Path, log: Log, pulse: Pulse) -> Iterator[None]:
-    """While the step is compiled: its time in the log and status.json. Raises OutputError."""
     start, end = deck.control.start_time, deck.control.end_time
+    status = Status("running", start, 0, end, 0.0, 0.0, 0.0, 0.0, message="preparing")
+    path, begun = folder / "status.json", time.monotonic()
+    write_status(path, status)
+    log: Log | None = None
 
     def say(text: str) -> None:
-        log.line(text)
-        wall = time.monotonic() - begun
-        status = Status("running", start, 0, end, 0.0, 0.0, cpu_time(), wall, message=text)
-        write_status(folder / "status.json", status)
+        if log is not None:
+            log.line(text)
+        status.cpu, status.wall, status.message = cpu_time(), time.monotonic() - begun, text
+        write_status(path, status)
 
-    begun, pulse.say = time.monotonic(), say
+    pulse.say = say
     try:
-        yield
+        log = Log(folder / "log.txt", append=append)
+        yield log
     except BaseException as error:
-        log.error(str(error) or type(error).__name__)
-        log.finish(ERROR)
+        is_asked = isinstance(error, KeyboardInterrupt)
+        status.state = "stopped" if is_asked else "failed"
+        code = getattr(error, "exit_code", ExitCode.INTERNAL)
+        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
+        status.message = "interrupted while preparing" if is_asked else str(error) or repr(error)
+        write_status(path, status)
+        if log is not None:
+            (log.line if is_asked else log.error)(status.message)
+            log.finish(STOPPED if is_asked else ERROR)
         raise
 
 

@@ -4,7 +4,7 @@ crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart [--until T]]
 crashsolve check DECK    crashsolve explain DECK
 crashsolve study DECK [--steps A,B] [--integrators A,B] [--meshes 1,2] [--channel C[:STATISTIC]]
 crashsolve example [NAME [-o DIR]]    crashsolve manual [PAGE]
-crashsolve schema    crashsolve keywords    crashsolve equations
+crashsolve schema    crashsolve keywords    crashsolve equations    crashsolve completion SHELL
 """
 
 import argparse
@@ -16,11 +16,13 @@ from pathlib import Path
 from typing import Any
 
 from crashsolve import __version__
+from crashsolve.channels.command_line import add_completion, completion, protected
+from crashsolve.channels.errors import ChannelError
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
 from crashsolve.foundation.streams import give_up, open_standard_streams, printable, tell_error
 
 COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "example", "manual")
-COMMANDS += ("schema", "keywords", "equations")
+COMMANDS += ("schema", "keywords", "equations", "completion")
 
 STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
 
@@ -31,7 +33,7 @@ def main(arguments: list[str] | None = None) -> int:
     gc.set_threshold(100_000)
     give_back_memory()
     open_standard_streams()
-    given = sys.argv[1:] if arguments is None else arguments
+    given = protected(sys.argv[1:] if arguments is None else arguments)
     # `crashsolve deck.yaml` is short for `crashsolve run deck.yaml`
     if given and given[0] not in COMMANDS and not given[0].startswith("-"):
         given = ["run", *given]
@@ -95,6 +97,8 @@ def _parser() -> argparse.ArgumentParser:
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
     _document_arguments(commands)
+    add_completion(commands)
+    commands.choices["completion"].set_defaults(act=lambda options: _completion(parser, options))
     return parser
 
 
@@ -180,7 +184,7 @@ def _overrides(options: argparse.Namespace) -> dict[str, str]:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from crashsolve.run import solve
+    from crashsolve.solve import solve
 
     folder = options.output or Path(options.deck.stem + ".results")
     overrides = _overrides(options)
@@ -260,6 +264,14 @@ def _manual(options: argparse.Namespace) -> int:
         print(examples.listing(known))
     else:
         print(examples.named(options.page, known, "page").read_text("utf-8"), end="")
+    return ExitCode.NORMAL
+
+
+def _completion(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
+    try:
+        print(completion(parser, options.shell))
+    except ChannelError as error:
+        raise DeckError("completion", None, None, "", str(error)) from None
     return ExitCode.NORMAL
 
 

@@ -6,8 +6,10 @@ The times that `expect` and `watch` ask for, by `at:T` and as ends of a window, 
 from bisect import bisect_left
 from dataclasses import dataclass
 
+from crashsolve.channels.statistic import moment_asked
 from crashsolve.deck.expect import Expect
 from crashsolve.deck.read import Deck
+from crashsolve.deck.statistic import PATH
 from crashsolve.deck.watch import Watch
 
 # a time this near to a sample, in intervals, is that sample
@@ -51,6 +53,10 @@ class Schedule:
         near = range(max(k - 2, 0), k + 3)
         return min(near, key=lambda i: (abs(self.time(i) - time), i))
 
+    def has(self, time: float) -> bool:
+        """Whether there is a sample at a time."""
+        return abs(self.time(self.number(time)) - time) <= SAME * self.interval
+
     def last_until(self, time: float) -> int:
         """Number of the last sample that is not after a time, be it of another schedule."""
         k = self.number(time)
@@ -86,7 +92,8 @@ def _asked(deck: Deck) -> set[float]:
     found: set[float] = set()
     cards: list[Expect | Watch] = [*deck.expect, *deck.watch]
     for card in cards:
-        if card.statistic.startswith("at:"):
-            found.add(float(card.statistic[3:]))
+        moment = None if card.statistic == PATH else moment_asked(card.statistic)
+        if moment is not None:
+            found.add(moment)
         found |= set(card.during or ())
     return found

@@ -16,6 +16,7 @@ from command import arguments, crashsolve, environment, start
 from crashpost.status import read_status
 from crashsolve.output.errors import OutputError
 from crashsolve.output.lock import Lock
+from crashsolve.output.log import STOPPED
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
 # as plain Python: nothing is to be compiled, and a run of a million seconds lasts
@@ -127,6 +128,18 @@ def test_a_run_that_cannot_be_prepared_has_failed(tmp_path: Path) -> None:
     assert "log.txt: Is a directory" in done.stderr
     status = read_status(tmp_path / "status.json")
     assert (status["state"], status["exit_code"]) == ("failed", 5)
+
+
+def test_an_interrupt_while_compiling_is_a_stop_on_request(tmp_path: Path) -> None:
+    # an empty cache: compiling takes seconds
+    run = start(OSCILLATOR, "-o", tmp_path, *LONG, CRASHSOLVE_CACHE=str(tmp_path / "cache"))
+    until(lambda: (tmp_path / "log.txt").exists())
+    run.send_signal(signal.SIGINT)
+    run.communicate(timeout=60)
+    assert run.returncode == 3
+    assert read_status(tmp_path / "status.json")["state"] == "stopped"
+    log = (tmp_path / "log.txt").read_text()
+    assert "interrupted while preparing" in log and log.splitlines()[-1] == STOPPED
 
 
 def test_a_lock_is_for_one_and_ends_with_its_block(tmp_path: Path) -> None:

@@ -6,10 +6,10 @@ from typing import Any, Literal
 import pytest
 from pydantic import ValidationError, model_validator
 
+from crashsolve.channels.units import BASES, parse_unit
 from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
 from crashsolve.deck.mistakes import mistakes_of
 from crashsolve.deck.numbers import Context, SiFloat
-from crashsolve.foundation.units import BASES, parse_unit
 
 
 class Inner(Card):

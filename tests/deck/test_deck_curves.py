@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from crashsolve.channels.units import BASES, parse_unit
 from crashsolve.curves import file, formula, table
 from crashsolve.curves._card import EXTRAPOLATE
 from crashsolve.curves._piecewise import coefficients
@@ -19,7 +20,6 @@ from crashsolve.deck.schema import _nested_folders
 from crashsolve.deck.sections import SECTIONS
 from crashsolve.foundation import curve
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.foundation.units import BASES, parse_unit
 
 X = np.array([0.0, 0.1, 0.4, 0.5, 1.5, 2.0])
 Y = np.array([0.0, 1.0, 1.0, 3.0, -2.0, -2.5])

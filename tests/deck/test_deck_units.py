@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from crashsolve.foundation.units import (
+from crashsolve.channels.units import (
     BASES,
     UnitError,
     default_factor,

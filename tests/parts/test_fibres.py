@@ -225,6 +225,7 @@ REFUSED = {
     ),
     "beam": ("type: fibre_beam", "type: beam", "fibres"),
     "many": ("fibres: [4, 16]", "fibres: [9, 16]", "makes 144 fibres of this section; at most 64"),
+    "huge": ("fibres: [4, 16]", "fibres: [1000000000000, 16]", "at most 64 fibres in all"),
     "line": ("fibres: [4, 16]", "fibres: [1, 16]", "fibres on one line do not resist bending"),
     "general": (
         RECTANGLE,

@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from crashpost.errors import PostError, unknown
-from crashpost.expression import Series, evaluate
-from crashpost.statistic import statistic
+from crashsolve.channels.expression import evaluate
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistic import statistic
 
 TIME = np.linspace(0.0, 2.0, 201)
 CHANNELS = {

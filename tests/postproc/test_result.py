@@ -13,8 +13,8 @@ import pytest
 from conftest import SPEED, TIME, two_cars, write_result, write_status
 
 from crashpost.errors import PostError
-from crashpost.expression import Series
 from crashpost.result import Result
+from crashsolve.channels.series import Series
 
 
 def test_channels_carry_name_unit_meaning_and_sample_count(cars: Path) -> None:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from crashpost.errors import PostError
-from crashpost.expression import Series
-from crashpost.statistic import statistic, unit_of, within
+from crashsolve.channels.series import Series, within
+from crashsolve.channels.statistic import statistic, unit_of
 
 RAMP = Series(np.array([0.0, 1.0, 4.0]), np.array([2.0, -6.0, 6.0]), "N")
 

@@ -3,7 +3,7 @@
 import pytest
 
 from crashpost.errors import PostError
-from crashpost.units import Unit, factor, readable
+from crashsolve.channels.display import Product, factor, measure_the_same, readable
 
 
 @pytest.mark.parametrize(
@@ -39,12 +39,23 @@ def test_unreadable_units_are_refused(text: str) -> None:
         factor("m", text)
 
 
+def test_an_unknown_unit_is_shown_as_it_is_and_like_none_other() -> None:
+    assert factor("furlong", "furlong") == 1.0
+    assert not measure_the_same("furlong", "m")
+    assert measure_the_same("N s", "kg m/s") and not measure_the_same("J", "N")
+
+
+def test_an_acceleration_in_g_and_a_force_in_t_are_what_people_mean() -> None:
+    assert factor("m/s^2", "g") == pytest.approx(1 / 9.80665)
+    assert factor("kg", "g") == pytest.approx(1e3)
+
+
 def test_products_cancel_and_print_in_the_notation_of_the_result_files() -> None:
-    work = Unit.parse("N/m").times(Unit.parse("m")).times(Unit.parse("m"))
+    work = Product.parse("N/m").times(Product.parse("m")).times(Product.parse("m"))
     assert str(work) == "N m"
-    assert str(work.times(Unit.parse("s"), -1)) == "N m/s"
-    assert str(Unit.parse("1/s")) == "1/s"
-    assert str(Unit.parse("m").times(Unit.parse("m"), -1)) == ""
+    assert str(work.times(Product.parse("s"), -1)) == "N m/s"
+    assert str(Product.parse("1/s")) == "1/s"
+    assert str(Product.parse("m").times(Product.parse("m"), -1)) == ""
 
 
 @pytest.mark.parametrize(

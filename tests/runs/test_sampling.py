@@ -13,7 +13,7 @@ from command import crashsolve
 from crashpost.errors import PostError
 from crashpost.expectation import judge
 from crashpost.result import Result
-from crashpost.statistic import statistic
+from crashsolve.channels.statistic import statistic
 from crashsolve.sampling import Schedule
 
 RADIUS, SPEED, MASS, STIFFNESS, GAP = 0.1, 2.0, 1.0, 1e4, 0.05

@@ -8,7 +8,7 @@ from command import crashsolve
 
 from crashpost.cli import main as crashpost
 from crashpost.result import Result
-from crashpost.statistic import statistic
+from crashsolve.channels.statistic import statistic
 
 DECK = Path(__file__).parents[2] / "decks" / "scenes" / "rigid_bar.yaml"
 ANGLE = radians(35.2)

@@ -8,7 +8,8 @@ from command import crashsolve
 
 from crashpost.cli import main as crashpost
 from crashpost.result import Result
-from crashpost.statistic import statistic, within
+from crashsolve.channels.series import within
+from crashsolve.channels.statistic import statistic
 
 DECK = Path(__file__).parents[2] / "decks" / "scenes" / "train_test.yaml"
 MASS = {"A": 60.4e3, "C": 30.5e3, "B": 70.0e3}

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Literal
 
+from crashsolve.channels.units import Unit, describe, parse_unit
 from crashsolve.deck.card import Card, word
 from crashsolve.deck.mistakes import refuse
 from crashsolve.deck.numbers import Context
-from crashsolve.foundation.units import Unit, describe, parse_unit
 
 # as foundation/curve.py counts them
 EXTRAPOLATE = {"refuse": 0, "hold": 1, "linear": 2}

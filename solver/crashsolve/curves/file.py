@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationInfo, model_validator
 
+from crashsolve.channels.units import PURE, SI
 from crashsolve.curves._card import EXTRAPOLATE, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
 from crashsolve.deck.card import FileName, word
 from crashsolve.deck.mistakes import refuse
 from crashsolve.deck.numbers import Context, unit_named
-from crashsolve.foundation.units import PURE, SI
 
 
 class File(PointsCard):

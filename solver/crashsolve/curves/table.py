@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationInfo, model_validator
 
+from crashsolve.channels.units import Unit, describe
 from crashsolve.curves._card import EXTRAPOLATE, Points, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
 from crashsolve.deck.card import word
 from crashsolve.deck.mistakes import refuse
 from crashsolve.deck.numbers import Context, SiFloat, number_in, unit_named
-from crashsolve.foundation.units import Unit, describe
 
 
 class Table(PointsCard):

@@ -27,6 +27,7 @@ from pydantic import (
     model_validator,
 )
 
+from crashsolve.channels.units import UnitError
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
 from crashsolve.deck.laws import UnknownType, law_class, types_in
 from crashsolve.deck.mistakes import (
@@ -40,7 +41,6 @@ from crashsolve.deck.mistakes import (
 )
 from crashsolve.deck.numbers import Context, number, number_in
 from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE
-from crashsolve.foundation.units import UnitError
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
@@ -156,10 +156,11 @@ class Card(BaseModel):
         if field.law:
             return handler(_open_law(value, field.law, context))
         given = _as_tuple(value)
-        if field.unit:
-            given = _to_si(given, field, _unit(field, info.data), context)
+        unit = _unit(field, info.data) if field.unit else ""
+        if unit:
+            given = _to_si(given, field, unit, context)
         result = handler(given)
-        _check_bounds(result, value, field)
+        _check_bounds(result, value, field, unit)
         return result
 
     @model_validator(mode="wrap")
@@ -239,10 +240,12 @@ def _to_si(
         refuse(f"must be {kinds}", str(error), within=at)
 
 
-def _check_bounds(result: Any, written: Any, field: Declared, at: tuple[int, ...] = ()) -> None:
+def _check_bounds(
+    result: Any, written: Any, field: Declared, unit: str, at: tuple[int, ...] = ()
+) -> None:
     if isinstance(result, tuple) and isinstance(written, list | tuple):
         for i, (part, text) in enumerate(zip(result, written, strict=True)):
-            _check_bounds(part, text, field, (*at, i))
+            _check_bounds(part, text, field, unit, (*at, i))
     if isinstance(result, bool) or not isinstance(result, int | float):
         return
     if isinstance(result, int) and abs(result) > MOST:
@@ -250,8 +253,8 @@ def _check_bounds(result: Any, written: Any, field: Declared, at: tuple[int, ...
     for bound, (holds, words) in BOUNDS.items():
         limit = field.bounds.get(bound)
         if limit is not None and not holds(result, limit):
-            unit = "" if field.unit in ("", "1") else f" {field.unit}"
-            refuse(f"must be {words} {limit:g}{unit}, not {shown(written)}", within=at)
+            shown_unit = "" if unit in ("", "1", "any") else f" {unit}"
+            refuse(f"must be {words} {limit:g}{shown_unit}, not {shown(written)}", within=at)
 
 
 class Rotation(Card):

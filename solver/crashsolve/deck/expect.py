@@ -5,11 +5,12 @@ from typing import Any, Literal
 
 from pydantic import ValidationInfo, field_validator, model_validator
 
+from crashsolve.channels.series import Window
+from crashsolve.channels.units import PURE, Unit, describe, parse_unit
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.mistakes import refuse
 from crashsolve.deck.numbers import Context, number_in, unit_named
-from crashsolve.deck.statistic import STATISTICS, Window, check_window, known_statistic
-from crashsolve.foundation.units import PURE, Unit, describe, parse_unit
+from crashsolve.deck.statistic import channel_told, check_window, known_statistic, words_told
 
 PERCENT = parse_unit("%")
 
@@ -21,8 +22,8 @@ class Expect(Card):
     without a unit both are in the channel's own. A relative tolerance is a fraction of the value.
     """
 
-    channel: str = word("channel, or arithmetic of channels")
-    statistic: str = word(f"{', '.join(STATISTICS)}, or at:T with T in seconds")
+    channel: str = word(channel_told())
+    statistic: str = word(words_told())
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
     unit: str | None = word("unit of bare numbers; the channel's own when absent", None)
     value: float = word("what the run must give, in any unit")

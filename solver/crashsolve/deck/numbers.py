@@ -6,9 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from crashsolve.deck.mistakes import already_reported, refuse, shown
-from crashsolve.deck.source import BROKEN
-from crashsolve.foundation.units import (
+from crashsolve.channels.units import (
     PURE,
     SI,
     SI_SYMBOLS,
@@ -21,6 +19,8 @@ from crashsolve.foundation.units import (
     split_quantity,
     to_si,
 )
+from crashsolve.deck.mistakes import already_reported, refuse, shown
+from crashsolve.deck.source import BROKEN
 
 
 class SiFloat(float):

@@ -4,8 +4,9 @@ from typing import ClassVar, Literal
 
 from pydantic import field_validator, model_validator
 
+from crashsolve.channels.series import Window
 from crashsolve.deck.card import Card, quantity, word
-from crashsolve.deck.statistic import Window, check_window, known_statistic
+from crashsolve.deck.statistic import check_window, known_statistic
 
 Pair = tuple[float, float]
 

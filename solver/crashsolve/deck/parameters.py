@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from crashsolve.channels.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
 from crashsolve.deck.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
 from crashsolve.deck.items import Item
 from crashsolve.deck.laws import choices
@@ -15,7 +16,6 @@ from crashsolve.deck.mistakes import shown
 from crashsolve.deck.numbers import SiFloat, as_written
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
 from crashsolve.foundation.errors import DeckError
-from crashsolve.foundation.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
 
 # names that are told of a circle
 LONGEST_CIRCLE = 50

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from crashsolve.channels.units import SI
 from crashsolve.deck.card import Card, Name, Reference, reference_of
 from crashsolve.deck.control import Control
 from crashsolve.deck.dump import as_data, as_text
@@ -28,7 +29,6 @@ from crashsolve.deck.source import BROKEN, Position, Table, locate
 from crashsolve.deck.units import Units
 from crashsolve.deck.watch import Watch
 from crashsolve.foundation.errors import DeckError, DeckErrors
-from crashsolve.foundation.units import SI
 
 AnyCard = TypeVar("AnyCard", bound=Card)
 # units of x and y of a curve

@@ -1,27 +1,34 @@
 """Words for one number of a channel, and the time window in which it is looked for."""
 
-import re
-
+from crashsolve.channels import statistic as known
+from crashsolve.channels.errors import ChannelError
+from crashsolve.channels.expression import FOLDER
+from crashsolve.channels.folder import words_in
+from crashsolve.channels.series import Window
 from crashsolve.deck.laws import choices
 from crashsolve.deck.mistakes import refuse
 
-STATISTICS = ("max", "min", "abs_max", "mean", "final", "integral", "argmax", "argmin")
 PATH = "path"  # no one number, but the whole history
-Window = tuple[float, float]
 
-_AT = re.compile(r"at:[0-9]+\.?[0-9]*([eE][-+]?[0-9]+)?")
+
+def channel_told() -> str:
+    """What a channel of a question may be, as the manual says it."""
+    functions = ", ".join(f"{word}()" for word in words_in(FOLDER))
+    return f"channel, or arithmetic of channels with {functions}; see theory/channels.md"
+
+
+def words_told() -> str:
+    """The statistics as the manual lists them."""
+    return f"{', '.join(known.words())} with T in seconds"
 
 
 def known_statistic(text: str) -> str:
     """The word itself; refused when it names no statistic."""
-    if text not in STATISTICS and not _AT.fullmatch(text):
-        refuse(f"unknown statistic '{text}'", choices(text, (*STATISTICS, "at:T"), "statistics"))
+    try:
+        known.check(text)
+    except ChannelError:
+        refuse(f"unknown statistic '{text}'", choices(text, known.words(), "statistics"))
     return text
-
-
-def is_of_a_moment(statistic: str) -> bool:
-    """Whether a statistic reads one moment of a history."""
-    return statistic == "final" or statistic.startswith("at:")
 
 
 def check_window(statistic: str, during: Window | None) -> None:
@@ -30,5 +37,5 @@ def check_window(statistic: str, during: Window | None) -> None:
         return
     if not during[0] < during[1]:
         raise ValueError("during: must be [from, to], the earlier time first")
-    if is_of_a_moment(statistic):
+    if statistic and statistic != PATH and known.is_of_a_moment(statistic):
         raise ValueError(f"during: '{statistic}' reads one moment, which no window limits")

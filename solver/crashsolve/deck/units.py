@@ -2,8 +2,8 @@
 
 from pydantic import field_validator
 
+from crashsolve.channels.units import BASES, SI, Unit, UnitError, describe, parse_unit
 from crashsolve.deck.card import Card, word
-from crashsolve.foundation.units import BASES, SI, Unit, UnitError, describe, parse_unit
 
 
 class Units(Card):

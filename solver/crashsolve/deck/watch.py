@@ -4,8 +4,9 @@ from typing import ClassVar
 
 from pydantic import field_validator, model_validator
 
+from crashsolve.channels.series import Window
 from crashsolve.deck.card import Card, quantity, word
-from crashsolve.deck.statistic import PATH, STATISTICS, Window, check_window, known_statistic
+from crashsolve.deck.statistic import PATH, channel_told, check_window, known_statistic, words_told
 
 
 class Watch(Card):
@@ -13,8 +14,8 @@ class Watch(Card):
 
     shorthand: ClassVar[str] = "channel"
 
-    channel: str = word("channel, or arithmetic of channels")
-    statistic: str = word(f"{', '.join(STATISTICS)}, at:T, or {PATH}: the whole history", PATH)
+    channel: str = word(channel_told())
+    statistic: str = word(f"{words_told()}, or {PATH}: the whole history", PATH)
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
 
     @field_validator("statistic")

@@ -5,7 +5,7 @@
     one coarser run     the same with the method's order
     one finer run       error = |x1 - xf| / (1 - (hf/h1)^2), enough for any order from 2 on
     samples             refined - plain, added with its sign where that of the rest is known
-                        (estimate/statistic.py)
+                        (channels/statistic.py)
 
 h is the average step. Where the differences do not shrink, the larger one is the error. Consequence
 to test: x = 1 + h^p gives the error h^p, for each of the three.
@@ -17,10 +17,20 @@ from itertools import pairwise
 
 import numpy as np
 
-from crashsolve.deck.statistic import PATH, is_of_a_moment
-from crashsolve.estimate.expression import cumulative, evaluate, is_sampled
+from crashsolve.channels.expression import is_sampled, tells_sample_times
+from crashsolve.channels.series import Series, within
+from crashsolve.channels.statistic import (
+    is_a_time,
+    is_of_a_moment,
+    plain,
+    refined,
+    scale,
+    unit_of,
+    unresolved,
+)
+from crashsolve.channels.statistics._top import plateau
+from crashsolve.deck.statistic import PATH
 from crashsolve.estimate.samples import Channel, Samples
-from crashsolve.estimate.statistic import Series, plain, plateau, refined, unresolved, within
 from crashsolve.study.convergence import Convergence, distance, examine
 from crashsolve.study.watch import Watch
 
@@ -82,7 +92,10 @@ class Judge:
 
     def estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         """The number of the run and its error, `others` being companions in any order."""
-        return replace(self._estimate(self._resolved(watch, main), main, others), watch=watch)
+        resolved = self._resolved(watch, main)
+        units = {c.name: c.unit for found in self.channels.values() for c in found}
+        main, *rest = (replace(samples, units=units) for samples in (main, *others))
+        return replace(self._estimate(resolved, main, rest), watch=watch)
 
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
         """What tells a largest value of any step: the course where a sample has caught it.
@@ -103,20 +116,26 @@ class Judge:
 
     def _estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         channels = self.channels[watch.channels[0]]
-        unit = unit_of(watch, channels)
         try:
             series = series_of(watch, main)
-            value, gap = _with_gap(watch, series, main)
-            scale = _scale(watch, channels, main, series)
-            if any(channel.is_of_the_run for channel in channels):
-                how = "not estimated: it is a measure of the run's errors itself"
-                return Estimate(watch, value, unit, None, scale, how, is_wanted=False)
+            value = _number(watch, series)
+            unit = _unit(watch, series)
+            size = _scale(watch, channels, main, series)
+        except ValueError as problem:
+            return Estimate(watch, None, "", None, 0.0, f"not estimated: {problem}")
+        if any(channel.is_of_the_run for channel in channels):
+            how = "not estimated: it is a measure of the run's errors itself"
+            return Estimate(watch, value, unit, None, size, how, is_wanted=False)
+        try:
+            gap = _gap(watch, series, main)
             found = self._of_steps(watch, main, others)
         except ValueError as problem:
-            return Estimate(watch, None, unit, None, 0.0, f"not estimated: {problem}")
+            # such as a filter that needs all samples
+            how = f"not estimated: with fewer samples {problem}"
+            return Estimate(watch, value, unit, None, size, how)
         if found is None:
             how = "not estimated: no other run took other steps"
-            return Estimate(watch, value, unit, None, scale, how)
+            return Estimate(watch, value, unit, None, size, how)
         error, how = _sum(found, gap) + DIGITS * abs(value), found.how
         if abs(gap) > 0.1 * error:
             how += f"; gaps between samples {abs(gap):.2g}"
@@ -124,7 +143,7 @@ class Judge:
             other = self._rival(watch, series, main, others)
             if other > error:
                 error, how = other, "another extreme is as great within its error"
-        return Estimate(watch, value, unit, error, scale, how, found.size, abs(gap))
+        return Estimate(watch, value, unit, error, size, how, found.size, abs(gap))
 
     def _rival(
         self, watch: Watch, series: Series, main: Samples, others: Sequence[Samples]
@@ -192,17 +211,25 @@ def _cycles(samples: Samples) -> int:
     return samples.cycles
 
 
-def _with_gap(watch: Watch, series: Series, main: Samples) -> tuple[float, float]:
-    """The number, and by how much it differs from that of the history behind the samples."""
+def _number(watch: Watch, series: Series) -> float:
+    """The number itself, of a history its largest magnitude. Raises ValueError without one."""
     if watch.statistic == PATH:
-        return float(np.max(np.abs(series.values))), _gap_inside(watch, main)
+        return float(np.max(np.abs(series.values)))
     value = plain(series, watch.statistic)
     if not np.isfinite(value):
         raise ValueError(f"division by zero in '{watch.channels[0]}'")
+    return value
+
+
+def _gap(watch: Watch, series: Series, main: Samples) -> float:
+    """By how much the number differs from that of the history behind the samples."""
+    if watch.statistic == PATH:
+        return _gap_inside(watch, main)
     missed = unresolved(series, watch.statistic)
     if missed:
-        return value, missed
-    return value, value - refined(series, watch.statistic) + _gap_inside(watch, main)
+        return missed
+    found = plain(series, watch.statistic) - refined(series, watch.statistic)
+    return found + _gap_inside(watch, main)
 
 
 def _sum(found: _Steps, gap: float) -> float:
@@ -228,9 +255,9 @@ def series_of(watch: Watch, samples: Samples) -> Series:
 
     A moment asks for nothing of the others.
     """
-    values = evaluate(watch.channels[0], samples.time, samples.values)
-    series = within(Series(samples.time, values), watch.during)
-    if not is_of_a_moment(watch.statistic) and not np.isfinite(series.values).all():
+    series = within(samples.series(watch.channels[0]), watch.during)
+    is_whole = watch.statistic == PATH or not is_of_a_moment(watch.statistic)
+    if is_whole and not np.isfinite(series.values).all():
         raise ValueError(f"division by zero in '{watch.channels[0]}'")
     return series
 
@@ -249,6 +276,8 @@ def _gap_inside(watch: Watch, main: Samples) -> float:
     """Error by samples of an expression that integrates or differentiates; 0 for others."""
     if not is_sampled(watch.channels[0]):
         return 0.0
+    if tells_sample_times(watch.channels[0]):
+        return float(np.max(np.diff(main.time)))
     half = main.at(main.time[::2])
     if watch.statistic == PATH:
         return distance(_value(watch, main.at(half.time)), series_of(watch, half).values) / 3.0
@@ -266,26 +295,18 @@ def _scale(watch: Watch, channels: list[Channel], main: Samples, series: Series)
 
     A sum counts by itself, unless its parts cancel.
     """
-    if watch.statistic in ("argmax", "argmin"):
+    if watch.statistic != PATH and is_a_time(watch.statistic):
         return float(main.time[-1] - main.time[0])
     largest = float(np.nanmax(np.abs(series.values)))
     if not set(watch.channels[0]) & set("*/") and not is_sampled(watch.channels[0]):
         size = max(float(np.max(main.size[c.name], initial=0.0)) for c in channels)
         is_plain = watch.channels[0].strip().lstrip("-").strip("' ") == channels[0].name
         largest = max(largest, size if is_plain else CANCELS * size)
-    if watch.statistic == "integral":
-        return float(cumulative(series.time, np.full(len(series.time), largest))[-1])
-    return largest
+    if watch.statistic == PATH:
+        return largest
+    return scale(series, watch.statistic, largest)
 
 
-def unit_of(watch: Watch, channels: list[Channel]) -> str:
-    """Unit of the number in SI; empty for a product, whose unit crashpost can tell."""
-    units = {channel.unit for channel in channels}
-    if watch.statistic in ("argmax", "argmin"):
-        return "s"
-    if len(units) != 1 or set(watch.channels[0]) & set("*/") or is_sampled(watch.channels[0]):
-        return ""
-    unit = next(iter(units))
-    if watch.statistic == "integral":
-        return "s" if unit == "1" else f"{unit} s"
-    return "" if unit == "1" else unit
+def _unit(watch: Watch, series: Series) -> str:
+    """Unit of the number in SI; empty for a pure number."""
+    return series.unit if watch.statistic == PATH else unit_of(watch.statistic, series.unit)

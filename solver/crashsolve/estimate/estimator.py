@@ -11,12 +11,18 @@ step then gets one coarser run.
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from math import inf, isfinite
 
+import numpy as np
+
+from crashsolve.channels.errors import TooShort
+from crashsolve.channels.statistic import moment_asked
 from crashsolve.deck.expect import Expect
 from crashsolve.deck.read import Deck
 from crashsolve.deck.source import Position
+from crashsolve.deck.statistic import PATH
 from crashsolve.deck.watch import Watch as WatchCard
 from crashsolve.engines import engine_of, is_static
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
@@ -26,10 +32,13 @@ from crashsolve.foundation.errors import DeckError, DeckErrors, SolverError
 from crashsolve.histories import Histories
 from crashsolve.model.build import build
 from crashsolve.output.channels import Family
+from crashsolve.sampling import Schedule
 from crashsolve.study.settings import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
+# samples on which expressions are tried out before the run
+TRIED = 256
 DEAR = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
@@ -113,7 +122,7 @@ class Estimator:
 def _look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
     """The channels of every watched expression."""
     found: dict[str, list[Channel]] = {}
-    mistakes = []
+    mistakes, interval = [], Schedule.of(deck).interval
     sections: list[tuple[str, Sequence[Expect | WatchCard], list[Position]]] = [
         ("expect", deck.expect, deck.expect_at),
         ("watch", deck.watch, deck.watch_at),
@@ -122,11 +131,30 @@ def _look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]
         for number, (card, place) in enumerate(zip(cards, places, strict=True), 1):
             try:
                 found[card.channel] = find(card.channel, families)
+                _try_out(card.channel, found[card.channel], interval)
             except ValueError as problem:
                 mistakes.append(DeckError(*place, f"{keyword} {number}", f"channel: {problem}"))
+            moment = None if card.statistic == PATH else moment_asked(card.statistic)
+            if moment is not None and moment < deck.control.start_time:
+                told = (
+                    f"'{card.statistic}' is before the run, from {deck.control.start_time:g} s on"
+                )
+                mistakes.append(DeckError(*place, f"{keyword} {number}", f"statistic: {told}"))
     if mistakes:
         raise DeckErrors(mistakes)
     return found
+
+
+def _try_out(expression: str, channels: Sequence[Channel], interval: float) -> None:
+    """Raises ChannelError where units do not fit, or samples are too far apart for a function.
+
+    The run may still be too short for one, which its results say.
+    """
+    count = np.arange(TRIED)
+    values = {c.name: 1.0 + 0.1 * np.cos(count + i) for i, c in enumerate(channels)}
+    samples = Samples(interval * count, values, units={c.name: c.unit for c in channels})
+    with suppress(TooShort):
+        samples.series(expression)
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from crashsolve.channels.expression import channels_in, evaluate
+from crashsolve.channels.series import Series
 from crashsolve.deck.laws import choices
-from crashsolve.estimate.expression import channels_in
 from crashsolve.output.channels import Family
 
 # channels of glstat that measure the run and not the model: they are errors themselves
@@ -67,7 +68,7 @@ class Channel:
 class Samples:
     """Samples of channels during one run: times, values of each, and of the vector around it.
 
-    `cycles` are the steps it took, `cpu` [s] what it cost.
+    `cycles` are the steps it took, `cpu` [s] what it cost, `units` those of the channels.
     """
 
     time: np.ndarray
@@ -75,12 +76,25 @@ class Samples:
     size: dict[str, np.ndarray] = field(default_factory=dict)
     cycles: int = 0
     cpu: float = 0.0
+    units: dict[str, str] = field(default_factory=dict)
+
+    def series(self, expression: str) -> Series:
+        """The history of a channel or an expression; raises ChannelError."""
+        name = expression.strip()
+        if name in self.values:
+            return self._channel(name)
+        return evaluate(expression, self._channel)
+
+    def _channel(self, name: str) -> Series:
+        if name == "time":
+            return Series(self.time, self.time, "s")
+        return Series(self.time, self.values[name], self.units.get(name, ""))
 
     def at(self, times: np.ndarray) -> "Samples":
         """The same at some of the times."""
         kept = np.isin(self.time, times)
         values = {name: course[kept] for name, course in self.values.items()}
-        return Samples(self.time[kept], values, {}, self.cycles, self.cpu)
+        return Samples(self.time[kept], values, {}, self.cycles, self.cpu, self.units)
 
 
 def find(expression: str, families: Sequence[Family]) -> list[Channel]:

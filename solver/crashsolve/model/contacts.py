@@ -24,7 +24,7 @@ from crashsolve.model.holes import warn_of_holes
 from crashsolve.model.model import ContactGroup, NodalGroup
 from crashsolve.model.nodal import NodalBuilder
 from crashsolve.model.pairs import Block, Elements, Pairing, Search, resting
-from crashsolve.model.scene import Scene
+from crashsolve.model.scene import IMPLICIT, Scene
 
 if TYPE_CHECKING:
     from crashsolve.deck.read import Deck, Entry
@@ -73,7 +73,9 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
         sides = [[surfaces[word] for word in names] for names in (entry.card.a, entry.card.b)]
         warn_of_holes(name, sides, scene)
     nodes = scene.placed_nodes()
-    return [builder.finish(nodes) for builder in builders.values()], nodal.groups
+    is_implicit = deck.control.integrator in IMPLICIT
+    groups = [builder.finish(nodes, is_implicit) for builder in builders.values()]
+    return groups, nodal.groups
 
 
 def _add_card(
@@ -274,7 +276,7 @@ class GroupBuilder:
             law = law | {"torsion_radius": entry.card.torsion_radius}
         return dict(law)
 
-    def finish(self, nodes: Any) -> ContactGroup:
+    def finish(self, nodes: Any, is_implicit: bool) -> ContactGroup:
         """The group with its pairs, all of them or the near ones."""
         parameters, history = touch.PARAMETERS, touch.HISTORY
         if self._have_ends():
@@ -291,7 +293,7 @@ class GroupBuilder:
         # the arrays of all elements come first: they may note in an element where its part starts
         data = getattr(self.home, "data", lambda *_: ())(*elements)
         pairing = self._pairing(parameters)
-        search = Search(pairing) if pairing.worth_searching() else None
+        search = Search(pairing) if pairing.worth_searching(is_implicit) else None
         rows = pairing.everything() if search is None else search.look(nodes)
         return ContactGroup(
             word=self.word,

@@ -17,8 +17,9 @@ from crashsolve.contact.broad import near_pairs
 from crashsolve.foundation.record import Record
 from crashsolve.model.model import ContactGroup, State
 
-# more possible pairs than this, and a group looks for the near ones
-SEARCH_ABOVE = 500
+# more possible pairs than this, and a group looks for the near ones; implicit methods, which find
+# no tangents for pairs that come and go, look at many more
+SEARCH_ABOVE, SEARCH_ABOVE_IMPLICIT = 180, 500
 # margin of the list of near pairs, in shares of the mean radius of the bounding spheres
 MARGIN = 0.5
 # share of the slack by which every pair outside the list is apart when the list is renewed: of a
@@ -63,14 +64,15 @@ class Pairing:
     def __init__(self, sides: tuple[Elements, Elements], blocks: list[Block], laws: Any) -> None:
         self.sides, self.blocks, self.laws = sides, blocks, laws
 
-    def worth_searching(self) -> bool:
+    def worth_searching(self, is_implicit: bool) -> bool:
         """Whether there are many possible pairs, of elements with an end or with planes at rest."""
+        above = SEARCH_ABOVE_IMPLICIT if is_implicit else SEARCH_ABOVE
         count = sum(int(b.member[0].sum()) * int(b.member[1].sum()) for b in self.blocks)
         first, second = self.sides
         planes = np.isinf(second.radius)
         at_rest = planes.all() and not second.node.any()
         has_size = np.isfinite(first.radius).all() and first.radius.any()
-        return bool(count > SEARCH_ABOVE and has_size and (at_rest or not planes.any()))
+        return bool(count > above and has_size and (at_rest or not planes.any()))
 
     def everything(self) -> np.ndarray:
         """Parameters of all possible pairs."""

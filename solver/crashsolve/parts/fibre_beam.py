@@ -93,6 +93,8 @@ def _table(card: FibreBeam, scene: Any) -> np.ndarray:
         raise scene.fail("this section has no fibres; give its shape, or type: fibres", "section")
     if min(card.fibres) < 1:
         raise scene.fail("needs numbers of 1 at least", "fibres")
+    if max(card.fibres) > _fibres.MOST_FIBRES:
+        raise scene.fail(f"at most {_fibres.MOST_FIBRES} fibres in all", "fibres")
     table: np.ndarray = law.fibres(section, card.fibres)
     y, z, A = table.T
     if len(table) > _fibres.MOST_FIBRES:

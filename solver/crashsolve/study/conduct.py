@@ -106,7 +106,11 @@ def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]
     if not (request.reference / "history.h5").exists():
         place, advice = f"--reference {request.reference}", "name the results folder of a run"
         raise DeckError(place, None, None, "", "no results there", advice)
-    return ask(request.reference, watches)
+    known = ask(request.reference, watches)
+    for watch, answer in zip(watches, known, strict=True):
+        if "remark" in answer:
+            say(printable(f"--reference, {watch.name}: {answer['remark']}"))
+    return known
 
 
 def _tell(trial: Trial) -> None:

@@ -13,11 +13,15 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
 
+from crashsolve.channels.errors import ChannelError
+from crashsolve.channels.series import Window
+from crashsolve.channels.statistic import check, moment_asked, unit_of, words
 from crashsolve.deck.expect import Expect
 from crashsolve.deck.laws import choices
 from crashsolve.deck.read import Deck
-from crashsolve.deck.statistic import PATH, STATISTICS, Window
+from crashsolve.deck.statistic import PATH
 from crashsolve.foundation.errors import DeckError
+from crashsolve.sampling import Schedule
 
 KNOWN = ("exact", "published")
 _COMPONENT = re.compile(r"[\w.-]+\.[xyz]")
@@ -47,8 +51,9 @@ class Watch:
     def vector(self) -> str:
         """Magnitude of the vector that a plain channel is a component of; empty for others."""
         (channel, *more) = self.channels
-        of_time = self.statistic in ("argmax", "argmin", "integral")
-        if more or of_time or not _COMPONENT.fullmatch(channel):
+        # a number in another unit is no share of the vector's size
+        is_other = self.statistic != PATH and unit_of(self.statistic, "m") != "m"
+        if more or is_other or not _COMPONENT.fullmatch(channel):
             return ""
         return "norm(" + ", ".join(f"'{channel[:-1]}{axis}'" for axis in "xyz") + ")"
 
@@ -63,7 +68,21 @@ def watched(deck: Deck, words: Sequence[str]) -> list[Watch]:
         return expected or overall(deck)
     known = {(w.channels[0], w.statistic): w for w in reversed(expected) if not w.during}
     found = [_from_word(word) for word in words]
+    for watch, word in zip(found, words, strict=True):
+        _refuse_unsampled(deck, watch, word)
     return [known.get((w.channels[0], w.statistic), w) for w in found]
+
+
+def _refuse_unsampled(deck: Deck, watch: Watch, word: str) -> None:
+    """Raises DeckError for a moment at which no run has a sample: it would have to be guessed."""
+    moment = None if watch.statistic == PATH else moment_asked(watch.statistic)
+    if moment is None or Schedule.of(deck).has(moment):
+        return
+    entry = f"watch: [{{channel: {json.dumps(watch.channels[0])}, statistic: {watch.statistic}}}]"
+    advice = f"write {entry} into the deck, and every run samples that time"
+    raise DeckError(
+        f"--channel {word}", None, None, "", f"the runs have no sample at {moment:g} s", advice
+    )
 
 
 def named(deck: Deck) -> list[Watch]:
@@ -159,8 +178,11 @@ def _from_word(word: str) -> Watch:
     """CHANNEL, whose whole history is meant, or CHANNEL:STATISTIC."""
     channel, _, statistic = word.partition(":")
     statistic = statistic or PATH
-    if statistic not in (*STATISTICS, PATH) and not statistic.startswith("at:"):
-        advice = choices(statistic, (*STATISTICS, "at:T", PATH), "statistics")
+    try:
+        if statistic != PATH:
+            check(statistic)
+    except ChannelError:
+        advice = choices(statistic, (*words(), PATH), "statistics")
         message = f"unknown statistic '{statistic}'"
-        raise DeckError(f"--channel {word}", None, None, "", message, advice)
+        raise DeckError(f"--channel {word}", None, None, "", message, advice) from None
     return _plain(channel.strip(), statistic)

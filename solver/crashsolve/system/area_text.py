@@ -82,7 +82,7 @@ def rub_calls(friction: str, is_whole: bool, is_eased: bool) -> list[str]:
     mobilities = "mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)"
     lines = ["slip = areas.sliding(m, w, slip, n, radius)", "glide, ease = None, 0.0"]
     if is_whole:
-        lines[1] = "glide, ease = areas.way_of_sliding(h, m, w, way, n, radius), 0.0"
+        lines[1] = "glide, ease = areas.way_of_sliding(motion, way, n, radius), 0.0"
     if is_eased:
         lines += ["u = contacts.ahead(old, slip, n)", mobilities]
         lines.append("ease = contacts.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)")
@@ -98,9 +98,20 @@ def rub_calls(friction: str, is_whole: bool, is_eased: bool) -> list[str]:
     return lines
 
 
+def first_half_calls(c: Any) -> list[str]:
+    """Motion over the step, and what the forces at its start do in it."""
+    motion, given = "motion = work.motion_over(h, old, depth, m, w, b.node)", "h, old, motion, m"
+    if not c.friction:
+        return [motion, f"work.end_push({given}, counts[p.card])"]
+    home = "areas" if c.resists_spin else "work"
+    return [motion, f"rubbed = {home}.end_first_half({given}, counts[p.card])"]
+
+
 def work_calls(c: Any) -> list[str]:
     """What the forces at the end of a step do in it, kept for the next."""
     if not c.resists_spin:
+        if not c.friction:
+            return ["work.begin_push(felt, way, f, n, x, out, new, card_new)"]
         return ["work.begin_second_half(felt, way, f, t, n, x, out, new, card_new)"]
     given = "felt, way, glide, f, rub, n, x, radius, out, new, card_new"
     return [f"areas.begin_second_half({given})"]

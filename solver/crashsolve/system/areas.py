@@ -28,8 +28,7 @@ from crashsolve.foundation.vec3 import (
     vec,
 )
 from crashsolve.system.contacts import closing, count_stiffness, pair_mobility
-from crashsolve.system.points import half_turn
-from crashsolve.system.work import moved
+from crashsolve.system.work import begin_push, way_from
 
 # what a law is told that lays its memory into the plane: along the normal it is that of a spin
 NO_TURN = (0.0, 0.0, 0.0)
@@ -48,16 +47,13 @@ def along_surface(rub, n):
 
 
 @kernel
-def way_of_sliding(h, a, b, way, n, radius):
+def way_of_sliding(motion, way, n, radius):
     """Displacement of a over b in a step, `way` in a place of both, as sliding has it [m]."""
-    if h == 0.0:
-        return NO_TURN
-    turn = sub(half_turn(a.start_q, a.q), half_turn(b.start_q, b.q))
-    return add_scaled(along_surface(way, n), 2.0 * radius * dot(turn, n), n)
+    return add_scaled(along_surface(way, n), radius * dot(motion[2], n), n)
 
 
 @kernel
-def end_first_half(h, old, a, b, card):
+def end_first_half(h, old, motion, a, card):
     """Work of the forces of the start of the step, of which that of friction is returned [J].
 
     Writes: card.
@@ -65,9 +61,9 @@ def end_first_half(h, old, a, b, card):
     size = norm(vec(old.push))
     if old.active == 0 or h == 0.0 or size == 0.0:
         return 0.0
-    n, x = scale(1.0 / size, vec(old.push)), vec(old.place)
-    way = sub(moved(a, sub(x, vec(a.start_r))), moved(b, sub(x, vec(b.start_r))))
-    rubbed = 0.5 * dot(vec(old.rub), way_of_sliding(h, a, b, way, n, old.radius))
+    n = scale(1.0 / size, vec(old.push))
+    way = way_from(motion, a, vec(old.place))
+    rubbed = 0.5 * dot(vec(old.rub), way_of_sliding(motion, way, n, old.radius))
     card.work += 0.5 * size * dot(n, way)
     card.friction_work += rubbed
     return rubbed
@@ -76,13 +72,10 @@ def end_first_half(h, old, a, b, card):
 @kernel
 def begin_second_half(felt, way, glide, f, rub, n, x, radius, out, new, card):
     """Work of the forces at the end of the step, which are kept for the next. Writes: new, card."""
-    card.work += 0.5 * felt * f * dot(n, way)
+    begin_push(felt, way, f, n, x, out, new, card)
     card.friction_work += 0.5 * felt * dot(rub, glide)
-    card.held += out.stored
     card.bristled += out.friction_stored
-    put(new.push, scale(f, n))
     put(new.rub, rub)
-    put(new.place, x)
     new.bristled, new.radius = out.friction_stored, radius
 
 

@@ -518,8 +518,7 @@ def _contact(model: Any, c: Any) -> str:
         "        m, w = nodes[a.node], nodes[b.node]",
     ]
     if is_whole:
-        home = "areas" if c.resists_spin else "work"
-        lines.append(f"        rubbed = {home}.end_first_half(h, old, m, w, counts[p.card])")
+        lines += _indented(2, area_text.first_half_calls(c))
     lines += _part(c, is_whole)
     lines += [
         "        rate, slip, d_a, d_b = contacts.closing(m, w, x, n)",
@@ -532,7 +531,7 @@ def _contact(model: Any, c: Any) -> str:
         "        out.friction_stored = 0.0",
     ]
     if is_whole:
-        lines.append("        way = work.way_to(h, m, w, x)")
+        lines.append("        way = work.way_to(motion, m, x)")
     if c.resists_spin:
         is_eased = is_whole and is_damper(c.friction)
         lines += _indented(2, area_text.rub_calls(_alias(c.friction), is_whole, is_eased))

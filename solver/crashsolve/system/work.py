@@ -24,6 +24,9 @@ from crashsolve.foundation.vec3 import (
 )
 from crashsolve.system.points import half_turn
 
+# a pair that has not moved
+STILL = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
 
 @kernel
 def along_plane(u, n):
@@ -32,37 +35,85 @@ def along_plane(u, n):
 
 
 @kernel
-def moved(body, d):
-    """Displacement over the step of what is d from the mass centre, at its start or at its end.
+def motion_of(body):
+    """Displacement of the mass centre over the step [m], and the turn of the body [rad].
 
-    The turn is that of the drift, along which torques work, and has no part along d: a normal force
-    through the centre of a ball does no work by its spin.
+    The turn is that of the drift, along which torques work. What it moves d by has no part along d:
+    a normal force through the centre of a ball does no work by its spin.
     """
-    turn = scale(2.0, half_turn(body.start_q, body.q))
-    return add(sub(vec(body.r), vec(body.start_r)), cross(turn, d))
+    return sub(vec(body.r), vec(body.start_r)), scale(2.0, half_turn(body.start_q, body.q))
+
+
+@kernel
+def moved(body, d):
+    """Displacement over the step of what is d from the mass centre, at its start or at its end."""
+    way, turn = motion_of(body)
+    return add(way, cross(turn, d))
 
 
 # --- pairs of elements on bodies -----------------------------------------------------------------
 
 
 @kernel
-def way_to(h, a, b, x):
-    """Displacement of a over b of what touches at x at the end of the step."""
-    if h == 0.0:
-        return 0.0, 0.0, 0.0
-    return sub(moved(a, sub(x, vec(a.r))), moved(b, sub(x, vec(b.r))))
+def motion_over(h, old, depth, a, b, of_b):
+    """Motion of body a over body b, number `of_b`, in a step at one end of which they touch.
+
+    Displacement at the mass centre of a, where it was at the start and where it is at the end, as
+    if that place were fixed in both [m]; turn [rad].
+    """
+    if h == 0.0 or (old.active == 0 and depth <= 0.0):
+        return STILL
+    way, turn = motion_of(a)
+    if of_b == 0:
+        # the ground
+        return way, way, turn
+    way_b, turn_b = motion_of(b)
+    way = sub(way, way_b)
+    at_start = sub(way, cross(turn_b, sub(vec(a.start_r), vec(b.start_r))))
+    at_end = sub(way, cross(turn_b, sub(vec(a.r), vec(b.r))))
+    return at_start, at_end, sub(turn, turn_b)
 
 
 @kernel
-def end_first_half(h, old, a, b, card):
+def way_from(motion, a, x):
+    """Displacement of a over b of what touched at x at the start of the step."""
+    return add(motion[0], cross(motion[2], sub(x, vec(a.start_r))))
+
+
+@kernel
+def way_to(motion, a, x):
+    """The same of what touches at x at its end."""
+    return add(motion[1], cross(motion[2], sub(x, vec(a.r))))
+
+
+@kernel
+def end_push(h, old, motion, a, card):
+    """Work of the normal force of the start of the step. Writes: card."""
+    if old.active == 1 and h > 0.0:
+        card.work += 0.5 * dot(vec(old.push), way_from(motion, a, vec(old.place)))
+
+
+@kernel
+def begin_push(felt, u, f, n, x, out, new, card):
+    """Work of that at its end, which is kept for the next; see begin_second_half.
+
+    Writes: new, card.
+    """
+    card.work += 0.5 * felt * f * dot(n, u)
+    card.held += out.stored
+    put(new.push, scale(f, n))
+    put(new.place, x)
+
+
+@kernel
+def end_first_half(h, old, motion, a, card):
     """Work of the forces of the start of the step, of which that of friction is returned [J].
 
     Writes: card.
     """
     if old.active == 0 or h == 0.0:
         return 0.0
-    x = vec(old.place)
-    u = sub(moved(a, sub(x, vec(a.start_r))), moved(b, sub(x, vec(b.start_r))))
+    u = way_from(motion, a, vec(old.place))
     rubbed = 0.5 * dot(vec(old.rub), u)
     card.work += 0.5 * dot(vec(old.push), u)
     card.friction_work += rubbed
@@ -76,13 +127,10 @@ def begin_second_half(felt, u, f, t, n, x, out, new, card):
     u is the displacement of a over b at x, felt the share of them that acts in this step.
     Writes: new, card.
     """
-    card.work += 0.5 * felt * f * dot(n, u)
+    begin_push(felt, u, f, n, x, out, new, card)
     card.friction_work += 0.5 * felt * dot(t, u)
-    card.held += out.stored
     card.bristled += out.friction_stored
-    put(new.push, scale(f, n))
     put(new.rub, t)
-    put(new.place, x)
     new.bristled = out.friction_stored
 
 

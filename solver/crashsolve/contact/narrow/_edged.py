@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.contact.narrow._convex import ANGLE, CLIMBS, ITERATIONS, ROUND_OFF, tangents
+from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ROUND_OFF, tangents
 from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import place
@@ -44,9 +44,11 @@ PARALLEL = 1e-12
 STARTS, ALIKE = 22, 1.0 - 1e-6
 # separations closer than this share of the distance are those of one direction named twice
 SAME = 1e-12
+# the last step of Newton's method turns by less than this share of edge / size [rad]: what it
+# leaves is its square times size / edge, so the place of contact is right to 1e-8 of a face
+LAST = 1e-4
 # share of a face within which the place is looked for
 OUTERMOST = 0.9999
-NO_TANGENT = (0.0, 0.0, 0.0)
 
 
 def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
@@ -112,26 +114,31 @@ def gap(a, b, nodes, data):
     are_boxes = a.is_round + b.is_round == 0
     allowed = 8.0 * (a.edge + b.edge) if are_boxes else 1e300
     cosines, c_u, c_w = cosines_of(u, w), along(u, c), along(w, c)
-    best, n, value, before = -1e300, (0.0, 0.0, 1.0), 1e300, (0.0, 0.0, 0.0)
-    for _ in range(CLIMBS):
-        limit = value - SAME * norm(c)
-        if are_boxes:
-            k, value = next_axis(a, b, cosines, c_u, c_w, limit)
-        else:
-            k, value = next_start(a, b, u, w, c, limit)
-        # of two that hardly differ one is enough, and bodies apart have one top only
-        if value < best - allowed or best >= 0.0:
+    best, n, before, same = -1e300, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SAME * norm(c)
+    leading = (1e300, 0, 1e300, 0)
+    last = LAST * min(a.edge / a.radius, b.edge / b.radius)
+    for trial in range(CLIMBS):
+        if trial % 2 == 0 and are_boxes:
+            leading = next_axes(a, b, cosines, c_u, c_w, leading[2] - same, same)
+        elif trial % 2 == 0:
+            leading = next_starts(a, b, u, w, c, leading[2] - same, same)
+        value, k = (leading[0], leading[1]) if trial % 2 == 0 else (leading[2], leading[3])
+        # of two that hardly differ one is enough
+        if value < best - allowed:
             break
         start = toward(direction(u, w, c, k), c)
         if dot(start, before) < ALIKE:
             before = start
             start = over_the_place(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
-            height, top = ascend(a, b, u, w, c, start)
+            height, top = ascend(a, b, u, w, c, start, last)
             if height > best:
                 best, n = height, top
+            # bodies apart have one top only
+            if best >= 0.0:
+                break
     x_a = sub(centre_a, reach(a, u, n))
     x_b = add(centre_b, reach(b, w, n))
-    return -best, n, scale(0.5, add(x_a, x_b))
+    return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))
 
 
 @kernel
@@ -147,22 +154,35 @@ def cosines_of(u, w):
 
 
 @kernel
-def next_axis(a, b, cosines, c_u, c_w, limit):
-    """Which axis has the largest separation of two boxes below `limit`, and how large it is [m].
+def take_in(leading, value, k, same):
+    """The two largest of some values and which they are; two that differ by `same` are one."""
+    first, of_first, second, of_second = leading
+    if value > first:
+        if first < value - same:
+            second, of_second = first, of_first
+        return value, k, second, of_second
+    if second < value < first - same:
+        return first, of_first, value, k
+    return leading
+
+
+@kernel
+def next_axes(a, b, cosines, c_u, c_w, limit, same):
+    """The two largest separations of two boxes below `limit` [m], and along which axes they are.
 
     0 to 2 are normals of a, 3 to 5 of b, 6 + 3 i + j is across edges i of a and j of b.
     """
-    best, best_k, p, q = -1e300, 0, a.half, b.half
+    leading, p, q = (-1e300, 0, -1e300, 0), a.half, b.half
     for i in range(3):
         r = cosines[i]
         value = abs(c_u[i]) - p[i] - q[0] * abs(r[0]) - q[1] * abs(r[1]) - q[2] * abs(r[2])
-        if best < value < limit:
-            best, best_k = value, i
+        if value < limit:
+            leading = take_in(leading, value, i, same)
     for j in range(3):
         r = (cosines[0][j], cosines[1][j], cosines[2][j])
         value = abs(c_w[j]) - q[j] - p[0] * abs(r[0]) - p[1] * abs(r[1]) - p[2] * abs(r[2])
-        if best < value < limit:
-            best, best_k = value, 3 + j
+        if value < limit:
+            leading = take_in(leading, value, 3 + j, same)
     for i in range(3):
         k, m = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
@@ -173,24 +193,24 @@ def next_axis(a, b, cosines, c_u, c_w, limit):
                 value -= q[(j + 1) % 3] * abs(cosines[i][(j + 2) % 3])
                 value -= q[(j + 2) % 3] * abs(cosines[i][(j + 1) % 3])
                 value /= sqrt(square)
-                if best < value < limit:
-                    best, best_k = value, 6 + 3 * i + j
-    return best_k, best
+                if value < limit:
+                    leading = take_in(leading, value, 6 + 3 * i + j, same)
+    return leading
 
 
 @kernel
-def next_start(a, b, u, w, c, limit):
-    """Which direction has the largest separation below `limit`, and how large it is [m]."""
-    best, best_k, size = -1e300, 0, norm(c)
+def next_starts(a, b, u, w, c, limit, same):
+    """The two largest separations below `limit` [m], and along which directions they are."""
+    leading, size = (-1e300, 0, -1e300, 0), norm(c)
     for k in range(STARTS):
         n = direction(u, w, c, k)
         square = dot(n, n)
         if square > PARALLEL * (size * size if k >= 15 else 1.0):
             n = scale(1.0 / sqrt(square), n)
             value = abs(dot(c, n)) - extent_of(a, u, n) - extent_of(b, w, n)
-            if best < value < limit:
-                best, best_k = value, k
-    return best_k, best
+            if value < limit:
+                leading = take_in(leading, value, k, same)
+    return leading
 
 
 @kernel
@@ -252,8 +272,17 @@ def direction(u, w, c, k):
 @kernel
 def reach(shape, u, n):
     """Farthest point of the shape along n from its centre, world components."""
-    total, _ = survey(shape, u, n, NO_TANGENT, NO_TANGENT)
-    return total
+    e = (u[2], u[2], u[2]) if shape.is_round == 1 else u
+    total, even = (0.0, 0.0, 0.0), 0.0
+    for k in range(3):
+        alpha, beta = shape.alpha[k], shape.beta[k]
+        q = dot(e[k], n)
+        square = alpha + beta * q * q
+        if square > 0.0:
+            size = 1.0 / sqrt(square)
+            even += size * alpha
+            total = add_scaled(total, size * beta * q, e[k])
+    return add_scaled(total, even, n)
 
 
 @kernel
@@ -269,7 +298,7 @@ def survey(shape, u, n, s, t):
             size = 1.0 / sqrt(square)
             even += size * alpha
             total = add_scaled(total, size * beta * q, e[k])
-            more = alpha * beta * size / square
+            more = alpha * beta * size * size * size
             e_s, e_t = dot(e[k], s), dot(e[k], t)
             ss += more * e_s * e_s
             st += more * e_s * e_t
@@ -286,13 +315,15 @@ def around(a, b, u, w, c, n, s, t):
 
 
 @kernel
-def ascend(a, b, u, w, c, n):
-    """Climb to the top nearest to direction n: its height and direction."""
+def ascend(a, b, u, w, c, n, last):
+    """Climb to the top nearest to direction n: its height before the last step, its direction."""
     s, t = tangents(n)
     way, bend = around(a, b, u, w, c, n, s, t)
     best, damping, round_off = dot(way, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
         n_new, angle = climb(n, s, t, way, bend, best, damping)
+        if angle < last:
+            return best, n_new
         s_new, t_new = tangents(n_new)
         way_new, bend_new = around(a, b, u, w, c, n_new, s_new, t_new)
         value = dot(way_new, n_new)
@@ -301,8 +332,6 @@ def ascend(a, b, u, w, c, n):
             damping *= 0.1
         else:
             damping = max(4.0 * damping, 1e-3)
-        if angle < ANGLE:
-            break
     return best, n
 
 

@@ -11,7 +11,7 @@ from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.record import Record
 
 # what the manual tells
-POINTS = "one for each of the eight corners, with a quarter of the force"
+POINTS = "one for each of the eight corners, with a quarter of the force: a lone corner has K/4"
 PARAMETERS_A = sphere.PARAMETERS + Record(share=("1", "of the force of the law"))
 
 

@@ -13,7 +13,7 @@ its state (`_restitution.py`). The stiffness reported to the step control is tha
 free impact of speed v_0 will reach, so the first step is already short.
 """
 
-from math import inf
+from math import inf, sqrt
 from typing import Any
 
 from crashsolve.contact.normal._restitution import returned, speed_through
@@ -94,15 +94,27 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
     new.damping_speed = v
     new.too_fast = 1 if v > p.speed_limit else old.too_fast
     n = p.exponent
-    spring = p.stiffness * depth**n
+    spring = p.stiffness * power(depth, n)
     factor = max(0.0, 1.0 + p.chi * rate / v)
     stored = spring * depth / (n + 1.0)
     # energy that a free impact puts into the spring gives the depth to come
     reach = (0.5 * (n + 1.0) * mass * v**2 / p.stiffness) ** (1.0 / (n + 1.0))
-    slope = p.stiffness * max(depth, reach) ** (n - 1.0)
+    slope = p.stiffness * power_below(max(depth, reach), n)
     stiffness = n * slope * max(1.0 + p.chi, factor)
     damping = p.chi * slope * max(depth, reach) / v
     return spring * factor, stored, spring * (factor - 1.0) * rate, 0.0, stiffness, damping
+
+
+@kernel
+def power(depth, n):
+    """depth^n; that of Hertz, n = 3/2, costs a root alone."""
+    return depth * sqrt(depth) if n == 1.5 else depth**n
+
+
+@kernel
+def power_below(depth, n):
+    """depth^(n-1)."""
+    return sqrt(depth) if n == 1.5 else depth ** (n - 1.0)
 
 
 @kernel
@@ -135,6 +147,6 @@ def normal_tangent(p, state, depth, rate, mass, curves):
     factor = 1.0 + p.chi * rate / v
     if factor <= 0.0:
         return 0.0, 0.0
-    slope = p.stiffness * depth ** (n - 1.0)
+    slope = p.stiffness * power_below(depth, n)
     damping = p.chi * slope * depth / v if v == kept else 0.0
     return n * slope * factor, damping

@@ -9,16 +9,19 @@ References: BIPM, The International System of Units (2019); NIST Special Publica
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from typing import Generic, Protocol, Self, TypeVar
+
+from crashsolve.channels.errors import ChannelError
 
 BASES = ("length", "mass", "time", "angle")
 SI_SYMBOLS = ("m", "kg", "s", "rad")
 
 
-class UnitError(ValueError):
+class UnitError(ChannelError):
     """A unit or a number with a unit that cannot be read; the text says why."""
 
 
@@ -87,12 +90,31 @@ _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL)
 _TOKEN = re.compile(r"\s*(?:(\*\*|[*/^()·])|(-?[0-9]+(?:\.[0-9]+)?)|([^\W\d][\w]*|%))")
 
 
+class Factor(Protocol):
+    """What products of units are made of."""
+
+    def __mul__(self, other: Self) -> Self: ...
+
+    def __pow__(self, power: Fraction) -> Self: ...
+
+
+F = TypeVar("F", bound=Factor)
+
+
 @lru_cache(maxsize=1024)
 def parse_unit(text: str) -> Unit:
     """The unit a text such as "kN/mm" names; raises UnitError."""
+    return read_product(text, symbol_unit)
+
+
+def read_product(text: str, symbol: Callable[[str], F]) -> F:
+    """What a text such as "kN/mm" comes to when each symbol stands for `symbol(word)`.
+
+    Raises UnitError.
+    """
     if len(text) > 80:
         raise UnitError("a unit of more than 80 letters")
-    parser = _Parser(_tokens(text), text)
+    parser = _Parser(_tokens(text), text, symbol)
     unit = parser.product()
     if parser.rest:
         raise UnitError(f"cannot read the unit '{text}'")
@@ -110,19 +132,18 @@ def _tokens(text: str) -> list[str]:
     return tokens
 
 
-class _Parser:
+class _Parser(Generic[F]):
     """product = power {["*"] power} {"/" power};  power = symbol | "1" | "(" product ")" [^ n]."""
 
-    def __init__(self, tokens: list[str], text: str) -> None:
-        self.rest = tokens
-        self.text = text
+    def __init__(self, tokens: list[str], text: str, symbol: Callable[[str], F]) -> None:
+        self.rest, self.text, self.symbol = tokens, text, symbol
 
     def take(self) -> str:
         if not self.rest:
             raise UnitError(f"the unit '{self.text}' is not complete")
         return self.rest.pop(0)
 
-    def product(self) -> Unit:
+    def product(self) -> F:
         unit = self.power()
         divided = False
         while self.rest and self.rest[0] != ")":
@@ -137,14 +158,14 @@ class _Parser:
             unit = unit * self.power()
         return unit
 
-    def power(self) -> Unit:
+    def power(self) -> F:
         word = self.take()
         if word == "(":
             unit = self.product()
             if self.take() != ")":
                 raise UnitError(f"the unit '{self.text}' lacks a closing bracket")
         else:
-            unit = _symbol(word)
+            unit = self.symbol(word)
         if self.rest and self.rest[0] == "^":
             self.take()
             unit = unit ** _exponent(self.take(), self.text)
@@ -161,7 +182,8 @@ def _exponent(word: str, text: str) -> Fraction:
     return power
 
 
-def _symbol(word: str) -> Unit:
+def symbol_unit(word: str) -> Unit:
+    """The unit of one symbol, with a prefix or without; raises UnitError."""
     unit = PLAIN.get(word) or PREFIXED.get(word)
     if unit is not None:
         return unit

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.account import Account, announced, cpu_time, preparing, provenance
+from crashsolve.account import Account, cpu_time, preparing, provenance
 from crashsolve.deck.mistakes import shown
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.engines import engine_of, is_static
@@ -85,13 +85,11 @@ def _solve(
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with Lock(folder) as lock:
-        with announced(folder / "status.json", deck):
-            built = cpu_time()
-            pulse.does("compiling the step")
-            going_on = restart and any((folder / slot).exists() for slot in SLOTS)
-            log = Log(folder / "log.txt", append=going_on)
-            with preparing(deck, folder, log, pulse):
-                engine = engine_of(deck, model, state)
+        built = cpu_time()
+        pulse.does("compiling the step")
+        going_on = restart and any((folder / slot).exists() for slot in SLOTS)
+        with preparing(deck, folder, pulse, going_on) as log:
+            engine = engine_of(deck, model, state)
             spent = {"read": was_read - begun, "build": built - was_read}
             spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
             run = Run(deck, engine, folder, spent, wall_begun, pulse, log)

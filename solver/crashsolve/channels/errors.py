@@ -1,0 +1,22 @@
+"""What is said where a question about a channel has no answer."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class ChannelError(ValueError):
+    """A channel, expression, statistic or unit that cannot be: its text says why, and what can."""
+
+
+class TooShort(ChannelError):
+    """A history that does not last as long, or has not as many samples, as a function needs."""
+
+
+def unknown(kind: str, word: str, known: Iterable[str], whole: str = "") -> ChannelError:
+    """The error for a word that does not exist in `whole`, with the nearest one that does."""
+    names = list(known)
+    near = get_close_matches(word, names, n=1, cutoff=0.5)
+    advice = f"; did you mean '{near[0]}'?" if near else ""
+    shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    place = f"'{whole}': " if whole and whole != word else ""
+    return ChannelError(f"{place}unknown {kind} '{word}'{advice} (known: {shown or 'none'})")

@@ -1,0 +1,141 @@
+"""One number of a time history, by its word: `max`, `mean`, `at:0.25`.
+
+A word is a file of the folder `statistics`. What such a file may hold:
+
+    value(series)        the number of the samples as they are
+    refined(series)      the number of the smooth history behind them; value where absent
+    unresolved(series)   what the samples cannot tell of it; 0 where absent
+    unit(unit)           unit of the number; that of the values where absent
+    scale(series, size)  what errors of the number are compared with, `size` being the largest
+                         magnitude of the history; `size` where absent
+    remark(series)       what is to be said where the number is shown; nothing where absent
+    IS_OF_A_MOMENT       it reads one moment, which no time window limits
+    IS_A_TIME            the number is a time of the history
+    ARGUMENT             what follows the word and a colon [s]: the second argument of all functions
+
+The difference of value and refined is the estimated error of sampling.
+"""
+
+import math
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from crashsolve.channels.errors import ChannelError, unknown
+from crashsolve.channels.folder import module_of, words_in
+from crashsolve.channels.series import Series, Window, covered
+
+FOLDER = "statistics"
+
+
+def words() -> list[str]:
+    """All statistics as a user writes them, such as `max` and `at:T`."""
+    return [_written(word) for word in words_in(FOLDER)]
+
+
+def _written(word: str) -> str:
+    argument = getattr(module_of(FOLDER, word), "ARGUMENT", "")
+    return f"{word}:{argument}" if argument else word
+
+
+def check(text: str) -> None:
+    """Raises ChannelError for a text that names no statistic."""
+    _read(text)
+
+
+def statistic(series: Series, text: str, during: Window | None = None) -> float:
+    """The number called `text` of a series or its part in a window; raises ChannelError."""
+    module, arguments = _read(text)
+    if during and is_of_a_moment(text):
+        raise ChannelError(f"'{text}' reads one moment, which no time window limits")
+    series = covered(series, during)
+    if not len(series.values):
+        raise ChannelError("the channel holds no samples yet")
+    if is_of_a_moment(text):
+        value = float(module.value(series, *arguments))
+        if math.isnan(value):
+            raise ChannelError("division by zero at that time")
+        return value
+    undefined = np.flatnonzero(np.isnan(series.values))
+    if len(undefined):
+        moment = series.time[undefined[0]]
+        raise ChannelError(
+            f"division by zero at t = {moment:g} s; ask for a time window without it"
+        )
+    return float(module.value(series, *arguments))
+
+
+def plain(series: Series, text: str) -> float:
+    """The number of the samples as they are, NaN where they have none; raises ChannelError."""
+    module, arguments = _read(text)
+    return float(module.value(series, *arguments))
+
+
+def refined(series: Series, text: str) -> float:
+    """The number of the smooth history behind the samples; raises ChannelError."""
+    module, arguments = _read(text)
+    return float(getattr(module, "refined", module.value)(series, *arguments))
+
+
+def unresolved(series: Series, text: str) -> float:
+    """What the samples cannot tell of the number, in its unit; 0 where they can."""
+    module, arguments = _read(text)
+    found = getattr(module, "unresolved", None)
+    return float(found(series, *arguments)) if found else 0.0
+
+
+def scale(series: Series, text: str, size: float) -> float:
+    """What errors of the number are compared with; `size` is the history's largest magnitude."""
+    module, _ = _read(text)
+    found = getattr(module, "scale", None)
+    return float(found(series, size)) if found else size
+
+
+def remark(series: Series, text: str) -> str:
+    """What is to be said where the number is shown; "" for most."""
+    module, arguments = _read(text)
+    found = getattr(module, "remark", None)
+    return str(found(series, *arguments)) if found else ""
+
+
+def unit_of(text: str, unit: str) -> str:
+    """The unit of a statistic of a channel that has `unit`."""
+    found = getattr(_read(text)[0], "unit", None)
+    return str(found(unit)) if found else unit
+
+
+def is_of_a_moment(text: str) -> bool:
+    """Whether a statistic reads one moment of a history."""
+    return bool(getattr(_read(text)[0], "IS_OF_A_MOMENT", False))
+
+
+def is_a_time(text: str) -> bool:
+    """Whether a statistic is a time of the history."""
+    return bool(getattr(_read(text)[0], "IS_A_TIME", False))
+
+
+def moment_asked(text: str) -> float | None:
+    """The time [s] that a statistic such as at:0.25 names; None of others."""
+    module, arguments = _read(text)
+    return arguments[0] if arguments and is_of_a_moment(text) else None
+
+
+def _read(text: str) -> tuple[ModuleType, tuple[Any, ...]]:
+    """The file of a statistic and its argument, if any; raises ChannelError."""
+    word, colon, given = text.partition(":")
+    if word not in words_in(FOLDER):
+        raise unknown("statistic", text, words())
+    module = module_of(FOLDER, word)
+    argument = getattr(module, "ARGUMENT", "")
+    if not argument:
+        if colon:
+            raise unknown("statistic", text, words())
+        return module, ()
+    try:
+        number = float(given)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ChannelError(f"'{text}' is not a time; write for instance {word}:0.25 (seconds)")
+    return module, (number,)

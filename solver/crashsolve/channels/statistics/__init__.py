@@ -1,0 +1,1 @@
+"""One file for each statistic; `channels/statistic.py` says what it may hold."""

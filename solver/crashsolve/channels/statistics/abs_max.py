@@ -1,0 +1,21 @@
+"""Largest magnitude of a sample."""
+
+import numpy as np
+
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistics._top import lonely, magnitude, top
+
+
+def value(series: Series) -> float:
+    """Of the samples."""
+    return float(np.max(np.abs(series.values)))
+
+
+def refined(series: Series) -> float:
+    """Of the parabola through the greatest magnitude and its neighbours."""
+    return top(magnitude(series))[0]
+
+
+def unresolved(series: Series) -> float:
+    """What a single sample has caught."""
+    return lonely(magnitude(series))

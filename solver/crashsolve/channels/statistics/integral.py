@@ -1,0 +1,33 @@
+"""Integral over time, from the first sample to the last, by the trapezoidal rule."""
+
+import numpy as np
+
+from crashsolve.channels.display import Product
+from crashsolve.channels.series import Series, cumulative
+
+
+def value(series: Series) -> float:
+    """Of straight lines between the samples."""
+    return float(cumulative(series.time, series.values)[-1])
+
+
+def refined(series: Series) -> float:
+    """Simpson's rule for pairs of any intervals; an odd interval at the end stays as it is."""
+    time, values = series.time, series.values
+    fine = cumulative(time, values)
+    last = (len(time) - 1) // 2 * 2
+    a, b = np.diff(time[: last + 1])[::2], np.diff(time[: last + 1])[1::2]
+    x, y, z = values[0:last:2], values[1:last:2], values[2 : last + 1 : 2]
+    # the parabola through three samples: its bend times this
+    bend = (z - y) / b - (y - x) / a
+    return float(fine[-1] - np.sum(bend * (a**3 + b**3) / (6.0 * (a + b))))
+
+
+def unit(unit: str) -> str:
+    """That of the values times the second."""
+    return str(Product.parse(unit).times(Product.parse("s")))
+
+
+def scale(series: Series, size: float) -> float:
+    """The largest magnitude, held for the whole time."""
+    return float(cumulative(series.time, np.full(len(series.time), size))[-1])

@@ -1,0 +1,18 @@
+"""Largest sample."""
+
+import numpy as np
+
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistics._top import lonely, top
+
+unresolved = lonely
+
+
+def value(series: Series) -> float:
+    """Of the samples."""
+    return float(np.max(series.values))
+
+
+def refined(series: Series) -> float:
+    """Of the parabola through the greatest sample and its neighbours."""
+    return top(series)[0]

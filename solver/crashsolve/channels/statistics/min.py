@@ -1,0 +1,21 @@
+"""Smallest sample."""
+
+import numpy as np
+
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistics._top import lonely, negative, top
+
+
+def value(series: Series) -> float:
+    """Of the samples."""
+    return float(np.min(series.values))
+
+
+def refined(series: Series) -> float:
+    """Of the parabola through the least sample and its neighbours."""
+    return -top(negative(series))[0]
+
+
+def unresolved(series: Series) -> float:
+    """What a single sample has caught."""
+    return lonely(negative(series))
