@@ -106,16 +106,18 @@ def return_work(p, f, g, work, phi, curves):
     while at_high > 0.0:
         low, at_low, high = high, at_high, 2.0 * high
         at_high = excess(p, f, g, work, high, phi, curves)
-    done = low
+    done, side = low, 0
     for _ in range(PASSES):
         before, done = done, low + (high - low) * at_low / (at_low - at_high)
         here = excess(p, f, g, work, done, phi, curves)
         if here > 0.0:
             low, at_low = done, here
-            at_high *= 0.5
+            at_high *= 0.5 if side == 1 else 1.0
+            side = 1
         else:
             high, at_high = done, here
-            at_low *= 0.5
+            at_low *= 0.5 if side == -1 else 1.0
+            side = -1
         if abs(here) <= 1e-15 or abs(done - before) <= 1e-14 * done:
             break
     curves[0].fault = fault
