@@ -199,6 +199,6 @@ def overshoot_pair(p, old, x, y, curves):
     # (f + s df)^2 / a + (g + s dg)^2 / b = 1
     square, middle = df * df / a + dg * dg / b, f * df / a + g * dg / b
     left = 1.0 - f * f / a - g * g / b
-    if square + 2.0 * middle <= left:
+    if square == 0.0 or square + 2.0 * middle <= left:
         return 2.0
     return max((sqrt(middle * middle + square * max(left, 0.0)) - middle) / square, 0.0)
