@@ -1,6 +1,7 @@
 """The command `crashpost`: one sub-command per question about a result.
 
-Exit codes: 0 answered, 1 an expectation failed, 2 the request cannot be met.
+Exit codes: 0 answered, 1 an expectation failed or a measure has no value, 2 the request cannot be
+met.
 """
 
 import argparse
@@ -104,6 +105,9 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument(
         "-o", "--output", "--csv", type=Path, required=True, metavar="FILE", help="to be written"
     )
+    sub = add("sweep", _sweep, "gather the runs of a sweep in one table, and draw them")
+    sub.add_argument("-o", "--output", type=Path, help="folder of the pictures; default RESULT")
+    sub.add_argument("--table", action="store_true", help="only the table")
     sub = add("report", _report, "write one self-contained HTML page")
     sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
     add_completion(commands)
@@ -229,6 +233,23 @@ def _export(options: argparse.Namespace) -> int:
 def _completion(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     print(completion(parser, options.shell))
     return 0
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from crashpost import sweep
+
+    found = sweep.read(options.result)
+    _say(sweep.told(found, sweep.write(found)))
+    # a measure that no run has is a mistake of the plan
+    code = 1 if sweep.unanswered(found) else 0
+    if options.table:
+        return code
+    from crashpost.sweep_pictures import draw
+
+    paths, missing = draw(found, options.output or options.result)
+    for line in (*map(str, paths), *missing):
+        _say(line)
+    return code
 
 
 def _report(options: argparse.Namespace) -> int:

@@ -11,7 +11,6 @@ from crashpost.choice import Choice
 from crashpost.errors import PostError
 from crashpost.figure import AUTO, Curve, Figure, Reference, axis_unit
 from crashpost.result import Column, Family, Result
-from crashsolve.channels.display import factor
 from crashsolve.channels.statistic import is_a_time, is_of_a_moment, moment_asked
 
 MOST_CURVES = 8
@@ -145,11 +144,15 @@ def _mark(result: Result, choice: Choice, against: str, units: tuple[str, str]) 
     """A level at a statistic, or a point where it is a moment or measures something else."""
     channel, word = choice
     series, found = result.series(channel), answer(result, channel, word)
+    is_value = found.unit == series.unit
+    if is_value:
+        found = answer(result, channel, word, None, units[1])
+    elif is_a_time(word) and against == "time":
+        found = answer(result, channel, word, None, units[0])
     number = f"{word} {found.value:.5g} {found.unit}".rstrip()
-    if found.unit == series.unit and not is_of_a_moment(word):
-        size = factor(series.unit, units[1])
-        return Reference(number, value=found.value * size)
-    moment = found.value if is_a_time(word) else moment_asked(word)
+    if is_value and not is_of_a_moment(word):
+        return Reference(number, value=found.value)
+    moment = result.value(channel, word) if is_a_time(word) else moment_asked(word)
     moment = float(series.time[-1]) if moment is None else moment
     at = f"at:{moment!r}"
     x, y = answer(result, against, at, None, units[0]), answer(result, channel, at, None, units[1])
