@@ -273,11 +273,16 @@ class Run:
         return "stop" in self.requests
 
     def _refuse_misfits(self) -> None:
+        entries = self.deck.entries
         found = [
-            self.deck.error(self.deck.entries[word][name], None, text, advice)
-            for word, wrong, advice in (
-                ("joints", self.engine.assembly_errors(), "correct the joint or the bodies"),
-                ("contacts", self.engine.overlaps(), "move the bodies apart"),
+            self.deck.error(cards[name], None, text, advice)
+            for cards, wrong, advice in (
+                (
+                    entries["joints"] | entries["hinges"],
+                    self.engine.assembly_errors(),
+                    "correct the joint or the bodies",
+                ),
+                (entries["contacts"], self.engine.overlaps(), "move the bodies apart"),
             )
             for name, text in wrong
         ]
