@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from crashpost import pictures
 from crashpost.errors import PostError
 from crashpost.text import printable, printable_lines
 from crashsolve import __version__
@@ -100,6 +101,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="CHANNEL=UNIT",
         help="show a channel, or time, in this unit",
     )
+    pictures.add_commands(add)
     sub = add("export", _export, "write channels as comma-separated values")
     sub.add_argument("channels", nargs="*", metavar="CHANNEL", help=f"{CHANNELS}; all if absent")
     sub.add_argument(
@@ -110,6 +112,12 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("--table", action="store_true", help="only the table")
     sub = add("report", _report, "write one self-contained HTML page")
     sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
+    sub.add_argument(
+        "--pictures",
+        choices=("all", "strips", "none"),
+        default="all",
+        help="strips: without film and 3-D; none: curves and tables only",
+    )
     add_completion(commands)
     commands.choices["completion"].set_defaults(command=lambda o: _completion(parser, o))
     return parser
@@ -256,7 +264,7 @@ def _report(options: argparse.Namespace) -> int:
     result = _open(options)
     from crashpost.report import report
 
-    text, problems = report(result)
+    text, problems = report(result, options.pictures)
     output = options.output or result.folder / "report.html"
     try:
         output.write_text(text, encoding="utf-8", errors="xmlcharrefreplace")

@@ -6,6 +6,7 @@ A figure that cannot be drawn leaves its reason in its place; the reasons are al
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from itertools import islice
+from typing import Any
 
 from crashpost import draw, gallery, ledger, logbook
 from crashpost.accuracy import HEADER as ERRORS
@@ -16,6 +17,7 @@ from crashpost.expectation import Verdict, judge
 from crashpost.figure import Figure, figures_of
 from crashpost.page import block, escape, figure, fold, page, table, tiles
 from crashpost.result import Result
+from crashpost.sights import sights
 from crashpost.summary import peaks, status_line
 from crashsolve.channels.display import factor, readable
 
@@ -23,14 +25,17 @@ OPEN_PEAKS, MOST_PEAKS = 30, 1000
 GOOD, BAD = {"finished"}, {"failed", "killed"}
 
 
-def report(result: Result) -> tuple[str, list[str]]:
-    """The page, and what could not be shown on it; raises PostError for a broken description."""
-    return _Report(result).page()
+def report(result: Result, pictures: str = "all") -> tuple[str, list[str]]:
+    """The page, and what could not be shown on it; raises PostError for a broken description.
+
+    `pictures` is all, strips (without film and 3-D) or none.
+    """
+    return _Report(result, pictures).page()
 
 
 class _Report:
-    def __init__(self, result: Result) -> None:
-        self.result = result
+    def __init__(self, result: Result, pictures: str) -> None:
+        self.result, self.pictures = result, pictures
         self.verdicts = judge(result)
         self.problems: list[str] = []
         self.drawn = 0
@@ -38,8 +43,10 @@ class _Report:
     def page(self) -> tuple[str, list[str]]:
         result = self.result
         described = result.stored_json("report", dict)
-        chosen = figures_of(described) if described else gallery.family_figures(result)
+        has_figures = described and described.get("figures")
+        chosen = figures_of(described) if has_figures else gallery.family_figures(result)
         sections = [
+            block("pictures", "Pictures", self.sights(described)),
             block("curves", "Curves", self.figures(chosen)),
             block("expectations", "Expectations", _verdicts(self.verdicts)),
             block("errors", "Estimated errors", _errors(result)),
@@ -72,6 +79,13 @@ class _Report:
             + tiles(_facts(self.result, self.verdicts))
             + f"<nav>{links}</nav></header>"
         )
+
+    def sights(self, described: Any) -> str:
+        try:
+            return sights(self.result, described, self.pictures)
+        except PostError as error:
+            self.problems.append(f"pictures: {error}")
+            return f'<p class="problem">{escape(str(error))}</p>'
 
     def figures(self, figures: Sequence[Figure]) -> str:
         if not figures or not len(self.result.time):

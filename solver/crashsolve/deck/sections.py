@@ -26,7 +26,6 @@ OWN = {
     "sections": Section("section", "sections"),
     "curves": Section("curve", "curves", "table"),
     "bodies": Section("body", "bodies", "rigid"),
-    "hinges": Section("hinge", "hinges"),
     "parts": Section("part", "parts"),
     "surfaces": Section("surface", "contact/shape"),
     "contacts": Section("contact", "contact", "force"),

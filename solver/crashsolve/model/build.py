@@ -153,6 +153,14 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     for name, entry in deck.entries["curves"].items():
         with scene.building(entry):
             built[name] = _module(entry).build(entry.card, scene)
+    for name, entry in deck.entries["hinges"].items():
+        with scene.building(entry):
+            own = _module(entry).curves(entry.card, built, scene)
+            scene.backbones[id(entry.card)] = own
+            for field, backbone in own.items():
+                # no curve of a deck has a point in its name
+                backbone.name = f"{name}.{field}"
+                built[backbone.name] = backbone.curve()
     points, starts = pack(list(built.values()))
     scene.curves = dict(zip(built, starts, strict=True))
     scene.curve_points = points
@@ -189,6 +197,9 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
     joints = []
     row = 0
     kinds = [(k, e) for k in _families(with_rows=True) for e in _by_type(deck.entries[k]).values()]
+    for name in deck.entries["joints"].keys() & deck.entries["hinges"].keys():
+        entry = deck.entries["hinges"][name]
+        scene.errors.append(deck.error(entry, None, "a joint has that name; a hinge is a joint"))
     for keyword, entries in kinds:
         group = _build_group(keyword, entries, scene)
         groups.append(group)

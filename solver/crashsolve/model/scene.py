@@ -49,6 +49,7 @@ class Scene:
         self.stepwise: list[str] = []  # laws that count in whole steps
         self.methods: list[str] = []  # integrators of all families; empty for any
         self.joints: dict[str, Any] = {}
+        self.backbones: dict[int, Any] = {}  # of hinges, by the id of their cards
         self.surfaces: dict[str, Any] = {}
         self.names = ["ground", *deck.entries["bodies"]]
         self.part_nodes: dict[str, list[int]] = {}  # of each part
