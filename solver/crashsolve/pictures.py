@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve import drawn
+from crashsolve.deck.family import LINE, families
 from crashsolve.deck.read import Deck
 from crashsolve.drawn import Piece
 from crashsolve.foundation.posture import matrix, turned_by
@@ -52,7 +53,7 @@ class Pictures:
         self._r0 = engine.state.nodes["r"][: len(engine.model.bodies)].copy()
         self._A0 = engine.state.nodes["A"].copy()
         self._q0 = engine.state.nodes["q"].copy()
-        self._lines = self._springs()
+        self._lines = self._line_groups()
         self._beams = [
             g for g in engine.model.groups if g.keyword == "parts" and hasattr(g.module, "force")
         ]
@@ -88,7 +89,8 @@ class Pictures:
         shapes += drawn.primitives(model, self.deck, {node for node, _, _ in shapes})
         links = drawn.lines(model, self.deck, {node for node, _, _ in shapes})
         nodes = self.engine.state.nodes
-        others = [self._r0[1:], self._line_points(), drawn.in_world(links, nodes)]
+        ends = self._line_points([g for some in self._lines.values() for g in some])
+        others = [self._r0[1:], ends, drawn.in_world(links, nodes)]
         others += [self._points_of(row)["r"] for _, row, _ in self._shells]
         shapes += drawn.planes(model, shapes, nodes, np.concatenate(others))
         pieces = {
@@ -98,16 +100,20 @@ class Pictures:
         }
         return {name: found for name, found in pieces.items() if found}
 
-    def _springs(self) -> list[Group]:
-        """Groups of springs that are lines from point to point."""
-        return [
-            g
-            for g in self.engine.model.groups
-            if g.keyword == "springs"
-            and {"point_a", "point_b"} <= set(g.parameters.dtype.names or ())
-            and "force" in (g.output.dtype.names or ())
-            and g.output["force"].ndim == 1
-        ]
+    def _line_groups(self) -> dict[str, list[Group]]:
+        """Groups that are lines from point to point, by the section of their family."""
+        found: dict[str, list[Group]] = {}
+        for g in self.engine.model.groups:
+            family = families().get(g.keyword)
+            if (
+                family is not None
+                and family.picture == LINE
+                and {"point_a", "point_b"} <= set(g.parameters.dtype.names or ())
+                and "force" in (g.output.dtype.names or ())
+                and g.output["force"].ndim == 1
+            ):
+                found.setdefault(g.keyword, []).append(g)
+        return found
 
     def _blocks(self) -> tuple[Block, ...]:
         blocks = []
@@ -123,10 +129,10 @@ class Pictures:
             points, cells = self._skin_points(pieces), _cells(pieces)
             numbers = np.concatenate([np.full(len(c), float(node)) for node, _, c in pieces])
             blocks.append(Block(name, points, cells, (VELOCITY,), ((BODY, numbers),)))
-        if self._lines:
-            points = self._line_points()
+        for section, groups in self._lines.items():
+            points = self._line_points(groups)
             lines = np.arange(len(points)).reshape(-1, 2)
-            blocks.append(Block("springs", points, (("line", lines),), (TENSION,)))
+            blocks.append(Block(section, points, (("line", lines),), (TENSION,)))
         if self._beams:
             ends = self._beam_ends()
             lines = np.arange(len(ends)).reshape(-1, 2)
@@ -164,11 +170,11 @@ class Pictures:
             fields["mass_centres"] = {"displacement": moved, "velocity": nodes["v"][1:]}
         for name, pieces in self._skin.items():
             fields[name] = self._skin_fields(pieces)
-        if self._lines:
-            tension = np.concatenate([g.output["force"] for g in self._lines])
-            block = next(b for b in self.blocks if b.name == "springs")
-            moved = self._line_points() - block.points
-            fields["springs"] = {"displacement": moved, "tension": tension}
+        for section, groups in self._lines.items():
+            tension = np.concatenate([g.output["force"] for g in groups])
+            block = next(b for b in self.blocks if b.name == section)
+            moved = self._line_points(groups) - block.points
+            fields[section] = {"displacement": moved, "tension": tension}
         if self._beams:
             fields["beams"] = self._beam_fields()
         for name, row, _ in self._shells:
@@ -211,10 +217,10 @@ class Pictures:
             "velocity": np.concatenate(velocity),
         }
 
-    def _line_points(self) -> np.ndarray:
-        """Both ends of every spring, one after the other."""
+    def _line_points(self, groups: list[Group]) -> np.ndarray:
+        """Both ends of every entry, one after the other."""
         nodes, ends = self.engine.nodes, []
-        for g in self._lines:
+        for g in groups:
             both = []
             for side in ("a", "b"):
                 body = nodes[g.parameters[f"node_{side}"]]

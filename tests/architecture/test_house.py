@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from crashsolve.deck.family import families
+
 ROOT = Path(__file__).resolve().parents[2]
 SOLVER = ROOT / "solver" / "crashsolve"
 POST = ROOT / "postproc" / "crashpost"
@@ -14,18 +16,9 @@ FLOORS = (
     ("foundation", "channels"),
     (
         "deck",
-        *(
-            "curves",
-            "bodies",
-            "joints",
-            "springs",
-            "hinges",
-            "contact",
-            "friction",
-            "loads",
-            "sensors",
-        ),
-        *("materials", "sections", "parts", "meshes"),
+        *("curves", "bodies", "contact", "friction", "materials", "sections", "parts", "meshes"),
+        # each with all it states of itself
+        *families(),
     ),
     ("model",),
     ("system",),
@@ -35,8 +28,8 @@ ROOF = len(FLOORS)
 # packages on the roof, beside its single files
 ROOF_ROOMS = {"study", "estimate", "sweep"}
 # every card is made of the deck's fields, so the families stand on deck/ although on its floor
-# and a hinge is a joint with a law
-SIDEWAYS = {(family, "deck") for family in FLOORS[1]} | {("hinges", "joints")}
+SIDEWAYS = {(family, "deck") for family in FLOORS[1]}
+SIDEWAYS |= {(name, other) for name, family in families().items() for other in family.uses}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
 LONGEST_FUNCTION = 60
 
