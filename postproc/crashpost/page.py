@@ -6,6 +6,9 @@ from html import escape
 from crashpost.draw import Key
 from crashpost.style import CSS
 
+# words of verdicts
+GOOD, BAD = frozenset({"pass", "met", "within"}), frozenset({"FAIL", "missed", "beyond"})
+
 __all__ = ["block", "escape", "figure", "fold", "page", "table", "tiles"]
 
 
@@ -37,7 +40,11 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[
         for words, look in zip(header, looks, strict=True)
     ]
     lines = ["".join(map(_cell, row, looks)) for row in rows]
-    body = "\n".join(f"<tr>{line}</tr>" for line in lines)
+    # a row that tells of a miss is coloured as one
+    body = "\n".join(
+        f'<tr class="missed">{line}</tr>' if BAD & set(row) else f"<tr>{line}</tr>"
+        for row, line in zip(rows, lines, strict=True)
+    )
     return (
         f'<div class="scroll"><table><thead><tr>{"".join(heads)}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>"
@@ -69,7 +76,7 @@ def figure(title: str, drawing: str, keys: Sequence[Key], below: str) -> str:
 
 
 def _cell(text: str, look: str) -> str:
-    look = {"pass": "pass", "FAIL": "fail"}.get(text, look)
+    look = "fail" if text in BAD else "pass" if text in GOOD else look
     # a long channel name may be broken after its dots, and only there
     shown = escape(text).replace(".", ".<wbr>") if look == "name" else escape(text)
     return f'<td class="{look}">{shown}</td>' if look else f"<td>{shown}</td>"
@@ -77,7 +84,7 @@ def _cell(text: str, look: str) -> str:
 
 def _swatch(key: Key) -> str:
     """The mark of a legend entry, drawn as in the figure."""
-    dashes = {"dash": "6 3", "dots": "1.5 3"}.get(key.mark, "none")
+    dashes = " ".join(f"{2 * length:g}" for length in key.dashes) or "none"
     colour = key.colour
     line = (
         f'<line x1="0" y1="6" x2="24" y2="6" stroke="{colour}" stroke-width="2.4" '

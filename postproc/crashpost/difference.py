@@ -1,0 +1,151 @@
+"""Results side by side: how far channels differ, over the range that they have.
+
+    difference = max |b - a| / max(range of a and b, 1e-6 of the largest of their kind)
+
+on the sample times of both, straight lines between them, in the time that both cover. The floor
+keeps round-off, such as a momentum that should be zero, from counting as a difference.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from crashpost.choice import choices
+from crashpost.errors import PostError
+from crashpost.result import Result
+from crashpost.words import is_name
+from crashsolve.channels.display import factor, measure_the_same
+from crashsolve.channels.series import Series
+
+# of the largest value of a quantity in its family: less is round-off
+FLOOR = 1e-6
+# what tells of the computation, not of what was computed
+NUMERICS = (
+    *("glstat.model.step", "glstat.model.cycle", "glstat.model.residual", "glstat.model.balance"),
+    *("glstat.model.energy.imbalance", "glstat.model.momentum_error"),
+    "glstat.model.angular_momentum_error",
+)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A channel of one result against that of the first: largest difference [of the scale]."""
+
+    channel: str
+    unit: str
+    run: int
+    sizes: tuple[float, float]  # largest magnitude in the first and in this one
+    largest: float
+    time: float
+    rms: float
+
+    def is_beyond(self, tolerance: float) -> bool:
+        """Whether it is more than the tolerance."""
+        return self.largest > tolerance
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Differences of results, the largest first, and what could not be compared."""
+
+    differences: list[Difference]
+    remarks: list[str]
+
+
+def compare(results: Sequence[Result], asked: Sequence[str] = ()) -> Compared:
+    """Every result against the first; raises PostError for fewer than two, or nothing in common."""
+    if len(results) < 2:
+        raise PostError("compare takes two results or more")
+    found, remarks = list[Difference](), list[str]()
+    for run, other in enumerate(results[1:], start=1):
+        shared, alone = _names(results[0], other, asked)
+        if not shared:
+            raise PostError(f"{other.folder} and {results[0].folder} share no channel")
+        remarks += alone + _times(results[0], other)
+        floors = _floors(results[0], other, shared)
+        found += [_difference(results[0], other, run, name, floors) for name in shared]
+    return Compared(sorted(found, key=lambda one: -one.largest), remarks)
+
+
+def _names(first: Result, other: Result, asked: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Channels of both, and a remark for those of one; raises PostError."""
+    if asked:
+        both = [[choice.channel for choice in choices(r, asked)] for r in (first, other)]
+    else:
+        both = [[c.name for c in r.channels() if c.name not in NUMERICS] for r in (first, other)]
+    known = [set(names) for names in both]
+    remarks = []
+    for place, own, their in ((first, *known), (other, *known[::-1])):
+        only = sorted(own - their)
+        if only:
+            shown = ", ".join(only[:5]) + (", ..." if len(only) > 5 else "")
+            remarks.append(f"{len(only)} channels in {place.folder} only: {shown}")
+    return [name for name in both[0] if name in known[1]], remarks
+
+
+def _times(first: Result, other: Result) -> list[str]:
+    """A remark where one run covers less time than the other."""
+    if not len(first.time) or not len(other.time):
+        raise PostError(f"{(other if len(first.time) else first).folder} holds no samples")
+    ends = [(float(r.time[0]), float(r.time[-1])) for r in (first, other)]
+    span = max(end - start for start, end in ends)
+    if max(abs(a - b) for a, b in zip(*ends, strict=True)) <= 1e-9 * span:
+        return []
+    told = [
+        f"{start:g} s to {end:g} s in {r.folder}"
+        for r, (start, end) in zip((first, other), ends, strict=True)
+    ]
+    return [f"compared in the time of both: {' and '.join(told)}"]
+
+
+def _floors(first: Result, other: Result, names: Sequence[str]) -> dict[str, float]:
+    """Of each quantity of a family the size below which differences are round-off."""
+    floors: dict[str, float] = {}
+    for name in filter(is_name, names):
+        size = max(
+            float(np.max(np.abs(r.series(name).values), initial=0.0)) for r in (first, other)
+        )
+        kind = _kind(name)
+        floors[kind] = max(floors.get(kind, 0.0), FLOOR * size)
+    return floors
+
+
+def _kind(name: str) -> str:
+    """Family and quantity: rcforc force of rcforc.left.force.x; of expressions themselves."""
+    if not is_name(name):
+        return name
+    family, _, column = name.split(".", 2)
+    return f"{family} {column.partition('.')[0]}"
+
+
+def _difference(
+    first: Result, other: Result, run: int, name: str, floors: dict[str, float]
+) -> Difference:
+    a, b = first.series(name), other.series(name)
+    if not measure_the_same(a.unit, b.unit):
+        raise PostError(f"'{name}' is in '{a.unit}' and in '{b.unit}'")
+    b = Series(b.time, b.values * factor(b.unit, a.unit), a.unit)
+    if not (np.isfinite(a.values).all() and np.isfinite(b.values).all()):
+        raise PostError(f"division by zero at some samples of '{name}'")
+    time, left, right = on_common_times(a, b)
+    apart = np.abs(right - left)
+    both = np.concatenate([left, right])
+    scale = max(float(np.ptp(both)), floors.get(_kind(name), 0.0))
+    size = 1.0 / scale if scale > 0 else 0.0
+    at = int(np.argmax(apart))
+    sizes = float(np.max(np.abs(left))), float(np.max(np.abs(right)))
+    rms = float(np.sqrt(np.mean(np.square(apart))))
+    return Difference(
+        name, a.unit, run, sizes, float(apart[at]) * size, float(time[at]), rms * size
+    )
+
+
+def on_common_times(a: Series, b: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times of both within what both cover, and both histories there; raises PostError."""
+    start, end = max(a.time[0], b.time[0]), min(a.time[-1], b.time[-1])
+    if start > end:
+        raise PostError("the results have no time in common")
+    time = np.union1d(a.time, b.time)
+    time = time[(time >= start) & (time <= end)]
+    return time, np.interp(time, a.time, a.values), np.interp(time, b.time, b.values)
