@@ -9,7 +9,7 @@ BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long bench stability beam crush docs clean
+.PHONY: demo test long queue bench stability beam crush docs clean
 
 demo: $(VENV)/plot.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -21,6 +21,10 @@ test: $(VENV)/test.installed
 
 long: $(VENV)/test.installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m long
+
+# as root: sets up a Slurm of one node from Debian's packages, and runs jobs in it
+queue: $(VENV)/test.installed
+	$(BIN)/python -m pytest -m queue -s tests/queues
 
 bench: $(VENV)/test.installed
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done

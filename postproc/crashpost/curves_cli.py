@@ -29,9 +29,7 @@ def add_commands(add: Add) -> None:
         help=f"more results; {CHANNELS}; or a figure by its word: {KINDS}",
     )
     sub.add_argument("--against", default="time", metavar="CHANNEL", help="abscissa, default time")
-    sub.add_argument(
-        "--along", metavar="PATTERN", help="abscissa of entities, at the moments --at"
-    )
+    sub.add_argument("--along", metavar="PATTERN", help="abscissa of entities, at the moments --at")
     sub.add_argument("--at", default="", metavar="T,T,...", help="moments [s] of --along")
     sub.add_argument("--log", choices=("x", "y", "xy"), default="", help="logarithmic axes")
     sub.add_argument("--x-range", metavar="FROM:TO", help="limits, in the unit shown")
@@ -42,7 +40,10 @@ def add_commands(add: Add) -> None:
     add_units(sub)
     sub = add("compare", _compare, "results side by side; exit code 1 where they differ")
     sub.add_argument(
-        "words", nargs="*", metavar="RESULT|CHANNEL", help=f"more results; {CHANNELS}; all if absent"
+        "words",
+        nargs="*",
+        metavar="RESULT|CHANNEL",
+        help=f"more results; {CHANNELS}; all if absent",
     )
     sub.add_argument(
         "--tolerance",
@@ -210,4 +211,3 @@ def _share(text: str) -> float:
     if not 0.0 <= value < math.inf:
         raise PostError(f"--tolerance takes a share such as '1 %' or 0.01, not '{text}'")
     return value
-

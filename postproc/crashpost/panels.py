@@ -136,6 +136,8 @@ def _panel(
     shown = any(wish.units.wanted(channel, unit) for channel in group)
     y_unit = unit if shown else AUTO
     x_unit = wish.units.wanted(wish.against, first.series(wish.against).unit) or AUTO
+    if wish.against == "time":
+        x_unit = page_time_unit(_longest(results), [], wish.units)
     asked = [choice for choice in chosen if choice.statistic and choice.channel in group]
     marks = list[Reference]()
     if asked:
@@ -172,11 +174,15 @@ def _mark(
     """A level at a statistic, or a point where it is a moment or measures something else."""
     channel, word = choice
     series, found = result.series(channel), answer(result, channel, word)
+    is_value = found.unit == series.unit
+    if is_value:
+        found = answer(result, channel, word, None, units[1])
+    elif is_a_time(word) and against == "time":
+        found = answer(result, channel, word, None, units[0])
     told = f"{word} {found.value:.5g} {found.unit}".rstrip() + (f", {name}" if name else "")
-    if found.unit == series.unit and not is_of_a_moment(word):
-        size = factor(series.unit, units[1])
-        return Reference(told, value=found.value * size)
-    moment = found.value if is_a_time(word) else moment_asked(word)
+    if is_value and not is_of_a_moment(word):
+        return Reference(told, value=found.value)
+    moment = result.value(channel, word) if is_a_time(word) else moment_asked(word)
     moment = float(series.time[-1]) if moment is None else moment
     at = f"at:{moment!r}"
     x, y = answer(result, against, at, None, units[0]), answer(result, channel, at, None, units[1])

@@ -132,12 +132,16 @@ def write_page(
         block("ratings", "Rating, ISO/TS 18571", table(RATINGS, rated, ("",) * len(RATINGS))),
         block("curves", "Curves", _figures(results, named, shown, options.test, units)),
         block(
-            "differences", "Differences", table(header(named), rows(listed, named, tolerance), looks)
+            "differences",
+            "Differences",
+            table(header(named), rows(listed, named, tolerance), looks),
         ),
     ]
     try:
         options.output.write_text(
-            page(f"{results[0].title}, compared", body), encoding="utf-8", errors="xmlcharrefreplace"
+            page(f"{results[0].title}, compared", body),
+            encoding="utf-8",
+            errors="xmlcharrefreplace",
         )
     except OSError as error:
         raise PostError(f"{options.output}: {error.strerror}") from error

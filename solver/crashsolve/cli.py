@@ -3,6 +3,7 @@
 crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart [--until T]]
 crashsolve check DECK    crashsolve explain DECK
 crashsolve study DECK [--steps A,B] [--integrators A,B] [--meshes 1,2] [--channel C[:STATISTIC]]
+crashsolve sweep PLAN [-o DIR] [--jobs N] [--again failed] [--slurm]
 crashsolve example [NAME [-o DIR]]    crashsolve manual [PAGE]
 crashsolve schema    crashsolve keywords    crashsolve equations    crashsolve completion SHELL
 """
@@ -11,6 +12,7 @@ import argparse
 import ctypes
 import gc
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -21,9 +23,10 @@ from crashsolve.channels.errors import ChannelError
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
 from crashsolve.foundation.streams import give_up, open_standard_streams, printable, tell_error
 
-COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "example", "manual")
-COMMANDS += ("schema", "keywords", "equations", "completion")
+COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "example")
+COMMANDS += ("manual", "schema", "keywords", "equations", "completion")
 
+SWEEP = "Run a deck over values of its parameters, as a plan says; what has finished is kept"
 STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
 
 
@@ -37,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
     # `crashsolve deck.yaml` is short for `crashsolve run deck.yaml`
     if given and given[0] not in COMMANDS and not given[0].startswith("-"):
         given = ["run", *given]
-    options = _parser().parse_args(given)
+    options = _parser(given).parse_args(given)
     try:
         code = int(options.act(options))
         sys.stdout.flush()
@@ -68,7 +71,7 @@ def give_back_memory() -> None:
         ctypes.CDLL(None).mallopt(-3, 1 << 18)
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(asked: Sequence[str]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="crashsolve",
         description="Solves the impact of multibody systems from an input deck.",
@@ -96,6 +99,12 @@ def _parser() -> argparse.ArgumentParser:
     _study_arguments(
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
+    sweep = commands.add_parser("sweep", help=SWEEP[0].lower() + SWEEP[1:], description=SWEEP)
+    if list(asked[:1]) != ["run"]:
+        # a run does not pay for the words of others
+        from crashsolve.sweep.command import add_arguments
+
+        add_arguments(sweep)
     _document_arguments(commands)
     add_completion(commands)
     commands.choices["completion"].set_defaults(act=lambda options: _completion(parser, options))

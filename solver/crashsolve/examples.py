@@ -13,6 +13,7 @@ from crashsolve.deck.read import Deck, read_deck
 from crashsolve.foundation.errors import DeckError
 from crashsolve.output.files import reported
 
+PLAN = ".plan.yaml"
 PACKAGE = Path(__file__).resolve().parent
 REPOSITORY = PACKAGE.parents[1]
 # of a page its heading; of a deck its title, else what its first comment says
@@ -56,7 +57,14 @@ def named(name: str, known: dict[str, Path], what: str) -> Path:
 
 
 def needed(path: Path) -> list[Path]:
-    """A deck, the files that it includes, and those of curves and meshes that they name."""
+    """A deck, the files that it includes, and those of curves and meshes that they name.
+
+    Of the plan of a sweep those of its deck as well.
+    """
+    if path.name.endswith(PLAN):
+        from crashsolve.sweep.plan import read_plan
+
+        return [path, *needed(Path(read_plan(path).card.deck))]
     deck = read_deck(path)
     return list(dict.fromkeys([*deck.files, *_named_files(deck)]))
 

@@ -64,6 +64,9 @@ SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
+    # until there is something to dump: stop as by the keyboard, and dump nothing
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGUSR1, signal.SIG_IGN)
     with Pulse(f"reading {deck_path.name}", say) as pulse:
         return _solve(deck_path, folder, overrides, restart, pulse)
 

@@ -32,6 +32,13 @@ def test_the_first_deck_of_the_readme_is_the_tutorial() -> None:
     assert deck == (ROOT / "decks" / "tutorial" / "bouncing_ball.yaml").read_text("utf-8")
 
 
+def test_the_scripts_of_the_page_on_queues_are_the_examples() -> None:
+    page, folder = ROOT / "solver" / "QUEUE.md", ROOT / "decks" / "queue"
+    scripts = [folder / name for name in ("slurm.sh", "slurm_array.sh", "pbs.sh")]
+    assert blocks(page, "bash") == [path.read_text("utf-8") for path in scripts]
+    assert blocks(page, "yaml") == [(folder / "wagon.plan.yaml").read_text("utf-8")]
+
+
 def test_the_commands_of_the_readme_are_targets_of_the_makefile() -> None:
     targets = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
     named = re.findall(r"make ([a-z]+)", (ROOT / "README.md").read_text("utf-8"))

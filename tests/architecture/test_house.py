@@ -23,7 +23,7 @@ FLOORS = (
 )
 ROOF = len(FLOORS)
 # packages on the roof, beside its single files
-ROOF_ROOMS = {"study", "estimate"}
+ROOF_ROOMS = {"study", "estimate", "sweep"}
 # every card is made of the deck's fields, so the families stand on deck/ although on its floor
 SIDEWAYS = {(family, "deck") for family in FLOORS[1]}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}

@@ -17,10 +17,10 @@ from crashsolve import examples
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 # distributions that are imported under another name, and tools that are started and not imported
-IMPORTED_AS = {"pyyaml": "yaml"}
+IMPORTED_AS = {"pyyaml": "yaml", "salib": "SALib"}
 TOOLS = {"pytest-xdist", "ruff", "mypy", "types-pyyaml", "crashsolve"}
 # extras of which solver and post-processor import what is there
-ASKED = ("plot", "mesh", "signal", "frame", "picture", "completion")
+ASKED = ("plot", "mesh", "signal", "frame", "picture", "completion", "sweep")
 OURS = {"crashsolve", "crashpost"}
 # a module of another distribution, which belongs to one that is listed
 PART_OF = {"pydantic_core": "pydantic"}

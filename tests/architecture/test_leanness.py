@@ -37,7 +37,7 @@ def test_a_rigid_run_imports_nothing_foreign(tmp_path: Path) -> None:
 
 def test_a_run_without_estimates_imports_nothing_for_them(tmp_path: Path) -> None:
     modules = imported("-m", "crashsolve", BALL, "-o", tmp_path, "--set", "control.estimate=off")
-    estimates = ("crashsolve.estimate", "crashsolve.study")
+    estimates = ("crashsolve.estimate", "crashsolve.study", "crashsolve.sweep")
     assert not [name for name in modules if name.startswith(estimates)]
 
 

@@ -21,6 +21,7 @@ def blocks(path: Path, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", path.read_text("utf-8"), re.DOTALL)
 
 
+@pytest.mark.long
 def test_the_examples_of_the_python_page_are_what_python_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,7 +12,7 @@ from command import crashsolve
 from crashpost.cli import main as crashpost
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
-FOLDERS = ("tutorial", "verification", "benchmark")
+FOLDERS = ("tutorial", "verification", "benchmark", "queue")
 
 
 def _decks() -> list[object]:
@@ -20,6 +20,8 @@ def _decks() -> list[object]:
     found: list[object] = []
     for folder in FOLDERS:
         for path in sorted((DECKS / folder).rglob("*.yaml")):
+            if path.name.endswith(".plan.yaml"):
+                continue
             text = path.read_text("utf-8")
             marks = [pytest.mark.long] if text.startswith("# long\n") else []
             name = str(path.relative_to(DECKS).with_suffix(""))

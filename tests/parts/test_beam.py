@@ -196,7 +196,7 @@ def on_its_way(folder: Path, kind: str, seed: int, speed: float, turn: float) ->
     rigid(law, np.array([1.1, -0.7, 0.4]))
     load(law)
     law.accept()
-    way = np.random.default_rng(seed + 20).normal(size=12)
+    way = np.random.default_rng(seed + 21).normal(size=12)
     small = np.tile(np.repeat([0.1, 0.2 * turn], 3), 2)
     shift(law, law.bench.state(), small * way, speed * way, 1.0)
     return law

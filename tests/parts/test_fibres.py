@@ -69,7 +69,9 @@ def bend(law: Law, turn: float, axis: int = 1, stretch: float = 0.0) -> Any:
     for node, sign in ((1, -1.0), (2, 1.0)):
         law.bench.move(node, q=q[node - 1])
         law.bench.turn(node, sign * rotation)
-    law.bench.move(2, r=nodes[1].r + [1.0 + stretch, 0.0, 0.0])
+    # the chord of an arc of this length, as elements have it
+    chord = (1.0 + stretch) / (1.0 + turn**2 / 24.0)
+    law.bench.move(2, r=nodes[1].r + [chord, 0.0, 0.0])
     return act(law)
 
 

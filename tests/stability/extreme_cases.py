@@ -317,6 +317,21 @@ MATRIX = (
         "contradict each other",
         ALL,
     ),
+    Sweep(
+        "taut beam, N l^2 / 12 E I",
+        "extreme/taut",
+        "ratio",
+        (0.1, 1, 100, 1e4),
+        integrators=ALL,
+    ),
+    Sweep(
+        "taut beam at rest, N l^2 / 12 E I",
+        "extreme/taut",
+        "ratio",
+        (0.1, 1, 100, 1e4),
+        also={"control.solution": "quasi_static"},
+        quick=(1e4,),
+    ),
     Sweep("closed loop of bodies", "", "bodies", (4, 100), integrators=ALL, make=loop),
     Sweep(
         "chain of bodies",

@@ -1,4 +1,4 @@
-"""Stage of generalized-alpha: a chapter of the recital `_implicit` (see system/alpha.py).
+"""Stage of generalized-alpha: stages of the stepper `_implicit` (see system/alpha.py).
 
     accelerations of the end and both multipliers by Newton's method: lambda for D v = nu, eta for
     Phi = 0
@@ -31,18 +31,11 @@ from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, velocity_residual
 from crashsolve.system.iteration import PASSES, PATIENCE, enough_beside, is_near
 from crashsolve.system.kinetics import clear_forces, take_late
-from crashsolve.system.scene import (
-    ASSEMBLED,
-    CONTACTS,
-    JOINTS,
-    bend,
-    force_pass,
-    jacobian,
-    keep_elements,
-    renew,
-    residual,
-    tangents,
-)
+from crashsolve.system.loops.elements import keep_elements
+from crashsolve.system.loops.forces import force_pass
+from crashsolve.system.loops.joints import jacobian, residual
+from crashsolve.system.loops.tangents import bend, renew, tangents
+from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS
 from crashsolve.system.stages import keep_outside, keep_rates
 
 FAR = 4.0  # a step longer than so many of the last is not guessed from it
@@ -97,10 +90,9 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
             clock.factored = h
             linearise(rows, compliant, nodes, t, tt)
             factor_compliant(factor, compliant, rows.shape[0], tt, t)
-        if ASSEMBLED:  # noqa: SIM102
-            # elements bend far within a step: tangents of its start do not serve
-            if count > 0 and (share > 3.0 * SHARE or previous > 0.01):
-                renew(h, clock, nodes, rows, curves, compliant, factor, t, tt, scene)
+        # elements bend far within a step: tangents of its start do not serve
+        if ASSEMBLED and count > 0 and (share > 3.0 * SHARE or previous > 0.01):
+            renew(h, clock, nodes, rows, curves, compliant, factor, t, tt, scene)
         missing_accelerations(nodes, scene.stages)
         velocity_residual(rows, nodes)
         ask_rates(rows, compliant, scene.stages, t)

@@ -1,4 +1,4 @@
-"""Stages of an implicit Runge-Kutta step: a chapter of the recital `_implicit`.
+"""Stages of an implicit Runge-Kutta step: stages of the stepper `_implicit`.
 
     k_i = rates at the place to which sum_j a_ij k_j leads, with the reactions of that place, for
     all stages at once, by iteration with the tangents of springs and contacts
@@ -27,7 +27,9 @@ from crashsolve.system.collocation import (
 )
 from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.iteration import PASSES, PATIENCE, enough_beside, is_near
-from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS, bend, keep_elements, tangents
+from crashsolve.system.loops.elements import keep_elements
+from crashsolve.system.loops.tangents import bend, tangents
+from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS
 from crashsolve.system.stages import keep_rates
 
 # a step longer than so many of the last is not guessed from it
@@ -72,10 +74,9 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):
             break
         previous = worst
-        if ASSEMBLED:  # noqa: SIM102
-            # beams bend far within a step: tangents of a guess do not serve
-            if share > 2.0 * SHARE or worst > 0.01:
-                clock.factored = 0.0
+        # beams bend far within a step: tangents of a guess do not serve
+        if ASSEMBLED and (share > 2.0 * SHARE or worst > 0.01):
+            clock.factored = 0.0
     stand(nodes, scene.stages, STAGES - 1)
     if not converged:
         clock.fault = UNSOLVED

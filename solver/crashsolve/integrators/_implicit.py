@@ -4,40 +4,25 @@
 
 A step whose estimated error is above `tolerance`, or whose iteration does not converge, is tried
 again shorter; one in which a contact or a piece of a law begins ends there. This file is the
-recital of all methods of this kind; compose puts in the chapter with the stages of the deck's.
+stepper of all methods of this kind, with the stages of the deck's.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
 
-from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.compile import kernel, stage
 from crashsolve.integrators._collocation import arrive, estimate, open_step, pass_stages
 from crashsolve.integrators._places import accept, begin, evaluate, onset_gap
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES
 from crashsolve.model.clock import (
-    CURVE_END,
-    PAUSED,
-    REACHED,
-    REBUILD,
     RUNNING,
     STEP_TOO_SMALL,
 )
-from crashsolve.system.energy import check
 from crashsolve.system.kinetics import accelerations, refresh, save
+from crashsolve.system.loops.events import approach_before, beyond
+from crashsolve.system.loops.joints import residual
+from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, open_bracket, seek
-from crashsolve.system.scene import (
-    CONTACTS,
-    JOINTS,
-    ONSETS,
-    PIECES,
-    REBUILDS,
-    approach_before,
-    beyond,
-    energy,
-    measure,
-    need_rebuild,
-    residual,
-)
+from crashsolve.system.scene import CONTACTS, EVENTS, JOINTS, ONSETS
 from crashsolve.system.stages import add_kick, add_outside, fastest_point, next_length
 from crashsolve.system.timestep import fit
 
@@ -48,56 +33,43 @@ ATTEMPTS = 300  # at one step: what takes more will not end
 ONSET = 1e-4  # of the way in the step, by which what begins may be passed
 
 
-@entry
-def advance(until, sampling, scene):
-    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
+@stage
+def prepare_sample(until, clock, control, nodes, rows, saddle, curves, scene):
+    """Forces, reactions and readings of a sample; returns its time [s].
 
-    A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
+    Writes: nodes, rows, outputs, new histories, clock.
     """
-    clock, control, ledger = scene.clock[0], scene.control[0], scene.ledger
-    nodes, rows, curves = scene.nodes, scene.rows, scene.curves
-    saddle = Saddle(scene.columns, scene.blocks, scene.updates, scene.pairs)
-    clock.status = RUNNING
-    while clock.status == RUNNING and (sampling or clock.time < until):
-        time = clock.time
-        if sampling:
-            if JOINTS:
-                residual(clock.current, time, nodes, rows, curves, scene)
-            refresh(nodes)
-            clock.lead = clock.share = 0.0
-            clock.opens = clock.closes = 1
-            evaluate(time, 0.0, clock, nodes, rows, saddle, curves, scene)
-            accelerations(nodes)
-            measure(time, nodes, rows, curves, scene)
-            if clock.next_step <= 0.0:
-                begin(clock, control, nodes)
-            h = 0.0
-        else:
-            if REBUILDS and need_rebuild(clock, nodes, scene):
-                clock.status = REBUILD
-                return
-            h, is_last = fit(clock.next_step, until - clock.time)
-            save(nodes)
-            open_step(clock, nodes, rows, scene)
-            taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
-            time = until if is_last and taken == h else clock.time + taken
-            h = taken
-            if clock.status != RUNNING:
-                return
-            add_outside(clock, scene.stages, scene.A, STAGES - 1, h)
-            add_kick(clock, 1.0)
-        accept(time, h, clock, control)
-        if sampling or clock.cycle % control.check_every == 0:
-            energy(clock, nodes, scene, ledger)
-            check(clock, control, nodes, ledger)
-        if sampling:
-            return
-        if curves[0].fault > 0:
-            clock.status = CURVE_END
-        elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
-            clock.status = PAUSED
+    if JOINTS:
+        residual(clock.current, clock.time, nodes, rows, curves, scene)
+    refresh(nodes)
+    clock.lead = clock.share = 0.0
+    clock.opens = clock.closes = 1
+    evaluate(clock.time, 0.0, clock, nodes, rows, saddle, curves, scene)
+    accelerations(nodes)
+    measure(clock.time, nodes, rows, curves, scene)
+    if clock.next_step <= 0.0:
+        begin(clock, control, nodes)
+    return clock.time
+
+
+@stage
+def take_step(until, clock, control, nodes, rows, saddle, curves, scene):
+    """A step; returns the time at its end and its length [s]. Writes: nodes, rows, histories."""
+    h, is_last = fit(clock.next_step, until - clock.time)
+    save(nodes)
+    open_step(clock, nodes, rows, scene)
+    taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
+    time = until if is_last and taken == h else clock.time + taken
     if clock.status == RUNNING:
-        clock.status = REACHED
+        add_outside(clock, scene.stages, scene.A, STAGES - 1, taken)
+        add_kick(clock, 1.0)
+    return time, taken
+
+
+@stage
+def finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene):
+    """The new state becomes the present one. Writes: clock."""
+    accept(time, h, clock, control)
 
 
 @stage
@@ -168,7 +140,7 @@ def gap_before(clock, nodes, curves, scene):
     gap = -1e300
     if CONTACTS:
         gap = approach_before(clock.current, scene)
-    if PIECES:
+    if EVENTS:
         gap = max(gap, beyond(clock.current, 0.0, nodes, curves, scene))
     return min(gap, 0.0)
 

@@ -1,4 +1,4 @@
-"""Places, reactions and closed joints: a chapter of the recitals that choose their steps by error.
+"""Places, reactions and closed joints: shared by the steppers that choose their steps by error.
 
     M v_dot = g + D^T lambda,   D v_dot = gamma       at a place and velocity
     q onto Phi = 0,   v onto D v = nu                 by the least change that the inertia allows
@@ -21,17 +21,10 @@ from crashsolve.system.constraints import (
     worst_residual,
 )
 from crashsolve.system.kinetics import any_late, clear_forces, refresh, take_late
-from crashsolve.system.scene import (
-    CONTACTS,
-    JOINTS,
-    PIECES,
-    approach,
-    beyond,
-    convective,
-    force_pass,
-    jacobian,
-    residual,
-)
+from crashsolve.system.loops.events import approach, beyond
+from crashsolve.system.loops.forces import force_pass
+from crashsolve.system.loops.joints import convective, jacobian, residual
+from crashsolve.system.scene import CONTACTS, EVENTS, JOINTS
 from crashsolve.system.stages import (
     displace_by_joints,
     note_kick,
@@ -61,7 +54,7 @@ def onset_gap(h, clock, control, nodes, curves, scene):
     gap = -1e300
     if CONTACTS:
         gap = approach(clock.current, nodes, scene)
-    if PIECES:
+    if EVENTS:
         # what rests at a corner passes it by round-off again and again
         past = beyond(clock.current, h, nodes, curves, scene) - ROUND_OFF * control.length
         gap = max(gap, past)

@@ -1,4 +1,4 @@
-"""Step from rest to rest: a chapter of the recital `_implicit` for quasi-static runs.
+"""Step from rest to rest: stages of the stepper `_implicit` for quasi-static runs.
 
     g(q) + D^T lambda = M a,   q = q_0 + h^2/2 a,   Phi(q) = 0        at the time `clock.goal`
 
@@ -20,15 +20,11 @@ from crashsolve.system.assembled import answer_rows
 from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, worst_residual
 from crashsolve.system.kinetics import clear_forces
-from crashsolve.system.scene import (
-    JOINTS,
-    bend,
-    force_pass,
-    jacobian,
-    keep_elements,
-    residual,
-    tangents,
-)
+from crashsolve.system.loops.elements import keep_elements
+from crashsolve.system.loops.forces import force_pass
+from crashsolve.system.loops.joints import jacobian, residual
+from crashsolve.system.loops.tangents import bend, tangents
+from crashsolve.system.scene import JOINTS
 from crashsolve.system.stages import keep_outside
 
 PASSES = 40

@@ -5,8 +5,8 @@
     both by the least change that the inertia allows (D^T along M^-1)
 
 A step whose estimated error is above `tolerance` is tried again shorter; one that would penetrate a
-new contact is cut at the onset. This file is the recital of all methods of this kind; the tableau
-is that of the deck's `integrator`.
+new contact is cut at the onset. This file is the stepper of all methods of this kind; the
+tableau is that of the deck's `integrator`.
 
 References: Hairer, Norsett and Wanner (1993), Solving Ordinary Differential Equations I, II.4;
 Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
@@ -14,8 +14,7 @@ Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 
 from math import sqrt
 
-from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.compile import kernel, stage
 from crashsolve.integrators._places import (
     accept,
     begin,
@@ -27,17 +26,12 @@ from crashsolve.integrators._places import (
 )
 from crashsolve.integrators.dormand_prince_5 import ESTIMATES, EXTRA, ORDER, STAGES, TERMS
 from crashsolve.model.clock import (
-    CURVE_END,
-    PAUSED,
-    REACHED,
-    REBUILD,
     RUNNING,
     STEP_TOO_SMALL,
 )
 from crashsolve.system.constraints import (
     factor_constraints,
 )
-from crashsolve.system.energy import check
 from crashsolve.system.kinetics import (
     accelerations,
     clear_forces,
@@ -45,24 +39,13 @@ from crashsolve.system.kinetics import (
     save,
     take_late,
 )
+from crashsolve.system.loops.energy import sum_powers
+from crashsolve.system.loops.events import approach_before, beyond
+from crashsolve.system.loops.forces import force_pass
+from crashsolve.system.loops.joints import jacobian, residual
+from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, open_bracket, seek
-from crashsolve.system.scene import (
-    CONTACTS,
-    DENSE,
-    JOINTS,
-    ONSETS,
-    PIECES,
-    REBUILDS,
-    approach_before,
-    beyond,
-    energy,
-    force_pass,
-    jacobian,
-    measure,
-    need_rebuild,
-    residual,
-    sum_powers,
-)
+from crashsolve.system.scene import CONTACTS, DENSE, EVENTS, JOINTS, ONSETS
 from crashsolve.system.stages import (
     add_kick,
     add_outside,
@@ -83,62 +66,49 @@ ATTEMPTS = 300  # at one step: what takes more will not end
 SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
 
 
-@entry
-def advance(until, sampling, scene):
-    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
+@stage
+def prepare_sample(until, clock, control, nodes, rows, saddle, curves, scene):
+    """Forces, reactions and readings of a sample, within the last step where need be.
 
-    A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
+    Returns its time [s]. Writes: nodes, rows, outputs, new histories, clock.
     """
-    clock, control, ledger = scene.clock[0], scene.control[0], scene.ledger
-    nodes, rows, curves = scene.nodes, scene.rows, scene.curves
-    saddle = Saddle(scene.columns, scene.blocks, scene.updates, scene.pairs)
-    clock.status = RUNNING
-    while clock.status == RUNNING and (sampling or clock.time < until):
-        time = clock.time
-        if sampling:
-            part = 0.0
-            if DENSE and until < time:
-                part = go_back(until, clock, control, nodes, rows, saddle, curves, scene)
-                time = until
-            elif JOINTS:
-                residual(clock.current, time, nodes, rows, curves, scene)
-            refresh(nodes)
-            weigh_pass(0.0, 0, clock, scene)
-            clock.opens = clock.closes = 1
-            evaluate(time, part, clock, nodes, rows, saddle, curves, scene)
-            if DENSE and part > 0.0:
-                sum_powers(clock.current, clock.step, scene)
-            accelerations(nodes)
-            measure(time, nodes, rows, curves, scene)
-            if clock.next_step <= 0.0:
-                begin(clock, control, nodes)
-            h = 0.0
-        else:
-            if REBUILDS and need_rebuild(clock, nodes, scene):
-                clock.status = REBUILD
-                return
-            h, is_last = fit(clock.next_step, clock.goal - clock.time)
-            save(nodes)
-            keep_rates(nodes, rows, scene.stages, 0)
-            taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
-            time = clock.goal if is_last and taken == h else clock.time + taken
-            h = taken
-            if clock.status != RUNNING:
-                return
-            add_outside(clock, scene.stages, scene.A, STAGES - 1, h)
-            add_kick(clock, 1.0)
-        accept(time, h, clock, control)
-        if sampling or clock.cycle % control.check_every == 0:
-            energy(clock, nodes, scene, ledger)
-            check(clock, control, nodes, ledger)
-        if sampling:
-            return
-        if curves[0].fault > 0:
-            clock.status = CURVE_END
-        elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
-            clock.status = PAUSED
+    time, part = clock.time, 0.0
+    if DENSE and until < time:
+        part = go_back(until, clock, control, nodes, rows, saddle, curves, scene)
+        time = until
+    elif JOINTS:
+        residual(clock.current, time, nodes, rows, curves, scene)
+    refresh(nodes)
+    weigh_pass(0.0, 0, clock, scene)
+    clock.opens = clock.closes = 1
+    evaluate(time, part, clock, nodes, rows, saddle, curves, scene)
+    if DENSE and part > 0.0:
+        sum_powers(clock.current, clock.step, scene)
+    accelerations(nodes)
+    measure(time, nodes, rows, curves, scene)
+    if clock.next_step <= 0.0:
+        begin(clock, control, nodes)
+    return time
+
+
+@stage
+def take_step(until, clock, control, nodes, rows, saddle, curves, scene):
+    """A step; returns the time at its end and its length [s]. Writes: nodes, rows, histories."""
+    h, is_last = fit(clock.next_step, clock.goal - clock.time)
+    save(nodes)
+    keep_rates(nodes, rows, scene.stages, 0)
+    taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
+    time = clock.goal if is_last and taken == h else clock.time + taken
     if clock.status == RUNNING:
-        clock.status = REACHED
+        add_outside(clock, scene.stages, scene.A, STAGES - 1, taken)
+        add_kick(clock, 1.0)
+    return time, taken
+
+
+@stage
+def finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene):
+    """The new state becomes the present one. Writes: clock."""
+    accept(time, h, clock, control)
 
 
 @stage
@@ -274,7 +244,7 @@ def gap_before(h, clock, nodes, curves, scene):
     gap = -1e300
     if CONTACTS:
         gap = approach_before(clock.current, scene)
-    if PIECES:
+    if EVENTS:
         reach(nodes, scene.stages, scene.A, 0, h)
         refresh(nodes)
         gap = max(gap, beyond(clock.current, h, nodes, curves, scene))

@@ -8,7 +8,7 @@ References: Dormand and Prince (1980), J. Comput. Appl. Math. 6, 19-26; Hairer, 
 
 import numpy as np
 
-RECITAL = "_runge_kutta"
+STEPPER = "_runge_kutta"
 ORDER = 5
 STAGES = 7  # the last is at the end of the step, and the first of the next
 EXTRA = 0  # further stages of the dense output

@@ -8,7 +8,7 @@ II.6, II.10 (Dormand and Prince's method of order 8, coefficients of the code DO
 
 import numpy as np
 
-RECITAL = "_runge_kutta"
+STEPPER = "_runge_kutta"
 ORDER = 8
 STAGES = 13  # the last is at the end of the step, and the first of the next
 EXTRA = 3  # further stages of the dense output

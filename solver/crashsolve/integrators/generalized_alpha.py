@@ -8,8 +8,8 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 
 import numpy as np
 
-RECITAL = "_implicit"
-CHAPTER = "_alpha_stage"
+STEPPER = "_implicit"
+STAGE = "_alpha_stage"
 ORDER = 2
 ESTIMATE = 3  # power of the step with which the estimated error falls
 STAGES = 2  # start and end

@@ -7,8 +7,8 @@ Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and St
 
 import numpy as np
 
-RECITAL = "_implicit"
-CHAPTER = "_rest_stage"
+STEPPER = "_implicit"
+STAGE = "_rest_stage"
 ORDER = 2
 ESTIMATE = 3
 STAGES = 2  # start and end

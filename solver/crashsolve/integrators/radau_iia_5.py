@@ -11,8 +11,8 @@ from math import sqrt
 
 import numpy as np
 
-RECITAL = "_implicit"
-CHAPTER = "_collocation"
+STEPPER = "_implicit"
+STAGE = "_collocation"
 ORDER = 5
 ESTIMATE = 4  # power of the step with which the estimated error falls
 STAGES = 4  # the first is the start of the step, the last its end

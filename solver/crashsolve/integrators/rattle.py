@@ -4,21 +4,17 @@
     q_new  = drift of q by v_half over h
     v_new  = v_half + h/2 M^-1 (g_new + D_new^T mu)   mu such that D_new v_new = nu
 
-The first step that penetrates is cut at the contact's onset. This file is the recital; compose
-puts the scene's own functions in the place of `scene` and compiles both together.
+The first step that penetrates is cut at the contact's onset. The loop over
+time is that of `_advance`.
 
 References: Andersen (1983), J. Comput. Phys. 52, 24-34; Hairer, Lubich and Wanner (2006),
 Geometric Numerical Integration, VII.1.4.
 """
 
-from crashsolve.foundation.compile import entry, kernel, stage  # noqa: F401  (the scene uses kernel)
-from crashsolve.foundation.saddle import Saddle, solve_rows
+from crashsolve.foundation.compile import stage
+from crashsolve.foundation.saddle import solve_rows
 from crashsolve.model.clock import (
-    CURVE_END,
-    PAUSED,
     POSITION,
-    REACHED,
-    REBUILD,
     RUNNING,
     STEP_TOO_SMALL,
 )
@@ -39,7 +35,6 @@ from crashsolve.system.constraints import (
     worst_rate,
     worst_residual,
 )
-from crashsolve.system.energy import check
 from crashsolve.system.kinetics import (
     accelerations,
     add_impulse,
@@ -52,89 +47,65 @@ from crashsolve.system.kinetics import (
     save,
     take_late,
 )
+from crashsolve.system.loops.events import approach, approach_before
+from crashsolve.system.loops.forces import force_pass
+from crashsolve.system.loops.joints import convective, jacobian, residual
+from crashsolve.system.loops.sensors import measure
+from crashsolve.system.loops.unilateral import hold, react
 from crashsolve.system.onset import first_gap, open_bracket, seek
-from crashsolve.system.scene import (
-    CAPTURES,
-    CONTACTS,
-    JOINTS,
-    REBUILDS,
-    approach,
-    approach_before,
-    convective,
-    energy,
-    force_pass,
-    hold,
-    jacobian,
-    measure,
-    need_rebuild,
-    react,
-    residual,
-)
+from crashsolve.system.scene import CONTACTS, JOINTS, UNILATERAL
 from crashsolve.system.timestep import fit, wanted_step
 
 ORDER = 2
+# one force pass a step, at its end: what acts in a step is half of both its ends
+KICK_DRIFT_KICK = True
 POSITION_ITERATIONS = 40
 VELOCITY_ITERATIONS = 4
 POOR_GUESS = 1e-4  # first residual, in model sizes, above which lambda is guessed anew
 
 
-@entry
-def advance(until, sampling, scene):
-    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
-
-    A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
-    """
-    clock, control, ledger = scene.clock[0], scene.control[0], scene.ledger
-    nodes, rows, curves, groups = scene.nodes, scene.rows, scene.curves, scene
-    saddle = Saddle(scene.columns, scene.blocks, scene.updates, scene.pairs)
-    clock.status = RUNNING
-    while clock.status == RUNNING and (sampling or clock.time < until):
-        h, time = 0.0, clock.time
-        if not sampling:
-            if REBUILDS and need_rebuild(clock, nodes, groups):
-                clock.status = REBUILD
-                return
-            h, is_last = fit(clock.next_step, until - clock.time)
-            save(nodes)
-            taken = move(h, clock, control, nodes, rows, saddle, curves, groups)
-            time = until if is_last and taken == h else clock.time + taken
-            h = taken
-            if clock.status != RUNNING:
-                return
-        elif JOINTS:
-            residual(clock.current, time, nodes, rows, curves, groups)
-        push(time, h, clock, control, nodes, rows, saddle, curves, groups)
-        accept(time, h, clock, control, nodes)
-        if sampling:
-            accelerations(nodes)
-            measure(time, nodes, rows, curves, groups)
-        if sampling or clock.cycle % control.check_every == 0:
-            energy(clock, nodes, groups, ledger)
-            check(clock, control, nodes, ledger)
-        if sampling:
-            return
-        if curves[0].fault > 0:
-            clock.status = CURVE_END
-        elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
-            clock.status = PAUSED
-    if clock.status == RUNNING:
-        clock.status = REACHED
+@stage
+def prepare_sample(until, clock, control, nodes, rows, saddle, curves, scene):
+    """What a sample needs before its forces; returns its time [s]. Writes: rows.phi."""
+    if JOINTS:
+        residual(clock.current, clock.time, nodes, rows, curves, scene)
+    return clock.time
 
 
 @stage
-def move(h, clock, control, nodes, rows, saddle, curves, groups):
+def take_step(until, clock, control, nodes, rows, saddle, curves, scene):
+    """Positions at the end of a step; returns its time and its length [s]. Writes: nodes, rows."""
+    h, is_last = fit(clock.next_step, until - clock.time)
+    save(nodes)
+    taken = move(h, clock, control, nodes, rows, saddle, curves, scene)
+    time = until if is_last and taken == h else clock.time + taken
+    return time, taken
+
+
+@stage
+def finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene):
+    """Forces and velocities at the end of the step, or of a sample, which becomes the present."""
+    push(time, h, clock, control, nodes, rows, saddle, curves, scene)
+    accept(time, h, clock, control, nodes)
+    if sampling:
+        accelerations(nodes)
+        measure(time, nodes, rows, curves, scene)
+
+
+@stage
+def move(h, clock, control, nodes, rows, saddle, curves, scene):
     """Positions at the end of the step, cut at the first contact onset. Returns the step taken.
 
     What did not touch at the start may touch at the end by no more than `allowed`.
     """
     bracket, trial, found = open_bracket(h), h, False
     while True:
-        place(trial, clock, control, nodes, rows, saddle, curves, groups)
+        place(trial, clock, control, nodes, rows, saddle, curves, scene)
         if not CONTACTS or clock.status != RUNNING:
             break
-        gap = approach(clock.current, nodes, groups)
+        gap = approach(clock.current, nodes, scene)
         if bracket[-1] == 0:
-            before = approach_before(clock.current, groups)
+            before = approach_before(clock.current, scene)
             # long steps of free flight must not spoil what a smaller safety asks of the contact
             share = 1e-3 * control.safety
             bracket = first_gap(bracket, before, gap, control, share)
@@ -146,7 +117,7 @@ def move(h, clock, control, nodes, rows, saddle, curves, groups):
 
 
 @stage
-def place(h, clock, control, nodes, rows, saddle, curves, groups):
+def place(h, clock, control, nodes, rows, saddle, curves, scene):
     """First kick and drift over h, onto the constraints by a simplified Newton on lambda.
 
     Writes: nodes.*_half, r, q, A, rows.trial.
@@ -159,12 +130,12 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
         kick_off(nodes, h)
         if JOINTS:
             kick_half_by_joints(nodes, 0.5 * h)
-        if CAPTURES:
-            hold(h, clock, control, nodes, groups)
+        if UNILATERAL:
+            hold(h, clock, control, nodes, scene)
         drift(nodes, h)
         if not JOINTS:
             break
-        residual(clock.current, clock.time + h, nodes, rows, curves, groups)
+        residual(clock.current, clock.time + h, nodes, rows, curves, scene)
         worst, row = worst_residual(rows)
         tolerance = control.constraint_tolerance
         # a decimal better than asked, or as good as asked and stalled at round-off
@@ -187,7 +158,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
                 kick_off(nodes, h)
                 drift(nodes, h)
             refresh(nodes)
-            jacobian(clock.current, clock.time + h, nodes, rows, curves, groups)
+            jacobian(clock.current, clock.time + h, nodes, rows, curves, scene)
             factor_constraints(rows, saddle, nodes)
             if anew:
                 renewed, previous = True, 1e300
@@ -199,7 +170,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, groups):
 
 
 @stage
-def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
+def push(time, h, clock, control, nodes, rows, saddle, curves, scene):
     """Forces at the new positions, second kick, velocities onto the constraints.
 
     With h = 0 the velocities are left and the reactions are those of the accelerations
@@ -214,25 +185,25 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, groups):
     clear_forces(nodes)
     clock.opens = clock.closes = 1
     clock.lead = clock.share = 0.5 * h
-    force_pass(clock, time, h, nodes, rows, curves, groups)
+    force_pass(clock, time, h, nodes, rows, curves, scene)
     if CONTACTS:
         take_late(nodes, -1.0)
     if h > 0.0:
         kick_end(nodes, h)
     if JOINTS:
-        jacobian(clock.current, time, nodes, rows, curves, groups)
+        jacobian(clock.current, time, nodes, rows, curves, scene)
         factor_constraints(rows, saddle, nodes)
         clear_reaction(rows, nodes)
         if h > 0.0:
             project_velocity(h, clock, control, nodes, rows, saddle)
             clock.driver_work += 0.5 * h * driver_power(rows)
         else:
-            convective(clock.current, time, nodes, rows, curves, groups)
+            convective(clock.current, time, nodes, rows, curves, scene)
             acceleration_right_side(rows, nodes)
             solve_rows(saddle, rows, 1.0)
             scatter_delta(rows, nodes)
-    if CAPTURES:
-        react(h, clock, nodes, groups)
+    if UNILATERAL:
+        react(h, clock, nodes, scene)
     add_impulse(clock, nodes, 0.5 * h)
     if CONTACTS:
         take_late(nodes, 1.0)

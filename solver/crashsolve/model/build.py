@@ -121,6 +121,9 @@ def _build(deck: Deck) -> tuple[Model, State]:
     if model.elements:
         _arrange(model, state, deck)
     state.stages = initial_stages(model, len(state.nodes))
+    if hasattr(_method(model), "DENSE"):
+        for g in model.force_groups():
+            g.powers = np.zeros(len(state.stages) * len(g.names))
     return model, state
 
 
@@ -130,7 +133,9 @@ def _arrange(model: Model, state: State, deck: Deck) -> None:
     if hasattr(_method(model), "T"):
         embody(model, state)
     if deck.control.threads > 1 and not runs_plain():
-        model.elements.halves = halve(model, state)
+        model.elements.halves = halves = halve(model, state)
+        for g in model.element_groups():
+            g.share = halves.rows[0][g.word]
 
 
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:

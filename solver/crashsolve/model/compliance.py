@@ -13,11 +13,6 @@ from crashsolve.foundation.saddle import plan
 from crashsolve.model.assembly import assembled
 from crashsolve.model.nodes import COMPLIANT, TANGENTS
 
-# along the slip and across it; twice across where friction resists a spin too
-FRICTION_ROWS, SPIN_ROWS = 2, 3
-# torques against tilting of one flat side on another, about both tangents
-TILT_ROWS = 2
-
 
 def tangent_groups(model: Any) -> list[Any]:
     """Groups of springs whose laws have a tangent."""
@@ -32,12 +27,6 @@ def has_nodal_tangents(model: Any) -> bool:
 def tangent_contacts(model: Any) -> list[Any]:
     """Contact groups that keep all their pairs."""
     return [c for c in model.contact_groups if c.search is None]
-
-
-def contact_rows(group: Any) -> int:
-    """Rows of one pair: of the normal force, of tilting, of friction."""
-    rubs = (SPIN_ROWS if group.resists_spin else FRICTION_ROWS) if group.friction else 0
-    return 1 + (TILT_ROWS if group.is_flat else 0) + rubs
 
 
 def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:
@@ -82,5 +71,5 @@ def _contacts(model: Any) -> list[tuple[int, list[tuple[int, int]]]]:
     for c in tangent_contacts(model):
         a = c.elements_a["node"][c.parameters["a"]]
         b = c.elements_b["node"][c.parameters["b"]]
-        found.append((contact_rows(c), list(zip(a.tolist(), b.tolist(), strict=True))))
+        found.append((c.tangent_rows, list(zip(a.tolist(), b.tolist(), strict=True))))
     return found

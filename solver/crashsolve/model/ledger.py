@@ -3,6 +3,8 @@
 From kinetic to friction they are added up. `internal` is the sum of two of them: told, not added.
 """
 
+from typing import Any
+
 import numpy as np
 
 ENTRIES = (
@@ -70,8 +72,23 @@ MECHANICAL = (
     CONTACT_STORED,
     FRICTION_STORED,
 )
+# places of what laws store and of what they lose, by the word LEDGER of their module
+BOOKED: dict[str, tuple[int, int | None]] = {
+    "spring": (SPRING_STORED, SPRING_DISSIPATED),
+    "joint": (JOINT_STORED, JOINT_DISSIPATED),
+    "brake": (BRAKE_STORED, BRAKE_DISSIPATED),
+    "external": (POTENTIAL, EXTERNAL_WORK),
+    "potential": (POTENTIAL, None),
+    "part": (ELASTIC, PART_DAMPING),
+}
+KINDS = {"loads": "external", "parts": "part"}
 # a step far too long makes so many times the energy there should be, within a few steps
 OUT_OF_NOTHING = 10.0
+
+
+def entries_of(group: Any) -> tuple[int, int | None]:
+    """Places of what the laws of a group store, and of what they lose."""
+    return BOOKED[getattr(group.module, "LEDGER", KINDS.get(group.keyword, "spring"))]
 
 
 def is_broken(ledger: np.ndarray, limit: float) -> bool:

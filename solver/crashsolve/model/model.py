@@ -1,16 +1,24 @@
 """Model: what never changes during a run. State: all that changes. Both are arrays with meaning."""
 
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
 
 from crashsolve.foundation.saddle import Saddle
+from crashsolve.model import ledger
+
+# rows of the matrix of an implicit step, of one contact pair: friction along the slip and across
+# it, twice across where it resists a spin too; torques against tilting about both tangents
+FRICTION_ROWS, SPIN_ROWS, TILT_ROWS = 2, 3, 2
 
 
 @dataclass
 class Group:
     """All entries of one type: `module` holds the kernels, one row of each array is one entry."""
+
+    TABLES: ClassVar = ("parameters", "history", "output", "members", "share", "powers")
 
     keyword: str
     type: str
@@ -20,21 +28,76 @@ class Group:
     history: np.ndarray  # (2, n): accepted and new, see clock.current
     output: np.ndarray
     members: np.ndarray | None = None  # points that its entries act on, one after the other
+    share: Any = None  # parameters of what the first of two threads does
+    powers: Any = None  # of all stages of a step with dense output, entry by entry
 
     @property
     def word(self) -> str:
         """Name of the group in the composed step."""
         return f"{self.keyword}_{self.type}"
 
+    def tables(self) -> dict[str, np.ndarray]:
+        """Its arrays in the composed step."""
+        return present_tables(self)
+
+    @property
+    def law(self) -> Any:
+        """Module of its kernels."""
+        return self.module
+
+    @property
+    def kinds(self) -> tuple[Any, ...]:
+        """Modules with the kernels of those kinds of elements that there are."""
+        return tuple(kind for _, kind in self.numbered_kinds)
+
+    @property
+    def numbered_kinds(self) -> tuple[tuple[int, Any], ...]:
+        """The same with their places among all kinds."""
+        return tuple(
+            (number, self._beside(name))
+            for number, (column, name) in enumerate(self.module.KINDS.items())
+            if self.parameters[column].any()
+        )
+
+    @property
+    def tangent_kinds(self) -> tuple[Any, ...]:
+        """Modules with the tangents of those kinds."""
+        leaves = (kind.__name__.rpartition(".")[2].lstrip("_") for kind in self.kinds)
+        return tuple(self._beside(f"_{leaf}_tangent") for leaf in leaves)
+
+    def _beside(self, name: str) -> Any:
+        """A module in the folder of the group's own."""
+        return import_module(f"{self.module.__name__.rpartition('.')[0]}.{name}")
+
+    @property
+    def has_work(self) -> bool:
+        """Whether plastic work is told apart from what else is lost."""
+        return "work" in (self.history.dtype.names or ())
+
+    @property
+    def stored_entry(self) -> int:
+        """Place in the ledger of what its laws store."""
+        return ledger.entries_of(self)[0]
+
+    @property
+    def lost_entry(self) -> int | None:
+        """Place in the ledger of what its laws lose; None where nothing can be lost."""
+        return ledger.entries_of(self)[1]
+
 
 @dataclass
 class ContactGroup:
     """All contact pairs of one gap routine, one normal law and one friction law."""
 
+    TABLES: ClassVar = (
+        *("parameters", "history", "output", "elements_a", "elements_b", "data"),
+        *("seen_a", "seen_b", "slack"),
+    )
+
     word: str
     narrow: Any
     normal: Any
-    friction: Any | None
+    friction: Any  # None without
     elements_a: np.ndarray
     elements_b: np.ndarray
     data: tuple[Any, ...]
@@ -68,6 +131,55 @@ class ContactGroup:
         """Whether friction has a torque about the normal."""
         return self.friction is not None and (self.is_flat or self.has_radius)
 
+    @property
+    def friction_damps(self) -> bool:
+        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
+        return is_damper(self.friction)
+
+    @property
+    def has_ends(self) -> bool:
+        """Whether pairs remember their way out."""
+        return "passed" in (self.history.dtype.names or ())
+
+    @property
+    def keeps_faces(self) -> bool:
+        """Whether a touch may go on by another face than the nearest."""
+        return self.has_ends and hasattr(self.narrow, "gap_by")
+
+    @property
+    def knows_middle(self) -> bool:
+        """Whether its gap routine can say how deep the middle of a round face is."""
+        return self.keeps_faces and hasattr(self.narrow, "middle")
+
+    @property
+    def looks_ahead(self) -> bool:
+        """Whether the next step must be cut: a list to renew, or sides with an end."""
+        return self.search is not None or bool(np.isfinite(self.parameters["thick"]).any())
+
+    @property
+    def tangent_rows(self) -> int:
+        """Rows of one pair for implicit methods: of the normal force, of tilting, of friction."""
+        rubs = (SPIN_ROWS if self.resists_spin else FRICTION_ROWS) if self.friction else 0
+        return 1 + (TILT_ROWS if self.is_flat else 0) + rubs
+
+    # where elements were when the list of near pairs was made, and how far they may go
+
+    @property
+    def seen_a(self) -> Any:
+        return self.search.seen[0] if self.search else None
+
+    @property
+    def seen_b(self) -> Any:
+        return self.search.seen[1] if self.search else None
+
+    @property
+    def slack(self) -> Any:
+        return self.search.slack if self.search else None
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """Its arrays in the composed step."""
+        return present_tables(self)
+
 
 @dataclass
 class NodalGroup:
@@ -95,9 +207,57 @@ class NodalGroup:
         """Whether ellipsoids press."""
         return "ellipsoids" in self.arrays
 
+    @property
+    def keeps_faces(self) -> bool:
+        """Whether a touch may go on by another face than the nearest."""
+        return self.has_ends and hasattr(self.narrow, "gap_by")
+
+    @property
+    def knows_middle(self) -> bool:
+        """Whether its gap routine can say how deep the middle of a round face is."""
+        return self.keeps_faces and hasattr(self.narrow, "middle")
+
+    @property
+    def friction_damps(self) -> bool:
+        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
+        return is_damper(self.friction)
+
+    def __getattr__(self, name: str) -> Any:
+        arrays = self.__dict__.get("arrays", {})
+        if name == "data":
+            return tuple(array for key, array in arrays.items() if key.startswith("data_"))
+        if name in arrays:
+            return arrays[name]
+        raise AttributeError(name)
+
+    @property
+    def TABLES(self) -> tuple[str, ...]:
+        return (*self.arrays, "data")
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """Its arrays in the composed step."""
+        return self.arrays
+
     def changing(self) -> dict[str, np.ndarray]:
         """Arrays that a restart must bring back."""
         return {name: self.arrays[name] for name in self.CHANGING if name in self.arrays}
+
+
+def present_tables(group: Any) -> dict[str, np.ndarray]:
+    """Arrays of a group by the names of its TABLES; a tuple of arrays is counted from 0."""
+    found: dict[str, np.ndarray] = {}
+    for name in group.TABLES:
+        value = getattr(group, name)
+        if isinstance(value, tuple):
+            found |= {f"{name}_{k}": array for k, array in enumerate(value)}
+        elif value is not None:
+            found[name] = value
+    return found
+
+
+def is_damper(friction: Any) -> bool:
+    """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
+    return friction is not None and not getattr(friction, "STEPWISE", False)
 
 
 @dataclass

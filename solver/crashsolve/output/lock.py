@@ -21,19 +21,22 @@ NAME = "run.lock"
 class Lock:
     """Holds a results folder until the end of its block, or that of the process.
 
+    Several may hold a shared lock, as the tasks of one sweep do; none beside one that is not.
+
     Raises OutputError while another run has it, or when the file cannot be made.
     `warning` says so where the file system knows no locks.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, is_shared: bool = False) -> None:
         self.warning = ""
+        kind = fcntl.LOCK_SH if is_shared else fcntl.LOCK_EX
         path = folder / NAME
         with reported(path):
             # to be written, as NFS asks of exclusive locks; never a pipe that waits, nor a link
             flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK
             self._descriptor = os.open(path, flags, 0o666)
         try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(self._descriptor, kind | fcntl.LOCK_NB)
         except BlockingIOError:
             owner = os.read(self._descriptor, 200).decode(errors="replace").strip()
             os.close(self._descriptor)
@@ -52,3 +55,21 @@ class Lock:
 
     def __exit__(self, *_: object) -> None:
         os.close(self._descriptor)
+
+
+def is_held(folder: Path) -> bool:
+    """Whether a run holds this folder, told without waiting; only where none is about to start."""
+    try:
+        descriptor = os.open(folder / NAME, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        return False
+    except BlockingIOError:
+        return True
+    except OSError:
+        # a file system without locks cannot tell
+        return False
+    finally:
+        os.close(descriptor)

@@ -1,12 +1,13 @@
 """Tangent of the elements of beams: how the forces on their ends change as these move and turn.
 
-    dF = R (K du - f x omega),   dM_a = R (dm' - dc - (m' - c) x omega),   dM_b = -R (dm' + ...)
-    omega = w_0 - g x s,   du = dr - omega x y,   dtheta = T s,   c = f x y / 2
-    dm' = T K_r dtheta + (dT) m + 2 (dg x c + g x dc)
+    dF = R (df - f x omega),   dM_a = R (dm' - dc - (m' - c) x omega),   dM_b = -R (dm' + ...)
+    omega = w_0 - g x s,   dy = dr - omega x y,   dtheta = T s,   c = f x y / 2
+    (df, dm) = U'' (dy, dtheta),   dm' = T dm + (dT) m + 2 (dg x c + g x dc)
 
 in axes of R, with the spins s of b over a and w_0 of the mean (`_halfway.py`): the whole
-derivative, with what bends already and what turns. For all elements at once, in numpy, where
-statics asks for it. Consequence to test: central differences of the forces.
+derivative, with what bends already and what turns; U'' is that of the energy by y and theta. For
+all elements at once, in numpy, where statics asks for it. Consequence to test: central differences
+of the forces.
 
 Reference: Crisfield (1990), A consistent co-rotational formulation for non-linear,
 three-dimensional beam-elements, Computer Methods in Applied Mechanics and Engineering 81, 131-150.
@@ -30,18 +31,23 @@ def forces_by_motions(p: Any, q_a: np.ndarray, q_b: np.ndarray, way: np.ndarray)
     """
     R, theta = _halfway(q_a, q_b)
     y = np.einsum("nji,nj->ni", R, way)
-    u = y - np.outer(p["length"], [1.0, 0.0, 0.0])
-    f, m = p["stiffness"] * u, p["turning_stiffness"] * theta
+    slopes, bent, e = _stretch(p, y, theta)
+    axial, shear = p["stiffness"][:, 0], p["stiffness"] * [0.0, 1.0, 1.0]
+    N = axial * e
+    f = N[:, None] * slopes[:, :3] + shear * y
+    m = N[:, None] * slopes[:, 3:] + p["turning_stiffness"] * theta
     T, dT, g, dg = _turning(theta, m)
     c = 0.5 * np.cross(f, y)
     moment = np.einsum("nij,nj->ni", T, m) + 2.0 * np.cross(g, c)
     to, none = R.transpose(0, 2, 1), np.zeros_like(R)
     dr, s = np.concatenate([-to, none, to, none], 2), np.concatenate([none, -to, none, to], 2)
     omega = np.concatenate([none, 0.5 * to, none, 0.5 * to], 2) - _skew(g) @ s
-    df = p["stiffness"][:, :, None] * (dr + _skew(y) @ omega)
-    d_theta = T @ s
-    dm = p["turning_stiffness"][:, :, None] * d_theta
-    dc = 0.5 * (_skew(f) @ (dr + _skew(y) @ omega) - _skew(y) @ df)
+    dy, d_theta = dr + _skew(y) @ omega, T @ s
+    # of the strains y and theta: those of the stretch, and what resists them by itself
+    own = np.hstack([shear, p["turning_stiffness"]])[:, :, None] * np.eye(6)
+    own += N[:, None, None] * bent + axial[:, None, None] * slopes[:, :, None] * slopes[:, None]
+    df, dm = np.split(own @ np.concatenate([dy, d_theta], 1), 2, axis=1)
+    dc = 0.5 * (_skew(f) @ dy - _skew(y) @ df)
     dm = T @ dm + dT @ d_theta + 2.0 * (_skew(g) @ dc - _skew(c) @ dg @ d_theta)
     force = R @ (df - _skew(f) @ omega)
     on_a = R @ (dm - dc - _skew(moment - c) @ omega)
@@ -49,27 +55,21 @@ def forces_by_motions(p: Any, q_a: np.ndarray, q_b: np.ndarray, way: np.ndarray)
     return np.concatenate([force, on_a, -force, on_b], axis=1)
 
 
-def lack_in_tension(
-    p: Any, q_a: np.ndarray, q_b: np.ndarray, way: np.ndarray, tension: np.ndarray
-) -> np.ndarray:
-    """Stiffness (n, 12, 12) that tensions N (n,) [N] lend to bending and elements are without.
-
-        N / l (u_y^2 + u_z^2) / 2 + N l / 12 (theta_y^2 + theta_z^2) / 2
-
-    The work of N along a line that is bent, N / 2 times the integral of w'^2, less what the turn of
-    R has of it; of the shear u only the share of a straight line, which is the least of all shapes
-    (a slender element has 6/5 of it). None in compression. The rest as in forces_by_motions.
-    """
-    R, theta = _halfway(q_a, q_b)
-    y = np.einsum("nji,nj->ni", R, way)
-    T, _, g, _ = _turning(theta, np.zeros_like(theta))
-    to, none = R.transpose(0, 2, 1), np.zeros_like(R)
-    dr, s = np.concatenate([-to, none, to, none], 2), np.concatenate([none, -to, none, to], 2)
-    omega = np.concatenate([none, 0.5 * to, none, 0.5 * to], 2) - _skew(g) @ s
-    rows = np.concatenate([(dr + _skew(y) @ omega)[:, 1:], (T @ s)[:, 1:]], 1)
-    N, length = np.maximum(tension, 0.0), p["length"]
-    stiff = np.array([N / length, N / length, N * length / 12.0, N * length / 12.0]).T
-    return np.einsum("nki,nk,nkj->nij", rows, stiff, rows)
+def _stretch(p: Any, y: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Slopes (n, 6) of the stretch e by y and theta, their derivatives (n, 6, 6), and e (n,)."""
+    d = np.linalg.norm(y, axis=1)[:, None]
+    n, turns, no_way = y / d, theta * [0.0, 1.0, 1.0], np.zeros_like(y)
+    C = np.hstack([no_way[:, :1], 2.0 * p["bowing"]])
+    h = C * n
+    by_turns, half = 1.0 + (turns**2).sum(1)[:, None] / 24.0, 0.5 * (h * n).sum(1)[:, None]
+    slopes = np.hstack([(by_turns - half) * n + h, d / 12.0 * turns])
+    across = (np.eye(3) - n[:, :, None] * n[:, None]) / d[:, :, None]
+    bends = n[:, :, None] * turns[:, None] / 12.0
+    dn = (by_turns - half)[:, :, None] * across + C[:, :, None] * across
+    dn -= n[:, :, None] * (h[:, None] @ across)
+    by_turn = d[:, :, None] / 12.0 * np.diag([0.0, 1.0, 1.0])
+    both = np.block([[dn, bends], [bends.transpose(0, 2, 1), by_turn]])
+    return slopes, both, (d * (by_turns + half))[:, 0] - p["length"]
 
 
 def _skew(v: np.ndarray) -> np.ndarray:

@@ -1,11 +1,12 @@
 """Tangent of a beam's element within implicit steps: blocks of its nodes, while it moves.
 
     dF = R (df - f x omega),   dM_a = R (dm' - dc - (m' - c) x omega),   dM_b = -R (dm' + ...)
-    df = K (dy + beta du_dot),   dm = K_r (dtheta + beta dtheta_dot)
-    dm' = T dm + (dT) m + 2 (dg x c + g x dc)
+    df = e_y dN + N de_y + dV,   dm = K_r (dtheta + beta dtheta_dot) + e_theta dN + N de_theta
+    (dN, dV) = K (du + beta du_dot),   dm' = T dm + (dT) m + 2 (dg x c + g x dc)
 
-in axes of R, with omega, dy, dtheta and c as `_beam_tangent.py` has them. u_dot and theta_dot
-change with the place as well: each world vector in them by x x omega, T and g by themselves.
+in axes of R, with omega, dy, dtheta and c as `_beam_tangent.py` has them, and e_y and e_theta the
+derivatives of the stretch (`_bowing.py`). u_dot and theta_dot change with the place as well: each
+world vector in them by x x omega, T and g by themselves.
 Derivatives by the velocities are rows (beam.py). A section that yields (_fibres.py) adds what it
 has besides K: N, M_y and M_z, and what they change by with stretch and bending and the rates of
 these. Consequence to test: central differences of the forces of an element that moves, with
@@ -18,7 +19,19 @@ from math import cos, sin, sqrt, tan
 
 from crashsolve.foundation.bordered import resist_far, resist_own
 from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.vec3 import ZERO, add, cross, dot, matvec, matvec_t, scale, sub, vec
+from crashsolve.foundation.vec3 import (
+    ZERO,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    matvec,
+    matvec_t,
+    scale,
+    sub,
+    vec,
+)
+from crashsolve.parts._bowing import change_of_slopes
 from crashsolve.parts._halfway import half_angle_over_sine, turned_rate
 
 # turns below: T and g are those of no turn, to round-off
@@ -46,8 +59,8 @@ def bend_blocks(p, section, a, b, R, v, w, strained, place, blocks):
 
 @kernel
 def stresses(p, section, strained, eta, v, g):
-    """Force f and moments m with their damping, c, and the moment m' of both ends."""
-    y, u, theta, u_dot, theta_dot = strained
+    """Tension N, force f and moments m with damping, c, and the moment m' of both ends."""
+    y, u, theta, u_dot, theta_dot, bent, _ = strained
     k, k_r, beta = p.stiffness, p.turning_stiffness, p.damping
     slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
     f = (
@@ -58,8 +71,11 @@ def stresses(p, section, strained, eta, v, g):
     m = times(k_r, add(theta, scale(beta, theta_dot)))
     if section is not None:
         f, m = with_fibres(f, m, section[0])
+    tension = f[0]
+    f = add_scaled((0.0, f[1], f[2]), tension, bent[3])
+    m = add_scaled(m, tension, bent[4])
     c = scale(0.5, cross(f, y))
-    return f, m, c, add(turned_rate(eta, v, m), scale(2.0, cross(g, c)))
+    return tension, f, m, c, add(turned_rate(eta, v, m), scale(2.0, cross(g, c)))
 
 
 @kernel
@@ -69,22 +85,27 @@ def changes(p, section, strained, here, held, dr, s, w_0):
     `dr`, `s` and `w_0` are the change of the way from a to b, the turn of b over a, the mean turn.
     """
     v, eta, g, _, _, _, bend = here
-    y, (f, m, c, moment) = strained[0], held
+    y, theta, bent = strained[0], strained[2], strained[5]
+    tension, f, m, c, moment = held
     omega = sub(w_0, cross(g, s))
     dy = sub(dr, cross(omega, y))
     d_theta = turned_rate(eta, v, s)
     dg = change_of_swing(bend, d_theta)
-    df, dm = times(p.stiffness, dy), times(p.turning_stiffness, d_theta)
+    slopes = change_of_slopes(p, theta, bent, dy, d_theta)
+    du = (dot(bent[3], dy) + dot(bent[4], d_theta), dy[1], dy[2])
+    df, dm = times(p.stiffness, du), times(p.turning_stiffness, d_theta)
     if section is not None or p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0:
-        du_dot, d_theta_dot = quickened(strained, here, omega, dy, d_theta, dg)
+        du_dot, d_theta_dot = quickened(strained, here, omega, dy, d_theta, dg, slopes)
         lag, slow = damped(p, strained, du_dot, d_theta_dot)
         if section is not None:
             flow = add(
-                symmetric(section[1], (dy[0], d_theta[1], d_theta[2])),
+                symmetric(section[1], (du[0], d_theta[1], d_theta[2])),
                 symmetric(section[2], (du_dot[0], d_theta_dot[1], d_theta_dot[2])),
             )
             lag, slow = with_fibres(lag, slow, flow)
         df, dm = add(df, lag), add(dm, slow)
+    dm = add(dm, add_scaled(scale(df[0], bent[4]), tension, slopes[1]))
+    df = add((0.0, df[1], df[2]), add_scaled(scale(df[0], bent[3]), tension, slopes[0]))
     dm = add(turned_rate(eta, v, dm), change_of_turning(bend, m, d_theta))
     dc = scale(0.5, add(cross(f, dy), cross(df, y)))
     dm = add(dm, scale(2.0, add(cross(dg, c), cross(g, dc))))
@@ -94,22 +115,24 @@ def changes(p, section, strained, here, held, dr, s, w_0):
 
 
 @kernel
-def quickened(strained, here, omega, dy, d_theta, dg):
+def quickened(strained, here, omega, dy, d_theta, dg, slopes):
     """Changes of u_dot and theta_dot by the place."""
-    y = strained[0]
+    y, _, _, _, theta_dot, bent, y_dot = strained
     v, eta, g, speed, spin, mean, bend = here
     d_spin, d_mean = cross(spin, omega), cross(mean, omega)
     d_swing = add(cross(dg, spin), cross(g, d_spin))
-    du_dot = sub(cross(speed, omega), cross(sub(d_mean, d_swing), y))
-    du_dot = sub(du_dot, cross(sub(mean, cross(g, spin)), dy))
+    dy_dot = sub(cross(speed, omega), cross(sub(d_mean, d_swing), y))
+    dy_dot = sub(dy_dot, cross(sub(mean, cross(g, spin)), dy))
     d_theta_dot = add(turned_rate(eta, v, d_spin), change_of_turning(bend, spin, d_theta))
-    return du_dot, d_theta_dot
+    by_slopes = dot(slopes[0], y_dot) + dot(slopes[1], theta_dot)
+    de_dot = by_slopes + dot(bent[3], dy_dot) + dot(bent[4], d_theta_dot)
+    return (de_dot, dy_dot[1], dy_dot[2]), d_theta_dot
 
 
 @kernel
 def damped(p, strained, du_dot, d_theta_dot):
     """Changes of the force and of the moments of damping."""
-    _, _, _, u_dot, _ = strained
+    u_dot = strained[3]
     df = scale(p.damping, times(p.stiffness, du_dot))
     df = (df[0] + slope_of_viscosity(p, u_dot[0]) * du_dot[0], df[1], df[2])
     return df, scale(p.damping, times(p.turning_stiffness, d_theta_dot))

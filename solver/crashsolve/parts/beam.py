@@ -1,15 +1,18 @@
 """Beam: a chain of nodes joined by two-node elements with shear and finite rotations.
 
-    u = R^T (r_b - r_a) - l e_x,   theta = log(A_a^T A_b),   U = (u . K u + theta . K_r theta) / 2
-    K = diag(E A / l, k_y, k_z),   K_r = diag(G J, E I_y, E I_z) / l
+    y = R^T (r_b - r_a),   theta = log(A_a^T A_b),   u = (e, y_y, y_z),   e = l_bent - l
+    U = (u . K u + theta . K_r theta) / 2,   K = diag(E A / l, k_y, k_z)
     1 / k_y = l^3 / (12 E I_z) + l / (kappa_y G A),   1 / k_z = l^3 / (12 E I_y) + l / (kappa_z G A)
+    K_r = diag(G J, E I_y, E I_z) / l
 
 R is half-way between both triads. K and K_r are the exact stiffness of a straight Timoshenko
-beam. Forces on the nodes are f = K u and m = K_r theta through the derivatives of u and theta, so
-they are the gradient of U. Damping adds beta times the rates of u and theta. A node is a rigid body
-with half the mass and rotary inertia of each element beside it. Consequence to test: a cantilever
-under a small load bends by P L^3 / (3 E I) + P L / (kappa G A) with one element; under a moment of
-2 pi E I / L it closes to a ring with any number.
+beam; e is the stretch of the line between the ends with the bending it has (`_bowing.py`), so that
+tension resists bending. Forces on the nodes are f = K u and m = K_r theta through the derivatives
+of u and theta, so they are the gradient of U. Damping adds beta times the rates of u and theta. A
+node is a rigid body with half the mass and rotary inertia of each element beside it. Consequence to
+test: a cantilever under a small load bends by P L^3 / (3 E I) + P L / (kappa G A) with one element;
+under a moment of 2 pi E I / L it closes to a ring with any number; a taut string of any thinness
+has its lateral stiffness.
 
 References: Crisfield (1990), A consistent co-rotational formulation for non-linear,
 three-dimensional beam-elements, Computer Methods in Applied Mechanics and Engineering 81, 131-150.
@@ -17,7 +20,6 @@ Simo and Vu-Quoc (1986), A three-dimensional finite-strain rod model. Part II: C
 aspects, the same 58, 79-116.
 """
 
-from functools import lru_cache
 from math import dist
 from typing import Any, Literal
 
@@ -31,6 +33,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import (
     ZERO,
     add,
+    add_scaled,
     add_to,
     cross,
     dot,
@@ -43,7 +46,9 @@ from crashsolve.foundation.vec3 import (
     vec,
 )
 from crashsolve.parts import _beam_tangent
+from crashsolve.parts._beam_rate import fastest_rate, rate_of_tension
 from crashsolve.parts._beam_turn import bend_blocks, slope_of_viscosity
+from crashsolve.parts._bowing import bowed, coefficient, stretched
 from crashsolve.parts._damping import Damped, brake, coefficients, heavier, report_added
 from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
 
@@ -113,6 +118,7 @@ PARAMETERS = Record(
     length=("m", "l"),
     stiffness=("N/m", 3, "diagonal of K"),
     turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
+    bowing=("1", 2, "c_y and c_z"),
     damping=("s", "beta"),
     drag_a=("1/s", "alpha, times the element's share in its first node"),
     drag_b=("1/s", "the same of the second"),
@@ -120,6 +126,8 @@ PARAMETERS = Record(
     quick_viscosity=("N s^2/m^2", "rho A b_2^2, of its square in compression"),
     rate_a=("1/s^2", "largest k times mobility at the first node"),
     rate_b=("1/s^2", "the same at the second"),
+    taut_a=("1/(kg m)", "what a tension of 1 N adds to it at the first node"),
+    taut_b=("1/(kg m)", "the same at the second"),
 )
 HISTORY = Record()
 TANGENTS = 6
@@ -127,7 +135,7 @@ OUTPUT = Record(
     force=("N", 3, "tension, shear along y and z, axes of the element"),
     moment_a=("N m", 3, "torsion, bending about y and z, at the first node"),
     moment_b=("N m", 3, "torsion, bending about y and z, at the second node"),
-    strain=("1", 3, "stretch, shear along y and z, u / l"),
+    strain=("1", 3, "stretch of the bent line, shear along y and z, u / l"),
     curvature=("1/m", 3, "twist, bending about y and z, theta / l"),
 )
 
@@ -197,10 +205,12 @@ def stiffness_row(
     shear_y, shear_z = section["shear"]
     k_y = 1.0 / (length**3 / (12.0 * E * I_z) + length / (shear_y * G * A))
     k_z = 1.0 / (length**3 / (12.0 * E * I_y) + length / (shear_z * G * A))
+    bending_z, bending_y = E * I_z / length, E * I_y / length
     return {
         "length": length,
         "stiffness": (E * A / length, k_y, k_z),
-        "turning_stiffness": np.array([G * section["torsion"], E * I_y, E * I_z]) / length,
+        "turning_stiffness": (G * section["torsion"] / length, bending_y, bending_z),
+        "bowing": (coefficient(k_y, bending_z, length), coefficient(k_z, bending_y, length)),
     }
 
 
@@ -225,15 +235,16 @@ def ends_row(
 
     T are its axes in those of the nodes, as columns.
     """
-    a, b = nodes
-    return {
-        "node_a": a,
-        "node_b": b,
-        "drag_a": card.drag * half / scene.mass[a],
-        "drag_b": card.drag * half / scene.mass[b],
-        "rate_a": fastest_rate(row, scene.mass[a], T.T @ scene.J[a].reshape(3, 3) @ T),
-        "rate_b": fastest_rate(row, scene.mass[b], T.T @ scene.J[b].reshape(3, 3) @ T),
-    }
+    ends: dict[str, Any] = {}
+    for end, node in zip("ab", nodes, strict=True):
+        mass, J = scene.mass[node], T.T @ scene.J[node].reshape(3, 3) @ T
+        ends |= {
+            f"node_{end}": node,
+            f"drag_{end}": card.drag * half / mass,
+            f"rate_{end}": fastest_rate(row, mass, J),
+            f"taut_{end}": rate_of_tension(row, mass, J),
+        }
+    return ends
 
 
 def rotary_inertia(section: dict[str, Any], material: dict[str, Any]) -> np.ndarray:
@@ -289,28 +300,6 @@ def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Any) -
     return np.column_stack([along, side, np.cross(along, side)])
 
 
-def fastest_rate(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
-    """Largest eigenvalue of M^-1 sum k D^T D of one node of a straight element [1/s^2].
-
-    The node has this mass and inertia (3, 3), axes of the element.
-    """
-    stiffness = (*row["stiffness"], *row["turning_stiffness"])
-    return _fastest_rate(float(row["length"]), stiffness, float(mass), J.tobytes())
-
-
-@lru_cache(maxsize=64)
-def _fastest_rate(length: float, stiffness: tuple[float, ...], mass: float, J: bytes) -> float:
-    """The same of plain values: elements of a beam have mostly the same."""
-    half, D = 0.5 * length, np.eye(6)
-    # shear along y turns about z, along z about y the other way
-    D[1, 5], D[2, 4] = half, -half
-    K = D.T @ np.diag(stiffness) @ D
-    M = np.zeros((6, 6))
-    M[:3, :3], M[3:, 3:] = mass * np.eye(3), np.frombuffer(J).reshape(3, 3)
-    inverse = np.linalg.inv(np.linalg.cholesky(M))
-    return float(np.linalg.eigvalsh(inverse @ K @ inverse.T)[-1])
-
-
 def forces_by_motions(p: Any, nodes: Any) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
@@ -329,7 +318,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def pull(p, out, a, b, R, v, w):
     """Forces on the nodes a and b of an element whose frame is R. Writes: a, b, out."""
-    y, u, theta, u_dot, theta_dot = deformation(p, a, b, R, v, w)
+    strained = deformation(p, a, b, R, v, w)
+    _, u, theta, u_dot, theta_dot, _, _ = strained
     f, energy, power = answer(p.stiffness, p.damping, u, u_dot)
     slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
     f, power = (f[0] + slow * u_dot[0], f[1], f[2]), power + slow * u_dot[0] * u_dot[0]
@@ -337,47 +327,54 @@ def pull(p, out, a, b, R, v, w):
     out.stored = energy + bending
     out.power = power + turning
     out.loss = 0.0
-    act(p, out, a, b, R, v, w, y, theta, f, m, slow)
+    act(p, out, a, b, R, v, w, strained, f, m, slow)
 
 
 @kernel
 def deformation(p, a, b, R, v, w):
-    """From a to b, u, theta and the rates of both, axes of R."""
+    """y, u, theta, rates of u and theta, slopes of the stretch (_bowing.stretched), rate of y."""
     eta = half_angle_over_sine(v, w)
     y = matvec_t(R, sub(vec(b.r), vec(a.r)))
     spin = matvec_t(R, sub(vec(b.w), vec(a.w)))
     mean = scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
-    u = (y[0] - p.length, y[1], y[2])
-    theta = scale(2.0 * eta, v)
-    u_dot = matvec_t(R, sub(vec(b.v), vec(a.v)))
-    u_dot = sub(u_dot, cross(sub(mean, swing_of(v, w, spin)), y))
-    return y, u, theta, u_dot, turned_rate(eta, v, spin)
+    theta, theta_dot = scale(2.0 * eta, v), turned_rate(eta, v, spin)
+    y_dot = matvec_t(R, sub(vec(b.v), vec(a.v)))
+    y_dot = sub(y_dot, cross(sub(mean, swing_of(v, w, spin)), y))
+    e, bent = stretched(p, y, theta)
+    e_dot = dot(bent[3], y_dot) + dot(bent[4], theta_dot)
+    u, u_dot = (e, y[1], y[2]), (e_dot, y_dot[1], y_dot[2])
+    return y, u, theta, u_dot, theta_dot, bent, y_dot
 
 
 @kernel
-def act(p, out, a, b, R, v, w, y, theta, f, m, slow):
+def act(p, out, a, b, R, v, w, strained, f, m, slow):
     """The force f and the moments m, which belong to u and theta, on both nodes.
 
     Writes: a, b, out.
     """
-    eta = half_angle_over_sine(v, w)
+    y, u, theta, _, _, bent, _ = strained
+    eta, tension = half_angle_over_sine(v, w), f[0]
+    f = add_scaled((0.0, f[1], f[2]), tension, bent[3])
+    m = add_scaled(m, tension, bent[4])
     # the force acts in both nodes; half of its moment about the other falls to each
     c = scale(0.5, cross(f, y))
     m = add(turned_rate(eta, v, m), scale(2.0, swing_of(v, w, c)))
     put(out.force, f)
     put(out.moment_a, sub(m, c))
     put(out.moment_b, add(m, c))
-    put(out.strain, scale(1.0 / p.length, (y[0] - p.length, y[1], y[2])))
+    put(out.strain, scale(1.0 / p.length, u))
     put(out.curvature, scale(1.0 / p.length, theta))
     f = matvec(R, f)
     add_to(a.force, f)
     add_to(a.torque, matvec(R, sub(m, c)))
     add_to(b.force, scale(-1.0, f))
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
-    # rows of a bent or stretched element are longer than those of a straight one
+    # rows of a bent or stretched element are longer than those of a straight one; that of its
+    # stretch gains what twice the tension of its bow would add
     growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
-    tell(a, growth * p.rate_a, p.damping, slow)
-    tell(b, growth * p.rate_b, p.damping, slow)
+    bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
+    tell(p, a, growth * p.rate_a, bow * p.taut_a, taut * p.taut_a, slow)
+    tell(p, b, growth * p.rate_b, bow * p.taut_b, taut * p.taut_b, slow)
 
 
 @kernel
@@ -397,10 +394,14 @@ def answer(stiffness, damping, x, x_dot):
 
 
 @kernel
-def tell(body, rate, damping, viscosity):
-    """Tell the step control of an element. Writes: body."""
-    body.stiffness += rate
-    body.damping += damping * rate + viscosity * body.mass_inv
+def tell(p, body, rate, bow, taut, viscosity):
+    """Tell the step control of an element, of its bow over E A / l, and of its tension.
+
+    Writes: body.
+    """
+    strained = rate + p.stiffness[0] * bow
+    body.stiffness += strained + taut
+    body.damping += p.damping * strained + viscosity * (body.mass_inv + bow)
 
 
 @kernel
@@ -428,15 +429,16 @@ def yield_rows(p, a, b, R, v, w, rows, first):
     if not (p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0):
         return
     eta = half_angle_over_sine(v, w)
-    y = matvec_t(R, sub(vec(b.r), vec(a.r)))
+    y, _, _, u_dot, _, bent, _ = deformation(p, a, b, R, v, w)
     for k in range(3):
-        e = unit(k)
+        e = bent[3] if k == 0 else unit(k)
         c = scale(0.5, cross(e, y))
         m = scale(2.0, swing_of(v, w, c))
+        if k == 0:
+            m = add(m, turned_rate(eta, v, bent[4]))
         damp(rows[first + k], R, e, sub(m, c), add(m, c), p.damping * p.stiffness[k])
-        m = turned_rate(eta, v, e)
+        m = turned_rate(eta, v, unit(k))
         damp(rows[first + 3 + k], R, ZERO, m, m, p.damping * p.turning_stiffness[k])
-    _, _, _, u_dot, _ = deformation(p, a, b, R, v, w)
     rows[first].damping += slope_of_viscosity(p, u_dot[0])
 
 

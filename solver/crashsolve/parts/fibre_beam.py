@@ -1,6 +1,6 @@
 """Fibre beam: the beam whose section yields, fibre by fibre.
 
-    N, M_y, M_z from fibres (_fibres.py) with eps_0 = u_x / l, kappa = theta / l
+    N, M_y, M_z from fibres (_fibres.py) with eps_0 = e / l, kappa = theta / l
     V_y = k_y u_y,   V_z = k_z u_z,   M_x = G J theta_x / l
 
 at the one point of an element, its middle. Shear and torsion are elastic, and torsion is free of
@@ -22,7 +22,7 @@ from crashsolve.deck.card import word
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, cross, dot, scale, sub
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub
 from crashsolve.parts import _fibres, beam
 from crashsolve.parts._beam_turn import bend_blocks
 from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
@@ -111,7 +111,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
     strained = beam.deformation(p, a, b, R, v, w)
-    y, u, theta, u_dot, theta_dot = strained
+    _, u, theta, u_dot, theta_dot, _, _ = strained
     strain, rate = at_section(p, strained)
     N, M_y, M_z, stored, lost = _fibres.resultants(p, old, new, h, curves, strain, rate)
     k, k_r = p.stiffness, p.turning_stiffness
@@ -128,7 +128,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.power = dot(lag, u_dot) + dot(turn, theta_dot)
     out.loss = lost * p.length
     new.work = old.work + out.loss
-    beam.act(p, out, a, b, R, v, w, y, theta, add(f, lag), add(m, turn), slow)
+    beam.act(p, out, a, b, R, v, w, strained, add(f, lag), add(m, turn), slow)
     beam.drag(p, out, nodes)
     out.plastic_work, out.plastic_strain = new.work, 0.0
     for i in range(p.count):
@@ -138,7 +138,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def at_section(p, strained):
     """Stretch and bending of the section, and their rates; of what beam.deformation tells."""
-    _, u, theta, u_dot, theta_dot = strained
+    _, u, theta, u_dot, theta_dot, _, _ = strained
     per = 1.0 / p.length
     strain = (per * u[0], per * theta[1], per * theta[2])
     return strain, (per * u_dot[0], per * theta_dot[1], per * theta_dot[2])
@@ -146,7 +146,7 @@ def at_section(p, strained):
 
 @kernel
 def yielding(p, old, curves, strained):
-    """What fibres have besides K: N, M_y, M_z, and derivatives by u_x, theta_y, theta_z (6 each).
+    """What fibres have besides K: N, M_y, M_z, and derivatives by e, theta_y, theta_z (6 each).
 
     Those by the rates of these follow.
     """
@@ -179,15 +179,16 @@ def tangent(p, state, nodes, curves, rows, first):
     strained = beam.deformation(p, a, b, R, v, w)
     _, _, by_rate = yielding(p, state, curves, strained)
     weight, side = _fibres.squares(by_rate)
-    resist_rate(rows[first], R, v, w, strained[0], (1.0, side[0], side[1]), weight[0])
-    resist_rate(rows[first + 1], R, v, w, strained[0], (0.0, 1.0, side[2]), weight[1])
-    resist_rate(rows[first + 2], R, v, w, strained[0], (0.0, 0.0, 1.0), weight[2])
+    resist_rate(rows[first], R, v, w, strained, (1.0, side[0], side[1]), weight[0])
+    resist_rate(rows[first + 1], R, v, w, strained, (0.0, 1.0, side[2]), weight[1])
+    resist_rate(rows[first + 2], R, v, w, strained, (0.0, 0.0, 1.0), weight[2])
 
 
 @kernel
-def resist_rate(row, R, v, w, y, flow, damping):
+def resist_rate(row, R, v, w, strained, flow, damping):
     """Tangent of N, M_y and M_z in this proportion. Writes: row."""
-    f, m = (flow[0], 0.0, 0.0), (0.0, flow[1], flow[2])
-    c = scale(0.5, cross(f, y))
+    bent = strained[5]
+    f, m = scale(flow[0], bent[3]), add_scaled((0.0, flow[1], flow[2]), flow[0], bent[4])
+    c = scale(0.5, cross(f, strained[0]))
     m = add(turned_rate(half_angle_over_sine(v, w), v, m), scale(2.0, swing_of(v, w, c)))
     beam.damp(row, R, f, sub(m, c), add(m, c), damping)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
 
+from crashsolve.apart import cores
 from crashsolve.deck.read import Deck, read_deck
 from crashsolve.foundation.errors import DeckError, ExitCode
 from crashsolve.foundation.streams import printable, say
@@ -25,7 +26,7 @@ from crashsolve.study.settings import (
     suited,
 )
 from crashsolve.study.table import csv_text, legend, text_table
-from crashsolve.study.trials import Trial, cores, run_all
+from crashsolve.study.trials import Trial, run_all
 from crashsolve.study.watch import Watch, ask, overall, watched
 
 # an overall number whose estimated error is below this is worth naming

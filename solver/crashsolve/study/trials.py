@@ -5,9 +5,7 @@ deck text and the same version, is not repeated.
 """
 
 import json
-import os
 import subprocess
-import sys
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -16,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import crashsolve
+from crashsolve.apart import reason, start, status_of
 from crashsolve.deck.read import read_deck
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 from crashsolve.study.settings import Series, Setting
@@ -83,44 +82,27 @@ def _trial(deck: Path, setting: Setting, overrides: Mapping[str, str], folder: P
         text = read_deck(deck, overrides).text
     except CrashsolveError as error:
         return Trial(setting, folder, int(error.exit_code), str(error).splitlines()[0])
-    status = _status(folder)
+    status = status_of(folder)
     if status.get("exit_code") in COMPLETE and _is_of(folder, text):
         return _finished(setting, folder, int(status["exit_code"]), "", was_kept=True)
-    words = [word for name, value in overrides.items() for word in ("--set", f"{name}={value}")]
-    done = subprocess.run(
-        [sys.executable, "-m", "crashsolve", "run", str(deck), "-o", str(folder), *words],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        errors="replace",
-    )
-    return _finished(setting, folder, done.returncode, done.stderr)
+    with start(deck, folder, overrides, False, subprocess.PIPE) as run:
+        _, errors = run.communicate()
+    return _finished(setting, folder, run.returncode, errors)
 
 
 def _finished(
     setting: Setting, folder: Path, code: int, errors: str, was_kept: bool = False
 ) -> Trial:
     """What the files of a run say of it."""
-    status = _status(folder)
+    status = status_of(folder)
     trial = Trial(setting, folder, code, was_kept=was_kept)
     if code in COMPLETE:
         trial.cycles = int(status["cycle"])
         trial.cpu, trial.cpu_steps = float(status["cpu"]), float(status.get("cpu_steps", nan))
         trial.message = str(status["message"])
-    elif errors.strip():
-        trial.message = errors.strip().splitlines()[-1]
-    elif code < 0:
-        trial.message = f"killed by signal {-code}"
+    else:
+        trial.message = reason(code, "", errors)
     return trial
-
-
-def _status(folder: Path) -> dict[str, Any]:
-    """status.json of a run; empty when there is none."""
-    try:
-        status = json.loads((folder / "status.json").read_text("utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return status if isinstance(status, dict) else {}
 
 
 def _is_of(folder: Path, text: str) -> bool:
@@ -146,8 +128,3 @@ def _mark_repeated(trials: list[Trial]) -> None:
             trial.message = "same steps as before: bound by samples, not by the setting"
         elif trial.is_good:
             before[series] = trial.cycles
-
-
-def cores() -> int:
-    """Cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

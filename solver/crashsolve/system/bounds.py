@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from crashsolve.model.ledger import ENTRIES
-from crashsolve.system.compose import group_arrays
 from crashsolve.system.diagnosis import chooses_step, limiter
 from crashsolve.system.engine import Engine
+from crashsolve.system.scene import group_arrays
 
 # more of one group on one body are looked at together
 MOST = 32
@@ -163,9 +163,9 @@ def _split(rows: np.ndarray) -> list[np.ndarray]:
 def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
     """The tables of a group with some of its rows alone."""
     return {
-        f"{group.word}_p": group.parameters[rows].copy(),
-        f"{group.word}_h": np.ascontiguousarray(group.history[:, rows]),
-        f"{group.word}_o": group.output[rows].copy(),
+        f"{group.word}_parameters": group.parameters[rows].copy(),
+        f"{group.word}_history": np.ascontiguousarray(group.history[:, rows]),
+        f"{group.word}_output": group.output[rows].copy(),
     }
 
 

@@ -26,14 +26,9 @@ from crashsolve.model.model import Model, State
 from crashsolve.model.nodal import give_room
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.model.pairs import renew
-from crashsolve.system.compose import (
-    compose,
-    group_arrays,
-    is_halved,
-    load,
-    samples_within_steps,
-)
+from crashsolve.system.compose import compose, load
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
+from crashsolve.system.scene import group_arrays, is_halved, samples_within_steps
 from crashsolve.system.sharing import arrays_of_second
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
@@ -70,10 +65,11 @@ class Engine:
         self.has_stages = len(state.stages) > 0
         self.is_dense = samples_within_steps(model)
         self.tableau = self._tableau()
-        self.stages = self._stages()
+        # rates at the stages of the last step
+        self.stages = {"stages": state.stages} if self.has_stages else {}
         # a sample within a step begins from the histories of the step's start
         kept = model.groups if self.is_dense else []
-        self._histories = {f"{g.word}_h": (g.history, g.history.copy()) for g in kept}
+        self._histories = {f"{g.word}_history": (g.history, g.history.copy()) for g in kept}
         self.bind()
         self._advance = load(compose(model), self._present)
         # asked now and then between two samples; may raise
@@ -119,16 +115,6 @@ class Engine:
         errors = np.zeros((method.ESTIMATES, len(self.nodes)), ESTIMATE.dtype)
         given = {"C": method.C, "E": method.E.ravel(), "D": method.DENSE.ravel()}
         return given | {"A": A.ravel(), "errors": errors}
-
-    def _stages(self) -> dict[str, np.ndarray]:
-        """Rates at the stages of the last step, and powers of force laws: samples need them."""
-        rows = len(self.state.stages)
-        if not rows:
-            return {}
-        stages = {"stages": self.state.stages}
-        for g in self.model.force_groups() if self.is_dense else []:
-            stages[f"{g.word}_w"] = np.zeros(rows * len(g.names))
-        return stages
 
     def start(self) -> None:
         """Forces and reactions of the initial state; energy from which the balance is counted."""

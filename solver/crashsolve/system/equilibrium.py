@@ -21,7 +21,6 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.foundation.posture import matrices, matrix, products
 from crashsolve.model import ledger as energy
 from crashsolve.model.model import Model, State
-from crashsolve.system import tension
 from crashsolve.system.balance import Forces, Work
 from crashsolve.system.diagnosis import curve_end
 from crashsolve.system.engine import Engine
@@ -66,7 +65,7 @@ class StaticEngine(Engine):
         self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
         self.notes: list[str] = []
         self.origin = state.nodes.copy()
-        self.flutters = self.overdrawn = False
+        self.flutters = False
         # of the last pass: K (6 n, 6 n) and D (m, 6 n)
         self.tangent: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -244,9 +243,6 @@ class StaticEngine(Engine):
         n = len(self.free)
         K, D = self.tangent
         mode, flutters = way_out(K, D, self._masses())
-        if self._is_overdrawn() and mode is not None:
-            K = K + tension.lack(self.model.groups, self.state.nodes, self.free)
-            mode, flutters = way_out(K, D, self._masses())
         if flutters and not self.flutters:
             self.flutters = True
             self.notes.append(
@@ -258,14 +254,6 @@ class StaticEngine(Engine):
             return ""
         most = np.abs(mode.reshape(n, 6)) * [*3 * [1.0], *3 * [self.model.size]]
         return self.name_of(int(self.free[most.max(axis=1).argmax()]))
-
-    def _is_overdrawn(self) -> bool:
-        """Whether an element of a beam is too long for its tension; tells it once."""
-        name = tension.overdrawn(self.model.groups)
-        if name and not self.overdrawn:
-            self.overdrawn = True
-            self.notes.append(tension.warning(name, float(self.clock.time)))
-        return bool(name)
 
     def _masses(self) -> np.ndarray:
         """Mass matrix (6 n, 6 n) of the free nodes, world axes."""

@@ -19,7 +19,6 @@ import numpy as np
 
 from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_TOO_SMALL, UNSOLVED
 from crashsolve.model.model import Model, State
-from crashsolve.system import tension
 from crashsolve.system.balance import EQUAL, ROUND
 from crashsolve.system.diagnosis import diagnose
 from crashsolve.system.equilibrium import AS_GOOD_AS_IT_GETS, NOWHERE, STEP, StaticEngine, nudge
@@ -144,24 +143,7 @@ class RestEngine(StaticEngine):
         self.pseudo = pseudo
         self._take_back(kept)
         count, node = ways_out(self.tableau["columns_0"])
-        is_overdrawn = self._is_overdrawn()
-        if count > 0 and is_overdrawn and self._is_small():
-            return self._way_out_with_tension(now)
         return self.name_of(node) if count > 0 else ""
-
-    def _is_small(self) -> bool:
-        """Whether the matrix can be judged as a whole: not too large, and of the free nodes."""
-        return 6 * len(self.free) <= tension.MOST_UNKNOWNS and not len(self.model.slaves)
-
-    def _way_out_with_tension(self, now: float) -> str:
-        """The same with what tension lends to elements that are too long to show it."""
-        nodes, n = self.state.nodes, len(self.free)
-        K = tension.assembled(self.tableau, len(self.rows), len(nodes), self.free)
-        K += tension.lack(self.model.groups, nodes, self.free)
-        mode, _ = way_out(K, self._imbalance(now)[1], self._masses())
-        if mode is None:
-            return ""
-        return self.name_of(int(self.free[np.abs(mode).reshape(n, 6).max(axis=1).argmax()]))
 
     def _way_out_of_bodies(self, now: float) -> str:
         """The same of bodies alone, where elements stand still; with all that turns forces."""

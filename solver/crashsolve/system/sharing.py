@@ -10,40 +10,6 @@ from crashsolve.model.elements import line_up
 from crashsolve.model.halves import JOB
 from crashsolve.system.crew import CALLED, HOME, TURNS
 
-# composed text of the second thread
-ASSIST = """\
-@entry
-def assist(until, sampling, scene):
-    clock, nodes, called = scene.clock[0], scene.nodes, 0
-    while True:
-        called = crew.wait(scene.turns, crew.CALLED, called)
-        if called == crew.HOME:
-            return
-        job = scene.job[0]
-        if job.number == crew.OPEN:
-            open_share(clock, job.h, scene)
-{loads}        elif job.number == crew.DEFORM:
-            clock.element_rate = 0.0
-            crew.lend(scene)
-            deform_share(clock, job.h, scene)
-        else:
-            clock.element_rate = 0.0
-            close_share(clock, job.h, nodes, scene)
-        crew.store_release(scene.turns, crew.DONE, called)
-"""
-
-# of it, where loads on elements are shared
-LOADS = """\
-        elif job.number == crew.LOAD:
-            crew.lend(scene)
-            load_share(job, scene)
-"""
-
-
-def assistant(model: Any) -> str:
-    """Text of the second thread."""
-    return ASSIST.format(loads=LOADS if model.element_loads() else "")
-
 
 def arrays_of_first(model: Any) -> dict[str, Any]:
     """What the two threads tell each other, and the first half."""
@@ -64,9 +30,9 @@ def arrays_of_second(model: Any, first: dict[str, Any]) -> dict[str, Any]:
     """Arrays of the second thread: the same but for what it must not share."""
     halves = model.elements.halves
     own = {f"{word}_share": rows for word, rows in halves.rows[1].items()}
-    own |= {f"{word}_p": rows for word, rows in halves.loads.items()}
+    own |= {f"{word}_parameters": rows for word, rows in halves.loads.items()}
     # of the ground, and of the history of a part, it writes nothing that counts
-    copies = [*(f"{g.word}_h" for g in model.element_groups()), "nodes"]
+    copies = [*(f"{g.word}_history" for g in model.element_groups()), "nodes"]
     return (
         first
         | own

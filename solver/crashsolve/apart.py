@@ -1,0 +1,51 @@
+"""Ordinary runs in processes of their own, and what their folders tell: for studies and sweeps."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import IO, Any
+
+
+def start(
+    deck: Path, folder: Path, overrides: Mapping[str, str], restart: bool, errors: int | IO[str]
+) -> subprocess.Popen[str]:
+    """Start a run; what it tells as errors goes to `errors`."""
+    words = [word for name, value in overrides.items() for word in ("--set", f"{name}={value}")]
+    words += ["--restart"] * restart
+    return subprocess.Popen(
+        [sys.executable, "-m", "crashsolve", "run", str(deck), "-o", str(folder), *words],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=errors,
+        text=True,
+        errors="replace",
+    )
+
+
+def status_of(folder: Path) -> dict[str, Any]:
+    """status.json of a run; empty when there is none."""
+    return table_in(folder / "status.json")
+
+
+def table_in(path: Path) -> dict[str, Any]:
+    """The table in a JSON file; empty when there is none."""
+    try:
+        found = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def reason(code: int, told: str, errors: str) -> str:
+    """Why a run ended with a code: what its status told, its last line of errors, or the signal."""
+    if code < 0:
+        return f"killed by signal {-code}"
+    return told or next(iter(reversed(errors.strip().splitlines())), "")
+
+
+def cores() -> int:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,49 @@
+"""The loop over time: steps and samples, the balance of energy, and why it ends.
+
+The same for every method; what a step and a sample are is said by its stepper (`rattle`,
+`_runge_kutta` or `_implicit`), in three functions.
+"""
+
+from crashsolve.foundation.compile import entry
+from crashsolve.foundation.saddle import Saddle
+from crashsolve.integrators.rattle import finish, prepare_sample, take_step
+from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING
+from crashsolve.system.energy import check
+from crashsolve.system.loops.energy import energy
+from crashsolve.system.loops.events import need_rebuild
+from crashsolve.system.scene import LOOKS_AHEAD
+
+
+@entry
+def advance(until, sampling, scene):
+    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
+
+    A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
+    """
+    clock, control, ledger = scene.clock[0], scene.control[0], scene.ledger
+    nodes, rows, curves = scene.nodes, scene.rows, scene.curves
+    saddle = Saddle(scene.columns, scene.blocks, scene.updates, scene.pairs)
+    clock.status = RUNNING
+    while clock.status == RUNNING and (sampling or clock.time < until):
+        h = 0.0
+        if sampling:
+            time = prepare_sample(until, clock, control, nodes, rows, saddle, curves, scene)
+        else:
+            if LOOKS_AHEAD and need_rebuild(clock, nodes, scene):
+                clock.status = REBUILD
+                return
+            time, h = take_step(until, clock, control, nodes, rows, saddle, curves, scene)
+            if clock.status != RUNNING:
+                return
+        finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene)
+        if sampling or clock.cycle % control.check_every == 0:
+            energy(clock, nodes, scene, ledger)
+            check(clock, control, nodes, ledger)
+        if sampling:
+            return
+        if curves[0].fault > 0:
+            clock.status = CURVE_END
+        elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
+            clock.status = PAUSED
+    if clock.status == RUNNING:
+        clock.status = REACHED

@@ -1,0 +1,1 @@
+"""A deck over many values of its parameters: plan, runs, table."""

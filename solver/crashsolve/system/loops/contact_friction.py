@@ -1,0 +1,52 @@
+"""Friction of one contact pair: of its slip, or of its slip and its spin together.
+
+In steps of kicks what is a damper near rest stops a slip at most, and is no stiffness for the
+length of the step; any other friction is.
+"""
+
+from crashsolve.foundation.compile import stage
+from crashsolve.system import areas, contacts, work
+from crashsolve.system.scene import KICK_DRIFT_KICK
+
+
+@stage
+def friction_in_point(group, clock, h, p, old, new, out, sides, n, slip, f, mass, way, curves):
+    """Friction against the slip: force, power, loss without a rate. Writes: new, out, m, w."""
+    m, w, d_a, d_b = sides
+    ease = 0.0
+    if KICK_DRIFT_KICK and group.friction_damps:
+        u = contacts.ahead(old, slip, n)
+        mob_t, mob_u = contacts.pair_mobility(m, w, d_a, d_b, u)
+        ease = contacts.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
+    slid = work.along_plane(way, n) if KICK_DRIFT_KICK else None
+    t, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
+        p, old, new, f, slip, slid, n, mass, ease, curves
+    )
+    if not (KICK_DRIFT_KICK and group.friction_damps):
+        u = contacts.along(t, slip, n)
+        mob_t, mob_u = contacts.pair_mobility(m, w, d_a, d_b, u)
+        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)
+    return t, power, loss
+
+
+@stage
+def friction_in_area(
+    group, clock, h, p, old, new, out, sides, n, slip, f, mass, motion, way, radius, curves
+):
+    """Friction against slip and spin, and the way of both; power, loss. Writes: new, out, m, w."""
+    m, w, d_a, d_b = sides
+    slip = areas.sliding(m, w, slip, n, radius)
+    ease = 0.0
+    glide = areas.way_of_sliding(motion, way, n, radius) if KICK_DRIFT_KICK else None
+    if KICK_DRIFT_KICK and group.friction_damps:
+        u = contacts.ahead(old, slip, n)
+        mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
+        ease = contacts.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
+    rub, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
+        p, old, new, f, slip, glide, areas.NO_TURN, mass, ease, curves
+    )
+    if not (KICK_DRIFT_KICK and group.friction_damps):
+        u = contacts.along(rub, slip, n)
+        mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
+        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)
+    return rub, glide, power, loss

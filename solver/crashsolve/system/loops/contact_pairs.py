@@ -1,0 +1,131 @@
+"""Contact pairs of one group: gap, normal force and friction, on both bodies.
+
+Sides that lie on each other over an area press in its points, each with its own closing speed, and
+friction may resist a spin (system/areas.py). A pair may go on by another face than the nearest
+(system/passing.py).
+"""
+
+from crashsolve.foundation.compile import kernel, stage
+from crashsolve.system import areas, contacts, passing, work
+from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
+from crashsolve.system.scene import KICK_DRIFT_KICK
+
+
+@kernel
+def contact_pairs(group, clock, h, nodes, curves, scene):
+    """Forces of all pairs of a group. Writes: nodes, scene.cards, outputs, new histories."""
+    params, history, output = group.parameters, group.history, group.output
+    counts = scene.card_history[1 - clock.current]
+    for i in range(params.shape[0]):
+        p, out = params[i], output[i]
+        old, new = history[clock.current, i], history[1 - clock.current, i]
+        a, b = group.elements_a[p.a], group.elements_b[p.b]
+        if hasattr(group.narrow, "bound"):
+            # where another pair of the card is deeper anyway, what the gap does not exceed
+            depth, n, x = group.narrow.bound(a, b, nodes, group.data), areas.NO_TURN, areas.NO_TURN
+            if depth > min(0.0, scene.cards[p.card].depth):
+                depth, n, x = group.narrow.gap(a, b, nodes, group.data)
+        else:
+            depth, n, x = group.narrow.gap(a, b, nodes, group.data)
+        if group.keeps_faces:
+            held, over, stored = False, -1.0, out.stored
+            if passing.is_another_face(old, depth, n, a.radius):
+                v_a = passing.velocity_at(nodes[a.node], x)
+                v_b = passing.velocity_at(nodes[b.node], x)
+                kept = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
+                if passing.keeps_face(old, v_a, v_b, n, kept):
+                    held = True
+                    depth, n, x, over = kept
+            if group.knows_middle and depth > a.radius:
+                over = max(over, depth - group.narrow.middle(a, b, nodes, n))
+            passing.note_face(clock, h, p, old, new, held, over, depth, n)
+        elif group.has_ends:
+            passing.note_way(clock, h, p, old, new, depth, n)
+        m, w = nodes[a.node], nodes[b.node]
+        motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
+        if KICK_DRIFT_KICK and group.resists_spin:
+            rubbed = areas.end_first_half(h, old, motion, m, counts[p.card])
+        elif KICK_DRIFT_KICK and group.friction:
+            rubbed = work.end_first_half(h, old, motion, m, counts[p.card])
+        elif KICK_DRIFT_KICK:
+            work.end_push(h, old, motion, m, counts[p.card])
+        if depth <= 0.0:
+            contacts.separate(clock, old, new, out, depth, x)
+            group.normal.release(p, old, new)
+            if group.keeps_faces:
+                new.dissipated += passing.given_up(clock, h, old, n, stored)
+            if group.friction:
+                group.friction.release(p, old, new)
+            if group.friction and KICK_DRIFT_KICK:
+                work.part_pair(old, new, rubbed)
+            contacts.sum_losses(scene.cards[p.card], new)
+            continue
+        press(
+            group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, nodes, curves, scene
+        )
+        if group.keeps_faces and old.held == 1 and not held:
+            # it leaves its own face sideways, deep within
+            new.dissipated += max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)
+        contacts.sum_losses(scene.cards[p.card], new)
+
+
+@stage
+def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, nodes, curves, scene):
+    """Forces of one pair in touch. Writes: nodes, scene.cards, output, new history."""
+    counts = scene.card_history[1 - clock.current]
+    rate, slip, d_a, d_b = contacts.closing(m, w, x, n)
+    contacts.latch(p, old, new, depth, rate, counts)
+    mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)
+    mass = 1.0 / (mob_a + mob_b)
+    if KICK_DRIFT_KICK:
+        felt = contacts.share_felt(old, depth, rate, h)
+    else:
+        felt = contacts.begun_before(clock, old, h)
+    if group.is_flat:
+        count, radius = group.narrow.patch(a, b, nodes, group.data, n, x)
+        if group.has_radius:
+            radius = max(radius, p.torsion_radius)
+    elif group.has_radius:
+        radius = p.torsion_radius
+    f, out.stored, power, loss, k, c = group.normal.normal_force(
+        p, old, new, h, depth, rate, mass, curves
+    )
+    if group.is_flat:
+        _, c_now = group.normal.normal_tangent(p, new, depth, rate, mass, curves)
+        spots = group.data[0]
+        f, more, x = areas.press(m, w, spots, count, n, x, felt, f, rate, c_now, k, c)
+        power += more
+        _, slip, d_a, d_b = contacts.closing(m, w, x, n)
+    elif group.has_shares:
+        # what the law returns is for the whole surface, of which this is one element
+        f, out.stored, power = a.share * f, a.share * out.stored, a.share * power
+        loss, k, c = a.share * loss, a.share * k, a.share * c
+    t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0
+    out.friction_stored = 0.0
+    sides = (m, w, d_a, d_b)
+    way = work.way_to(motion, m, x) if KICK_DRIFT_KICK else None
+    if group.resists_spin:
+        rub, glide, t_power, t_loss = friction_in_area(
+            group, clock, h, p, old, new, out, sides, n, slip, f, mass, motion, way, radius, curves
+        )
+        t = areas.along_surface(rub, n)
+    elif group.friction:
+        t, t_power, t_loss = friction_in_point(
+            group, clock, h, p, old, new, out, sides, n, slip, f, mass, way, curves
+        )
+    if group.is_flat:
+        contacts.touch(m, w, d_a, d_b, felt, 0.0, t, n, x, out)
+        areas.add_pressure(f, n, out)
+    else:
+        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)
+        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)
+    if group.resists_spin:
+        areas.twist(m, w, rub, n, radius, felt)
+    contacts.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)
+    contacts.sum_card(scene.cards[p.card], counts[p.card], p.order, felt, f, t, new, out)
+    if KICK_DRIFT_KICK and group.resists_spin:
+        areas.begin_second_half(felt, way, glide, f, rub, n, x, radius, out, new, counts[p.card])
+    elif KICK_DRIFT_KICK and group.friction:
+        work.begin_second_half(felt, way, f, t, n, x, out, new, counts[p.card])
+    elif KICK_DRIFT_KICK:
+        work.begin_push(felt, way, f, n, x, out, new, counts[p.card])

@@ -1,0 +1,126 @@
+"""Energies of the present state, entry by entry of the ledger (model/ledger.py)."""
+
+from crashsolve.foundation.compile import kernel, stage
+from crashsolve.model.ledger import (
+    CONTACT_DISSIPATED,
+    CONTACT_STORED,
+    DRILLING,
+    DRIVER_WORK,
+    ELASTIC,
+    ERODED,
+    FRICTION_DISSIPATED,
+    FRICTION_STORED,
+    HOURGLASS,
+    KINETIC,
+    PART_DAMPING,
+    PLASTIC,
+)
+from crashsolve.system import points
+from crashsolve.system.energy import clear_ledger, close_ledger
+from crashsolve.system.kinetics import kinetic_energy
+from crashsolve.system.scene import (
+    ASSEMBLED,
+    CONTACTS,
+    DENSE,
+    ELEMENTS,
+    FORCES,
+    NODAL,
+    SEARCHES,
+)
+
+
+@kernel
+def energy(clock, nodes, scene, ledger):
+    """Energies of the present state. Writes: ledger."""
+    clear_ledger(ledger)
+    ledger[KINETIC] = kinetic_energy(nodes)
+    add_laws(clock, scene, ledger)
+    add_elements(clock, scene, ledger)
+    if ELEMENTS:
+        points.guard(clock, nodes, scene.points)
+    add_contacts(clock, scene, ledger)
+    add_nodal_contacts(scene, ledger)
+    ledger[DRIVER_WORK] = clock.driver_work
+    close_ledger(ledger)
+
+
+@stage
+def add_laws(clock, scene, ledger):
+    """What springs, beams and loads hold, and have lost, in the entries of their kind."""
+    for group in FORCES:
+        for i in range(group.output.shape[0]):
+            ledger[group.stored_entry] += group.output[i].stored
+            if group.has_work:
+                # of what an element has lost, plastic work is one part and damping the other
+                ledger[PLASTIC] += group.history[clock.current, i].work
+                ledger[group.lost_entry] += (
+                    group.history[clock.current, i].dissipated
+                    - group.history[clock.current, i].work
+                )
+            elif group.lost_entry is not None:
+                ledger[group.lost_entry] += group.history[clock.current, i].dissipated
+
+
+@stage
+def add_elements(clock, scene, ledger):
+    """What the elements of shells hold, and have lost. Writes: ledger."""
+    for group in ELEMENTS:
+        for i in range(group.output.shape[0]):
+            o, new = group.output[i], group.history[clock.current, i]
+            group.law.energies(group.parameters[i], new, o, scene)
+            for kind in group.kinds:
+                kind.add_energies(group.parameters[i], o, scene)
+            if not ASSEMBLED:
+                # points of implicit steps are bodies
+                ledger[KINETIC] += o.kinetic
+            ledger[ELASTIC] += o.strain
+            ledger[HOURGLASS] += o.hourglass
+            ledger[DRILLING] += o.drilling
+            ledger[PLASTIC] += o.plastic
+            ledger[PART_DAMPING] += o.drag + o.damping
+            ledger[ERODED] += o.eroded
+
+
+@stage
+def add_contacts(clock, scene, ledger):
+    """What contacts hold, and have lost, with what left the lists of near pairs."""
+    for group in CONTACTS:
+        for i in range(group.output.shape[0]):
+            o, old = group.output[i], group.history[clock.current, i]
+            ledger[CONTACT_STORED] += o.stored
+            ledger[FRICTION_STORED] += o.friction_stored
+            ledger[CONTACT_DISSIPATED] += old.dissipated
+            ledger[FRICTION_DISSIPATED] += old.friction_dissipated
+    if SEARCHES:
+        for i in range(scene.cards.shape[0]):
+            card = scene.card_history[clock.current, i]
+            ledger[CONTACT_DISSIPATED] += card.left_dissipated
+            ledger[FRICTION_DISSIPATED] += card.left_friction_dissipated
+
+
+@stage
+def add_nodal_contacts(scene, ledger):
+    """What contacts of the nodes of shells hold, and have lost. Writes: ledger."""
+    for group in NODAL:
+        ledger[CONTACT_STORED] += group.tally[0].stored
+        ledger[CONTACT_DISSIPATED] += group.tally[0].dissipated
+        if group.friction:
+            ledger[FRICTION_STORED] += group.tally[0].bristled
+            ledger[FRICTION_DISSIPATED] += group.tally[0].rubbed
+
+
+@kernel
+def sum_powers(current, h, scene):
+    """Energy dissipated since the start of a step of h, by dense output. Writes: new histories."""
+    if DENSE:
+        # the last row of the tableau has the weights of the sample
+        total = scene.stages.shape[0]
+        first = total * (total - 1)
+        for group in FORCES:
+            history, powers = group.history, group.powers
+            count = history.shape[1]
+            for i in range(count):
+                lost = scene.A[first] * history[current, i].power
+                for j in range(1, total - 1):
+                    lost += scene.A[first + j] * powers[count * j + i]
+                history[1 - current, i].dissipated += h * lost

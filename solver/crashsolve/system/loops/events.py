@@ -1,0 +1,104 @@
+"""What begins within a step: onsets of contact, branches of laws, lists of pairs to renew."""
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.system import areas, contacts, faces, nodal
+from crashsolve.system.scene import BRANCHES, CONTACTS, KICK_DRIFT_KICK, NODAL, SLIDING
+
+
+@kernel
+def approach(current, nodes, scene):
+    """Largest depth of what did not touch at the start of the step [m]; negative is a gap.
+
+    Where ends of contacts are located too: and largest gap of what did touch.
+    """
+    deepest = -1e300
+    for group in CONTACTS:
+        params, history = group.parameters, group.history
+        for i in range(params.shape[0]):
+            if not KICK_DRIFT_KICK:
+                # a method of high order feels the kink at the end of a contact too
+                a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
+                depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+                deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
+            elif history[current, i].active == 0:
+                a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
+                if hasattr(group.narrow, "bound"):
+                    if group.narrow.bound(a, b, nodes, group.data) > deepest:
+                        depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+                        deepest = max(deepest, depth)
+                else:
+                    depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+                    deepest = max(deepest, depth)
+    return deepest
+
+
+@kernel
+def approach_before(current, scene):
+    """The same at the start of the step [m]."""
+    deepest = -1e300
+    for group in CONTACTS:
+        history = group.history
+        for i in range(history.shape[1]):
+            depth = history[current, i].depth
+            if not KICK_DRIFT_KICK:
+                deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
+            elif history[current, i].active == 0:
+                deepest = max(deepest, depth)
+    return min(deepest, 0.0)
+
+
+@kernel
+def beyond(current, h, nodes, curves, scene):
+    """How far laws are past the branches on which a step of h began [m or rad]; 0: not yet."""
+    farthest = -1e300
+    for group in BRANCHES:
+        p, history = group.parameters, group.history
+        for i in range(p.shape[0]):
+            past = group.law.beyond(p[i], history[current, i], h, nodes, curves)
+            farthest = max(farthest, past)
+    for pairs in SLIDING:
+        params, history = pairs.parameters, pairs.history
+        for i in range(params.shape[0]):
+            p, old = params[i], history[current, i]
+            if old.active == 1:
+                a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
+                depth, n, x = pairs.narrow.gap(a, b, nodes, pairs.data)
+                if pairs.keeps_faces and old.held == 1:
+                    depth, n, x, _ = pairs.narrow.gap_by(a, b, nodes, pairs.data, old.normal)
+                if depth > 0.0:
+                    _, slip, _, _ = contacts.closing(nodes[a.node], nodes[b.node], x, n)
+                    if pairs.is_flat:
+                        count, radius = pairs.narrow.patch(a, b, nodes, pairs.data, n, x)
+                        if pairs.has_radius:
+                            radius = max(radius, p.torsion_radius)
+                    elif pairs.has_radius:
+                        radius = p.torsion_radius
+                    if pairs.resists_spin:
+                        slip = areas.sliding(nodes[a.node], nodes[b.node], slip, n, radius)
+                    past = h * pairs.friction.regime_left(p, old, slip)
+                    farthest = max(farthest, past)
+    return farthest
+
+
+@kernel
+def need_rebuild(clock, nodes, scene):
+    """Whether the next step might touch a pair that is not in the list. Writes: clock.next_step."""
+    stale = False
+    for probes in NODAL:
+        nodal.hold_back(clock, probes.p[0], probes.tally[0])
+        if probes.narrow is None:
+            stale |= faces.is_crowded(probes.p[0], probes.tally[0])
+    for group in CONTACTS:
+        if group.search is not None:
+            stale |= contacts.strayed(clock, group.elements_a, nodes, group.seen_a, group.slack[0])
+            stale |= contacts.strayed(clock, group.elements_b, nodes, group.seen_b, group.slack[0])
+        elif group.looks_ahead:
+            contacts.hold_back(
+                clock,
+                group.parameters,
+                group.history,
+                group.elements_a,
+                group.elements_b,
+                nodes,
+            )
+    return stale

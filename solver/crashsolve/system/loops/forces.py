@@ -1,0 +1,118 @@
+"""Applied forces: one pass over attachments, elements, laws between bodies, and contacts.
+
+The order is fixed: what elements and nodes of shells do stands before what needs it.
+"""
+
+from crashsolve.foundation.compile import kernel, stage
+from crashsolve.system import contact_times, contacts, crew, nodal, rubbing, slaves
+from crashsolve.system.energy import lose
+from crashsolve.system.loops.contact_pairs import contact_pairs
+from crashsolve.system.loops.elements import move_elements, move_points
+from crashsolve.system.loops.node_to_shape import node_to_shape
+from crashsolve.system.loops.node_to_surface import node_to_surface
+from crashsolve.system.loops.unilateral import find_touching
+from crashsolve.system.scene import (
+    ASSEMBLED,
+    ATTACHMENTS,
+    CONTACTS,
+    DENSE,
+    ELEMENTS,
+    FOLLOWERS,
+    FORCES,
+    KICK_DRIFT_KICK,
+    NODAL,
+    NODAL_DAMPERS,
+    PAIR_DAMPERS,
+    TWO_THREADS,
+)
+
+
+@kernel
+def force_pass(clock, time, h, nodes, rows, curves, scene):
+    """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
+    if ATTACHMENTS:
+        slaves.carry(scene.slaves, nodes)
+    if ELEMENTS:
+        move_elements(clock, h, nodes, scene)
+    apply_laws(clock, time, h, nodes, rows, curves, scene)
+    if CONTACTS or NODAL:
+        apply_contacts(clock, time, h, nodes, curves, scene)
+    if ELEMENTS:
+        if not ASSEMBLED:
+            # that of the mesh takes the place of that of its elements
+            clock.element_rate = 0.0
+        move_points(clock, h, nodes, scene)
+    if NODAL:
+        nodal.hasten(clock, scene)
+    if ATTACHMENTS:
+        slaves.collect(scene.slaves, nodes)
+
+
+@stage
+def apply_laws(clock, time, h, nodes, rows, curves, scene):
+    """Forces of springs, beams and loads. Writes: nodes, outputs, new histories."""
+    for group in FORCES:
+        p, history, out = group.parameters, group.history, group.output
+        for i in range(p.shape[0]):
+            old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]
+            group.law.force(p[i], old, new, o, time, h, nodes, rows, curves)
+            if ELEMENTS and hasattr(group.law, "force_on_points"):
+                if group.members is None:
+                    group.law.force_on_points(p[i], old, new, o, time, h, nodes, curves, scene)
+                else:
+                    group.law.force_on_points(
+                        p[i], old, new, o, time, h, nodes, curves, scene, group.members
+                    )
+            if hasattr(group.law, "load_half"):
+                if TWO_THREADS:
+                    crew.call_for_load(i, clock.current, h, scene)
+                    group.law.load_half(p[i], 0, old, o, h, scene)
+                    crew.wait_for_second(scene)
+                    crew.take_back(clock, scene)
+                    group.law.add_up(o, h, nodes, scene.work)
+                    group.law.add_up(o, h, nodes, scene.second_work)
+                else:
+                    group.law.load_half(p[i], 0, old, o, h, scene)
+                    group.law.add_up(o, h, nodes, scene.work)
+                    group.law.load_half(p[i], 1, old, o, h, scene)
+                    group.law.add_up(o, h, nodes, scene.work)
+            lose(clock, old, new, o.power, o.loss)
+            if DENSE:
+                group.powers[clock.stage * p.shape[0] + i] = o.power
+    for group in FOLLOWERS:
+        p, history, out = group.parameters, group.history, group.output
+        for i in range(p.shape[0]):
+            old, new = history[clock.current, i], history[1 - clock.current, i]
+            group.law.follow(p[i], old, new, out[i], nodes)
+
+
+@stage
+def apply_contacts(clock, time, h, nodes, curves, scene):
+    """Forces of all contacts. Writes: nodes, scene.cards, outputs, new histories."""
+    contacts.open_cards(scene.cards)
+    contacts.carry_onsets(clock.current, scene.card_history)
+    if KICK_DRIFT_KICK and PAIR_DAMPERS:
+        contacts.open_rubbing(nodes)
+    for group in CONTACTS:
+        if group.captures:
+            find_touching(group, clock, h, nodes, scene)
+        else:
+            contact_pairs(group, clock, h, nodes, curves, scene)
+    if NODAL:
+        apply_nodal_contacts(clock, h, nodes, curves, scene)
+    contacts.close_cards(clock, scene.cards, scene.card_history)
+    contact_times.time_cards(time, h, clock, scene.cards, scene.card_history)
+
+
+@stage
+def apply_nodal_contacts(clock, h, nodes, curves, scene):
+    """Forces of contacts of the nodes of shells. Writes: as above, scene.points."""
+    if NODAL_DAMPERS:
+        rubbing.open_rubbing(h, scene)
+    nodal.open_loads(scene)
+    for group in NODAL:
+        if group.narrow is None:
+            node_to_surface(group, clock, h, nodes, curves, scene)
+        else:
+            node_to_shape(group, clock, h, nodes, curves, scene)
+    nodal.close_loads(scene)

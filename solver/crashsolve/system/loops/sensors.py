@@ -1,0 +1,36 @@
+"""Readings of all sensors at a sample."""
+
+from crashsolve.foundation.compile import kernel, stage
+from crashsolve.parts import _cut
+from crashsolve.system import points
+from crashsolve.system.scene import ELEMENTS, SECTIONS, SENSORS
+
+
+@kernel
+def measure(time, nodes, rows, curves, scene):
+    """Readings of all sensors. Writes: outputs."""
+    if ELEMENTS:
+        points.add_up_motion(scene.points, scene.motion[0])
+    if SECTIONS:
+        cut_elements(scene)
+    for group in SENSORS:
+        p, out = group.parameters, group.output
+        for i in range(p.shape[0]):
+            group.law.measure(p[i], out[i], time, nodes, rows, curves)
+
+
+@stage
+def cut_elements(scene):
+    """Blocks of the elements of sections once more, one after the other. Writes: scene.cuts."""
+    _cut.open_cuts(scene)
+    before = -1
+    for k in range(scene.taps.shape[0]):
+        tap = scene.taps[k]
+        if tap.first != before:
+            for group in ELEMENTS:
+                for number, kind in group.numbered_kinds:
+                    if tap.kind == number:
+                        kind.respond(group.parameters[tap.part], 0.0, tap.first, tap.corner, scene)
+        before = tap.first
+        _cut.add_tap(tap, scene)
+    _cut.close_cuts(scene)

@@ -1,0 +1,63 @@
+"""Tangents of laws and elements, for implicit methods."""
+
+from crashsolve.foundation.compile import kernel, stage
+from crashsolve.system import assembled, stiffness
+from crashsolve.system.loops.contact_tangents import contact_tangents
+from crashsolve.system.scene import ELEMENTS, TANGENT_CONTACTS, TANGENTS
+
+
+@kernel
+def tangents(clock, nodes, curves, compliant, scene):
+    """Tangents of all springs and contacts. Writes: compliant."""
+    for k, group in enumerate(TANGENTS):
+        p, history = group.parameters, group.history
+        first = scene.tangents[k].first
+        for i in range(p.shape[0]):
+            at = first + group.law.TANGENTS * i
+            group.law.tangent(p[i], history[clock.current, i], nodes, curves, compliant, at)
+    for k, pairs in enumerate(TANGENT_CONTACTS, len(TANGENTS)):
+        first = scene.tangents[k].first
+        contact_tangents(pairs, first, clock, nodes, curves, compliant, scene)
+
+
+@kernel
+def bend(h, clock, nodes, curves, matrix, scene):
+    """Tangents of shells after a step of h; what turns forces of beams, springs. Writes: matrix."""
+    assembled.open_blocks(nodes, matrix)
+    if ELEMENTS:
+        stiffen_elements(h, nodes, matrix, scene)
+    for k, group in enumerate(TANGENTS):
+        if hasattr(group.law, "bend"):
+            p, history, out = group.parameters, group.history, group.output
+            first = scene.tangents[k].first
+            for i in range(p.shape[0]):
+                place = matrix.pairs[first + group.law.TANGENTS * i]
+                old = history[clock.current, i]
+                group.law.bend(p[i], old, nodes, curves, place, matrix.blocks)
+        if hasattr(group.law, "turn_force"):
+            p, out = group.parameters, group.output
+            first = scene.tangents[k].first
+            for i in range(p.shape[0]):
+                place = matrix.pairs[first + group.law.TANGENTS * i]
+                group.law.turn_force(p[i], out[i], nodes, place, matrix.blocks)
+
+
+@stage
+def stiffen_elements(h, nodes, matrix, scene):
+    """Stiffness of shells after a step of h. Writes: matrix."""
+    stiffness.take_back(h, scene)
+    stiffness.reach(nodes, scene)
+    for group in ELEMENTS:
+        p = group.parameters
+        for i in range(p.shape[0]):
+            for kind in group.tangent_kinds:
+                kind.tangent(p[i], h, scene, matrix)
+
+
+@kernel
+def renew(h, clock, nodes, rows, curves, compliant, matrix, t, tt, scene):
+    """All tangents and the factor, at the present place. Writes: matrix, compliant."""
+    tangents(clock, nodes, curves, compliant, scene)
+    bend(h, clock, nodes, curves, matrix, scene)
+    assembled.linearise(rows, compliant, nodes, t, tt)
+    assembled.factor_compliant(matrix, compliant, rows.shape[0], tt, t)

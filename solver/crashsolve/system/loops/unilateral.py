@@ -1,0 +1,93 @@
+"""Unilateral constraints: impulses on what touches, in both halves of a step (captures.py)."""
+
+from crashsolve.foundation.compile import kernel, stage
+from crashsolve.model.clock import UNHELD
+from crashsolve.system import captures, contact_times
+from crashsolve.system.scene import UNILATERAL
+
+
+@kernel
+def find_touching(group, clock, h, nodes, scene):
+    """What is held, and where, of the pairs of one group. Writes: new histories, outputs."""
+    params, history, output = group.parameters, group.history, group.output
+    for i in range(params.shape[0]):
+        old, new = history[clock.current, i], history[1 - clock.current, i]
+        a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
+        depth, n, x = group.narrow.gap(a, b, nodes, group.data)
+        m, w = nodes[a.node], nodes[b.node]
+        captures.look(clock, h, old, new, output[i], m, w, depth, n, x)
+
+
+@stage
+def sweep(is_half, is_blow, clock, nodes, scene):
+    """Sweeps over the pairs of all groups until their impulses agree. Writes: histories, nodes."""
+    for _ in range(captures.SWEEPS):
+        change, most = 0.0, 0.0
+        for group in UNILATERAL:
+            change, most = captures.sweep(
+                is_half,
+                is_blow,
+                clock.current,
+                group.parameters,
+                group.history,
+                (group.elements_a, group.elements_b),
+                nodes,
+                change,
+                most,
+            )
+        if change <= captures.SETTLED * most:
+            break
+
+
+@kernel
+def hold(h, clock, control, nodes, scene):
+    """Impulses in the first half of a step on what is held. Writes: nodes, new histories."""
+    for group in UNILATERAL:
+        captures.forget(clock.current, group.history)
+    worst = 0.0
+    for _ in range(captures.PASSES):
+        sweep(True, False, clock, nodes, scene)
+        worst = 0.0
+        for group in UNILATERAL:
+            params, history = group.parameters, group.history
+            sides = (group.elements_a, group.elements_b)
+            captures.drift_held(clock.current, h, params, history, sides, nodes)
+            for i in range(params.shape[0]):
+                old, new = history[clock.current, i], history[1 - clock.current, i]
+                if old.active == 1:
+                    a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
+                    depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+                    worst = max(worst, captures.aim(old, new, depth, h))
+        if worst <= captures.CLOSED * control.length:
+            break
+    if not worst <= captures.CLOSED * control.length:
+        clock.status, clock.value = UNHELD, worst
+    for group in UNILATERAL:
+        sides = (group.elements_a, group.elements_b)
+        captures.rub_open(clock.current, group.parameters, group.history, sides, nodes)
+
+
+@kernel
+def react(h, clock, nodes, scene):
+    """Impulses in the second half, and on what has just touched. Writes: nodes, new histories."""
+    if h > 0.0:
+        sweep(False, False, clock, nodes, scene)
+        fresh = 0
+        for group in UNILATERAL:
+            params, history = group.parameters, group.history
+            sides = (group.elements_a, group.elements_b)
+            fresh += captures.note_reactions(h, clock.current, params, history, sides, nodes)
+        if fresh > 0:
+            sweep(False, True, clock, nodes, scene)
+        for group in UNILATERAL:
+            params, history = group.parameters, group.history
+            sides = (group.elements_a, group.elements_b)
+            captures.note_blows(clock.current, params, history, sides, nodes, scene.card_history)
+    for group in UNILATERAL:
+        params, history, output = group.parameters, group.history, group.output
+        sides = (group.elements_a, group.elements_b)
+        captures.settle(
+            h, clock, params, history, output, sides, nodes, scene.cards, scene.card_history
+        )
+    time = clock.time + h
+    contact_times.time_cards(time, h, clock, scene.cards, scene.card_history)

@@ -1,0 +1,65 @@
+"""Claim: many runs that start together on one empty cache compile their scene once."""
+
+import os
+import subprocess
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from command import arguments, crashsolve, environment
+
+WAGON = Path(__file__).resolve().parents[2] / "decks" / "queue" / "wagon.yaml"
+TOGETHER = 16
+# in every process of Python: the compiler's tell which file they are to make
+TELL = """
+import os, sys
+if "crashsolve.foundation.compiler" in sys.orig_argv:
+    at = sys.orig_argv.index("crashsolve.foundation.compiler")
+    with open(os.environ["COMPILED"], "a") as file:
+        file.write(sys.orig_argv[at + 2] + "\\n")
+"""
+
+pytestmark = pytest.mark.long
+
+
+def counting(folder: Path) -> dict[str, str]:
+    """What makes runs use a cache of their own, and tell of every compilation."""
+    (folder / "sitecustomize.py").write_text(TELL, "utf-8")
+    search = os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH", ""))))
+    cache, told = folder / "cache", folder / "compiled.txt"
+    return {"PYTHONPATH": search, "CRASHSOLVE_CACHE": str(cache), "COMPILED": str(told)}
+
+
+def compilations(folder: Path) -> Counter[str]:
+    return Counter((folder / "compiled.txt").read_text("utf-8").split())
+
+
+def test_runs_that_start_together_compile_once(tmp_path: Path) -> None:
+    changes = counting(tmp_path)
+    runs = [
+        subprocess.Popen(
+            arguments(WAGON, "-o", tmp_path / f"{k}", "--set", "control.estimate=off"),
+            stdout=subprocess.DEVNULL,
+            env=environment(**changes),
+        )
+        for k in range(TOGETHER)
+    ]
+    assert [run.wait(1800) for run in runs] == [0] * TOGETHER
+    found = compilations(tmp_path)
+    assert found and set(found.values()) == {1}, found
+
+
+def test_the_runs_of_a_sweep_compile_once(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.yaml"
+    speeds = ", ".join(f'"{5 + k} km/h"' for k in range(TOGETHER))
+    plan.write_text(
+        f"deck: {os.path.relpath(WAGON, tmp_path)}\ndesign: list\nvary: {{speed: [{speeds}]}}\n"
+        'set: {control.estimate: "off"}\n'
+        "measure: [{name: peak, channel: rcforc.buffer.normal, statistic: max}]\n",
+        "utf-8",
+    )
+    words = ("sweep", plan, "-o", tmp_path / "out", "--jobs", TOGETHER)
+    done = crashsolve(*words, **counting(tmp_path))
+    assert done.returncode == 0, done.stdout + done.stderr
+    found = compilations(tmp_path)
+    assert found and set(found.values()) == {1}, found

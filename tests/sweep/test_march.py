@@ -1,0 +1,71 @@
+"""Claim: one line tells how far all runs are; a run that another process holds is waited for."""
+
+import threading
+import time
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+
+from crashsolve.output.lock import Lock, is_held
+from crashsolve.sweep.folder import Look, Mark, Run, note
+from crashsolve.sweep.march import March, Worker
+
+MARK = Mark("deck", "files", "version")
+
+
+def run(number: int) -> Run:
+    return Run(number, {"a": str(number)}, {"a": str(number)}, MARK)
+
+
+def march(folder: Path) -> March:
+    return March(Path("deck.yaml"), folder, 2, lambda run: ())
+
+
+def test_one_line_tells_of_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = march(tmp_path)
+    found.go([])
+    found.states = {1: Look("finished"), 2: Look("finished"), 3: Look("failed", "why")}
+    nobody = cast(Any, None)
+    workers = [Worker(run(4), nobody, share=0.5), Worker(run(5), nobody, share=0.25)]
+    # 3.75 of 10 runs in 15 s
+    found._count, found._ended, found._begun = 10, 3, time.monotonic() - 15.0
+    told = found._progress(workers, 5)
+    assert told == "1 failed, 2 finished; running 0004 50 %, 0005 25 %; 5 waiting; 25 s left"
+
+
+def test_a_lock_is_shared_or_alone(tmp_path: Path) -> None:
+    assert not is_held(tmp_path)
+    others = pytest.raises(Exception, match="another run writes")
+    with Lock(tmp_path, is_shared=True), Lock(tmp_path, is_shared=True), others:
+        Lock(tmp_path)
+    with Lock(tmp_path):
+        assert is_held(tmp_path)
+        with pytest.raises(Exception, match="another run writes"):
+            Lock(tmp_path, is_shared=True)
+    assert not is_held(tmp_path)
+
+
+def test_a_run_that_another_process_holds_is_waited_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = run(1).folder(tmp_path)
+    folder.mkdir(parents=True)
+    held = Lock(folder)
+
+    def end() -> None:
+        # what a run leaves that ends so
+        note(tmp_path, run(1), "running")
+        (folder / "status.json").write_text('{"state": "failed", "exit_code": 4, "message": "m"}')
+        held.__exit__()
+
+    timer = threading.Timer(0.5, end)
+    timer.start()
+    found = march(tmp_path)
+    found.go([run(1)])
+    timer.join()
+    assert found.states[1] == Look("failed", "m")
+    assert capsys.readouterr().out.splitlines() == [
+        "  0001 runs in another process: waiting for its end",
+        "  0001 failed, exit code 4: m",
+    ]
