@@ -153,10 +153,9 @@ def _compare(options: argparse.Namespace) -> int:
     during = _ends(options.during, "--during")
     named = names(results)
     rated = rating_rows(results, named, words, options.test, during)
-    if len(results) > 1 or not options.test:
-        found = compare(results, words)
-    else:
-        found = Compared([], [])
+    # one result alone may be rated against a test
+    is_alone = len(results) == 1 and bool(options.test)
+    found = Compared([], []) if is_alone else compare(results, words)
     parts = [differences_text(found, named, tolerance, everything=options.all), ratings_text(rated)]
     print(printable_lines("\n\n".join(part for part in parts if part)))
     if options.output:

@@ -1,6 +1,6 @@
 """Results side by side: how far channels differ, over the range that they have.
 
-    difference = max |b - a| / max(range of a and b, 1e-6 of the largest of their kind)
+    difference = max |b - a| / max(range of a and b, 1e-6 of the largest of their dimension)
 
 on the sample times of both, straight lines between them, in the time that both cover. The floor
 keeps round-off, such as a momentum that should be zero, from counting as a difference.
@@ -14,12 +14,11 @@ import numpy as np
 from crashpost.choice import choices
 from crashpost.errors import PostError
 from crashpost.result import Result
-from crashpost.words import is_name
-from crashsolve.channels.display import factor, measure_the_same
+from crashsolve.channels.display import Product, factor, is_convertible
 from crashsolve.channels.series import Series
 
-# of the largest value of a quantity in its family: less is round-off
-FLOOR = 1e-6
+# of the largest value of its dimension in the results, and in SI: less is round-off
+FLOOR, NOTHING = 1e-6, 1e-12
 # what tells of the computation, not of what was computed
 NUMERICS = (
     *("glstat.model.step", "glstat.model.cycle", "glstat.model.residual", "glstat.model.balance"),
@@ -99,31 +98,30 @@ def _times(first: Result, other: Result) -> list[str]:
     return [f"compared in the time of both: {' and '.join(told)}"]
 
 
-def _floors(first: Result, other: Result, names: Sequence[str]) -> dict[str, float]:
-    """Of each quantity of a family the size below which differences are round-off."""
-    floors: dict[str, float] = {}
-    for name in filter(is_name, names):
-        size = max(
-            float(np.max(np.abs(r.series(name).values), initial=0.0)) for r in (first, other)
-        )
-        kind = _kind(name)
-        floors[kind] = max(floors.get(kind, 0.0), FLOOR * size)
+def _floors(first: Result, other: Result, names: Sequence[str]) -> dict[object, float]:
+    """Of each dimension the size below which differences are round-off."""
+    floors: dict[object, float] = {}
+    for series in (result.series(name) for name in names for result in (first, other)):
+        kind, size = _dimension(series.unit)
+        largest = size * float(np.max(np.abs(series.values), initial=0.0))
+        floors[kind] = max(floors.get(kind, NOTHING), FLOOR * largest)
     return floors
 
 
-def _kind(name: str) -> str:
-    """Family and quantity: rcforc force of rcforc.left.force.x; of expressions themselves."""
-    if not is_name(name):
-        return name
-    family, _, column = name.split(".", 2)
-    return f"{family} {column.partition('.')[0]}"
+def _dimension(unit: str) -> tuple[object, float]:
+    """What a unit measures, and its size in SI; of an unknown one itself."""
+    try:
+        size = Product.parse(unit).size()
+    except PostError:
+        return unit, 1.0
+    return size.powers, size.factor
 
 
 def _difference(
-    first: Result, other: Result, run: int, name: str, floors: dict[str, float]
+    first: Result, other: Result, run: int, name: str, floors: dict[object, float]
 ) -> Difference:
     a, b = first.series(name), other.series(name)
-    if not measure_the_same(a.unit, b.unit):
+    if not is_convertible(a.unit, b.unit):
         raise PostError(f"'{name}' is in '{a.unit}' and in '{b.unit}'")
     b = Series(b.time, b.values * factor(b.unit, a.unit), a.unit)
     if not (np.isfinite(a.values).all() and np.isfinite(b.values).all()):
@@ -131,7 +129,8 @@ def _difference(
     time, left, right = on_common_times(a, b)
     apart = np.abs(right - left)
     both = np.concatenate([left, right])
-    scale = max(float(np.ptp(both)), floors.get(_kind(name), 0.0))
+    kind, unit = _dimension(a.unit)
+    scale = max(float(np.ptp(both)), floors[kind] / unit)
     size = 1.0 / scale if scale > 0 else 0.0
     at = int(np.argmax(apart))
     sizes = float(np.max(np.abs(left))), float(np.max(np.abs(right)))

@@ -15,8 +15,8 @@ from crashsolve.channels.series import Series
 def export(result: Result, path: Path, words: Sequence[str]) -> int:
     """Write time and all channels that the words name, exactly; returns their number.
 
-    Raises PostError for a word that names none, for an expression without a value somewhere, and for
-    an ending that is none of FORMATS.
+    Raises PostError for a word that names none, for an expression without a value somewhere, and
+    for an ending that is none of FORMATS.
     """
     names = channels(result, words)
     series = {name: result.series(name) for name in names}

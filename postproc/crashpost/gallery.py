@@ -38,7 +38,15 @@ CRUSHES = (
     ("hinge", "angle", "moment"),
 )
 # what is worth a look, by the first word of the channels; where it rests, what moves
-WORTH = {"rbdout": ("velocity",), "nodout": ("acceleration",), "disbout": ("distance", "angle")}
+WORTH = {
+    "rbdout": ("velocity",),
+    "nodout": ("acceleration",),
+    "disbout": ("distance", "angle"),
+    "matsum": ("plastic", "strain"),
+    "hinge": ("moment",),
+}
+# of the largest value in the same unit, and of the largest range: less is round-off, and unseen
+ROUND_OFF, UNSEEN = 1e-9, 1e-3
 FORCES = ("force", "torque")
 
 
@@ -109,8 +117,8 @@ def gap_figures(result: Result) -> list[Figure]:
 
 
 def force_displacement_figures(result: Result) -> list[Figure]:
-    """Contact force over depth."""
-    names = _largest(result, _contacts(result, "normal"))
+    """Contact force over depth, of contacts with one pair: of more, depth and force differ."""
+    names = _largest(result, [n for n in _contacts(result, "normal") if _is_single(result, n)])
     depths = [name.removesuffix("normal") + "depth" for name in names]
     if not names:
         return []
@@ -135,9 +143,48 @@ def force_displacement_figures(result: Result) -> list[Figure]:
     ]
 
 
+def _is_single(result: Result, normal: str) -> bool:
+    """Whether a contact never has more than one pair that touches."""
+    touching = normal.removesuffix("normal") + "touching"
+    known = next(result.channels(touching), None)
+    return known is None or float(np.max(result.series(touching).values)) <= 1.0
+
+
 def crush_figures(result: Result) -> list[Figure]:
-    """Force over stroke, and moment over angle, of springs, crushed zones and hinges."""
-    return [f for kind in CRUSHES for f in [_crush_figure(result, *kind)] if f]
+    """Force over stroke, and moment over angle, of springs, hinges and parts that yield."""
+    figures = [f for kind in CRUSHES for f in [_crush_figure(result, *kind)] if f]
+    return figures + _part_figures(result)
+
+
+def _part_figures(result: Result) -> list[Figure]:
+    """Contact forces over the way of the body that moves most, where a part yields."""
+    plastic = [f"matsum.{e}.plastic" for f in _families(result, "matsum") for e in f.ids]
+    known = [name for name in plastic if next(result.channels(name), None)]
+    forces = _largest(result, _contacts(result, "normal"))
+    ways = [
+        name
+        for f in _families(result, "rbdout")
+        for e in f.ids
+        for name in (f"rbdout.{e}.position.{axis}" for axis in "xyz")
+    ]
+    if not _largest(result, known) or not forces or not ways:
+        return []
+    way = max(ways, key=lambda name: float(np.ptp(result.series(name).values)))
+    start = float(result.series(way).values[0])
+    stroke = f"abs({plain(way)} - '{start!r} m')"
+    labels = words.labels(forces) if len(forces) > 1 else [words.entity(forces[0])]
+    body = words.entity(way)
+    return [
+        Figure(
+            f"Contact force over the way of {body}",
+            tuple(map(Curve, forces, labels)),
+            x=stroke,
+            x_unit=AUTO,
+            y_unit=AUTO,
+            x_label=f"way of {body} along {way[-1]}",
+            y_label="contact force",
+        )
+    ]
 
 
 def _crush_figure(result: Result, family: str, stroke: str, force: str) -> Figure | None:
@@ -188,7 +235,19 @@ def _moving(result: Result, names: Sequence[str]) -> list[str]:
 def motion_figures(result: Result) -> list[Figure]:
     """One for each family that has no figure of its own here."""
     families = [f for f in result.families.values() if f.word not in ("glstat", "rcforc")]
-    return [figure for family in families if (figure := _family_figure(result, family))]
+    figures = [figure for family in families if (figure := _family_figure(result, family))]
+    largest = {id(figure): _size(result, figure) for figure in figures}
+    forces = [float(np.max(result.series(n).values)) for n in _contacts(result, "normal")]
+    scale: dict[str, float] = {"N": max(forces, default=0.0)}
+    for size, unit in largest.values():
+        scale[unit] = max(scale.get(unit, 0.0), size)
+    return [f for f in figures if largest[id(f)][0] > ROUND_OFF * scale[largest[id(f)][1]]]
+
+
+def _size(result: Result, figure: Figure) -> tuple[float, str]:
+    """The largest magnitude in a figure, with its unit."""
+    series = [result.series(curve.channel) for curve in figure.y]
+    return max(float(np.max(np.abs(one.values))) for one in series), series[0].unit
 
 
 def _over_time(
@@ -202,11 +261,12 @@ def _family_figure(result: Result, family: Family) -> Figure | None:
         return None
     quantities = dict.fromkeys(column.path.split("/")[0] for column in family.columns)
     worth = WORTH.get(family.word, FORCES)
-    for quantity in sorted(quantities, key=lambda name: name not in worth):
+    for quantity in sorted(quantities, key=lambda q: worth.index(q) if q in worth else len(worth)):
         columns = [c for c in family.columns if c.path.split("/")[0] == quantity]
         columns = [c for c in columns if c.unit == columns[0].unit]
         ranges = _ranges(result, family, columns)
-        moving = sorted((name for name in ranges if ranges[name] > 0), key=lambda n: -ranges[n])
+        least = UNSEEN * max(ranges.values(), default=0.0)
+        moving = sorted((name for name in ranges if ranges[name] > least), key=lambda n: -ranges[n])
         if moving:
             chosen = [name for name in ranges if name in moving[:MOST_CURVES]]
             shared = words.quantity_of_all(chosen)

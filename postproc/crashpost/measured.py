@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from crashpost.errors import PostError
-from crashsolve.channels.display import Product, factor, measure_the_same
+from crashsolve.channels.display import Product, factor, is_convertible
 from crashsolve.channels.errors import ChannelError
 
 _HEAD = re.compile(r"\s*(.*?)\s*\[(.*)\]\s*")
@@ -44,8 +44,8 @@ class Test:
 
     def fits(self, x_unit: str, y_unit: str) -> bool:
         """Whether something of it can be drawn over axes of these units."""
-        return measure_the_same(self.abscissa.unit, x_unit) and any(
-            measure_the_same(column.unit, y_unit) for column in self.columns
+        return is_convertible(self.abscissa.unit, x_unit) and any(
+            is_convertible(column.unit, y_unit) for column in self.columns
         )
 
     @property
@@ -80,7 +80,7 @@ def read_test(path: Path) -> Test:
 
 def _test(path: Path, columns: list[Column]) -> Test:
     abscissa, *others = columns
-    if abscissa.unit and measure_the_same(abscissa.unit, "s"):
+    if abscissa.unit and is_convertible(abscissa.unit, "s"):
         back = np.flatnonzero(np.diff(abscissa.values) <= 0)
         if len(back):
             raise PostError(f"{path}: times must increase, not so after row {back[0] + 1}")

@@ -3,11 +3,15 @@
 from collections.abc import Sequence
 from html import escape
 
-from crashpost.draw import Key
+from crashpost.draw import Key, says_the_title
 from crashpost.style import CSS
 
 # words of verdicts
 GOOD, BAD = frozenset({"pass", "met", "within"}), frozenset({"FAIL", "missed", "beyond"})
+
+# captions of large values that say something was missed
+EXPECTED, MISSED_PUBLISHED = "expectations met, the others missed", "published numbers missed"
+BAD_FACTS = frozenset({EXPECTED, MISSED_PUBLISHED})
 
 __all__ = ["block", "escape", "figure", "fold", "page", "table", "tiles"]
 
@@ -54,7 +58,8 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[
 def tiles(facts: Sequence[tuple[str, str]]) -> str:
     """Large values with a small caption each."""
     cells = [
-        f'<div class="tile"><b>{escape(value)}</b><span>{escape(caption)}</span></div>'
+        f'<div class="tile{" bad" if caption in BAD_FACTS else ""}"><b>{escape(value)}</b>'
+        f"<span>{escape(caption)}</span></div>"
         for value, caption in facts
     ]
     return f'<div class="tiles">{"".join(cells)}</div>' if cells else ""
@@ -70,8 +75,10 @@ def fold(title: str, content: str, *, unfolded: bool = False) -> str:
 
 def figure(title: str, drawing: str, keys: Sequence[Key], below: str) -> str:
     """A drawing with its title and legend above and its comparison below."""
-    legend = "".join(f"<li>{_swatch(key)}{escape(key.label)}</li>" for key in keys)
-    above = f'<figcaption><h3>{escape(title)}</h3><ul class="legend">{legend}</ul></figcaption>'
+    keys = [] if says_the_title([key.label for key in keys], title) else keys
+    items = "".join(f"<li>{_swatch(key)}{escape(key.label)}</li>" for key in keys)
+    legend = f'<ul class="legend">{items}</ul>' if items else ""
+    above = f"<figcaption><h3>{escape(title)}</h3>{legend}</figcaption>"
     return f"<figure>{above}{drawing}{below}</figure>"
 
 

@@ -16,7 +16,7 @@ from crashpost.measured import Test
 from crashpost.result import Result
 from crashpost.shown import Units, on_page, page_time_unit
 from crashpost.table import number
-from crashsolve.channels.display import factor, measure_the_same
+from crashsolve.channels.display import factor, is_convertible
 from crashsolve.channels.series import Series
 from crashsolve.channels.statistic import is_a_time, is_of_a_moment, moment_asked
 
@@ -116,7 +116,7 @@ def _by_unit(
         own = results[runs[0]].series(choice.channel).unit
         for run in runs[1:]:
             other = results[run].series(choice.channel).unit
-            if not measure_the_same(own, other):
+            if not is_convertible(own, other):
                 raise PostError(f"'{choice.channel}' is in '{own}' and in '{other}'")
         group = groups.setdefault(wish.units.wanted(choice.channel, own) or own, {})
         group.setdefault(choice.channel, runs)
@@ -230,9 +230,9 @@ def _measured(test: Test, x_unit: str, y_unit: str) -> list[Reference]:
     found = [
         Reference(f"{test.name}: {one.name}", "curve", points=test.points(one, x_unit, y_unit))
         for one in test.curves
-        if measure_the_same(one.unit, y_unit)
+        if is_convertible(one.unit, y_unit)
     ]
-    if test.corridor and measure_the_same(test.corridor[0].unit, y_unit):
+    if test.corridor and is_convertible(test.corridor[0].unit, y_unit):
         low, high = (test.points(one, x_unit, y_unit) for one in test.corridor)
         found.append(Reference(f"{test.name}: corridor", "corridor", points=low, upper=high))
     return found

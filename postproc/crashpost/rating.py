@@ -12,7 +12,7 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.measured import Column, Test
-from crashsolve.channels.display import factor, measure_the_same
+from crashsolve.channels.display import factor, is_convertible
 from crashsolve.channels.series import Series
 
 INTERVAL = 1e-4
@@ -50,7 +50,7 @@ def rating(
     except ImportError:
         text = "ratings need objective-rating-metrics: pip install 'crashsolve[rating]'"
         raise PostError(text) from None
-    if not measure_the_same(test.abscissa.unit, "s"):
+    if not is_convertible(test.abscissa.unit, "s"):
         raise PostError(f"test '{test.name}' is not over time, and cannot be rated")
     time = test.abscissa.values * factor(test.abscissa.unit, "s")
     values = measured.values * factor(measured.unit, history.unit)

@@ -16,7 +16,17 @@ from crashpost.errors import PostError
 from crashpost.events import events
 from crashpost.expectation import Verdict, judge
 from crashpost.figure import Figure, figures_of
-from crashpost.page import block, escape, figure, fold, page, table, tiles
+from crashpost.page import (
+    EXPECTED,
+    MISSED_PUBLISHED,
+    block,
+    escape,
+    figure,
+    fold,
+    page,
+    table,
+    tiles,
+)
 from crashpost.result import Result
 from crashpost.shown import Units, on_page, page_time_unit
 from crashpost.summary import Peak, peaks, status_line
@@ -46,7 +56,7 @@ class _Report:
         self.time_unit = page_time_unit(result, asked, units)
         self.verdicts = judge(result)
         self.problems: list[str] = []
-        self.drawn = 0
+        self.drawn = self.missed = 0
 
     def page(self) -> tuple[str, list[str]]:
         result = self.result
@@ -95,7 +105,7 @@ class _Report:
             f"<h1>{escape(self.result.title)}</h1>"
             f'<p class="facts"><span class="state {look}">{escape(state)}</span>{escape(line)}</p>'
             + (f'<p class="problem">{escape(str(message))}</p>' if message else "")
-            + tiles(_facts(self.result, self.verdicts))
+            + tiles(_facts(self.result, self.verdicts, self.missed))
             + f"<nav>{links}</nav></header>"
         )
 
@@ -109,7 +119,9 @@ class _Report:
         try:
             wanted = on_page(self.result, wanted, self.units, self.time_unit)
             drawing, keys = draw.svg(self.result, wanted, f"f{self.drawn}")
-            below = _comparisons(comparisons(self.result, wanted))
+            compared = comparisons(self.result, wanted)
+            self.missed += sum(one.missed is True for one in compared)
+            below = _comparisons(compared)
         except PostError as error:
             self.problems.append(f"figure '{wanted.title}': {error}")
             drawing, keys, below = (f'<p class="problem">{escape(str(error))}</p>', [], "")
@@ -117,12 +129,15 @@ class _Report:
         return figure(wanted.title, drawing, keys, note + below)
 
 
-def _facts(result: Result, verdicts: list[Verdict]) -> list[tuple[str, str]]:
+def _facts(result: Result, verdicts: list[Verdict], missed: int) -> list[tuple[str, str]]:
     """The few numbers that say whether the run can be trusted."""
     facts = []
     if verdicts:
         passed = sum(verdict.passed for verdict in verdicts)
-        facts.append((f"{passed} of {len(verdicts)}", "expectations met"))
+        caption = "expectations met" if passed == len(verdicts) else EXPECTED
+        facts.append((f"{passed} of {len(verdicts)}", caption))
+    if missed:
+        facts.append((str(missed), MISSED_PUBLISHED))
     for caption, value in (
         ("energy missing at most", ledger.worst_balance(result)),
         ("momentum missing at most", ledger.worst_momentum(result)),

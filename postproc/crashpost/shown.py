@@ -9,7 +9,7 @@ import numpy as np
 from crashpost.errors import PostError
 from crashpost.figure import AUTO, Figure, Pair, Reference
 from crashpost.result import Result
-from crashsolve.channels.display import Product, factor, readable
+from crashsolve.channels.display import Product, factor, is_convertible, readable
 from crashsolve.channels.statistic import is_a_time
 
 
@@ -42,7 +42,9 @@ class Units:
 
     def wanted(self, channel: str, unit: str) -> str:
         """The unit in which to show a channel that has `unit`; "" where any will do."""
-        return self.asked(channel) or next((u for u in self.of_all if _can_show(unit, u)), "")
+        return self.asked(channel) or next(
+            (u for u in self.of_all if unit not in ("", "1") and is_convertible(unit, u)), ""
+        )
 
     def check_used(self, channels: Sequence[str]) -> None:
         """Raises PostError for a name or pattern that fits none of the channels shown."""
@@ -54,16 +56,6 @@ class Units:
 def fits(name: str, channel: str) -> bool:
     """Whether a name or pattern is that of a channel."""
     return name == channel or fnmatchcase(channel, name)
-
-
-def _can_show(unit: str, wanted: str) -> bool:
-    if unit == wanted:
-        return True
-    try:
-        factor(unit, wanted)
-    except PostError:
-        return False
-    return unit not in ("", "1")
 
 
 def page_time_unit(result: Result, figures: Sequence[Figure], units: Units) -> str:

@@ -14,7 +14,7 @@ from crashpost.result import Result
 from crashpost.shown import Units
 from crashpost.table import number, text_table
 from crashpost.words import title
-from crashsolve.channels.display import measure_the_same
+from crashsolve.channels.display import is_convertible
 
 MOST_ROWS, MOST_FIGURES = 60, 12
 RATINGS = ("result", "channel", "test", "rating", "", "corridor", "phase", "magnitude", "slope")
@@ -87,7 +87,7 @@ def rating_rows(
             for choice in choices(result, words):
                 series = result.series(choice.channel)
                 for curve in test.curves:
-                    if measure_the_same(series.unit, curve.unit):
+                    if is_convertible(series.unit, curve.unit):
                         told = rating(series, test, curve, during)
                         numbers = [f"{value:.3f}" for value in told[1:5]]
                         place = [name, choice.channel, f"{test.name}: {curve.name}"]

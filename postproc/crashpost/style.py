@@ -83,6 +83,7 @@ nav { display: flex; flex-wrap: wrap; gap: .2rem 1.2rem; margin-top: 1.4rem; }
 .tile { background: #fff; padding: .9rem 1.1rem; }
 .tile b { display: block; font: 600 1.5rem/1.25 var(--serif); }
 .tile span { color: var(--muted); font-size: .85rem; }
+.tile.bad b { color: var(--bad); }
 .figures { display: grid; gap: 2.8rem 2.5rem;
   grid-template-columns: repeat(auto-fill, minmax(min(100%, 28rem), 1fr)); }
 .scroll + .figures { margin-top: 2.2rem; }
