@@ -207,6 +207,8 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
         axes.set_xlim(figure.x_range)
     if figure.y_range:
         axes.set_ylim(figure.y_range)
+    elif figure.x_range and figure.y_scale == "linear" and not figure.reference:
+        _fit_y(axes, figure.x_range, scaled.lines)
     x_words = figure.x_label or _axis_words([curve.x or figure.x for curve in figure.y])
     y_words = figure.y_label or _axis_words([curve.channel for curve in figure.y])
     axes.set_xlabel(_with_unit(x_words, scaled.x_unit), loc="right", fontsize=9)
@@ -223,6 +225,18 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
     )
     if figure.y_scale == "linear" and _changes_sign(scaled.lines):
         axes.axhline(0, color=FRAME, linewidth=0.8, zorder=1)
+
+
+def _fit_y(axes: Axes, x_range: Pair, lines: Sequence[_Line]) -> None:
+    """Let the ordinate span what is seen of the lines, where a part of the abscissa is shown."""
+    seen = [line.y[_between(line.x, x_range)] for line in lines]
+    values = np.concatenate([part[np.isfinite(part)] for part in seen])
+    if not len(values):
+        low, high = x_range
+        raise PostError(f"no sample lies from {low:g} to {high:g} on the abscissa")
+    low, high = float(values.min()), float(values.max())
+    margin = 0.05 * (high - low) or 0.5 * abs(high) or 1.0
+    axes.set_ylim(low - margin, high + margin)
 
 
 def _changes_sign(lines: Sequence[_Line]) -> bool:

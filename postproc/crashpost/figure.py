@@ -139,6 +139,8 @@ def _reference(entry: Any, place: str) -> Reference:
         raise PostError(f"{place}: reference '{reference.label}': tolerance is negative")
     if bool(reference.channel) != bool(reference.statistic):
         raise PostError(f"{place}: reference '{reference.label}': channel goes with statistic")
+    if reference.kind == "corridor" and reference.channel:
+        raise PostError(f"{place}: reference '{reference.label}': a corridor takes no channel")
     if reference.statistic and is_a_time(reference.statistic) and not reference.points:
         raise PostError(f"{place}: reference '{reference.label}': a time is compared with points")
     return reference

@@ -157,7 +157,7 @@ def crush_figures(result: Result) -> list[Figure]:
 
 
 def _part_figures(result: Result) -> list[Figure]:
-    """Contact forces over the way of the body that moves most, where a part yields."""
+    """Contact forces over the travel of the body that moves most, where a part yields."""
     plastic = [f"matsum.{e}.plastic" for f in _families(result, "matsum") for e in f.ids]
     known = [name for name in plastic if next(result.channels(name), None)]
     forces = _largest(result, _contacts(result, "normal"))
@@ -176,12 +176,12 @@ def _part_figures(result: Result) -> list[Figure]:
     body = words.entity(way)
     return [
         Figure(
-            f"Contact force over the way of {body}",
+            f"Contact force over travel of {body}",
             tuple(map(Curve, forces, labels)),
             x=stroke,
             x_unit=AUTO,
             y_unit=AUTO,
-            x_label=f"way of {body} along {way[-1]}",
+            x_label=f"travel of {body} along {way[-1]}",
             y_label="contact force",
         )
     ]

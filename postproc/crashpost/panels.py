@@ -264,6 +264,9 @@ def profile(result: Result, word: str, along: str, moments: Sequence[float], wis
     x_all, y_all = x_all * factor(x_own, x_unit), y_all * factor(y_own, y_unit)
     order = np.argsort(x_all[0])
     time_unit = page_time_unit(result, [], wish.units)
+    x_words, y_words = (
+        words.quantity_of_all(list(one.values())) or given for one, given in ((xs, along), (ys, word))
+    )
     lines = tuple(
         Curve(
             word,
@@ -273,13 +276,13 @@ def profile(result: Result, word: str, along: str, moments: Sequence[float], wis
         for t, x, y in zip(moments, x_all, y_all, strict=True)
     )
     return Figure(
-        wish.title or f"{words.title([word])} over {words.title([along])}",
+        wish.title or f"{words.capital(y_words)} over {x_words}",
         lines,
         x=along,
         x_unit=x_unit,
         y_unit=y_unit,
-        x_label=words.quantity_of_all(list(xs.values())),
-        y_label=words.quantity_of_all(list(ys.values())) or words.title([word]),
+        x_label=x_words,
+        y_label=y_words,
     )
 
 

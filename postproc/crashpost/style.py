@@ -117,7 +117,7 @@ pre { background: var(--soft); padding: 1rem 1.1rem; border-radius: .4rem; overf
 footer { margin-top: 4rem; padding-top: 1rem; border-top: 1px solid var(--rule); }
 @media (max-width: 40rem) { body { padding: 1.5rem 1rem 3rem; } h2 { margin-top: 2.6rem; }
   .tiles { grid-template-columns: 1fr 1fr; } .tile { padding: .7rem .8rem; }
-  th, td { padding-right: .8rem; } }
+  th, td { padding-right: .8rem; } .scroll td:last-child:not(.num) { min-width: 13rem; } }
 @page { size: A4; margin: 16mm; }
 @media print { body { padding: 0; max-width: none; font-size: 9.5pt; } nav { display: none; }
   h2 { break-after: avoid; margin-top: 2rem; } .figures { display: block; }
