@@ -225,7 +225,7 @@ def _pairs_of_shapes() -> Iterator[str]:
 def _points_of_pair(pair: str) -> str:
     """POINTS of the pair's file or of the file of its kernel, else what the first line says."""
     module = import_module(f"{PACKAGE}.contact.narrow.{pair}")
-    home = import_module(getattr(module.gap, "py_func", module.gap).__module__)
+    home = import_module(module.gap.__module__)
     told = getattr(module, "POINTS", getattr(home, "POINTS", ""))
     first = (module.__doc__ or "").splitlines()[0]
     return str(told) or first.partition(", ")[2].strip(".") or "one"
