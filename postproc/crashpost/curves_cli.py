@@ -24,7 +24,7 @@ def add_commands(add: Add) -> None:
     sub = add("plot", _plot, "draw channels of one result or several, laid over each other")
     sub.add_argument(
         "words",
-        nargs="*",
+        nargs="+",
         metavar="RESULT|CHANNEL[:STATISTIC]",
         help=f"more results; {CHANNELS}; or a figure by its word: {KINDS}",
     )
@@ -41,7 +41,7 @@ def add_commands(add: Add) -> None:
     sub = add("compare", _compare, "results side by side; exit code 1 where they differ")
     sub.add_argument(
         "words",
-        nargs="*",
+        nargs="+",
         metavar="RESULT|CHANNEL",
         help=f"more results; {CHANNELS}; all if absent",
     )

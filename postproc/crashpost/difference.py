@@ -75,11 +75,11 @@ def _names(first: Result, other: Result, asked: Sequence[str]) -> tuple[list[str
         both = [[c.name for c in r.channels() if c.name not in NUMERICS] for r in (first, other)]
     known = [set(names) for names in both]
     remarks = []
-    for place, own, their in ((first, *known), (other, *known[::-1])):
-        only = sorted(own - their)
+    for at, result in enumerate((first, other)):
+        only = sorted(known[at] - known[1 - at])
         if only:
             shown = ", ".join(only[:5]) + (", ..." if len(only) > 5 else "")
-            remarks.append(f"{len(only)} channels in {place.folder} only: {shown}")
+            remarks.append(f"{len(only)} channels in {result.folder} only: {shown}")
     return [name for name in both[0] if name in known[1]], remarks
 
 
@@ -88,12 +88,12 @@ def _times(first: Result, other: Result) -> list[str]:
     if not len(first.time) or not len(other.time):
         raise PostError(f"{(other if len(first.time) else first).folder} holds no samples")
     ends = [(float(r.time[0]), float(r.time[-1])) for r in (first, other)]
-    span = max(end - start for start, end in ends)
+    span = max(last - begin for begin, last in ends)
     if max(abs(a - b) for a, b in zip(*ends, strict=True)) <= 1e-9 * span:
         return []
     told = [
-        f"{start:g} s to {end:g} s in {r.folder}"
-        for r, (start, end) in zip((first, other), ends, strict=True)
+        f"{start:g} s to {end:g} s in {folder}"
+        for folder, (start, end) in zip((first.folder, other.folder), ends, strict=True)
     ]
     return [f"compared in the time of both: {' and '.join(told)}"]
 

@@ -18,6 +18,7 @@ try:
     import matplotlib as mpl
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 except ModuleNotFoundError as missing:
     raise PostError(
         f"figures need {missing.name}, which is missing: pip install 'crashsolve[plot]'"
@@ -82,8 +83,8 @@ def save(results: Runs, figures: Sequence[Figure], path: Path) -> None:
     """The figures one below the other in a file; its ending chooses the format."""
     with mpl.rc_context(MATPLOTLIB):
         heights = [HEIGHT + 0.16 * _legend_lines(figure) for figure in figures]
-        canvas = Canvas(figsize=(WIDTH, 0.2 + sum(heights)), layout="constrained", dpi=160)
-        canvas.get_layout_engine().set(hspace=0.06)
+        layout = ConstrainedLayoutEngine(hspace=0.06)
+        canvas = Canvas(figsize=(WIDTH, 0.2 + sum(heights)), layout=layout, dpi=160)
         grid = canvas.subplots(len(figures), squeeze=False, height_ratios=heights)
         for panel, figure in zip(grid[:, 0], figures, strict=True):
             _draw(panel, results, figure)

@@ -164,6 +164,7 @@ def _part_figures(result: Result) -> list[Figure]:
     ways = [
         name
         for f in _families(result, "rbdout")
+        if "position.x" in {column.name for column in f.columns}
         for e in f.ids
         for name in (f"rbdout.{e}.position.{axis}" for axis in "xyz")
     ]

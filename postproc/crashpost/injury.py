@@ -5,7 +5,7 @@ acceleration is taken as the run sampled it; a deck that wants a filter asks for
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from crashpost.answer import answer
 from crashpost.choice import plain
@@ -70,8 +70,8 @@ def injury_figures(result: Result) -> list[Figure]:
         curve = Curve(head.channel, "resultant")
         title = f"{head.name}: acceleration"
         marks = _marks(result, head.channel, peak)
-        axes = {"x_unit": "s", "y_unit": "g0", "y_label": "acceleration"}
-        figures.append(Figure(title, (curve,), reference=marks, **axes))
+        figure = Figure(title, (curve,), x_unit="s", y_unit="g0", reference=marks)
+        figures.append(replace(figure, y_label="acceleration"))
     return figures
 
 

@@ -34,7 +34,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Test:
+class Measurement:
     """A test: abscissa, measured curves, and where there is one the corridor (lower, upper)."""
 
     name: str
@@ -60,7 +60,7 @@ class Test:
         return tuple(zip(x.tolist(), y.tolist(), strict=True))
 
 
-def read_test(path: Path) -> Test:
+def read_test(path: Path) -> Measurement:
     """The test in a file; raises PostError naming file, line and what is wrong."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
@@ -78,7 +78,7 @@ def read_test(path: Path) -> Test:
     return _test(path, [Column(*head, values) for head, values in zip(heads, table, strict=True)])
 
 
-def _test(path: Path, columns: list[Column]) -> Test:
+def _test(path: Path, columns: list[Column]) -> Measurement:
     abscissa, *others = columns
     if abscissa.unit and is_convertible(abscissa.unit, "s"):
         back = np.flatnonzero(np.diff(abscissa.values) <= 0)
@@ -95,7 +95,7 @@ def _test(path: Path, columns: list[Column]) -> Test:
         if np.any(corridor[0].values > corridor[1].values):
             raise PostError(f"{path}: lower is above upper in some row")
     curves = tuple(column for column in others if column.name.lower() not in (LOWER, UPPER))
-    return Test(path.stem.replace("_", " "), abscissa, curves, corridor)
+    return Measurement(path.stem.replace("_", " "), abscissa, curves, corridor)
 
 
 def _cells(line: str, mark: str) -> list[str]:

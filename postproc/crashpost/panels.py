@@ -12,7 +12,7 @@ from crashpost.answer import answer
 from crashpost.choice import PATTERN, Choice, choices
 from crashpost.errors import PostError
 from crashpost.figure import AUTO, Curve, Figure, Pair, Reference, axis_unit
-from crashpost.measured import Test
+from crashpost.measured import Measurement
 from crashpost.result import Result
 from crashpost.shown import Units, on_page, page_time_unit
 from crashpost.table import number
@@ -32,7 +32,7 @@ class Wish:
     log: str = ""
     x_range: Pair | None = None
     y_range: Pair | None = None
-    tests: Sequence[Test] = ()
+    tests: Sequence[Measurement] = ()
 
 
 def panels(results: Sequence[Result], names: Sequence[str], wish: Wish) -> list[Figure]:
@@ -192,7 +192,8 @@ def _mark(
 def _limited(figure: Figure, wish: Wish) -> Figure:
     """The figure with the axes asked for."""
     for axis in wish.log:
-        figure = replace(figure, **{f"{axis}_scale": "log"})
+        is_x = axis == "x"
+        figure = replace(figure, x_scale="log") if is_x else replace(figure, y_scale="log")
     if wish.x_range:
         figure = replace(figure, x_range=wish.x_range)
     if wish.y_range:
@@ -201,7 +202,7 @@ def _limited(figure: Figure, wish: Wish) -> Figure:
 
 
 def _with_tests(
-    results: Sequence[Result], figures: list[Figure], tests: Sequence[Test]
+    results: Sequence[Result], figures: list[Figure], tests: Sequence[Measurement]
 ) -> list[Figure]:
     """Measured curves and corridors in every figure whose axes they fit; raises PostError."""
     for test in tests:
@@ -226,7 +227,7 @@ def units_of(results: Sequence[Result], figure: Figure) -> tuple[str, str]:
     return axis_unit(xs, figure.x_unit), axis_unit(ys, figure.y_unit)
 
 
-def _measured(test: Test, x_unit: str, y_unit: str) -> list[Reference]:
+def _measured(test: Measurement, x_unit: str, y_unit: str) -> list[Reference]:
     found = [
         Reference(f"{test.name}: {one.name}", "curve", points=test.points(one, x_unit, y_unit))
         for one in test.curves
@@ -265,7 +266,8 @@ def profile(result: Result, word: str, along: str, moments: Sequence[float], wis
     order = np.argsort(x_all[0])
     time_unit = page_time_unit(result, [], wish.units)
     x_words, y_words = (
-        words.quantity_of_all(list(one.values())) or given for one, given in ((xs, along), (ys, word))
+        words.quantity_of_all(list(one.values())) or given
+        for one, given in ((xs, along), (ys, word))
     )
     lines = tuple(
         Curve(

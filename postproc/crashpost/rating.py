@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crashpost.errors import PostError
-from crashpost.measured import Column, Test
+from crashpost.measured import Column, Measurement
 from crashsolve.channels.display import factor, is_convertible
 from crashsolve.channels.series import Series
 
@@ -29,8 +29,6 @@ class Rating(NamedTuple):
     phase: float
     magnitude: float
     slope: float
-    start: float
-    end: float
 
     @property
     def grade(self) -> str:
@@ -39,7 +37,7 @@ class Rating(NamedTuple):
 
 
 def rating(
-    history: Series, test: Test, measured: Column, during: tuple[float, float] | None = None
+    history: Series, test: Measurement, measured: Column, during: tuple[float, float] | None = None
 ) -> Rating:
     """The rating over the time that both cover, or over `during` [s].
 
@@ -79,4 +77,4 @@ def rating(
         found.magnitude_rating(),
         found.slope_rating(),
     )
-    return Rating(*map(float, parts), float(start), float(end))
+    return Rating(*map(float, parts))

@@ -65,8 +65,8 @@ class _Report:
             block("events", "What happened", _events(result, self.time_unit)),
             block("curves", "Curves", self.figures(self.chosen)),
             block("injury", "Injury", _injury(result)),
-            block("peaks", "Peaks", _peaks(result, self.time_unit)),
             block("expectations", "Expectations", _verdicts(self.verdicts)),
+            block("peaks", "Peaks", _peaks(result, self.time_unit)),
             block("errors", "Estimated errors", _errors(result)),
             block(
                 "energy", "Energy", _energies(result), self.figures(gallery.energy_figures(result))

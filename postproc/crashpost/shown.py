@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
+from typing import Any
 
 import numpy as np
 
@@ -109,7 +110,7 @@ def _along_y(figure: Figure, size: float, unit: str) -> Figure:
 
 
 def _reference_along_y(reference: Reference, size: float) -> Reference:
-    numbers = {
+    numbers: dict[str, Any] = {
         name: None if value is None else value * size
         for name in ("value", "from_", "to")
         for value in (getattr(reference, name),)

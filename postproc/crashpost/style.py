@@ -122,7 +122,8 @@ footer { margin-top: 4rem; padding-top: 1rem; border-top: 1px solid var(--rule);
 @media print { body { padding: 0; max-width: none; font-size: 9.5pt; } nav { display: none; }
   h2 { break-after: avoid; margin-top: 2rem; } .figures { display: block; }
   figure { max-width: 13cm; margin-bottom: 1.8rem; }
-  .scroll { overflow: visible; } table { font-size: 8pt; }
+  .scroll { overflow: visible; } table { font-size: 8pt; } .name { min-width: 0; }
+  .scroll td:last-child:not(.num) { min-width: 4.2cm; }
   thead { display: table-header-group; } tr { break-inside: avoid; }
   .state, .tiles, .missed td { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
   details::details-content { content-visibility: visible; height: auto; }

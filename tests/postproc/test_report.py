@@ -12,13 +12,14 @@ import pytest
 from conftest import SPEED, TIME, Command, expectation, two_cars, write_result, write_status
 from matplotlib.figure import Figure as Canvas
 
-from crashpost import draw, ledger, words
+from crashpost import draw, ledger
 from crashpost.comparison import comparisons
 from crashpost.errors import PostError
 from crashpost.figure import figures_of
 from crashpost.gallery import family_figures, momentum_figures
 from crashpost.report import report
 from crashpost.result import Result
+from crashpost.words import labels
 
 FORCE = "-deforc.buffer.force"
 PEAK = 6.708203932499369  # MN: speed times the root of stiffness times reduced mass
@@ -275,7 +276,7 @@ def test_thinning_keeps_the_peaks_and_the_ends() -> None:
     ],
 )
 def test_labels_are_the_words_that_differ(channels: list[str], expected: list[str]) -> None:
-    assert words.labels(channels) == expected
+    assert labels(channels) == expected
 
 
 @pytest.mark.parametrize(
