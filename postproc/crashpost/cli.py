@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crashpost import curves_cli
+from crashpost import curves_cli, pictures
 from crashpost.errors import PostError
 from crashpost.text import printable, printable_lines
 from crashsolve import __version__
@@ -91,12 +91,19 @@ def _parser() -> argparse.ArgumentParser:
     sub = add("expect", _expect, "evaluate the deck's expectations")
     sub.add_argument("--partial", action="store_true", help="also of a run that did not finish")
     curves_cli.add_commands(add)
+    pictures.add_commands(add)
     sub = add("sweep", _sweep, "gather the runs of a sweep in one table, and draw them")
     sub.add_argument("-o", "--output", type=Path, help="folder of the pictures; default RESULT")
     sub.add_argument("--table", action="store_true", help="only the table")
     sub = add("report", _report, "write one self-contained HTML page")
     sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
     curves_cli.add_units(sub)
+    sub.add_argument(
+        "--pictures",
+        choices=("all", "strips", "none"),
+        default="all",
+        help="strips: without film and 3-D; none: curves and tables only",
+    )
     add_completion(commands)
     commands.choices["completion"].set_defaults(command=lambda o: _completion(parser, o))
     return parser
@@ -215,7 +222,7 @@ def _report(options: argparse.Namespace) -> int:
     from crashpost.report import report
     from crashpost.shown import Units
 
-    text, problems = report(result, units=Units.read(options.unit))
+    text, problems = report(result, options.pictures, Units.read(options.unit))
     output = options.output or result.folder / "report.html"
     try:
         output.write_text(text, encoding="utf-8", errors="xmlcharrefreplace")

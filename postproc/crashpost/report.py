@@ -5,7 +5,6 @@ A figure that cannot be drawn leaves its reason in its place; the reasons are al
 
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from importlib.util import find_spec
 from itertools import islice
 
 from crashpost import draw, gallery, injury, ledger, logbook
@@ -29,6 +28,7 @@ from crashpost.page import (
 )
 from crashpost.result import Result
 from crashpost.shown import Units, on_page, page_time_unit
+from crashpost.sights import sights
 from crashpost.summary import Peak, peaks, status_line
 from crashpost.table import number
 from crashsolve.channels.display import factor, readable
@@ -82,13 +82,9 @@ class _Report:
         return page(result.title, body), self.problems
 
     def sights(self) -> str:
-        """Pictures and films, where the program has what draws them."""
-        if find_spec("crashpost.sights") is None:
-            return ""
-        from crashpost.sights import sights
-
+        """Pictures and films of the run."""
         try:
-            return str(sights(self.result, self.described, self.pictures))
+            return sights(self.result, self.described, self.pictures)
         except PostError as error:
             self.problems.append(f"pictures: {error}")
             return f'<p class="problem">{escape(str(error))}</p>'

@@ -94,6 +94,8 @@ figure svg text { font-family: var(--sans) !important; }
   list-style: none; font-size: .85rem; color: var(--muted); }
 .legend li { display: flex; align-items: center; gap: .4rem; }
 .legend svg { width: 1.5rem; height: .7rem; margin: 0; flex: none; }
+.sight { display: block; max-width: 100%; height: auto; margin: 0 0 1.2rem; }
+.turn { width: 100%; height: min(38rem, 80vh); border: 1px solid var(--rule); }
 .note { margin: .5rem 0 0; line-height: 1.45; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .875rem; line-height: 1.4; margin: .6rem 0 0;
@@ -119,7 +121,8 @@ footer { margin-top: 4rem; padding-top: 1rem; border-top: 1px solid var(--rule);
   .tiles { grid-template-columns: 1fr 1fr; } .tile { padding: .7rem .8rem; }
   th, td { padding-right: .8rem; } .scroll td:last-child:not(.num) { min-width: 13rem; } }
 @page { size: A4; margin: 16mm; }
-@media print { body { padding: 0; max-width: none; font-size: 9.5pt; } nav { display: none; }
+@media print { video, .turn { display: none; } .sight { break-inside: avoid; }
+  body { padding: 0; max-width: none; font-size: 9.5pt; } nav { display: none; }
   h2 { break-after: avoid; margin-top: 2rem; } .figures { display: block; }
   figure { max-width: 13cm; margin-bottom: 1.8rem; }
   .scroll { overflow: visible; } table { font-size: 8pt; } .name { min-width: 0; }

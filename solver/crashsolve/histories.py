@@ -31,7 +31,13 @@ MODEL = (
 )
 CARD_COLUMNS: tuple[str, ...] = ("impulse", "peak_normal", "peak_depth", "onsets", "touches")
 CARD_COLUMNS += ("first_touch", "last_release", "duration")
-FAMILY = {"parts": "elout", "springs": "deforc", "loads": "bndout", "sensors": "nodout"}
+FAMILY = {
+    "parts": "elout",
+    "springs": "deforc",
+    "hinges": "hinge",
+    "loads": "bndout",
+    "sensors": "nodout",
+}
 Part = tuple[Family, Callable[[], np.ndarray]]
 
 

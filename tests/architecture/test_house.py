@@ -14,7 +14,17 @@ FLOORS = (
     ("foundation", "channels"),
     (
         "deck",
-        *("curves", "bodies", "joints", "springs", "contact", "friction", "loads", "sensors"),
+        *(
+            "curves",
+            "bodies",
+            "joints",
+            "springs",
+            "hinges",
+            "contact",
+            "friction",
+            "loads",
+            "sensors",
+        ),
         *("materials", "sections", "parts", "meshes"),
     ),
     ("model",),
@@ -25,7 +35,8 @@ ROOF = len(FLOORS)
 # packages on the roof, beside its single files
 ROOF_ROOMS = {"study", "estimate", "sweep"}
 # every card is made of the deck's fields, so the families stand on deck/ although on its floor
-SIDEWAYS = {(family, "deck") for family in FLOORS[1]}
+# and a hinge is a joint with a law
+SIDEWAYS = {(family, "deck") for family in FLOORS[1]} | {("hinges", "joints")}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
 LONGEST_FUNCTION = 60
 

@@ -1,6 +1,7 @@
 """What a run writes, how often, and the figures of its report."""
 
-from typing import ClassVar, Literal
+import re
+from typing import Any, ClassVar, Literal
 
 from pydantic import field_validator, model_validator
 
@@ -9,6 +10,8 @@ from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.statistic import check_window, known_statistic
 
 Pair = tuple[float, float]
+MOMENT = re.compile(r"start|end|(max|min|abs_max):.*\S|[-+]?[\d.]+([eE][-+]?\d+)? *(s|ms|us|µs)")
+VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
 
 
 class History(Card):
@@ -109,10 +112,59 @@ class Figure(Card):
     note: str = word("text below the figure", "")
 
 
+def _is_list(given: Any) -> bool:
+    return isinstance(given, list | tuple)
+
+
+class Scene(Card):
+    """Pictures of the run side by side in the report, as `crashpost render` makes them."""
+
+    title: str = word("heading")
+    at: tuple[str, ...] = word(
+        "moments: 50 ms, start, end, max:CHANNEL, min:CHANNEL, abs_max:CHANNEL; four over the run "
+        "when absent",
+        (),
+    )
+    view: str = word("side, front, rear, top, bottom, iso, or towards the eye as 1,-1,0.5", "auto")
+    show: tuple[str, ...] = word("names of bodies and parts, with globs; all when absent", ())
+    color: str = word("field of the states such as plastic_strain; by body when empty", "")
+    arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
+    follow: str = word("body or part that stays in place", "")
+
+    @field_validator("at", mode="before")
+    @classmethod
+    def _known_moments(cls, given: Any) -> Any:
+        """Moments keep their words, so that a bare number would mean what no unit says."""
+        words = [f"{part:g}" if part == 0 else part for part in given] if _is_list(given) else given
+        for part in words if _is_list(given) else ():
+            if not isinstance(part, str):
+                raise ValueError(f"a moment needs its unit: {part:g} s")
+            if part != "0" and not MOMENT.fullmatch(part.strip()):
+                raise ValueError(
+                    f"unknown moment '{part}' (50 ms, start, end, or max:, min: or abs_max: before "
+                    "a channel)"
+                )
+        return words
+
+    @field_validator("view")
+    @classmethod
+    def _known_view(cls, text: str) -> str:
+        if text not in VIEWS:
+            numbers = text.split(",")
+            try:
+                is_direction = len(numbers) == 3 and any(map(float, numbers))
+            except ValueError:
+                is_direction = False
+            if not is_direction:
+                raise ValueError(f"unknown view '{text}' (known: {', '.join(VIEWS)}, or 1,-1,0.5)")
+        return text
+
+
 class Report(Card):
     """The page that `crashpost report` makes."""
 
-    figures: tuple[Figure, ...] = word("figures, in order", ())
+    figures: tuple[Figure, ...] = word("figures, in order; a default choice when absent", ())
+    scenes: tuple[Scene, ...] = word("pictures, in order; a default choice when absent", ())
 
 
 class Output(Card):

@@ -144,6 +144,14 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     for name, entry in deck.entries["curves"].items():
         with scene.building(entry):
             built[name] = _module(entry).build(entry.card, scene)
+    for name, entry in deck.entries["hinges"].items():
+        with scene.building(entry):
+            own = _module(entry).curves(entry.card, built, scene)
+            scene.backbones[id(entry.card)] = own
+            for field, backbone in own.items():
+                # no curve of a deck has a point in its name
+                backbone.name = f"{name}.{field}"
+                built[backbone.name] = backbone.curve()
     points, starts = pack(list(built.values()))
     scene.curves = dict(zip(built, starts, strict=True))
     scene.curve_points = points
@@ -173,8 +181,12 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
     """Joint groups with their rows, in the order of the groups."""
     joints = []
     row = 0
-    for entries in _by_type(deck.entries["joints"]).values():
-        group = _build_group("joints", entries, scene)
+    families = [(k, e) for k in ("joints", "hinges") for e in _by_type(deck.entries[k]).values()]
+    for name in deck.entries["joints"].keys() & deck.entries["hinges"].keys():
+        entry = deck.entries["hinges"][name]
+        scene.errors.append(deck.error(entry, None, "a joint has that name; a hinge is a joint"))
+    for keyword, entries in families:
+        group = _build_group(keyword, entries, scene)
         groups.append(group)
         rows, angular = group.module.ROWS, group.module.ANGULAR
         # a joint of more than two bodies has further parts, see foundation/saddle.py
@@ -201,9 +213,9 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     parameters = module.PARAMETERS
     history = getattr(module, "HISTORY", Record())
     output = getattr(module, "OUTPUT", Record())
-    if keyword == "joints":
+    if hasattr(module, "ROWS"):
         parameters = parameters + Record(first_row=("index", "first constraint row"))
-    elif hasattr(module, "force"):
+    if hasattr(module, "force"):
         history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
     table = np.zeros(len(entries), parameters.dtype)
     rest = np.zeros((2, len(entries)), history.dtype)

@@ -18,6 +18,8 @@ ENTRIES = (
     "eroded",
     "spring_stored",
     "spring_dissipated",
+    "hinge_stored",
+    "hinge_dissipated",
     "joint_stored",
     "joint_dissipated",
     "brake_stored",
@@ -44,6 +46,8 @@ ENTRIES = (
     ERODED,
     SPRING_STORED,
     SPRING_DISSIPATED,
+    HINGE_STORED,
+    HINGE_DISSIPATED,
     JOINT_STORED,
     JOINT_DISSIPATED,
     BRAKE_STORED,
@@ -67,6 +71,7 @@ MECHANICAL = (
     HOURGLASS,
     DRILLING,
     SPRING_STORED,
+    HINGE_STORED,
     JOINT_STORED,
     BRAKE_STORED,
     CONTACT_STORED,
@@ -75,6 +80,7 @@ MECHANICAL = (
 # places of what laws store and of what they lose, by the word LEDGER of their module
 BOOKED: dict[str, tuple[int, int | None]] = {
     "spring": (SPRING_STORED, SPRING_DISSIPATED),
+    "hinge": (HINGE_STORED, HINGE_DISSIPATED),
     "joint": (JOINT_STORED, JOINT_DISSIPATED),
     "brake": (BRAKE_STORED, BRAKE_DISSIPATED),
     "external": (POTENTIAL, EXTERNAL_WORK),

@@ -329,7 +329,8 @@ class Model:
     nodal_loads: dict[str, np.ndarray] = field(default_factory=dict)  # of all these groups
 
     def joint_groups(self) -> list[Group]:
-        return [g for g in self.groups if g.keyword == "joints"]
+        """Joints, and hinges, which are joints with a law of force."""
+        return [g for g in self.groups if hasattr(g.module, "residual")]
 
     def force_groups(self) -> list[Group]:
         return [g for g in self.groups if hasattr(g.module, "force")]

@@ -46,6 +46,7 @@ class Scene:
         self.errors: list[DeckError] = []
         self.stepwise: list[str] = []  # laws that count in whole steps
         self.joints: dict[str, Any] = {}
+        self.backbones: dict[int, Any] = {}  # of hinges, by the id of their cards
         self.surfaces: dict[str, Any] = {}
         self.names = ["ground", *deck.entries["bodies"]]
         self.part_nodes: dict[str, list[int]] = {}  # of each part

@@ -45,6 +45,8 @@ def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
             keyword = deck.entries[g.keyword]
             for entry in (e for e in keyword.values() if e.type == g.type):
                 yield entry, "a quasi-static solution has no laws that remember yet"
+    for entry in deck.entries["hinges"].values():
+        yield entry, "a quasi-static solution has no hinges yet"
     for entry in deck.entries["parts"].values():
         if getattr(entry.card, "velocities", ()):
             yield entry, "a quasi-static solution has no velocities"

@@ -16,6 +16,7 @@ FAMILIES = {
     "jntforc": "joint reactions and joint motion",
     "elout": "forces, moments and strains of elements",
     "deforc": "spring, damper and bushing forces",
+    "hinge": "moments, angles and energies of plastic hinges",
     "rcforc": "contact forces",
     "secforc": "forces through a section",
     "disbout": "relative displacement of two points",

@@ -134,7 +134,9 @@ def _actors(engine: Engine, at: int) -> list[Actor]:
         acts = np.zeros(len(g.names), bool)
         for end in ends:
             acts |= (g.parameters[end] == at).reshape(len(acts), -1).any(axis=1)
-        word = {"springs": "spring", "parts": "element", "loads": "load"}.get(g.keyword, g.keyword)
+        word = {"springs": "spring", "hinges": "hinge", "parts": "element", "loads": "load"}.get(
+            g.keyword, g.keyword
+        )
         for rows in _split(np.flatnonzero(acts)):
             names = ", ".join(f"'{g.names[i]}'" for i in rows[:3])
             more = f" and {len(rows) - 3} more" if len(rows) > 3 else ""

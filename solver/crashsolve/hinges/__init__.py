@@ -1,0 +1,1 @@
+"""Plastic hinges: joints whose free motions an elastic-plastic moment or force resists."""
