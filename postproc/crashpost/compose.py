@@ -18,10 +18,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from crashpost.camera import Camera, round_length
-from crashpost.draw import INK, MUTED, STYLE, tick
+from crashpost.draw import tick
 from crashpost.drawing import ARROW
 from crashpost.errors import PostError
 from crashpost.shades import Shades
+from crashpost.style import INK, MATPLOTLIB, MUTED
 from crashsolve.channels.display import factor, readable
 
 # inches
@@ -113,7 +114,7 @@ def strip(
     sizes: Layout,
 ) -> None:
     """Write a sheet with a picture for each moment; raises PostError."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB):
         figure = Figure(figsize=(sizes.width, sizes.height), dpi=DPI)
         _head(figure, title)
         w, h = sizes.panel
@@ -136,7 +137,7 @@ class Sheet:
     def __init__(self, title: str, key: Key, size: tuple[int, int], speed: str) -> None:
         width, height = size
         self.window = film_window(size)
-        with mpl.rc_context(STYLE):
+        with mpl.rc_context(MATPLOTLIB):
             figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
             fitted = title if len(title) <= 84 else title[:81] + "..."
             figure.text(

@@ -52,11 +52,17 @@ class Reference(Card):
     """A result known from elsewhere, drawn with the curves and compared with them."""
 
     label: str = word("name in the legend")
-    kind: Literal["level", "band", "point", "curve"] = word("how it is drawn", "level")
+    kind: Literal["level", "band", "point", "curve", "corridor"] = word("how it is drawn", "level")
     value: float | None = quantity("1", "height of a level, in the unit of the axis", None)
     from_: float | None = quantity("1", "lower end of a band", None)
     to: float | None = quantity("1", "upper end of a band", None)
-    points: tuple[Pair, ...] = quantity("1", "[x, y] of a point or of a curve's points", ())
+    points: tuple[Pair, ...] = quantity(
+        "1", "[x, y] of a point, of a curve's points, or of a corridor's lower border", ()
+    )
+    upper: tuple[Pair, ...] = quantity("1", "[x, y] of a corridor's upper border", ())
+    tolerance: float | None = quantity(
+        "1", "how well the number is known; what the run gives beyond it is a miss", None, ge=0
+    )
     source: str = word("where it was published", "")
     channel: str = word("channel to compare with it", "")
     statistic: str = word("statistic of that channel, as under expect", "")
@@ -72,11 +78,16 @@ class Reference(Card):
     def _complete(self) -> "Reference":
         has_band = self.from_ is not None and self.to is not None
         given = {"level": self.value is not None, "band": has_band}
+        given["corridor"] = min(len(self.points), len(self.upper)) > 1
         if not given.get(self.kind, len(self.points) > (self.kind == "curve")):
-            needs = {"level": "value", "band": "from and to"}.get(self.kind, "points")
+            needs = {"level": "value", "band": "from and to", "corridor": "points and upper"}.get(
+                self.kind, "points"
+            )
             raise ValueError(f"a {self.kind} needs {needs}")
         if bool(self.channel) != bool(self.statistic):
             raise ValueError("channel and statistic belong together")
+        if self.kind == "corridor" and self.channel:
+            raise ValueError("a corridor is compared by the eye; compare channels with a band")
         check_window(self.statistic, self.during)
         return self
 
