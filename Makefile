@@ -36,6 +36,9 @@ stability: $(VENV)/test.installed
 beam: $(VENV)/plot.installed
 	$(BIN)/python decks/scenes/beam_impact.py
 
+trains: $(VENV)/plot.installed
+	$(BIN)/python decks/scenes/train_sets.py
+
 crush: $(VENV)/plot.installed
 	$(BIN)/python decks/benchmark/tube_crush.py
 
