@@ -9,7 +9,7 @@ BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long queue bench stability beam crush docs clean
+.PHONY: demo test long queue bench stability beam trains crush docs clean
 
 demo: $(VENV)/plot.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)

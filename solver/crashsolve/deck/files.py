@@ -141,6 +141,8 @@ class Files:
         for word in words.keys() - filling.used:
             message = f"nothing in the file has the word <{word}>"
             self.mistakes.append(DeckError(str(path), None, None, "include", message))
+        # names would be wrong as well
+        self.incomplete |= not filling.used == words.keys()
         return filled
 
 
