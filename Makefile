@@ -9,9 +9,9 @@ BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long queue bench stability beam trains crush docs clean
+.PHONY: demo test long queue bench stability beam trains crush gallery docs clean
 
-demo: $(VENV)/plot.installed
+demo: $(VENV)/render.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
 	@echo "The report, to be opened in a browser:"
 	@$(BIN)/crashpost report $(RESULTS)
@@ -41,6 +41,9 @@ trains: $(VENV)/plot.installed
 
 crush: $(VENV)/plot.installed
 	$(BIN)/python decks/benchmark/tube_crush.py
+
+gallery: $(VENV)/render.installed
+	$(BIN)/python decks/gallery.py
 
 docs: $(VENV)/plot.installed
 	$(BIN)/crashsolve keywords > solver/KEYWORDS.md

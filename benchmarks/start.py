@@ -1,13 +1,17 @@
-"""From process start to the first step: CPU time cold and warm, and peak memory, of every deck.
+"""From process start to the first step: time cold and warm, and peak memory, of every deck.
 
     python benchmarks/start.py [DECK ...]
+    python benchmarks/start.py decks/tutorial/bouncing_ball.yaml \\
+        decks/benchmark/andrews_squeezer.yaml decks/scenes/train_test.yaml \\
+        decks/benchmark/tube_crush.yaml decks/verification/parts/shell_radau.yaml
 
 A child process runs the command `crashsolve DECK` and ends after its first step; what it has used
 by then is counted from the start of the process. Cold: an empty cache of compiled code. Warm: the
 median of 5 further starts, with Python's own compiled files in place as in an installed package.
-Memory: the largest of a warm process above that of `python -c "import numpy, h5py"`. Budget: 1.0 s
-warm, 15 s cold, +150 MB. The first run of a scene has a child process that compiles: its time
-counts as cold, its memory stands in the last column, without a budget.
+Memory: the largest of a warm process above that of `python -c "import numpy, h5py"`. Budget: cold
+8 s by the clock and of CPU time, 1.0 s of CPU time warm, +150 MB. The first run of a scene has a
+child process that compiles: its time counts as cold, its memory stands in the last column, without
+a budget. The second command names small and large scenes, shell_radau.yaml the largest of all.
 """
 
 import json
@@ -16,12 +20,13 @@ import resource
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from statistics import median
 
 ROOT = Path(__file__).resolve().parent.parent
 STARTS = 5
-BUDGET = {"cold s": 15.0, "warm s": 1.0, "memory MB": 150.0}
+BUDGET = {"cold wall": 8.0, "cold s": 8.0, "warm s": 1.0, "memory MB": 150.0}
 PROCESSES = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 BARE = "import resource, numpy, h5py; print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
 
@@ -52,10 +57,11 @@ def end_after_first_step(deck: str, folder: str) -> None:
     sys.exit(main([deck, "-o", folder]))
 
 
-def start(deck: Path, cache: str) -> tuple[float, float, float]:
-    """CPU time [s], and peak memory [MB] of the run and of its compiler, of one start."""
+def start(deck: Path, cache: str) -> tuple[float, float, float, float]:
+    """Clock and CPU time [s], peak memory [MB] of the run and its compiler, of one start."""
     environment = os.environ | {"CRASHSOLVE_CACHE": cache}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    begun = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         child = subprocess.run(
             [sys.executable, __file__, "--child", str(deck), folder],
@@ -63,10 +69,11 @@ def start(deck: Path, cache: str) -> tuple[float, float, float]:
             capture_output=True,
             text=True,
         )
+    wall = time.monotonic() - begun
     if child.returncode:
         raise SystemExit(f"{deck}: {child.stderr.strip()}")
     cpu, peak, compiler = json.loads(child.stdout.splitlines()[-1])
-    return cpu, peak, compiler
+    return wall, cpu, peak, compiler
 
 
 def _output(*command: str) -> str:
@@ -76,11 +83,12 @@ def _output(*command: str) -> str:
 def measure(deck: Path, bare: float) -> dict[str, float]:
     """The three figures of the budget for one deck, and the memory of the compiler."""
     with tempfile.TemporaryDirectory() as cache:
-        cold, _, compiler = start(deck, cache)
+        wall, cold, _, compiler = start(deck, cache)
         warm = [start(deck, cache) for _ in range(STARTS)]
-    memory = max(peak for _, peak, _ in warm) - bare
-    warm_cpu = median(cpu for cpu, _, _ in warm)
-    return {"cold s": cold, "warm s": warm_cpu, "memory MB": memory, "compiler MB": compiler}
+    memory = max(peak for _, _, peak, _ in warm) - bare
+    warm_cpu = median(cpu for _, cpu, _, _ in warm)
+    found = {"cold wall": wall, "cold s": cold, "warm s": warm_cpu, "memory MB": memory}
+    return found | {"compiler MB": compiler}
 
 
 def main() -> None:

@@ -3,6 +3,7 @@
 rcforc.left.force.normal    rcforc.*.force.x    -rbdout.a.velocity.x    rcforc.left.force.x:max
 """
 
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -11,6 +12,11 @@ from crashpost.result import Result
 from crashsolve.channels.statistic import check
 
 PATTERN = frozenset("*?[")
+
+
+def plain(name: str) -> str:
+    """A channel's name as an expression holds it: in quotes where it has other characters."""
+    return name if re.fullmatch(r"[A-Za-z_][\w.]*", name) else f"'{name}'"
 
 
 class Choice(NamedTuple):

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from crashpost import curves_cli, pictures
 from crashpost.errors import PostError
 from crashpost.text import printable, printable_lines
 from crashsolve import __version__
@@ -89,27 +90,20 @@ def _parser() -> argparse.ArgumentParser:
     )
     sub = add("expect", _expect, "evaluate the deck's expectations")
     sub.add_argument("--partial", action="store_true", help="also of a run that did not finish")
-    sub = add("plot", _plot, "draw channels, and where a statistic is named its value")
-    sub.add_argument("channels", nargs="+", metavar="CHANNEL[:STATISTIC]", help=CHANNELS)
-    sub.add_argument("--against", default="time", metavar="CHANNEL", help="abscissa, default time")
-    sub.add_argument("-o", "--output", type=Path, help="png, svg or pdf; default RESULT/plot.png")
-    sub.add_argument(
-        "--unit",
-        action="append",
-        default=[],
-        metavar="CHANNEL=UNIT",
-        help="show a channel, or time, in this unit",
-    )
-    sub = add("export", _export, "write channels as comma-separated values")
-    sub.add_argument("channels", nargs="*", metavar="CHANNEL", help=f"{CHANNELS}; all if absent")
-    sub.add_argument(
-        "-o", "--output", "--csv", type=Path, required=True, metavar="FILE", help="to be written"
-    )
+    curves_cli.add_commands(add)
+    pictures.add_commands(add)
     sub = add("sweep", _sweep, "gather the runs of a sweep in one table, and draw them")
     sub.add_argument("-o", "--output", type=Path, help="folder of the pictures; default RESULT")
     sub.add_argument("--table", action="store_true", help="only the table")
     sub = add("report", _report, "write one self-contained HTML page")
     sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
+    curves_cli.add_units(sub)
+    sub.add_argument(
+        "--pictures",
+        choices=("all", "strips", "none"),
+        default="all",
+        help="strips: without film and 3-D; none: curves and tables only",
+    )
     add_completion(commands)
     commands.choices["completion"].set_defaults(command=lambda o: _completion(parser, o))
     return parser
@@ -201,35 +195,6 @@ def _expect(options: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def _plot(options: argparse.Namespace) -> int:
-    result = _open(options)
-    from crashpost.choice import choices
-    from crashpost.draw import save
-    from crashpost.gallery import panels
-
-    units = dict(_unit_choice(text) for text in options.unit)
-    output = options.output or result.folder / "plot.png"
-    chosen = choices(result, options.channels)
-    save(result, panels(result, chosen, options.against.strip(), units), output)
-    _say(str(output))
-    return 0
-
-
-def _unit_choice(text: str) -> tuple[str, str]:
-    channel, equals, unit = text.rpartition("=")
-    if not equals or not unit:
-        raise PostError(f"--unit takes CHANNEL=UNIT, not '{text}'")
-    return channel.strip(), unit
-
-
-def _export(options: argparse.Namespace) -> int:
-    from crashpost.export import export_csv
-
-    count = export_csv(_open(options), options.output, options.channels or ["*"])
-    _say(f"{options.output}: {count} channels")
-    return 0
-
-
 def _completion(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     print(completion(parser, options.shell))
     return 0
@@ -255,8 +220,9 @@ def _sweep(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     result = _open(options)
     from crashpost.report import report
+    from crashpost.shown import Units
 
-    text, problems = report(result)
+    text, problems = report(result, options.pictures, Units.read(options.unit))
     output = options.output or result.folder / "report.html"
     try:
         output.write_text(text, encoding="utf-8", errors="xmlcharrefreplace")

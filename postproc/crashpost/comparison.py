@@ -21,6 +21,7 @@ class Comparison:
     low: float
     high: float
     unit: str
+    tolerance: float | None = None
 
     @property
     def difference(self) -> float:
@@ -34,9 +35,19 @@ class Comparison:
         return 100 * self.difference / abs(nearest) if nearest else None
 
     @property
+    def missed(self) -> bool | None:
+        """Whether ours lies beyond what is known; None where that is not said."""
+        if self.low == self.high and self.tolerance is None:
+            return None
+        return abs(self.difference) > (self.tolerance or 0.0)
+
+    @property
     def published(self) -> str:
         """The published number or range as people write it."""
-        return f"{self.low:g}" if self.low == self.high else f"{self.low:g} to {self.high:g}"
+        known = f" ± {self.tolerance:.4g}" if self.tolerance is not None else ""
+        if self.low == self.high:
+            return f"{self.low:.6g}{known}"
+        return f"{self.low:.6g} to {self.high:.6g}{known}"
 
 
 def comparisons(result: Result, figure: Figure) -> list[Comparison]:
@@ -59,7 +70,7 @@ def _compare(result: Result, figure: Figure, reference: Reference) -> Comparison
         ours = statistic(series, reference.statistic, reference.during)
         unit = unit_of(reference.statistic, unit)
     low, high = _published(reference)
-    return Comparison(reference.label, reference.source, ours, low, high, unit)
+    return Comparison(reference.label, reference.source, ours, low, high, unit, reference.tolerance)
 
 
 def _published(reference: Reference) -> tuple[float, float]:

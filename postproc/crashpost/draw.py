@@ -6,16 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
 
+from crashpost import words
 from crashpost.errors import PostError
 
 try:
     import matplotlib as mpl
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 except ModuleNotFoundError as missing:
     raise PostError(
         f"figures need {missing.name}, which is missing: pip install 'crashsolve[plot]'"
@@ -23,50 +26,29 @@ except ModuleNotFoundError as missing:
 
 from crashpost.figure import Curve, Figure, Pair, Reference, axis_unit
 from crashpost.result import Result
+from crashpost.style import FRAME, MATPLOTLIB, MOST_LINES, MUTED, REFERENCE_COLOURS, line_look
 from crashsolve.channels.display import factor
 
-INK, MUTED, RULE = "#1c2126", "#66707a", "#e4e7ea"
-COLOURS = ("#1f5a99", "#c4472b", "#2e8b63", "#c98a12", "#74509e", "#3f9fc4", "#7d5a44", "#8a9199")
-REFERENCE_COLOURS = ("#93804f", "#a0527d", "#3c7d78")
-DASHES: tuple[str, ...] = ("-", "--", ":")
 MOST_POINTS = 3000
 MINUS = "\N{MINUS SIGN}"
+# dashes of levels and of curves known from elsewhere
+LEVEL, MEASURED = (4.0, 2.0), (1.0, 1.2)
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "crashpost",
-    "font.size": 10,
-    "axes.edgecolor": "#b9c0c6",
-    "axes.linewidth": 0.8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.labelcolor": MUTED,
-    "grid.color": RULE,
-    "grid.linewidth": 0.7,
-    "text.color": INK,
-    "xtick.color": "#b9c0c6",
-    "ytick.color": "#b9c0c6",
-    "xtick.labelcolor": MUTED,
-    "ytick.labelcolor": MUTED,
-    "xtick.labelsize": 9,
-    "ytick.labelsize": 9,
-    "lines.linewidth": 1.6,
-    "lines.solid_joinstyle": "round",
-    "legend.frameon": False,
-    "legend.fontsize": 9,
-    "path.simplify": True,
-}
+# a panel of a saved figure [inches], letters of an entry of its legend in two columns and in one
+WIDTH, HEIGHT = 7.2, 3.4
+HALF_LINE, LINE = 48, 92
+
+Runs = Result | Sequence[Result]
 
 
 @dataclass(frozen=True)
 class Key:
-    """One entry of a legend: mark is line, dash, dots, band or point."""
+    """One entry of a legend: mark is line, dash, dots, band or point; dashes in line widths."""
 
     label: str
     colour: str
-    mark: str
+    mark: str = "line"
+    dashes: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -87,40 +69,67 @@ class _Scaled:
     y_unit: str
 
 
-def svg(result: Result, figure: Figure, name: str) -> tuple[str, list[Key]]:
+def svg(results: Runs, figure: Figure, name: str) -> tuple[str, list[Key]]:
     """The figure as an <svg> element without size, and its legend; raises PostError."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(MATPLOTLIB):
         canvas = Canvas(figsize=(5.4, 3.3), layout="constrained")
-        keys = _draw(canvas.subplots(), result, figure)
+        keys = _draw(canvas.subplots(), results, figure)
         stream = io.StringIO()
         canvas.savefig(stream, format="svg", metadata={"Date": None}, transparent=True)
     return _embeddable(stream.getvalue(), figure.title, name), keys
 
 
-def save(result: Result, figures: Sequence[Figure], path: Path) -> None:
+def save(results: Runs, figures: Sequence[Figure], path: Path) -> None:
     """The figures one below the other in a file; its ending chooses the format."""
-    with mpl.rc_context(STYLE):
-        canvas = Canvas(figsize=(7.2, 0.4 + 3.4 * len(figures)), layout="constrained", dpi=160)
-        panels = canvas.subplots(len(figures), squeeze=False)[:, 0]
-        for panel, figure in zip(panels, figures, strict=True):
-            _draw(panel, result, figure)
-            panel.legend(loc="lower left", bbox_to_anchor=(0, 1.08), ncols=2, borderaxespad=0)
+    with mpl.rc_context(MATPLOTLIB):
+        heights = [HEIGHT + 0.16 * _legend_lines(figure) for figure in figures]
+        layout = ConstrainedLayoutEngine(hspace=0.06)
+        canvas = Canvas(figsize=(WIDTH, 0.2 + sum(heights)), layout=layout, dpi=160)
+        grid = canvas.subplots(len(figures), squeeze=False, height_ratios=heights)
+        for panel, figure in zip(grid[:, 0], figures, strict=True):
+            _draw(panel, results, figure)
+            _add_legend(panel, figure.title)
         try:
-            canvas.savefig(path)
+            canvas.savefig(path, metadata=_metadata(path))
         except (OSError, ValueError) as error:
             raise PostError(f"{path}: {error}") from error
 
 
-def labels(channels: Sequence[str]) -> list[str]:
-    """Short names that tell the channels apart: the words in which they differ."""
-    words = [channel.split(".") for channel in channels]
-    if len(words) < 2 or len({len(w) for w in words}) > 1 or not all(map(_is_name, channels)):
-        return list(channels)
-    differing = [len(set(column)) > 1 for column in zip(*words, strict=True)]
-    short = [[w for w, differs in zip(row, differing, strict=True) if differs] for row in words]
-    return [
-        " ".join(row).replace("_", " ") or name for row, name in zip(short, channels, strict=True)
-    ]
+def _metadata(path: Path) -> dict[str, Any]:
+    """Nothing that differs between two files of one figure."""
+    return {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower(), {})
+
+
+def _legend_lines(figure: Figure) -> int:
+    """Lines of title and legend above a panel."""
+    entries = len(figure.y) + len(figure.reference)
+    return 1 + (entries + 1) // 2 + figure.title.count("\n") + len(figure.title) // LINE
+
+
+def says_the_title(labels: Sequence[str], title: str) -> bool:
+    """Whether a legend would only repeat words of the title."""
+    return len(labels) == 1 and labels[0].lower() in title.lower()
+
+
+def _add_legend(panel: Axes, title: str) -> None:
+    """The title with the legend below it, above a panel; no legend of a single line."""
+    handles, names = panel.get_legend_handles_labels()
+    if says_the_title(names, title):
+        handles, names = [], []
+    columns = 2 if all(len(name) <= HALF_LINE for name in names) else 1
+    legend = panel.legend(
+        handles,
+        [fill(name, LINE if columns == 1 else HALF_LINE) for name in names],
+        title=fill(title, LINE),
+        title_fontproperties={"weight": "bold", "size": 10},
+        alignment="left",
+        loc="lower left",
+        bbox_to_anchor=(0, 1.08),
+        ncols=columns,
+        borderaxespad=0,
+        borderpad=0.1,
+    )
+    legend.set_zorder(5)
 
 
 def tick(value: float) -> str:
@@ -130,19 +139,26 @@ def tick(value: float) -> str:
     return digits.replace("-", MINUS) + raised
 
 
-def _draw(axes: Axes, result: Result, figure: Figure) -> list[Key]:
+def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     """Draw references, then curves, then the axes; returns the legend."""
-    scaled = _scaled(result, figure)
+    if len(figure.y) > MOST_LINES:
+        raise PostError(f"{len(figure.y)} curves in one figure; {MOST_LINES} can be told apart")
+    scaled = _scaled(_runs(results), figure)
     keys = []
     for number, line in enumerate(scaled.lines):
-        colour, dash = COLOURS[number % len(COLOURS)], DASHES[number // 4 % len(DASHES)]
-        axes.plot(line.x, line.y, dash, color=colour, label=line.label, zorder=3)
-        keys.append(Key(line.label, colour, {"-": "line", "--": "dash", ":": "dots"}[dash]))
+        colour, dashes = line_look(number)
+        style = (0, dashes) if dashes else "-"
+        axes.plot(line.x, line.y, linestyle=style, color=colour, label=line.label, zorder=3)
+        keys.append(Key(line.label, colour, "line", dashes))
     for number, reference in enumerate(figure.reference):
         colour = REFERENCE_COLOURS[number % len(REFERENCE_COLOURS)]
         keys.append(_draw_reference(axes, reference, colour, figure))
     _finish_axes(axes, figure, scaled)
     return keys
+
+
+def _runs(results: Runs) -> Sequence[Result]:
+    return [results] if isinstance(results, Result) else results
 
 
 def _draw_reference(axes: Axes, reference: Reference, colour: str, figure: Figure) -> Key:
@@ -158,12 +174,16 @@ def _draw_reference(axes: Axes, reference: Reference, colour: str, figure: Figur
         return Key(reference.label, colour, "band")
     if reference.kind == "level":
         level = reference.value or 0.0
-        axes.plot(xs, (level, level), "--", transform=where, **style)
-        return Key(reference.label, colour, "dash")
+        axes.plot(xs, (level, level), linestyle=(0, LEVEL), transform=where, **style)
+        return Key(reference.label, colour, "dash", LEVEL)
     x, y = np.array(reference.points).T
+    if reference.kind == "corridor":
+        border = np.vstack([reference.points, reference.upper[::-1]])
+        axes.fill(*border.T, alpha=0.22, linewidth=0, color=colour, label=reference.label, zorder=1)
+        return Key(reference.label, colour, "band")
     if reference.kind == "curve":
-        axes.plot(x, y, ":", linewidth=2, **style)
-        return Key(reference.label, colour, "dots")
+        axes.plot(x, y, linestyle=(0, MEASURED), linewidth=2, **style)
+        return Key(reference.label, colour, "dots", MEASURED)
     # a point on the border of the figure is drawn whole, one beyond it not at all
     seen = _between(x, figure.x_range) & _between(y, figure.y_range)
     axes.plot(x[seen], y[seen], "o", markersize=6, markerfacecolor="white", clip_on=False, **style)
@@ -177,8 +197,9 @@ def _between(values: np.ndarray, ends: Pair | None) -> np.ndarray:
 
 
 def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
-    axes.set_xscale(figure.x_scale)
-    axes.set_yscale(figure.y_scale)
+    for set_scale, scale in ((axes.set_xscale, figure.x_scale), (axes.set_yscale, figure.y_scale)):
+        # what has no logarithm is not shown, rather than at the edge as if it were small
+        set_scale(scale, **({"nonpositive": "mask"} if scale == "log" else {}))
     for axis, scale in ((axes.xaxis, figure.x_scale), (axes.yaxis, figure.y_scale)):
         if scale == "linear":
             axis.set_major_formatter(lambda value, _: tick(value))
@@ -187,8 +208,10 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
         axes.set_xlim(figure.x_range)
     if figure.y_range:
         axes.set_ylim(figure.y_range)
-    x_words = figure.x_label or ("time" if figure.x == "time" else _quantity([figure.x]))
-    y_words = figure.y_label or _quantity([curve.channel for curve in figure.y])
+    elif figure.x_range and figure.y_scale == "linear" and not figure.reference:
+        _fit_y(axes, figure.x_range, scaled.lines)
+    x_words = figure.x_label or _axis_words([curve.x or figure.x for curve in figure.y])
+    y_words = figure.y_label or _axis_words([curve.channel for curve in figure.y])
     axes.set_xlabel(_with_unit(x_words, scaled.x_unit), loc="right", fontsize=9)
     # the ordinate's title lies flat above its axis, where it is read without turning the head
     axes.text(
@@ -202,7 +225,19 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
         color=MUTED,
     )
     if figure.y_scale == "linear" and _changes_sign(scaled.lines):
-        axes.axhline(0, color="#b9c0c6", linewidth=0.8, zorder=1)
+        axes.axhline(0, color=FRAME, linewidth=0.8, zorder=1)
+
+
+def _fit_y(axes: Axes, x_range: Pair, lines: Sequence[_Line]) -> None:
+    """Let the ordinate span what is seen of the lines, where a part of the abscissa is shown."""
+    seen = [line.y[_between(line.x, x_range)] for line in lines]
+    values = np.concatenate([part[np.isfinite(part)] for part in seen])
+    if not len(values):
+        low, high = x_range
+        raise PostError(f"no sample lies from {low:g} to {high:g} on the abscissa")
+    low, high = float(values.min()), float(values.max())
+    margin = 0.05 * (high - low) or 0.5 * abs(high) or 1.0
+    axes.set_ylim(low - margin, high + margin)
 
 
 def _changes_sign(lines: Sequence[_Line]) -> bool:
@@ -211,24 +246,28 @@ def _changes_sign(lines: Sequence[_Line]) -> bool:
     return bool(np.any(values < 0) and np.any(values > 0))
 
 
-def _scaled(result: Result, figure: Figure) -> _Scaled:
+def _scaled(results: Sequence[Result], figure: Figure) -> _Scaled:
     """Every curve in the units of the axes."""
-    abscissas = [result.series(curve.x or figure.x) for curve in figure.y]
-    ordinates = [result.series(curve.channel) for curve in figure.y]
+    if all(curve.points for curve in figure.y):
+        literal = [_Line(curve.label, *np.array(curve.points).T) for curve in figure.y]
+        return _Scaled(literal, figure.x_unit, figure.y_unit)
+    abscissas = [results[curve.run].series(curve.x or figure.x) for curve in figure.y]
+    ordinates = [results[curve.run].series(curve.channel) for curve in figure.y]
     x_unit = axis_unit(abscissas, figure.x_unit)
     y_unit = axis_unit(ordinates, figure.y_unit)
     lines = []
     for label, x, y in zip(_line_labels(figure.y), abscissas, ordinates, strict=True):
         along = x.values * factor(x.unit, x_unit) + figure.x_offset
         up = y.values * factor(y.unit, y_unit) + figure.y_offset
-        if figure.y_scale == "log" and not np.any(up > 0):
-            raise PostError(f"'{label}' has no positive value to show on a logarithmic axis")
+        for values, scale in ((along, figure.x_scale), (up, figure.y_scale)):
+            if scale == "log" and not np.any(values > 0):
+                raise PostError(f"'{label}' has no positive value to show on a logarithmic axis")
         lines.append(_Line(label, *_thinned(along, up)))
     return _Scaled(lines, x_unit, y_unit)
 
 
 def _line_labels(curves: Sequence[Curve]) -> list[str]:
-    short = labels([curve.channel for curve in curves])
+    short = words.legend([curve.channel for curve in curves])
     return [curve.label or name for curve, name in zip(curves, short, strict=True)]
 
 
@@ -244,21 +283,22 @@ def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return x[chosen], y[chosen]
 
 
-def _quantity(channels: Sequence[str]) -> str:
-    """The quantity all channels share, in words; nothing for expressions."""
-    quantities = {channel.split(".")[2] for channel in channels if channel.count(".") >= 2}
-    plain = all(map(_is_name, channels)) and len(quantities) == 1
-    return quantities.pop().replace("_", " ") if plain else ""
+def _axis_words(channels: Sequence[str]) -> str:
+    """What an axis shows, in words."""
+    distinct = list(dict.fromkeys(channels))
+    if distinct == ["time"]:
+        return "time"
+    shared = words.quantity_of_all(distinct)
+    return shared if shared or len(distinct) > 1 else words.title(distinct)
 
 
-def _is_name(channel: str) -> bool:
-    """Whether the text is a channel name rather than arithmetic."""
-    return re.fullmatch(r"[a-z]+\.[^.\s()*/+]+\.\w+(\.\w+)?", channel) is not None
+def _with_unit(text: str, unit: str) -> str:
+    return ", ".join(part for part in (text, unit_text(unit)) if part)
 
 
-def _with_unit(words: str, unit: str) -> str:
-    shown = {"deg": "°", "g0": "g"}.get(unit, unit.replace("^2", "²").replace("^3", "³"))
-    return ", ".join(part for part in (words, shown) if part)
+def unit_text(unit: str) -> str:
+    """A unit as it is printed: m/s², g, nothing for a pure number."""
+    return {"deg": "°", "g0": "g", "1": ""}.get(unit, unit.replace("^2", "²").replace("^3", "³"))
 
 
 def _embeddable(text: str, title: str, name: str) -> str:
@@ -268,5 +308,5 @@ def _embeddable(text: str, title: str, name: str) -> str:
     body = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", body, count=1)
     body = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", body, count=1)
     body = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{name}-", body)
-    words = title.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
-    return body.replace("<svg", f'<svg role="img" aria-label="{words}"', 1)
+    label = title.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+    return body.replace("<svg", f'<svg role="img" aria-label="{label}"', 1)

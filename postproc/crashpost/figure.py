@@ -11,13 +11,15 @@
         - {label: ..., kind: band,  from: 0.8, to: 1.2}
         - {label: ..., kind: point, points: [[x, y]]}
         - {label: ..., kind: curve, points: [[x, y], ...]}
+        - {label: ..., kind: corridor, points: [[x, lower], ...], upper: [[x, upper], ...]}
 
 A reference that also has `channel` and `statistic` is compared with what the run gave; `during:
 [t0, t1]` limits the comparison to a time window, `over: [x0, x1]` the width of a level or band.
+`tolerance` says how well a level or point is known: what the run gives beyond it is a miss.
 """
 
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -27,7 +29,7 @@ from crashsolve.channels.display import readable
 from crashsolve.channels.series import Series
 from crashsolve.channels.statistic import is_a_time
 
-KINDS = ("level", "band", "point", "curve")
+KINDS = ("level", "band", "point", "curve", "corridor")
 SCALES = ("linear", "log")
 
 AUTO = "auto"
@@ -42,6 +44,10 @@ class Curve:
     channel: str
     label: str = ""
     x: str = ""
+    # which of several results it is of; no word of a deck
+    run: int = field(default=0, metadata={"inner": True})
+    # points in the units of the axes, in the place of a history; no word of a deck
+    points: tuple[Pair, ...] = field(default=(), metadata={"inner": True})
 
 
 @dataclass(frozen=True)
@@ -54,6 +60,8 @@ class Reference:
     from_: float | None = None
     to: float | None = None
     points: tuple[Pair, ...] = ()
+    upper: tuple[Pair, ...] = ()
+    tolerance: float | None = None
     source: str = ""
     channel: str = ""
     statistic: str = ""
@@ -118,16 +126,21 @@ def _reference(entry: Any, place: str) -> Reference:
         "band": reference.from_ is not None and reference.to is not None,
         "point": bool(reference.points),
         "curve": len(reference.points) > 1,
+        "corridor": min(len(reference.points), len(reference.upper)) > 1,
     }
     if reference.kind not in needs:
         raise unknown("kind of reference", reference.kind, KINDS)
     if not needs[reference.kind]:
         raise PostError(
             f"{place}: reference '{reference.label}': a level needs value, a band from and to, "
-            "a point or curve needs points"
+            "a point or curve needs points, a corridor points and upper"
         )
+    if reference.tolerance is not None and not reference.tolerance >= 0:
+        raise PostError(f"{place}: reference '{reference.label}': tolerance is negative")
     if bool(reference.channel) != bool(reference.statistic):
         raise PostError(f"{place}: reference '{reference.label}': channel goes with statistic")
+    if reference.kind == "corridor" and reference.channel:
+        raise PostError(f"{place}: reference '{reference.label}': a corridor takes no channel")
     if reference.statistic and is_a_time(reference.statistic) and not reference.points:
         raise PostError(f"{place}: reference '{reference.label}': a time is compared with points")
     return reference
@@ -137,12 +150,12 @@ def _fields(record: type, entry: Any, place: str) -> dict[str, Any]:
     """The entry's fields, none unknown, none required missing, lists of numbers as tuples."""
     if not isinstance(entry, dict):
         raise PostError(f"{place}: expected fields, found '{entry}'")
-    known = {field.name: field for field in fields(record)}
+    known = {one.name: one for one in fields(record) if not one.metadata.get("inner")}
     for name in entry:
         if name not in known:
             raise unknown("field", str(name), known, whole=place)
-    for name, field in known.items():
-        if field.default is MISSING and name not in entry:
+    for name, one in known.items():
+        if one.default is MISSING and name not in entry:
             raise PostError(f"{place}: '{name}' is missing")
     return {name: _typed(value, name, place) for name, value in entry.items() if value is not None}
 
@@ -151,9 +164,9 @@ def _typed(value: Any, name: str, place: str) -> Any:
     try:
         if name in ("x_range", "y_range", "during", "over"):
             return _pair(value)
-        if name == "points":
+        if name in ("points", "upper"):
             return tuple(_pair(point) for point in value)
-        if name in ("value", "from_", "to", "x_offset", "y_offset"):
+        if name in ("value", "from_", "to", "tolerance", "x_offset", "y_offset"):
             return float(value)
         if name not in ("y", "reference") and not isinstance(value, str):
             raise TypeError("no text")

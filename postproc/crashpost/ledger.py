@@ -20,10 +20,11 @@ SUMS = ("imbalance", "largest", "initial")
 # what there is and its sum, then what was lost, then what came from outside
 ORDER = (
     *("kinetic", "potential", "internal", "elastic", "hourglass", "drilling"),
-    *("spring stored", "joint stored", "brake stored", "contact stored", "friction stored"),
+    *("spring stored", "hinge stored", "joint stored", "brake stored"),
+    *("contact stored", "friction stored"),
     "mechanical",
-    *("plastic", "part damping", "eroded", "spring dissipated", "joint dissipated"),
-    *("brake dissipated", "contact dissipated", "friction dissipated"),
+    *("plastic", "part damping", "eroded", "spring dissipated", "hinge dissipated"),
+    *("joint dissipated", "brake dissipated", "contact dissipated", "friction dissipated"),
     *("external work", "driver work"),
 )
 

@@ -3,8 +3,15 @@
 from collections.abc import Sequence
 from html import escape
 
-from crashpost.draw import Key
+from crashpost.draw import Key, says_the_title
 from crashpost.style import CSS
+
+# words of verdicts
+GOOD, BAD = frozenset({"pass", "met", "within"}), frozenset({"FAIL", "missed", "beyond"})
+
+# captions of large values that say something was missed
+EXPECTED, MISSED_PUBLISHED = "expectations met, the others missed", "published numbers missed"
+BAD_FACTS = frozenset({EXPECTED, MISSED_PUBLISHED})
 
 __all__ = ["block", "escape", "figure", "fold", "page", "table", "tiles"]
 
@@ -37,7 +44,11 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[
         for words, look in zip(header, looks, strict=True)
     ]
     lines = ["".join(map(_cell, row, looks)) for row in rows]
-    body = "\n".join(f"<tr>{line}</tr>" for line in lines)
+    # a row that tells of a miss is coloured as one
+    body = "\n".join(
+        f'<tr class="missed">{line}</tr>' if BAD & set(row) else f"<tr>{line}</tr>"
+        for row, line in zip(rows, lines, strict=True)
+    )
     return (
         f'<div class="scroll"><table><thead><tr>{"".join(heads)}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>"
@@ -47,7 +58,8 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[
 def tiles(facts: Sequence[tuple[str, str]]) -> str:
     """Large values with a small caption each."""
     cells = [
-        f'<div class="tile"><b>{escape(value)}</b><span>{escape(caption)}</span></div>'
+        f'<div class="tile{" bad" if caption in BAD_FACTS else ""}"><b>{escape(value)}</b>'
+        f"<span>{escape(caption)}</span></div>"
         for value, caption in facts
     ]
     return f'<div class="tiles">{"".join(cells)}</div>' if cells else ""
@@ -63,13 +75,15 @@ def fold(title: str, content: str, *, unfolded: bool = False) -> str:
 
 def figure(title: str, drawing: str, keys: Sequence[Key], below: str) -> str:
     """A drawing with its title and legend above and its comparison below."""
-    legend = "".join(f"<li>{_swatch(key)}{escape(key.label)}</li>" for key in keys)
-    above = f'<figcaption><h3>{escape(title)}</h3><ul class="legend">{legend}</ul></figcaption>'
+    keys = [] if says_the_title([key.label for key in keys], title) else keys
+    items = "".join(f"<li>{_swatch(key)}{escape(key.label)}</li>" for key in keys)
+    legend = f'<ul class="legend">{items}</ul>' if items else ""
+    above = f"<figcaption><h3>{escape(title)}</h3>{legend}</figcaption>"
     return f"<figure>{above}{drawing}{below}</figure>"
 
 
 def _cell(text: str, look: str) -> str:
-    look = {"pass": "pass", "FAIL": "fail"}.get(text, look)
+    look = "fail" if text in BAD else "pass" if text in GOOD else look
     # a long channel name may be broken after its dots, and only there
     shown = escape(text).replace(".", ".<wbr>") if look == "name" else escape(text)
     return f'<td class="{look}">{shown}</td>' if look else f"<td>{shown}</td>"
@@ -77,7 +91,7 @@ def _cell(text: str, look: str) -> str:
 
 def _swatch(key: Key) -> str:
     """The mark of a legend entry, drawn as in the figure."""
-    dashes = {"dash": "6 3", "dots": "1.5 3"}.get(key.mark, "none")
+    dashes = " ".join(f"{2 * length:g}" for length in key.dashes) or "none"
     colour = key.colour
     line = (
         f'<line x1="0" y1="6" x2="24" y2="6" stroke="{colour}" stroke-width="2.4" '

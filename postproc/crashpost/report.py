@@ -7,41 +7,66 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from itertools import islice
 
-from crashpost import draw, gallery, ledger, logbook
+from crashpost import draw, gallery, injury, ledger, logbook
 from crashpost.accuracy import HEADER as ERRORS
 from crashpost.accuracy import accuracy_rows, cost_rows, worst_error
 from crashpost.comparison import Comparison, comparisons
 from crashpost.errors import PostError
+from crashpost.events import events
 from crashpost.expectation import Verdict, judge
 from crashpost.figure import Figure, figures_of
-from crashpost.page import block, escape, figure, fold, page, table, tiles
+from crashpost.page import (
+    EXPECTED,
+    MISSED_PUBLISHED,
+    block,
+    escape,
+    figure,
+    fold,
+    page,
+    table,
+    tiles,
+)
 from crashpost.result import Result
-from crashpost.summary import peaks, status_line
+from crashpost.shown import Units, on_page, page_time_unit
+from crashpost.sights import sights
+from crashpost.summary import Peak, peaks, status_line
+from crashpost.table import number
 from crashsolve.channels.display import factor, readable
 
 OPEN_PEAKS, MOST_PEAKS = 30, 1000
 GOOD, BAD = {"finished"}, {"failed", "killed"}
 
 
-def report(result: Result) -> tuple[str, list[str]]:
-    """The page, and what could not be shown on it; raises PostError for a broken description."""
-    return _Report(result).page()
+def report(
+    result: Result, pictures: str = "all", units: Units | None = None
+) -> tuple[str, list[str]]:
+    """The page, and what could not be shown on it; raises PostError for a broken description.
+
+    `pictures` is all, strips (without film and 3-D) or none.
+    """
+    return _Report(result, pictures, units or Units()).page()
 
 
 class _Report:
-    def __init__(self, result: Result) -> None:
-        self.result = result
+    def __init__(self, result: Result, pictures: str, units: Units) -> None:
+        self.result, self.pictures, self.units = result, pictures, units
+        self.described = result.stored_json("report", dict)
+        asked = figures_of(self.described) if (self.described or {}).get("figures") else []
+        self.chosen = asked or gallery.default_figures(result)
+        self.time_unit = page_time_unit(result, asked, units)
         self.verdicts = judge(result)
         self.problems: list[str] = []
-        self.drawn = 0
+        self.drawn = self.missed = 0
 
     def page(self) -> tuple[str, list[str]]:
         result = self.result
-        described = result.stored_json("report", dict)
-        chosen = figures_of(described) if described else gallery.family_figures(result)
         sections = [
-            block("curves", "Curves", self.figures(chosen)),
+            block("pictures", "Pictures", self.sights()),
+            block("events", "What happened", _events(result, self.time_unit)),
+            block("curves", "Curves", self.figures(self.chosen)),
+            block("injury", "Injury", _injury(result)),
             block("expectations", "Expectations", _verdicts(self.verdicts)),
+            block("peaks", "Peaks", _peaks(result, self.time_unit)),
             block("errors", "Estimated errors", _errors(result)),
             block(
                 "energy", "Energy", _energies(result), self.figures(gallery.energy_figures(result))
@@ -49,13 +74,20 @@ class _Report:
             block("momentum", "Momentum", self.figures(gallery.momentum_figures(result))),
             block("cost", "Steps and cost", _cost(result)),
             block("warnings", "Warnings", _warnings(result)),
-            block("peaks", "Peaks", _peaks(result)),
             block("model", "Model", _model(result)),
             block("literature", "Literature of the laws used", _sources(result)),
             block("deck", "Deck", _deck(result)),
         ]
         body = [self.heading(sections), *sections, _footer(result)]
         return page(result.title, body), self.problems
+
+    def sights(self) -> str:
+        """Pictures and films of the run."""
+        try:
+            return sights(self.result, self.described, self.pictures)
+        except PostError as error:
+            self.problems.append(f"pictures: {error}")
+            return f'<p class="problem">{escape(str(error))}</p>'
 
     def heading(self, sections: Sequence[str]) -> str:
         state = str(self.result.status.get("state", "unknown"))
@@ -69,7 +101,7 @@ class _Report:
             f"<h1>{escape(self.result.title)}</h1>"
             f'<p class="facts"><span class="state {look}">{escape(state)}</span>{escape(line)}</p>'
             + (f'<p class="problem">{escape(str(message))}</p>' if message else "")
-            + tiles(_facts(self.result, self.verdicts))
+            + tiles(_facts(self.result, self.verdicts, self.missed))
             + f"<nav>{links}</nav></header>"
         )
 
@@ -81,8 +113,11 @@ class _Report:
     def figure(self, wanted: Figure) -> str:
         self.drawn += 1
         try:
+            wanted = on_page(self.result, wanted, self.units, self.time_unit)
             drawing, keys = draw.svg(self.result, wanted, f"f{self.drawn}")
-            below = _comparisons(comparisons(self.result, wanted))
+            compared = comparisons(self.result, wanted)
+            self.missed += sum(one.missed is True for one in compared)
+            below = _comparisons(compared)
         except PostError as error:
             self.problems.append(f"figure '{wanted.title}': {error}")
             drawing, keys, below = (f'<p class="problem">{escape(str(error))}</p>', [], "")
@@ -90,12 +125,15 @@ class _Report:
         return figure(wanted.title, drawing, keys, note + below)
 
 
-def _facts(result: Result, verdicts: list[Verdict]) -> list[tuple[str, str]]:
+def _facts(result: Result, verdicts: list[Verdict], missed: int) -> list[tuple[str, str]]:
     """The few numbers that say whether the run can be trusted."""
     facts = []
     if verdicts:
         passed = sum(verdict.passed for verdict in verdicts)
-        facts.append((f"{passed} of {len(verdicts)}", "expectations met"))
+        caption = "expectations met" if passed == len(verdicts) else EXPECTED
+        facts.append((f"{passed} of {len(verdicts)}", caption))
+    if missed:
+        facts.append((str(missed), MISSED_PUBLISHED))
     for caption, value in (
         ("energy missing at most", ledger.worst_balance(result)),
         ("momentum missing at most", ledger.worst_momentum(result)),
@@ -114,12 +152,13 @@ def _comparisons(found: list[Comparison]) -> str:
     for c in found:
         percent = f" ({c.percent:+.3g}\u00a0%)" if c.percent else ""
         inside = c.low != c.high and not c.difference
-        number = f"{c.difference:+.3g}" if c.difference else "0"
-        difference = "in range" if inside else f"{number} {c.unit}{percent}"
+        size = f"{c.difference:+.3g}" if c.difference else "0"
+        difference = "in range" if inside else f"{size} {c.unit}{percent}"
         ours, published = f"{c.ours:.4g} {c.unit}", f"{c.published} {c.unit}"
-        rows.append([c.label, ours, published, difference, c.source])
-    header = ("", "this run", "published", "difference", "source")
-    return table(header, rows, ("", "num", "num", "num", ""))
+        verdict = {None: "", True: "missed", False: "met"}[c.missed]
+        rows.append([c.label, ours, published, difference, verdict, c.source])
+    header = ("", "this run", "published", "difference", "", "source")
+    return table(header, rows, ("", "num", "num", "num", "", ""))
 
 
 def _verdicts(verdicts: list[Verdict]) -> str:
@@ -176,9 +215,21 @@ def _warnings(result: Result) -> str:
     return table(("times", "warning"), rows, ("num", ""))
 
 
-def _peaks(result: Result) -> str:
-    rows = [peak.cells for peak in islice(peaks(result), MOST_PEAKS + 1)]
-    header = ("channel", "unit", "least", "at, s", "greatest", "at, s")
+def _events(result: Result, time_unit: str) -> str:
+    size = factor("s", time_unit)
+    rows = [[number(event.time * size), event.text] for event in events(result)]
+    return table((f"at, {time_unit}", "what"), rows, ("num", ""))
+
+
+def _injury(result: Result) -> str:
+    rows = injury.measures(result) if len(result.time) > 1 else []
+    note = "<p class=note>Of accelerations as sampled by the run, without a filter.</p>"
+    return table(("", "measure", "value", "when"), rows, ("", "", "num", "")) + note * bool(rows)
+
+
+def _peaks(result: Result, time_unit: str) -> str:
+    rows = [_peak_row(peak, time_unit) for peak in islice(peaks(result), MOST_PEAKS + 1)]
+    header = ("channel", "unit", "least", f"at, {time_unit}", "greatest", f"at, {time_unit}")
     looks = ("name", "", "num", "num", "num", "num")
     if len(rows) <= OPEN_PEAKS:
         return table(header, rows, looks)
@@ -187,6 +238,12 @@ def _peaks(result: Result) -> str:
         f"The first {MOST_PEAKS} channels; peaks.txt has all" if more else f"{len(rows)} channels"
     )
     return fold(title, table(header, rows[:MOST_PEAKS], looks))
+
+
+def _peak_row(peak: Peak, time_unit: str) -> list[str]:
+    size = factor("s", time_unit)
+    times = peak.least_time * size, peak.greatest_time * size
+    return peak._replace(least_time=times[0], greatest_time=times[1]).cells
 
 
 def _model(result: Result) -> str:

@@ -10,9 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from crashpost.draw import COLOURS, MUTED, STYLE, tick
+from crashpost.draw import tick
 from crashpost.effects import Indices, indices, main_effect
 from crashpost.errors import PostError
+from crashpost.style import COLOURS, MATPLOTLIB, MUTED
 from crashpost.sweep import Row, Sweep
 
 # panels of one picture that can still be read
@@ -34,7 +35,7 @@ def draw(sweep: Sweep, folder: Path) -> tuple[list[Path], list[str]]:
     paths = [folder / "scatter.png", folder / "effects.png"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with mpl.rc_context(STYLE):
+        with mpl.rc_context(MATPLOTLIB):
             _panels(sweep, lambda axes, i, j: _scatter(axes, sweep, i, j), about, paths[0])
             note = f"means of {about} with their standard errors"
             _panels(sweep, lambda axes, i, j: _effect(axes, sweep, i, j), note, paths[1])
@@ -112,7 +113,7 @@ def _effect(axes: Axes, sweep: Sweep, i: int, j: int) -> None:
     """Means by value or class of values, over the runs in a faint colour."""
     good = [row for row in sweep.finished if isfinite(row.measured[i])]
     x, y = _places(sweep, j, good), [row.measured[i] for row in good]
-    axes.plot(x, y, "o", ms=2.5, color=COLOURS[7], alpha=0.35, mec="none", zorder=2)
+    axes.plot(x, y, "o", ms=2.5, color=MUTED, alpha=0.35, mec="none", zorder=2)
     effect = main_effect([row.values[j] for row in good], y)
     at = _positions(sweep, j, effect.at)
     line = "-" if sweep.axes[j].is_of_numbers else ""

@@ -257,7 +257,7 @@ def provenance(deck: Deck, engine: Engine) -> dict[str, Any]:
             "crashsolve": crashsolve.__version__,
             "python": platform.python_version(),
             "numpy": np.__version__,
-            "numba": version("numba"),
+            "llvmlite": version("llvmlite"),
             "h5py": version("h5py"),
         },
         "host": socket.gethostname(),

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.family import families
 from crashsolve.foundation.record import Record
 from crashsolve.model import touch
 from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST, MECHANICAL
@@ -31,7 +32,7 @@ MODEL = (
 )
 CARD_COLUMNS: tuple[str, ...] = ("impulse", "peak_normal", "peak_depth", "onsets", "touches")
 CARD_COLUMNS += ("first_touch", "last_release", "duration")
-FAMILY = {"parts": "elout", "springs": "deforc", "loads": "bndout", "sensors": "nodout"}
+FAMILY = {n: f.channels[0] for n, f in families().items() if f.channels} | {"parts": "elout"}
 Part = tuple[Family, Callable[[], np.ndarray]]
 
 

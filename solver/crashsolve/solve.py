@@ -203,7 +203,8 @@ class Run:
         """Make this engine the run's: what is told, written and obeyed is of it."""
         self.engine = self.account.engine = engine
         engine.on_pause = self._obey_at_once
-        self.histories, self.pictures = Histories(engine), Pictures(engine)
+        self.histories = Histories(engine)
+        self.pictures = Pictures(engine, self.deck)
 
     def _open(self, resumed: float | None) -> None:
         """Evaluate the initial state, unless a dump brought another; open the files."""
@@ -220,7 +221,8 @@ class Run:
         )
         self.files.callback(lambda: write_peaks(self.folder / "peaks.txt", self.history.extremes))
         self.files.callback(self.history.close)
-        self.states = StateWriter(self.folder, self.pictures.blocks, metadata, resumed)
+        described = metadata | self.pictures.description()
+        self.states = StateWriter(self.folder, self.pictures.blocks, described, resumed)
         self.files.callback(self.states.close)
         if resumed is None:
             self.engine.sample()
@@ -271,11 +273,16 @@ class Run:
         return "stop" in self.requests
 
     def _refuse_misfits(self) -> None:
+        entries = self.deck.entries
         found = [
-            self.deck.error(self.deck.entries[word][name], None, text, advice)
-            for word, wrong, advice in (
-                ("joints", self.engine.assembly_errors(), "correct the joint or the bodies"),
-                ("contacts", self.engine.overlaps(), "move the bodies apart"),
+            self.deck.error(cards[name], None, text, advice)
+            for cards, wrong, advice in (
+                (
+                    entries["joints"] | entries["hinges"],
+                    self.engine.assembly_errors(),
+                    "correct the joint or the bodies",
+                ),
+                (entries["contacts"], self.engine.overlaps(), "move the bodies apart"),
             )
             for name, text in wrong
         ]

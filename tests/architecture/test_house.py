@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from crashsolve.deck.family import families
+
 ROOT = Path(__file__).resolve().parents[2]
 SOLVER = ROOT / "solver" / "crashsolve"
 POST = ROOT / "postproc" / "crashpost"
@@ -14,8 +16,9 @@ FLOORS = (
     ("foundation", "channels"),
     (
         "deck",
-        *("curves", "bodies", "joints", "springs", "contact", "friction", "loads", "sensors"),
-        *("materials", "sections", "parts", "meshes"),
+        *("curves", "bodies", "contact", "friction", "materials", "sections", "parts", "meshes"),
+        # each with all it states of itself
+        *families(),
     ),
     ("model",),
     ("system",),
@@ -26,6 +29,7 @@ ROOF = len(FLOORS)
 ROOF_ROOMS = {"study", "estimate", "sweep"}
 # every card is made of the deck's fields, so the families stand on deck/ although on its floor
 SIDEWAYS = {(family, "deck") for family in FLOORS[1]}
+SIDEWAYS |= {(name, other) for name, family in families().items() for other in family.uses}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
 LONGEST_FUNCTION = 60
 

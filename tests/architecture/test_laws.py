@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from crashsolve.deck.card import Card
+from crashsolve.deck.family import families, provided
 from crashsolve.deck.laws import law_class, types_in
 from crashsolve.deck.read import read_deck
 from crashsolve.deck.schema import _nested_folders
@@ -17,10 +18,7 @@ FOLDERS = [*(section.folder for section in SECTIONS.values()), *_nested_folders(
 LAWS = [(folder, word) for folder in FOLDERS for word in types_in(folder)]
 # functions a law must define beside its card, by family
 KERNELS = {
-    "joints": ("residual", "jacobian", "convective"),
-    "springs": ("force",),
-    "loads": ("force",),
-    "sensors": ("measure",),
+    **{name: provided(family.law) for name, family in families().items()},
     "contact/normal": ("normal_force", "release"),
     "friction": ("friction_force", "release"),
 }

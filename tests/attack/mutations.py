@@ -29,7 +29,7 @@ class Decks:
 
     def __init__(self, folder: Path) -> None:
         shutil.copytree(DECKS, folder)
-        paths = sorted(folder.rglob("*.yaml"))
+        paths = [p for p in sorted(folder.rglob("*.yaml")) if not p.name.endswith(".plan.yaml")]
         self.data = {path: yaml.safe_load(path.read_text("utf-8")) for path in paths}
 
     def changed(self, rng: random.Random, numbers_alone: bool) -> Path:

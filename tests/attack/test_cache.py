@@ -1,9 +1,15 @@
 """Claim: compiled code is loaded whole, and from a folder that nobody else can write."""
 
+import errno
 import os
 import random
 import shutil
+import subprocess
+import sys
+import threading
+import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +17,7 @@ import pytest
 from command import crashsolve
 
 from crashsolve.foundation import cache, machine
-from crashsolve.foundation.cache import CacheError, find_folder, read_sealed, write_sealed
+from crashsolve.foundation.cache import CacheError, find_folder, locked, read_sealed, write_sealed
 from crashsolve.foundation.table import Tables
 from crashsolve.system import compose
 
@@ -79,28 +85,115 @@ def work(number, flag, scene):
 """
 
 
-def test_a_damaged_cache_is_healed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CRASHSOLVE_CACHE", str(tmp_path / "cache"))
+def doubled(number: float, source: Path) -> float:
+    """What the compiled kernels make of a number, loaded anew."""
+    tables = Tables({"sums": np.zeros(1)})
+    machine._linked.clear()
+    machine.machine_code(source, "work", tables)(number, False, tables)
+    return float(tables.sums[0])
+
+
+@pytest.fixture
+def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A file of kernels, and a folder for its code."""
+    folder = tmp_path / "sources_1"
+    folder.mkdir()
     monkeypatch.setattr(machine, "_linked", {})
-    monkeypatch.setattr(machine, "cache_folder", lambda: tmp_path)
-    source, tables = tmp_path / "scene.py", Tables({"sums": np.zeros(1)})
-    source.write_text(KERNELS, "utf-8")
+    monkeypatch.setattr(machine, "cache_folder", lambda: folder)
+    path = tmp_path / "scene.py"
+    path.write_text(KERNELS, "utf-8")
+    return path
 
-    def doubled(number: float) -> float:
-        machine._linked.clear()
-        machine.machine_code(source, "work", tables)(number, False, tables)
-        return float(tables.sums[0])
 
-    assert doubled(1.5) == 3.0
-    (code,) = tmp_path.glob("*.o")
-    kernels = [*tmp_path.rglob("*.nbc"), *tmp_path.rglob("*.nbi")]
-    assert kernels
+def test_a_damaged_cache_is_healed(source: Path, tmp_path: Path) -> None:
+    assert doubled(1.5, source) == 3.0
+    (code,), (kept,) = (tmp_path / "sources_1").glob("*.o"), (tmp_path / "code").glob("*.o")
+    whole = kept.read_bytes()
     code.write_bytes(flipped(code.read_bytes(), 500))
-    for number, path in enumerate(kernels):
-        content = path.read_bytes()
-        path.write_bytes((b"", flipped(content, len(content) // 2))[number % 2])
-    assert doubled(2.5) == 5.0
-    assert all(read_sealed(path) is not None for path in (code, *kernels))
+    kept.write_bytes(flipped(whole, len(whole) // 2))
+    assert doubled(2.5, source) == 5.0
+    assert kept.read_bytes() == whole
+    assert read_sealed(code) == read_sealed(kept)
+
+
+def test_other_sources_with_the_same_kernels_compile_nothing(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert doubled(1.5, source) == 3.0
+    (kept,) = (tmp_path / "code").glob("*.o")
+    before = kept.stat()
+    (tmp_path / "sources_2").mkdir()
+    monkeypatch.setattr(machine, "cache_folder", lambda: tmp_path / "sources_2")
+    source.write_text(f"# a remark\n{KERNELS}", "utf-8")
+    assert doubled(2.0, source) == 4.0
+    assert kept.stat() == before or kept.stat().st_mtime_ns == before.st_mtime_ns
+    source.write_text(KERNELS.replace("2.0", "3.0"), "utf-8")
+    (tmp_path / "sources_3").mkdir()
+    monkeypatch.setattr(machine, "cache_folder", lambda: tmp_path / "sources_3")
+    assert doubled(2.0, source) == 6.0
+    assert len([*(tmp_path / "code").glob("*.o")]) == 2
+
+
+def test_of_sixteen_that_begin_together_one_compiles(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, compiled = tmp_path / "step.o", []
+
+    def compile_slowly(*_: object) -> bytes:
+        compiled.append(1)
+        time.sleep(0.2)
+        write_sealed(path, CODE)
+        return CODE
+
+    monkeypatch.setattr(machine, "_compile_apart", compile_slowly)
+    # every one has a descriptor of its own, as a process has
+    with ThreadPoolExecutor(16) as pool:
+        jobs = [pool.submit(machine._compile_once, path, (), None, path) for _ in range(16)]
+        assert [job.result(timeout=60) for job in jobs] == [CODE] * 16
+    assert len(compiled) == 1
+    assert [found.name for found in tmp_path.iterdir()] == ["step.o"]
+
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from crashsolve.foundation.cache import locked
+with locked(Path(sys.argv[1])):
+    print("held", flush=True)
+    time.sleep(600)
+"""
+
+
+def test_the_lock_of_a_process_that_was_killed_holds_nobody_up(tmp_path: Path) -> None:
+    path = tmp_path / "step.o"
+    words = [sys.executable, "-c", HOLDER, str(path)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == "held\n"
+        taken = threading.Event()
+
+        def take() -> None:
+            with locked(path):
+                taken.set()
+
+        other = threading.Thread(target=take)
+        other.start()
+        assert not taken.wait(0.3)
+        holder.kill()
+        assert taken.wait(60)
+        other.join()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_where_nothing_can_be_locked_all_compile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOLCK, "no locks available")
+
+    monkeypatch.setattr(cache.fcntl, "flock", refuse)
+    with cache.locked(tmp_path / "step.o") as lock:
+        assert lock is None
 
 
 def test_an_empty_step_file_is_healed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

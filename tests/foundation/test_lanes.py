@@ -40,7 +40,7 @@ def test_points_go_to_lanes_and_back() -> None:
     compiled, plain, before = arrays(), arrays(), arrays()
     tables = Tables(compiled)
     machine_code(Path(__file__), "there_and_back", tables)(0.0, False, tables)
-    there_and_back.py_func(0.0, False, Tables(plain))  # type: ignore[attr-defined]
+    there_and_back(0.0, False, Tables(plain))
     for name in plain:
         assert compiled[name].tobytes() == plain[name].tobytes(), name
     # place, velocity and spin of the last corner of the tenth element, and two rows left alone

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from crashsolve.foundation.compile import entry
-from crashsolve.foundation.machine import _compile_apart, machine_code
+from crashsolve.foundation.machine import machine_code
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.table import Tables
 
@@ -51,7 +51,7 @@ def test_a_compiled_kernel_does_what_plain_python_does(tmp_path: Path) -> None:
     compiled, plain = arrays(), arrays()
     tables = Tables(compiled)
     machine_code(Path(__file__), "work", tables)(3.0, True, tables)
-    work.py_func(3.0, True, Tables(plain))  # type: ignore[attr-defined]
+    work(3.0, True, Tables(plain))
     for name in plain:
         assert compiled[name].tobytes() == plain[name].tobytes(), name
     # and both did something: 2 (1 + 2 + 3 + 4), then 4 + 3 + 200 + 3
@@ -81,31 +81,3 @@ def test_what_cannot_be_compiled_is_told(tmp_path: Path) -> None:
 def test_an_array_in_pieces_is_refused() -> None:
     with pytest.raises(ValueError, match="must lie in one piece"):
         Tables({"things": np.zeros(6, THING.dtype)[::2]})
-
-
-KERNELS = """
-from crashsolve.foundation.compile import entry, kernel
-
-@kernel
-def inner(x):
-    return 2.0 * x
-
-@kernel
-def outer(x):
-    return inner(x) + 1.0
-
-@entry
-def work(number, flag, scene):
-    scene.sums[0] = outer(number)
-"""
-
-
-def test_kernels_that_call_others_are_kept_for_the_next_scene(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("CRASHSOLVE_CACHE", str(tmp_path / "cache"))
-    source = tmp_path / "scene.py"
-    source.write_text(KERNELS, "utf-8")
-    _compile_apart(source, ("work",), Tables({"sums": np.zeros(2)}), tmp_path / "code.o")
-    kept = [path.name for path in (tmp_path / "cache").rglob("*.nbc")]
-    assert any("outer" in name for name in kept), kept

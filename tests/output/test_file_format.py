@@ -55,8 +55,7 @@ def test_families_are_those_of_the_code() -> None:
 
 
 def test_versions_and_words_are_those_of_the_code() -> None:
-    assert TEXT.startswith("# The results folder, format version 2\n")
-    for module in (layout, restart, states):
-        assert module.FORMAT_VERSION == 2
+    assert TEXT.startswith("# The results folder, format version 2 (states: 3)\n")
+    assert [module.FORMAT_VERSION for module in (layout, restart, states)] == [2, 2, 3]
     for words in (layout.FORMAT, states.FORMAT, *restart.SLOTS, NORMAL, ERROR, STOPPED):
         assert words in TEXT

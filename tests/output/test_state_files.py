@@ -172,7 +172,11 @@ def test_index_lets_go_of_states_before_they_go(
 def test_there_is_no_index_without_states(tmp_path: Path) -> None:
     written(tmp_path, [0.0])
     written(tmp_path, [])
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["mesh.h5", "states"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "mesh.h5",
+        "states",
+        "view_in_paraview.py",
+    ]
 
 
 def test_gap_among_the_states_is_reported(tmp_path: Path) -> None:

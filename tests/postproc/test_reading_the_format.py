@@ -8,6 +8,7 @@ import pytest
 
 from crashpost.figure import figures_of
 from crashpost.result import Result
+from crashpost.sights import look, scenes_of
 
 channels = pytest.importorskip("crashsolve.output.channels")
 history = pytest.importorskip("crashsolve.output.history")
@@ -47,6 +48,19 @@ def test_a_written_status_is_understood(tmp_path: Path) -> None:
     entry = status.Status("finished", 1.0, 100, 1.0, 1e-5, float("nan"), 0.1, 0.2, 0)
     status.write_status(tmp_path / "status.json", entry)
     assert Result(tmp_path).finished
+
+
+def test_a_scene_of_a_deck_is_understood() -> None:
+    cards = pytest.importorskip("crashsolve.deck.output")
+    dump = pytest.importorskip("crashsolve.deck.dump")
+    written = {"title": "Crush", "at": [0, "50 ms", "max:rcforc.left.normal"], "show": ["A", "C"]}
+    card = cards.Report.model_validate({"scenes": [{**written, "view": "1,-1,0.5"}]})
+    stored = json.loads(json.dumps(dump.as_data(card)))
+    (scene,) = scenes_of(stored)
+    assert scene["at"] == ["0", "50 ms", "max:rcforc.left.normal"]
+    assert look(scene) == {"show": ("A", "C"), "view": "1,-1,0.5"}
+    # without figures of its own a report keeps the default ones
+    assert not stored["figures"]
 
 
 def test_a_figure_of_a_deck_is_understood() -> None:

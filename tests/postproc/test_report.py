@@ -19,6 +19,7 @@ from crashpost.figure import figures_of
 from crashpost.gallery import family_figures, momentum_figures
 from crashpost.report import report
 from crashpost.result import Result
+from crashpost.words import labels
 
 FORCE = "-deforc.buffer.force"
 PEAK = 6.708203932499369  # MN: speed times the root of stiffness times reduced mass
@@ -118,7 +119,8 @@ def test_the_page_shows_title_deck_status_figures_and_verdicts(tmp_path: Path) -
 def test_without_a_description_every_family_that_moves_has_a_figure(tmp_path: Path) -> None:
     text, problems = report(write(tmp_path))
     titles = re.findall(r"<h3>(.*?)</h3>", text)
-    wanted = ["deforc: force", "rbdout: velocity", "Energies", "Energy balance", "Momentum"]
+    wanted = ["Springs: force over length", "Springs: force", "Bodies: velocity along x"]
+    wanted += ["Energies", "Energy balance", "Momentum"]
     assert (titles, problems) == (wanted, [])
 
 
@@ -135,7 +137,8 @@ def test_a_family_shows_what_is_worth_a_look_rather_than_its_first_quantity(tmp_
     }
     write_result(tmp_path, families)
     titles = {figure.title for figure in family_figures(Result(tmp_path))}
-    wanted = {"rcforc: force", "rbdout: velocity", "nodout: acceleration", "disbout: angle"}
+    wanted = {"Contacts: contact force along x", "Bodies: velocity along x", "Distances: angle"}
+    wanted |= {"Accelerometers and nodes: acceleration along x"}
     assert titles == wanted
 
 
@@ -273,7 +276,7 @@ def test_thinning_keeps_the_peaks_and_the_ends() -> None:
     ],
 )
 def test_labels_are_the_words_that_differ(channels: list[str], expected: list[str]) -> None:
-    assert draw.labels(channels) == expected
+    assert labels(channels) == expected
 
 
 @pytest.mark.parametrize(
@@ -309,7 +312,8 @@ def test_plot_writes_the_format_of_the_ending(
         (["-o", "x.docx"], "x.docx"),
         (["--unit", "deforc.buffer.force=mm"], "cannot show 'N' in 'mm'"),
         (["--unit", "rbdout.A.velocity.x=m/s"], "which is not drawn"),
-        (["--unit", "kN"], "--unit takes CHANNEL=UNIT"),
+        (["--unit", "=kN"], "--unit takes CHANNEL=UNIT"),
+        (["--unit", "furlong"], "furlong"),
         (["--against", "deforc.buffer.lenght"], "did you mean 'length'?"),
     ],
 )

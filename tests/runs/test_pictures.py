@@ -1,5 +1,8 @@
 """Claim: what is drawn is what was computed: bodies in place, every shape, every force."""
 
+import json
+import shutil
+import subprocess
 from pathlib import Path
 
 import h5py
@@ -72,7 +75,7 @@ def test_every_shape_is_drawn_above_the_floor(shapes: Path) -> None:
     assert blocks == {"mass_centres", "bodies", "ground", "springs", "contacts"}
     state = state_at(shapes, 0.28)
     points = mesh["bodies/points"] + state["bodies/displacement"]
-    assert set(state["bodies/body"]) == {1, 2, 3, 4, 5, 6}
+    assert set(mesh["bodies/body"]) == {1, 2, 3, 4, 5, 6}
     # the brick is deepest then, on a corner of its own
     deepest = channel(shapes, "rcforc.fall.depth", 0.28)
     assert points[:, 2].min() == pytest.approx(-deepest, abs=1e-6)
@@ -90,3 +93,106 @@ def test_pyvista_reads_the_states(shapes: Path) -> None:
     assert moved.bounds[4] == pytest.approx(-deepest, abs=1e-6)
     arrows = scene["contacts"].warp_by_vector("displacement").glyph(orient="force", scale="force")
     assert arrows.n_points > 0
+
+
+def test_numbers_in_pictures_have_names_and_planes_end_near_the_model(shapes: Path) -> None:
+    mesh = datasets(shapes / "mesh.h5")
+    with h5py.File(shapes / "mesh.h5") as file:
+        names, up = json.loads(file.attrs["names"]), json.loads(file.attrs["up"])
+    assert [names["bodies"][int(k)] for k in sorted(set(mesh["bodies/body"]))] == [
+        family for family in Result(shapes).families["rbdout"].ids
+    ]
+    assert (names["contacts"], up) == (["fall"], [0.0, 0.0, 1.0])
+    drawn, floor = mesh["bodies/points"], mesh["ground/points"]
+    for axis in (0, 1):
+        low, high = np.ptp(drawn[:, axis]), np.ptp(drawn, axis=0).max()
+        # 15 % of the largest width on either side, and the lines of springs
+        assert low < np.ptp(floor[:, axis]) < low + 0.31 * high
+
+
+def test_contact_points_are_where_they_act_at_each_time(shapes: Path) -> None:
+    state = state_at(shapes, 0.28)
+    acts = np.any(state["contacts/force"], axis=1)
+    # those that do not act are hidden; one that does lies between floor and the deepest point
+    assert ((state["contacts/vtkGhostType"] == 0) == acts).all()
+    deepest = channel(shapes, "rcforc.fall.depth", 0.28)
+    assert acts.any()
+    assert np.all(state["contacts/points"][acts, 2] >= -deepest - 1e-6)
+    assert np.all(state["contacts/points"][acts, 2] <= 1e-6)
+
+
+@pytest.fixture(scope="module")
+def governor(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A rod by its primitive, hinged to the ground, and a mass without a shape on a spring."""
+    folder = tmp_path_factory.mktemp("governor")
+    deck = folder / "deck.yaml"
+    deck.write_text(
+        """
+title: A rod and a mass
+control: {end_time: 1e-2}
+bodies:
+  rod: {mass: 1, primitive: {shape: cylinder, radius: 0.1, length: 2}, position: [0, 0, -1]}
+  mass: {mass: 1, inertia: [1, 1, 1], position: [3, 0, -1]}
+joints:
+  hinge: {type: revolute, b: rod, at: [0, 0, 0], axis: [0, 1, 0]}
+springs:
+  stay: {type: linear, b: mass, at_b: [0, 0, 0.5], stiffness: 100, length: 1}
+""",
+        "utf-8",
+    )
+    done = crashsolve(deck, "-o", folder / "out", NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 0, done.stderr
+    return folder / "out"
+
+
+def test_bodies_without_surfaces_are_their_primitives_or_lines(governor: Path) -> None:
+    mesh = datasets(governor / "mesh.h5")
+    assert set(mesh["bodies/body"]) == {1}
+    np.testing.assert_allclose(mesh["bodies/points"].min(axis=0)[2], -2.0)
+    np.testing.assert_allclose(np.ptp(mesh["bodies/points"], axis=0), [0.2, 0.2, 2.0], rtol=1e-12)
+    np.testing.assert_allclose(mesh["links/points"], [[3, 0, -1], [3, 0, -0.5]])
+    assert set(mesh["links/body"]) == {2}
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not shutil.which("pvpython"), reason="ParaView: apt-get install paraview")
+def test_paraview_itself_reads_what_was_written(shapes: Path, tmp_path: Path) -> None:
+    """Times, blocks, places and forces by the reader of ParaView against the history."""
+    script = tmp_path / "read.py"
+    script.write_text(
+        "import json, sys\n"
+        "from paraview.simple import XDMFReader\n"
+        "from paraview import servermanager\n"
+        "r = XDMFReader(FileNames=[sys.argv[1]])\n"
+        "r.UpdatePipelineInformation()\n"
+        "r.UpdatePipeline(0.28)\n"
+        "data, found = servermanager.Fetch(r), {}\n"
+        "for k in range(data.GetNumberOfBlocks()):\n"
+        "    block, name = data.GetBlock(k), data.GetMetaData(k).Get(data.NAME())\n"
+        "    arrays = [block.GetPointData(), block.GetCellData()]\n"
+        "    ranges = {a.GetArrayName(j): a.GetArray(j).GetRange(-1)\n"
+        "              for a in arrays for j in range(a.GetNumberOfArrays())}\n"
+        "    found[name] = [block.GetBounds(), ranges]\n"
+        "print(json.dumps([list(r.TimestepValues), found]))\n"
+    )
+    command = ["pvpython", "--force-offscreen-rendering", str(script), str(shapes / "states.xdmf")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    times, found = json.loads(done.stdout.splitlines()[-1])
+    assert len(times) == 31
+    assert set(found) == {"mass_centres", "bodies", "ground", "springs", "contacts"}
+    # the brick touches with two corners then, whose sum another test compares with the history
+    force = np.linalg.norm(state_at(shapes, 0.28)["contacts/force"], axis=1).max()
+    assert found["contacts"][1]["force"][1] == pytest.approx(force, rel=1e-6)
+    assert found["contacts"][0][4] <= 0.0
+    assert found["bodies"][1]["body"] == [1.0, 6.0]
+    # the script opens them as well, and sees something
+    picture = tmp_path / "view.png"
+    command = ["pvpython", "--force-offscreen-rendering", str(shapes / "view_in_paraview.py")]
+    if shutil.which("xvfb-run"):
+        command = ["xvfb-run", "-a", *command]
+    done = subprocess.run([*command, str(picture), "0.28"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    from matplotlib.image import imread
+
+    assert len(np.unique(imread(picture).reshape(-1, imread(picture).shape[2]), axis=0)) > 50

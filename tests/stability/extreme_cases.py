@@ -368,6 +368,8 @@ MATRIX = (
     Sweep(
         "vertical curves", "extreme/steep_curve", "width", (0,), "is refused", "", ALL, quick=(0,)
     ),
+    Sweep("hinges that soften, over their hardening", "extreme/hinges", "ratio", (1, 10, 100)),
+    Sweep("hinges with growth at high speed, m/s", "extreme/hinges", "speed", (1, 30, 1000)),
     Sweep(
         "a table used up to its last share",
         "extreme/table_spent",

@@ -105,6 +105,15 @@ def factor(source: str, wanted: str) -> float:
     return ratio.factor
 
 
+def is_convertible(source: str, wanted: str) -> bool:
+    """Whether values in one unit can be shown in the other."""
+    try:
+        factor(source, wanted)
+    except ChannelError:
+        return False
+    return True
+
+
 def readable(unit: str, largest: float) -> str:
     """The prefixed form of a unit in which `largest` lies between 1 and 1000."""
     steps = {"m": ("mm", "m", "km"), "s": ("ms", "s")}

@@ -142,7 +142,7 @@ class Files:
             message = f"nothing in the file has the word <{word}>"
             self.mistakes.append(DeckError(str(path), None, None, "include", message))
         # names would be wrong as well
-        self.incomplete |= not filling.used == words.keys()
+        self.incomplete |= filling.used != words.keys()
         return filled
 
 

@@ -1,6 +1,7 @@
 """What a run writes, how often, and the figures of its report."""
 
-from typing import ClassVar, Literal
+import re
+from typing import Any, ClassVar, Literal
 
 from pydantic import field_validator, model_validator
 
@@ -9,6 +10,8 @@ from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.statistic import check_window, known_statistic
 
 Pair = tuple[float, float]
+MOMENT = re.compile(r"start|end|(max|min|abs_max):.*\S|[-+]?[\d.]+([eE][-+]?\d+)? *(s|ms|us|µs)")
+VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
 
 
 class History(Card):
@@ -49,11 +52,17 @@ class Reference(Card):
     """A result known from elsewhere, drawn with the curves and compared with them."""
 
     label: str = word("name in the legend")
-    kind: Literal["level", "band", "point", "curve"] = word("how it is drawn", "level")
+    kind: Literal["level", "band", "point", "curve", "corridor"] = word("how it is drawn", "level")
     value: float | None = quantity("1", "height of a level, in the unit of the axis", None)
     from_: float | None = quantity("1", "lower end of a band", None)
     to: float | None = quantity("1", "upper end of a band", None)
-    points: tuple[Pair, ...] = quantity("1", "[x, y] of a point or of a curve's points", ())
+    points: tuple[Pair, ...] = quantity(
+        "1", "[x, y] of a point, of a curve's points, or of a corridor's lower border", ()
+    )
+    upper: tuple[Pair, ...] = quantity("1", "[x, y] of a corridor's upper border", ())
+    tolerance: float | None = quantity(
+        "1", "how well the number is known; what the run gives beyond it is a miss", None, ge=0
+    )
     source: str = word("where it was published", "")
     channel: str = word("channel to compare with it", "")
     statistic: str = word("statistic of that channel, as under expect", "")
@@ -69,11 +78,16 @@ class Reference(Card):
     def _complete(self) -> "Reference":
         has_band = self.from_ is not None and self.to is not None
         given = {"level": self.value is not None, "band": has_band}
+        given["corridor"] = min(len(self.points), len(self.upper)) > 1
         if not given.get(self.kind, len(self.points) > (self.kind == "curve")):
-            needs = {"level": "value", "band": "from and to"}.get(self.kind, "points")
+            needs = {"level": "value", "band": "from and to", "corridor": "points and upper"}.get(
+                self.kind, "points"
+            )
             raise ValueError(f"a {self.kind} needs {needs}")
         if bool(self.channel) != bool(self.statistic):
             raise ValueError("channel and statistic belong together")
+        if self.kind == "corridor" and self.channel:
+            raise ValueError("a corridor is compared by the eye; compare channels with a band")
         check_window(self.statistic, self.during)
         return self
 
@@ -98,10 +112,59 @@ class Figure(Card):
     note: str = word("text below the figure", "")
 
 
+def _is_list(given: Any) -> bool:
+    return isinstance(given, list | tuple)
+
+
+class Scene(Card):
+    """Pictures of the run side by side in the report, as `crashpost render` makes them."""
+
+    title: str = word("heading")
+    at: tuple[str, ...] = word(
+        "moments: 50 ms, start, end, max:CHANNEL, min:CHANNEL, abs_max:CHANNEL; four over the run "
+        "when absent",
+        (),
+    )
+    view: str = word("side, front, rear, top, bottom, iso, or towards the eye as 1,-1,0.5", "auto")
+    show: tuple[str, ...] = word("names of bodies and parts, with globs; all when absent", ())
+    color: str = word("field of the states such as plastic_strain; by body when empty", "")
+    arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
+    follow: str = word("body or part that stays in place", "")
+
+    @field_validator("at", mode="before")
+    @classmethod
+    def _known_moments(cls, given: Any) -> Any:
+        """Moments keep their words, so that a bare number would mean what no unit says."""
+        words = [f"{part:g}" if part == 0 else part for part in given] if _is_list(given) else given
+        for part in words if _is_list(given) else ():
+            if not isinstance(part, str):
+                raise ValueError(f"a moment needs its unit: {part:g} s")
+            if part != "0" and not MOMENT.fullmatch(part.strip()):
+                raise ValueError(
+                    f"unknown moment '{part}' (50 ms, start, end, or max:, min: or abs_max: before "
+                    "a channel)"
+                )
+        return words
+
+    @field_validator("view")
+    @classmethod
+    def _known_view(cls, text: str) -> str:
+        if text not in VIEWS:
+            numbers = text.split(",")
+            try:
+                is_direction = len(numbers) == 3 and any(map(float, numbers))
+            except ValueError:
+                is_direction = False
+            if not is_direction:
+                raise ValueError(f"unknown view '{text}' (known: {', '.join(VIEWS)}, or 1,-1,0.5)")
+        return text
+
+
 class Report(Card):
     """The page that `crashpost report` makes."""
 
-    figures: tuple[Figure, ...] = word("figures, in order", ())
+    figures: tuple[Figure, ...] = word("figures, in order; a default choice when absent", ())
+    scenes: tuple[Scene, ...] = word("pictures, in order; a default choice when absent", ())
 
 
 class Output(Card):

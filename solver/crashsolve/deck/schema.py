@@ -185,8 +185,8 @@ def _manual() -> Iterator[str]:
         "Generated from the cards; do not edit. Bare numbers are in SI and radians, or in the",
         "`units` of their file; `54 km/h` and `${speed/3.6}` may stand for any number.",
         "`title` is text, `include` a list of files, `parameters` a table of names and numbers.",
-        "A file may be included many times with other words: of `{file: car.yaml, with: {car: c1}}`",
-        "every `<car>` in its names and texts becomes `c1`.",
+        "A file may be included many times with other words: with",
+        "`{file: car.yaml, with: {car: c1}}` every `<car>` in its names and texts becomes `c1`.",
         "A field without a default must be given.",
     )
     nested: dict[type[Card], None] = {}
@@ -242,7 +242,7 @@ def _pairs_of_shapes() -> Iterator[str]:
 def _points_of_pair(pair: str) -> str:
     """POINTS of the pair's file or of the file of its kernel, else what the first line says."""
     module = import_module(f"{PACKAGE}.contact.narrow.{pair}")
-    home = import_module(getattr(module.gap, "py_func", module.gap).__module__)
+    home = import_module(module.gap.__module__)
     told = getattr(module, "POINTS", getattr(home, "POINTS", ""))
     first = (module.__doc__ or "").splitlines()[0]
     return str(told) or first.partition(", ")[2].strip(".") or "one"

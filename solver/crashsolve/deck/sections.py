@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from crashsolve.deck.card import Card
 from crashsolve.deck.control import Control
 from crashsolve.deck.expect import Expect
+from crashsolve.deck.family import families, with_families
 from crashsolve.deck.output import Output
 from crashsolve.deck.units import Units
 from crashsolve.deck.watch import Watch
@@ -19,20 +20,19 @@ class Section:
     default: str = ""
 
 
-SECTIONS = {
+# those that are more than a family of laws; the others state themselves, see deck/family.py
+OWN = {
     "materials": Section("material", "materials"),
     "sections": Section("section", "sections"),
     "curves": Section("curve", "curves", "table"),
     "bodies": Section("body", "bodies", "rigid"),
-    "joints": Section("joint", "joints"),
-    "springs": Section("spring", "springs"),
-    "hinges": Section("hinge", "hinges"),
     "parts": Section("part", "parts"),
     "surfaces": Section("surface", "contact/shape"),
     "contacts": Section("contact", "contact", "force"),
-    "loads": Section("load", "loads"),
-    "sensors": Section("sensor", "sensors"),
 }
+SECTIONS: dict[str, Section] = with_families(
+    OWN | {name: Section(f.entry, name, f.default) for name, f in families().items()}
+)
 SINGLE: dict[str, type[Card]] = {"units": Units, "control": Control, "output": Output}
 # keywords whose entries stand in a list, without names
 LISTS: dict[str, type[Card]] = {"watch": Watch, "expect": Expect}

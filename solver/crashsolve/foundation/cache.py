@@ -5,6 +5,8 @@ and others must not be able to write it, unless it is sticky as /tmp is. A file 
 checksum of its name and content: a damaged one is as good as absent, and made anew.
 """
 
+import errno
+import fcntl
 import grp
 import hashlib
 import os
@@ -12,7 +14,7 @@ import pwd
 import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
@@ -174,3 +176,45 @@ def read_own(path: Path) -> bytes | None:
             return file.read()
     except OSError:
         return None
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[int | None]:
+    """Hold what nobody else holds for this file, waiting for it; None where nothing can be locked.
+
+    The system takes it back from a process that has died. Raises: CacheError.
+    """
+    lock = path.with_name(f"{path.name}.lock")
+    held = _held(lock)
+    try:
+        yield held
+    finally:
+        if held is not None:
+            # those who wait see that it is gone, and make another
+            lock.unlink(missing_ok=True)
+            os.close(held)
+
+
+def _held(lock: Path) -> int | None:
+    """A descriptor of a file that is locked, and still lies where it was made."""
+    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+    while True:
+        try:
+            descriptor = os.open(lock, flags, 0o600)
+        except OSError as error:
+            raise CacheError(f"{lock}: compiled code cannot be kept: {error.strerror}") from error
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            if os.path.samestat(os.fstat(descriptor), os.stat(lock)):
+                return descriptor
+        except FileNotFoundError:
+            pass
+        except OSError as error:
+            os.close(descriptor)
+            if error.errno in (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP):
+                return None
+            raise CacheError(f"{lock}: cannot be locked: {error.strerror}") from error
+        except BaseException:
+            os.close(descriptor)
+            raise
+        os.close(descriptor)

@@ -2,7 +2,8 @@
 
 A run imports no compiler: it costs memory and time, and in the process that compiles, a call may
 reach another version of a kernel than later, with other round-off. So every run of a scene, the
-first included, executes the same file.
+first included, executes the same file. Of several runs that begin together one has it compiled,
+the others wait.
 
 The process that compiles is `python -m crashsolve.foundation.compiler`.
 """
@@ -15,12 +16,14 @@ import subprocess
 import sys
 from collections.abc import Callable
 from functools import cache
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import llvmlite.binding as llvm
 
-from crashsolve.foundation.cache import CacheError, read_sealed
+from crashsolve.foundation.cache import CacheError, locked, read_sealed
 from crashsolve.foundation.compile import cache_folder
 from crashsolve.foundation.errors import ExitCode
 from crashsolve.foundation.pages import give_back_pages
@@ -29,17 +32,8 @@ from crashsolve.foundation.table import Tables
 Function = Callable[[float, bool, Tables], None]
 # functions by the file they are kept in
 _linked: dict[Path, tuple[Function, ...]] = {}
-# numba's words for "returned", and "returned None"
-NORMAL = (0, -2)
-# status = function(place of the result, place of an exception, number, flag, tables)
-SIGNATURE = ctypes.CFUNCTYPE(
-    ctypes.c_int32,
-    ctypes.c_void_p,
-    ctypes.c_void_p,
-    ctypes.c_double,
-    ctypes.c_bool,
-    ctypes.c_void_p,
-)
+# function(number, flag, tables)
+SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_bool, ctypes.c_void_p)
 
 
 def machine_code(source: Path, name: str, tables: Tables) -> Function:
@@ -59,16 +53,16 @@ def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple
     Raises: RuntimeError with the compiler's message when they cannot be compiled, CacheError where
     compiled code cannot be kept.
     """
-    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{tables.layout}.{_processor()}.o"
+    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{tables.layout}.{processor()}.o"
     # once: the broad phase asks again at every renewal
     if path not in _linked:
-        content = read_sealed(path) or _compile_apart(source, names, tables, path)
-        _linked[path] = _link(path, content)
+        content = read_sealed(path) or _compile_once(source, names, tables, path)
+        _linked[path] = _link(names, content)
     return _linked[path]
 
 
 @cache
-def _processor() -> str:
+def processor() -> str:
     """Name of this processor, and a hash of what it can do: one name may stand for several."""
     features = llvm.get_host_cpu_features().flatten()
     return f"{llvm.get_host_cpu_name()}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
@@ -81,25 +75,47 @@ def runs_plain() -> bool:
 
 def plain(source: Path, name: str) -> Function:
     """The same function as plain Python, for debugging and coverage."""
-    from crashsolve.foundation.compiler import import_file
-
     function: Function = getattr(import_file(source), name)
     return function
 
 
-def _compile_apart(source: Path, names: tuple[str, ...], tables: Tables, path: Path) -> bytes:
-    """Machine code, written to `path` by a process of its own, which no signal to this one reaches.
+def import_file(source: Path) -> ModuleType:
+    """Import a source file under its own stem."""
+    name = source.stem
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = spec_from_file_location(name, source)
+    assert spec is not None and spec.loader is not None
+    module = module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _compile_once(source: Path, names: tuple[str, ...], tables: Tables, path: Path) -> bytes:
+    """Machine code at `path`, made here or by another run that was first.
 
     Raises: RuntimeError with the compiler's message, CacheError when the code cannot be kept.
     """
-    environment = {k: v for k, v in os.environ.items() if k != "CRASHSOLVE_CALL_KERNELS"}
+    with locked(path) as lock:
+        return read_sealed(path) or _compile_apart(source, names, tables, path, lock)
+
+
+def _compile_apart(
+    source: Path, names: tuple[str, ...], tables: Tables, path: Path, lock: int | None = None
+) -> bytes:
+    """Machine code, written to `path` by a process of its own, which no signal to this one reaches.
+
+    That process holds the lock too: should this one die, others still wait for what it makes.
+    Raises: RuntimeError with the compiler's message, CacheError when the code cannot be kept.
+    """
     words = [sys.executable, "-m", "crashsolve.foundation.compiler", source, path, *names]
     done = subprocess.run(
         [str(word) for word in words],
-        input=pickle.dumps((tables.layout, tables.places)),
-        env=environment | {"CRASHSOLVE_COMPILING": "1"},
+        input=pickle.dumps(tables.places),
         stderr=subprocess.PIPE,
         start_new_session=True,
+        pass_fds=() if lock is None else (lock,),
     )
     told = done.stderr.decode(errors="replace")[-4000:]
     if done.returncode == ExitCode.OUTPUT:
@@ -114,16 +130,15 @@ def _compile_apart(source: Path, names: tuple[str, ...], tables: Tables, path: P
     return code
 
 
-def _link(path: Path, content: bytes) -> tuple[Function, ...]:
+def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
     """Functions of an object file, linked into this process."""
-    names, _, code = content.partition(b"\n")
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     forget_linker()
-    return tuple(_function(engine, name, path.name) for name in names.decode().split())
+    return tuple(_function(engine, name) for name in names)
 
 
 def forget_linker() -> None:
@@ -131,19 +146,15 @@ def forget_linker() -> None:
     give_back_pages("libllvmlite")
 
 
-def _function(engine: Any, name: str, where: str) -> Function:
+def _function(engine: Any, name: str) -> Function:
     """A compiled function, as Python calls it."""
     call = SIGNATURE(engine.get_function_address(name))
-    result, problem = ctypes.c_void_p(), ctypes.c_void_p()
-    places = (ctypes.addressof(result), ctypes.addressof(problem))
 
     def function(number: float, flag: bool, tables: Tables) -> None:
-        status = call(*places, number, flag, tables.pointer)
-        if status not in NORMAL:
-            raise RuntimeError(f"compiled code of {where} ended with status {status}")
+        call(number, flag, tables.pointer)
 
-    # the code lives as long as its engine, and writes where these two lie
-    function.keep = (engine, result, problem)  # type: ignore[attr-defined]
+    # the code lives as long as its engine
+    function.keep = engine  # type: ignore[attr-defined]
     return function
 
 

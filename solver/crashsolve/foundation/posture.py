@@ -43,6 +43,17 @@ def products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     ).T
 
 
+def turned_by(q: np.ndarray, q_0: np.ndarray) -> np.ndarray:
+    """Rotation vectors (n, 3) [rad], at most pi long, from postures q_0 to q (n, 4), world axes."""
+    turn = products(q, q_0 * [1.0, -1.0, -1.0, -1.0])
+    turn *= np.where(turn[:, :1] < 0.0, -1.0, 1.0)
+    sine = np.linalg.norm(turn[:, 1:], axis=1)
+    angle = 2.0 * np.arctan2(sine, turn[:, 0])
+    # of a small turn the vector is twice its sine
+    factor = np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0.0)
+    return factor[:, None] * turn[:, 1:]
+
+
 def perpendicular(axis: np.ndarray) -> np.ndarray:
     """A unit vector at right angles to a unit vector, from the world axis most across it."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]

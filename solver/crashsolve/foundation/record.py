@@ -51,7 +51,7 @@ class Record:
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """numpy structured dtype; an empty record keeps one unused byte for numba."""
+        """numpy structured dtype; an empty record keeps one unused word."""
         if not self.columns:
             return np.dtype([("unused", np.int64)])
         return np.dtype([column.format for column in self.columns])

@@ -6,15 +6,16 @@ With the axis u and the side s fixed in a, t = u x s, and the side x fixed in b:
     g = u - e p / (p . p),   e = x . u,   p = x - e u
 
 g = u while x stays at right angles to the axis, as in a revolute joint. Where there is no axis, the
-posture of b in a is a quaternion, and a step turns b by a rotation vector. Consequence to test: g
-is the derivative of theta in every posture, and n follows a body that turns for ever.
+posture of b in a is a quaternion, and a step turns b by a rotation vector, as does the whole way
+from the start. Consequence to test: g is the derivative of theta in every posture, and n follows a
+body that turns for ever.
 """
 
-from math import atan2, floor, pi, sqrt
+from math import atan2, floor, pi, sin, sqrt
 
 from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.motion import arm
-from crashsolve.foundation.vec3 import add_scaled, cross, dot, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub, vec
 
 
 @kernel
@@ -87,3 +88,46 @@ def times(p, q):
         p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3],
         p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1],
     )
+
+
+@kernel
+def rotation_vector(a, b, reference):
+    """theta of b's turn relative to a since the start, axes of a [rad]."""
+    w, v = relative_rotation(a, b, reference)
+    # q and -q are one posture: take the shorter turn
+    if w < 0.0:
+        w, v = -w, scale(-1.0, v)
+    s = sqrt(dot(v, v))
+    if s < 1e-8:
+        return scale(2.0, v)
+    return scale(2.0 * atan2(s, w) / s, v)
+
+
+@kernel
+def relative_rotation(a, b, reference):
+    """Unit quaternion (w, v) of b's turn relative to a since the start, axes of a."""
+    w_a, w_b, w_0 = a.q[0], b.q[0], reference[0]
+    v_a, v_b = (a.q[1], a.q[2], a.q[3]), (b.q[1], b.q[2], b.q[3])
+    v_0 = (reference[1], reference[2], reference[3])
+    w = w_a * w_b + dot(v_a, v_b)
+    v = sub(sub(scale(w_a, v_b), scale(w_b, v_a)), cross(v_a, v_b))
+    turned = sub(sub(scale(w_0, v), scale(w, v_0)), cross(v, v_0))
+    return w * w_0 + dot(v, v_0), turned
+
+
+@kernel
+def tangent_factor(phi):
+    """c(phi); a series where the formula would cancel, its next term below 1e-10."""
+    if phi < 0.05:
+        return 1.0 / 12.0 + phi * phi / 720.0 + phi**4 / 30240.0
+    half = 0.5 * phi
+    # (1 + cos phi) / sin phi = cot(phi / 2), finite at half a turn
+    cot = sin(phi) / (2.0 * sin(half) ** 2)
+    return 1.0 / (phi * phi) - cot / (2.0 * phi)
+
+
+@kernel
+def tangent_map(theta, c, half, x):
+    """T x for half = -1/2, T^T x for half = 1/2."""
+    turn = cross(theta, x)
+    return add(x, add_scaled(scale(half, turn), c, cross(theta, turn)))

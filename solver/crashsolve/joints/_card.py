@@ -46,12 +46,10 @@ def direction(card: JointCard, scene: Any, field: str) -> np.ndarray:
     return u if card.frame == "world" else scene.matrix(scene.node(card.frame)) @ u
 
 
-def named_frame(scene: Any, field: str, name: str, types: tuple[str, ...]) -> dict[str, Any]:
-    """Frame of a joint that another card names; only joints of these types have the motion."""
+def named_frame(scene: Any, field: str, name: str, motion: str) -> dict[str, Any]:
+    """Frame of a joint that another card names, which must have a motion."""
     entry = scene.deck.entries["joints"][name]
-    if entry.type not in types:
-        wanted = " or ".join(types)
-        raise scene.fail(f"'{name}' is a {entry.type} joint; name a {wanted} joint", field)
+    scene.refuse_joint(name, (motion,), field)
     try:
         frame: dict[str, Any] = scene.joint_frame(entry.card)
     except ValueError:

@@ -21,6 +21,7 @@ from crashsolve.joints._rows import (
 
 ROWS = 4
 ANGULAR = (False, False, True, True)
+MOTIONS = ("angle", "travel")
 PARAMETERS = FRAME
 
 

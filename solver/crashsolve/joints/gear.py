@@ -36,7 +36,6 @@ HISTORY = Record(
     first=("rad", "angle of the first joint, with all turns"),
     second=("rad", "angle of the second joint, with all turns"),
 )
-TURNING = ("revolute", "cylindrical")
 
 
 class Gear(Card):
@@ -54,8 +53,8 @@ def build(card: Gear, scene: Any) -> dict[str, Any]:
         raise scene.fail("couples a joint with itself; name another", "second")
     if card.ratio == 0.0:
         raise scene.fail("must not be 0", "ratio")
-    one = named_frame(scene, "first", card.first, TURNING)
-    two = named_frame(scene, "second", card.second, TURNING)
+    one = named_frame(scene, "first", card.first, "angle")
+    two = named_frame(scene, "second", card.second, "angle")
     columns = {name: one[name] for name in ("node_a", "node_b", "axis_a", "side_a", "side_b")}
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     return columns | {"side_c": two["side_a"], "side_d": two["side_b"], "ratio": card.ratio}

@@ -24,6 +24,7 @@ from crashsolve.joints._rows import (
 
 ROWS = 5
 ANGULAR = (False, False, True, True, True)
+MOTIONS = ("travel",)
 PARAMETERS = FRAME
 
 

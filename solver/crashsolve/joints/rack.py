@@ -51,8 +51,8 @@ class Rack(Card):
 def build(card: Rack, scene: Any) -> dict[str, Any]:
     if card.radius == 0.0:
         raise scene.fail("must not be 0", "radius")
-    one = named_frame(scene, "pinion", card.pinion, ("revolute", "cylindrical"))
-    two = named_frame(scene, "rack", card.rack, ("prismatic", "cylindrical"))
+    one = named_frame(scene, "pinion", card.pinion, "angle")
+    two = named_frame(scene, "rack", card.rack, "travel")
     columns = {name: one[name] for name in ("node_a", "node_b", "axis_a", "side_a", "side_b")}
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     columns |= {"point_c": two["point_a"], "point_d": two["point_b"], "radius": card.radius}

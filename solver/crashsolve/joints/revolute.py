@@ -21,6 +21,7 @@ from crashsolve.joints._rows import (
 
 ROWS = 5
 ANGULAR = (False, False, False, True, True)
+MOTIONS = ("angle",)
 PARAMETERS = FRAME
 
 

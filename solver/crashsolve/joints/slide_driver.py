@@ -35,7 +35,7 @@ class SlideDriver(DrivenCard):
 
 
 def build(card: SlideDriver, scene: Any) -> dict[str, Any]:
-    frame = named_frame(scene, "joint", card.joint, ("prismatic", "cylindrical"))
+    frame = named_frame(scene, "joint", card.joint, "travel")
     tolerance = scene.deck.control.constraint_tolerance * scene.size
     columns = frame | motion(card, scene, 0.0, tolerance)
     return {column.name: columns[column.name] for column in PARAMETERS.columns}

@@ -14,6 +14,7 @@ from crashsolve.joints._rows import point_convective, point_jacobian, point_resi
 
 ROWS = 3
 ANGULAR = (False, False, False)
+MOTIONS = ("ball",)
 PARAMETERS = POINTS
 
 

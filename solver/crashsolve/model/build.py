@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.family import families
+from crashsolve.deck.sections import SECTIONS
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.machine import runs_plain
@@ -78,7 +80,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     for entries in _by_type(deck.entries["parts"]).values():
         is_lean = hasattr(_module(entries[0]), "deform")
         groups.append((build_elements if is_lean else _build_parts)(entries, scene))
-    for keyword in ("springs", "loads", "sensors"):
+    for keyword in _families(with_rows=False):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
     contact_groups, nodal_groups = build_contacts(deck, scene)
@@ -116,8 +118,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     if nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator == "auto":
-        tolerance = float(model.control[0]["tolerance"])
-        model.integrator, model.choice = choose(model, state, scene.stepwise, tolerance)
+        model.integrator, model.choice = _choose(model, state, scene)
     if model.elements:
         _arrange(model, state, deck)
     state.stages = initial_stages(model, len(state.nodes))
@@ -125,6 +126,14 @@ def _build(deck: Deck) -> tuple[Model, State]:
         for g in model.force_groups():
             g.powers = np.zeros(len(state.stages) * len(g.names))
     return model, state
+
+
+def _choose(model: Model, state: State, scene: Scene) -> tuple[str, str]:
+    """The integrator for a deck that names none, and why."""
+    choice = choose(model, state, scene.stepwise, float(model.control[0]["tolerance"]))
+    if not scene.methods or choice.integrator in scene.methods:
+        return choice
+    return scene.methods[0], "known to all families of laws in the deck"
 
 
 def _arrange(model: Model, state: State, deck: Deck) -> None:
@@ -144,6 +153,14 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     for name, entry in deck.entries["curves"].items():
         with scene.building(entry):
             built[name] = _module(entry).build(entry.card, scene)
+    for name, entry in deck.entries["hinges"].items():
+        with scene.building(entry):
+            own = _module(entry).curves(entry.card, built, scene)
+            scene.backbones[id(entry.card)] = own
+            for field, backbone in own.items():
+                # no curve of a deck has a point in its name
+                backbone.name = f"{name}.{field}"
+                built[backbone.name] = backbone.curve()
     points, starts = pack(list(built.values()))
     scene.curves = dict(zip(built, starts, strict=True))
     scene.curve_points = points
@@ -163,18 +180,28 @@ def _module(entry: Entry) -> Any:
 
 
 def _by_type(entries: dict[str, Entry]) -> dict[str, list[Entry]]:
-    families: dict[str, list[Entry]] = defaultdict(list)
+    found: dict[str, list[Entry]] = defaultdict(list)
     for entry in entries.values():
-        families[entry.type].append(entry)
-    return families
+        found[entry.type].append(entry)
+    return found
+
+
+def _families(with_rows: bool) -> list[str]:
+    """Sections of families whose laws bring constraint rows, or of those whose laws do not."""
+    known = families()
+    return [n for n in SECTIONS if n in known and known[n].has_rows == with_rows]
 
 
 def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
     """Joint groups with their rows, in the order of the groups."""
     joints = []
     row = 0
-    for entries in _by_type(deck.entries["joints"]).values():
-        group = _build_group("joints", entries, scene)
+    kinds = [(k, e) for k in _families(with_rows=True) for e in _by_type(deck.entries[k]).values()]
+    for name in deck.entries["joints"].keys() & deck.entries["hinges"].keys():
+        entry = deck.entries["hinges"][name]
+        scene.errors.append(deck.error(entry, None, "a joint has that name; a hinge is a joint"))
+    for keyword, entries in kinds:
+        group = _build_group(keyword, entries, scene)
         groups.append(group)
         rows, angular = group.module.ROWS, group.module.ANGULAR
         # a joint of more than two bodies has further parts, see foundation/saddle.py
@@ -201,15 +228,16 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     parameters = module.PARAMETERS
     history = getattr(module, "HISTORY", Record())
     output = getattr(module, "OUTPUT", Record())
-    if keyword == "joints":
+    if families()[keyword].has_rows:
         parameters = parameters + Record(first_row=("index", "first constraint row"))
-    elif hasattr(module, "force"):
+    if hasattr(module, "force"):
         history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
     table = np.zeros(len(entries), parameters.dtype)
     rest = np.zeros((2, len(entries)), history.dtype)
     for i, entry in enumerate(entries):
         with scene.building(entry):
             scene.refuse_stepwise(module)
+            scene.refuse_method(keyword)
             fill(table[i], module.build(entry.card, scene))
             if hasattr(module, "initial_history"):
                 for side in (0, 1):

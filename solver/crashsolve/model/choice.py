@@ -104,7 +104,7 @@ def _world_tensors(nodes: Any) -> np.ndarray:
 
 def _evaluate(group: Any, state: Any, model: Any, nodes: Any) -> None:
     """Forces and stiffness of one group, on copies of what it would write. Writes: nodes."""
-    force = getattr(group.module.force, "py_func", group.module.force)
+    force = group.module.force
     old, new = group.history.copy().view(np.recarray)
     out = group.output.copy().view(np.recarray)
     p, curves = group.parameters.view(np.recarray), model.curves.copy().view(np.recarray)

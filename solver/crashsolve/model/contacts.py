@@ -148,7 +148,7 @@ def _leaf(module_name: str) -> str:
 
 def _home_of_gap(narrow: Any) -> Any:
     """Module in which the gap kernel is written: pairs of shapes that share it form one group."""
-    return import_module(getattr(narrow.gap, "py_func", narrow.gap).__module__)
+    return import_module(narrow.gap.__module__)
 
 
 def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:

@@ -86,7 +86,7 @@ def attached(groups: list[Any], joints: list[Joint]) -> dict[int, Points]:
                 add(node, joint.frame[f"point_{side}"])
     for g in groups:
         columns = g.parameters.dtype.names or ()
-        if g.keyword == "springs":
+        if hasattr(g.module, "force") and g.keyword != "parts":
             for side in "ab":
                 if {f"node_{side}", f"point_{side}"} <= set(columns):
                     for p in g.parameters:

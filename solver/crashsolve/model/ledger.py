@@ -7,6 +7,23 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.family import families
+from crashsolve.deck.sections import SECTIONS
+
+
+def energies_of(section: str) -> tuple[str, ...]:
+    """Words under which the laws of a section book energy, the default first."""
+    return families()[section].energy if section in families() else ("part",)
+
+
+# entries that no family brings, by the word that it, or one of its laws, books under
+OUTSIDE: dict[str, tuple[str, str | None]] = {
+    "external": ("potential", "external_work"),
+    "potential": ("potential", None),
+    "part": ("elastic", "part_damping"),
+}
+# words under which laws of families book what they store and lose, in the order of the ledger
+WORDS = tuple(dict.fromkeys(w for name in SECTIONS for w in energies_of(name) if w not in OUTSIDE))
 ENTRIES = (
     "kinetic",
     "potential",
@@ -16,12 +33,7 @@ ENTRIES = (
     "plastic",
     "part_damping",
     "eroded",
-    "spring_stored",
-    "spring_dissipated",
-    "joint_stored",
-    "joint_dissipated",
-    "brake_stored",
-    "brake_dissipated",
+    *(f"{word}_{end}" for word in WORDS for end in ("stored", "dissipated")),
     "contact_stored",
     "contact_dissipated",
     "friction_stored",
@@ -33,32 +45,15 @@ ENTRIES = (
     "imbalance",
     "internal",
 )
-(
-    KINETIC,
-    POTENTIAL,
-    ELASTIC,
-    HOURGLASS,
-    DRILLING,
-    PLASTIC,
-    PART_DAMPING,
-    ERODED,
-    SPRING_STORED,
-    SPRING_DISSIPATED,
-    JOINT_STORED,
-    JOINT_DISSIPATED,
-    BRAKE_STORED,
-    BRAKE_DISSIPATED,
-    CONTACT_STORED,
-    CONTACT_DISSIPATED,
-    FRICTION_STORED,
-    FRICTION_DISSIPATED,
-    EXTERNAL_WORK,
-    DRIVER_WORK,
-    INITIAL,
-    LARGEST,
-    IMBALANCE,
-    INTERNAL,
-) = range(len(ENTRIES))
+PLACE = {name: k for k, name in enumerate(ENTRIES)}
+KINETIC, POTENTIAL = PLACE["kinetic"], PLACE["potential"]
+ELASTIC, HOURGLASS, DRILLING = PLACE["elastic"], PLACE["hourglass"], PLACE["drilling"]
+PLASTIC, PART_DAMPING, ERODED = PLACE["plastic"], PLACE["part_damping"], PLACE["eroded"]
+CONTACT_STORED, CONTACT_DISSIPATED = PLACE["contact_stored"], PLACE["contact_dissipated"]
+FRICTION_STORED, FRICTION_DISSIPATED = PLACE["friction_stored"], PLACE["friction_dissipated"]
+EXTERNAL_WORK, DRIVER_WORK = PLACE["external_work"], PLACE["driver_work"]
+INITIAL, LARGEST, IMBALANCE = PLACE["initial"], PLACE["largest"], PLACE["imbalance"]
+INTERNAL = PLACE["internal"]
 # what can be had back: the energy at the start is the sum of these
 MECHANICAL = (
     KINETIC,
@@ -66,29 +61,26 @@ MECHANICAL = (
     ELASTIC,
     HOURGLASS,
     DRILLING,
-    SPRING_STORED,
-    JOINT_STORED,
-    BRAKE_STORED,
+    *(PLACE[f"{word}_stored"] for word in WORDS),
     CONTACT_STORED,
     FRICTION_STORED,
 )
-# places of what laws store and of what they lose, by the word LEDGER of their module
-BOOKED: dict[str, tuple[int, int | None]] = {
-    "spring": (SPRING_STORED, SPRING_DISSIPATED),
-    "joint": (JOINT_STORED, JOINT_DISSIPATED),
-    "brake": (BRAKE_STORED, BRAKE_DISSIPATED),
-    "external": (POTENTIAL, EXTERNAL_WORK),
-    "potential": (POTENTIAL, None),
-    "part": (ELASTIC, PART_DAMPING),
-}
-KINDS = {"loads": "external", "parts": "part"}
 # a step far too long makes so many times the energy there should be, within a few steps
 OUT_OF_NOTHING = 10.0
 
 
 def entries_of(group: Any) -> tuple[int, int | None]:
-    """Places of what the laws of a group store, and of what they lose."""
-    return BOOKED[getattr(group.module, "LEDGER", KINDS.get(group.keyword, "spring"))]
+    """Places of what the laws of a group store, and of what they lose.
+
+    A law may name another word of its family (LEDGER) than the first. Raises: KeyError for a word
+    that the family does not declare.
+    """
+    words = energies_of(group.keyword)
+    word = getattr(group.module, "LEDGER", words[0])
+    if word not in words:
+        raise KeyError(f"LEDGER of {group.module.__name__} must be one of {', '.join(words)}")
+    stored, lost = OUTSIDE.get(word, (f"{word}_stored", f"{word}_dissipated"))
+    return PLACE[stored], None if lost is None else PLACE[lost]
 
 
 def is_broken(ledger: np.ndarray, limit: float) -> bool:

@@ -329,7 +329,8 @@ class Model:
     nodal_loads: dict[str, np.ndarray] = field(default_factory=dict)  # of all these groups
 
     def joint_groups(self) -> list[Group]:
-        return [g for g in self.groups if g.keyword == "joints"]
+        """Groups with constraint rows."""
+        return [g for g in self.groups if hasattr(g.module, "residual")]
 
     def force_groups(self) -> list[Group]:
         return [g for g in self.groups if hasattr(g.module, "force")]
@@ -395,7 +396,8 @@ class Model:
         return next((name, row) for name, row in reversed(rows) if row[column] <= number)
 
     def sensor_groups(self) -> list[Group]:
-        return [g for g in self.groups if g.keyword == "sensors"]
+        """Groups that are read at samples."""
+        return [g for g in self.groups if hasattr(g.module, "measure")]
 
     def element_loads(self) -> list[Group]:
         """Loads on the elements of parts, half by half."""

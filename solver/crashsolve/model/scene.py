@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.family import ANY, families
+from crashsolve.deck.laws import law_class, types_in
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.posture import matrix, perpendicular
 from crashsolve.model import welds
@@ -45,7 +47,9 @@ class Scene:
         self.warnings: list[str] = []
         self.errors: list[DeckError] = []
         self.stepwise: list[str] = []  # laws that count in whole steps
+        self.methods: list[str] = []  # integrators of all families; empty for any
         self.joints: dict[str, Any] = {}
+        self.backbones: dict[int, Any] = {}  # of hinges, by the id of their cards
         self.surfaces: dict[str, Any] = {}
         self.names = ["ground", *deck.entries["bodies"]]
         self.part_nodes: dict[str, list[int]] = {}  # of each part
@@ -220,6 +224,38 @@ class Scene:
             message = f"'{law}' counts in whole steps, integrator {method} needs rates at any time"
             known = " or ".join(["rattle", *others])
             raise self.fail(f"{message}; say integrator: {known}", field)
+
+    def refuse_method(self, section: str) -> None:
+        """A family of laws that the integrator of the deck cannot step. Writes: methods."""
+        family, method = families()[section], self.deck.control.integrator
+        if family.integrators == ANY:
+            return
+        known = " or ".join(family.integrators)
+        if method != "auto" and not family.supports(method):
+            raise self.fail(f"{section} cannot be stepped by {method}; say integrator: {known}")
+        self.methods = [m for m in self.methods or family.integrators if family.supports(m)]
+        if not self.methods:
+            raise self.fail(f"no integrator can step {section}, known to {known}, with the others")
+
+    def refuse_joint(self, name: str, motions: tuple[str, ...], field: str) -> None:
+        """A named joint without any of some motions: an `angle`, a `travel`, turns of a `ball`.
+
+        The file of a joint says in MOTIONS which it has.
+        """
+        entry = self.deck.entries["joints"][name]
+        has = getattr(import_module(entry.module_name), "MOTIONS", ())
+        if set(has) & set(motions):
+            return
+        known = {word: law_class("joints", word).__module__ for word in types_in("joints")}
+        all_motions = {w: getattr(import_module(m), "MOTIONS", ()) for w, m in known.items()}
+        wanted = [
+            word
+            for motion in motions
+            for word in sorted(known, key=lambda word: len(all_motions[word]))
+            if motion in all_motions[word]
+        ]
+        told = f"'{name}' is a {entry.type} joint; name a {' or '.join(wanted)} joint"
+        raise self.fail(told, field)
 
     def warn(self, message: str) -> None:
         if message not in self.warnings:

@@ -8,6 +8,8 @@ import numpy as np
 from crashsolve.foundation.errors import DeckErrors
 
 # what every law of force keeps of a step
+# what parts remember is asked for elsewhere; loads keep what a sample shows
+WITHOUT_MEMORY = ("parts", "loads", "hinges")
 KEPT = {"dissipated", "power", "unused"}
 
 
@@ -41,10 +43,12 @@ def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
             yield entry, f"{message}, but joints"
     for g in groups:
         remembers = set(g.history.dtype.names or ()) - KEPT
-        if hasattr(g.module, "force") and remembers and g.keyword == "springs":
+        if hasattr(g.module, "force") and remembers and g.keyword not in WITHOUT_MEMORY:
             keyword = deck.entries[g.keyword]
             for entry in (e for e in keyword.values() if e.type == g.type):
                 yield entry, "a quasi-static solution has no laws that remember yet"
+    for entry in deck.entries["hinges"].values():
+        yield entry, "a quasi-static solution has no hinges yet"
     for entry in deck.entries["parts"].values():
         if getattr(entry.card, "velocities", ()):
             yield entry, "a quasi-static solution has no velocities"

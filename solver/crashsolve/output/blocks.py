@@ -57,6 +57,7 @@ class FieldSpec:
 
 
 DISPLACEMENT = FieldSpec("displacement", "m", 3, "node")
+POINTS = FieldSpec("points", "m", 3, "node")
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,10 @@ class Block:
     points: np.ndarray
     cells: tuple[tuple[str, np.ndarray], ...]
     fields: tuple[FieldSpec, ...] = ()
+    # fields that never change, with their values
+    fixed: tuple[tuple[FieldSpec, np.ndarray], ...] = ()
+    # whether every state has points of its own; others carry a displacement instead
+    is_placed: bool = False
 
     def __post_init__(self) -> None:
         _refuse(self.name)
@@ -80,6 +85,9 @@ class Block:
         # readers fail on empty blocks
         if not self.n_cells:
             raise ValueError(f"block '{self.name}' has no cells")
+        for field, values in self.fixed:
+            if values.shape != self.shape(field):
+                raise ValueError(f"{self.name}, {field.name}: shape {values.shape}")
 
     @property
     def n_cells(self) -> int:
@@ -88,8 +96,14 @@ class Block:
 
     @property
     def all_fields(self) -> tuple[FieldSpec, ...]:
-        """The displacement that every block has, then its own fields."""
-        return (DISPLACEMENT, *self.fields)
+        """What every state has: points or displacement, then its own fields."""
+        return (POINTS if self.is_placed else DISPLACEMENT, *self.fields)
+
+    @property
+    def fixed_fields(self) -> tuple[tuple[FieldSpec, np.ndarray], ...]:
+        """What mesh.h5 has once; every block can be warped by its displacement."""
+        still = ((DISPLACEMENT, np.zeros_like(self.points)),) if self.is_placed else ()
+        return (*still, *self.fixed)
 
     def shape(self, field: FieldSpec) -> tuple[int, ...]:
         """Shape of a field's array."""

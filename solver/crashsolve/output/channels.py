@@ -8,19 +8,19 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from crashsolve.deck.family import families
+
 FAMILIES = {
     "glstat": "energies, momenta and time step of the whole model",
     "matsum": "energies and momenta by part",
     "rbdout": "motion of rigid bodies and of nodes of parts",
-    "nodout": "motion of nodes and accelerometers",
     "jntforc": "joint reactions and joint motion",
     "elout": "forces, moments and strains of elements",
-    "deforc": "spring, damper and bushing forces",
     "rcforc": "contact forces",
     "secforc": "forces through a section",
     "disbout": "relative displacement of two points",
     "sleout": "contact energies",
-    "bndout": "loads and forces of prescribed motion",
+    **dict(family.channels for family in families().values() if family.channels),
 }
 
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.output import xdmf
+from crashsolve.output import paraview, xdmf
 from crashsolve.output.blocks import Block
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import replace_text, replacing_hdf5, reported, write_metadata
 
 FORMAT = "crashsolve states"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 # the index is rewritten whole, so it may take this share of the run at most
 INDEX_SHARE = 0.05
 
@@ -48,6 +48,7 @@ class StateWriter:
             for path in reversed(later):
                 path.unlink()
         self._write_mesh(metadata)
+        replace_text(self.folder / paraview.NAME, paraview.script(blocks, metadata))
 
     def write(self, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:
         """Add one state: block name -> field name -> array, displacement (n, 3) among them."""
@@ -92,6 +93,10 @@ class StateWriter:
             for block in self.blocks:
                 file[f"{block.name}/points"] = block.points.astype("<f8")
                 file[f"{block.name}/cells"] = block.connectivity()
+                for field, constant in block.fixed_fields:
+                    path = f"{block.name}/{field.name}"
+                    file.create_dataset(path, data=constant, dtype=field.dtype)
+                    file[path].attrs["unit"] = field.unit
 
     def _add_to_index(self, time: float) -> None:
         """Append the entry of a written state to every block's list."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from crashsolve.output.blocks import CELL_TYPES, Block
+from crashsolve.output.blocks import CELL_TYPES, POINTS, Block, FieldSpec
 
 ATTRIBUTE_TYPES = {1: "Scalar", 3: "Vector", 6: "Tensor6", 9: "Tensor"}
 
@@ -18,7 +18,7 @@ def index(collections: Iterable[tuple[str, list[str]]]) -> str:
 
 
 def geometry(block: Block, mesh_file: str) -> str:
-    """Topology and points of a block, the same at every time."""
+    """What is the same at every time: topology, points unless each state has its own, fields."""
     place = f"{mesh_file}:/{block.name}"
     kind = "Mixed"
     if len(block.cells) == 1:
@@ -26,29 +26,39 @@ def geometry(block: Block, mesh_file: str) -> str:
         kind = cell.xdmf
         if cell.open_ended:
             kind += f'" NodesPerElement="{cell.corners}'
-    return "\n".join(
-        [
-            f'<Topology TopologyType="{kind}" NumberOfElements="{block.n_cells}">',
-            _item(f"{place}/cells", block.connectivity().shape, "Int", 8),
-            '</Topology><Geometry GeometryType="XYZ">',
-            _item(f"{place}/points", block.points.shape, "Float", 8),
-            "</Geometry>",
-        ]
-    )
+    lines = [
+        f'<Topology TopologyType="{kind}" NumberOfElements="{block.n_cells}">',
+        _item(f"{place}/cells", block.connectivity().shape, "Int", 8) + "</Topology>",
+    ]
+    if not block.is_placed:
+        lines.append(_points(_item(f"{place}/points", block.points.shape, "Float", 8)))
+    lines += [_attribute(block, field, mesh_file) for field, _ in block.fixed_fields]
+    return "\n".join(lines)
 
 
 def grid(block: Block, block_geometry: str, time: float, state_file: str) -> str:
     """One block at one time."""
     lines = [f'<Grid Name="{block.name}"><Time Value="{time!r}"/>', block_geometry]
     for field in block.all_fields:
-        number, precision = ("UChar", 1) if field.dtype == "<u1" else ("Float", 4)
-        kind, center = ATTRIBUTE_TYPES[field.n_components], field.location.capitalize()
-        place = f"{state_file}:/{block.name}/{field.name}"
-        lines += [
-            f'<Attribute Name="{field.name}" AttributeType="{kind}" Center="{center}">',
-            _item(place, block.shape(field), number, precision) + "</Attribute>",
-        ]
+        if field is POINTS:
+            place = f"{state_file}:/{block.name}/{field.name}"
+            lines.append(_points(_item(place, block.shape(field), "Float", 4)))
+        else:
+            lines.append(_attribute(block, field, state_file))
     return "\n".join([*lines, "</Grid>"])
+
+
+def _points(item: str) -> str:
+    return f'<Geometry GeometryType="XYZ">\n{item}</Geometry>'
+
+
+def _attribute(block: Block, field: FieldSpec, file: str) -> str:
+    """A field of a block in one of the files."""
+    number, precision = ("UChar", 1) if field.dtype == "<u1" else ("Float", 4)
+    kind, center = ATTRIBUTE_TYPES[field.n_components], field.location.capitalize()
+    item = _item(f"{file}:/{block.name}/{field.name}", block.shape(field), number, precision)
+    head = f'<Attribute Name="{field.name}" AttributeType="{kind}" Center="{center}">'
+    return f"{head}\n{item}</Attribute>"
 
 
 def _item(place: str, shape: tuple[int, ...], number: str, precision: int) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
-from crashsolve.sections.tube import rings
+from crashsolve.sections.tube import ring, rings
 
 
 class Circle(Card):
@@ -37,6 +37,11 @@ def build(card: Circle, poisson: float) -> dict[str, Any]:
         "torsion": 2.0 * second,
         "shear": (shear, shear),
     }
+
+
+def outline(card: Circle) -> np.ndarray:
+    """Points (n, 2) of the outer edge for pictures, y and z [m]."""
+    return ring(card.radius)
 
 
 def fibres(card: Circle, grid: tuple[int, int]) -> np.ndarray:

@@ -38,6 +38,13 @@ class ISection(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
+def outline(card: ISection) -> np.ndarray:
+    """Points (n, 2) of the outer edge for pictures, y and z [m]."""
+    b, h, w, f = card.width / 2, card.height / 2, card.web / 2, card.height / 2 - card.flange
+    right = [(b, -h), (b, -f), (w, -f), (w, f), (b, f), (b, h)]
+    return np.array(right + [(-y, -z) for y, z in right])
+
+
 def build(card: ISection, poisson: float) -> dict[str, Any]:
     b, h, t_f, t_w = card.width, card.height, card.flange, card.web
     clear, middle = h - 2.0 * t_f, h - t_f

@@ -46,6 +46,16 @@ def torsion(long: float, short: float) -> float:
     return long * short**3 * (1.0 / 3.0 - 64.0 * short / (pi**5 * long) * series)
 
 
+def outline(card: Rectangle) -> np.ndarray:
+    """Points (n, 2) of the outer edge for pictures, y and z [m]."""
+    return corners(card.width, card.height)
+
+
+def corners(width: float, height: float) -> np.ndarray:
+    """Corners (4, 2) of a rectangle about the origin, counter-clockwise."""
+    return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * (width / 2.0, height / 2.0)
+
+
 def fibres(card: Rectangle, grid: tuple[int, int]) -> np.ndarray:
     """Places and areas (y, z, A) of fibres, so many along y and z."""
     return patch(card.width, card.height, grid)

@@ -15,7 +15,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
-from crashsolve.sections.rectangle import patch
+from crashsolve.sections.rectangle import corners, patch
 
 
 class RectangularTube(Card):
@@ -60,6 +60,11 @@ def shear_area(flange: float, web: float, t: float) -> float:
     flanges = web**2 * flange**3 / 24.0
     webs = c * c * web + c * web**3 / 6.0 + web**5 / 120.0
     return inertia**2 / (t * (flanges + 2.0 * webs))
+
+
+def outline(card: RectangularTube) -> np.ndarray:
+    """Points (n, 2) of the outer edge for pictures, y and z [m]."""
+    return corners(card.width, card.height)
 
 
 def fibres(card: RectangularTube, grid: tuple[int, int]) -> np.ndarray:

@@ -51,6 +51,17 @@ def build(card: Tube, poisson: float) -> dict[str, Any]:
     }
 
 
+def outline(card: Tube) -> np.ndarray:
+    """Points (n, 2) of the outer edge for pictures, y and z [m]."""
+    return ring(card.radius)
+
+
+def ring(radius: float, corners: int = 16) -> np.ndarray:
+    """Corners (n, 2) on a circle."""
+    angle = 2.0 * pi * np.arange(corners) / corners
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
 def fibres(card: Tube, grid: tuple[int, int]) -> np.ndarray:
     """Places and areas (y, z, A) of fibres: rings and sectors."""
     return rings(card.radius - card.thickness, card.radius, grid)

@@ -42,13 +42,10 @@ class StopCard(Card):
         return self
 
 
-def named_joint(scene: Any, name: str, types: tuple[str, ...]) -> Any:
-    """The joint a card names; only joints of these types have the motion."""
-    joint = scene.joints[name]
-    if joint.type not in types:
-        wanted = " or ".join(types)
-        raise scene.fail(f"'{name}' is a {joint.type} joint; name a {wanted} joint", "joint")
-    return joint
+def named_joint(scene: Any, name: str, *motions: str) -> Any:
+    """The joint a card names, which must have one of some motions."""
+    scene.refuse_joint(name, motions, "joint")
+    return scene.joints[name]
 
 
 def stops(card: Any, scene: Any) -> dict[str, Any]:

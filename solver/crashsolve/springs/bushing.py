@@ -13,7 +13,7 @@ Reference: Bauchau and Trainelli (2003), The vectorial parameterization of rotat
 Dynamics 32, 71-92.
 """
 
-from math import atan2, sin, sqrt
+from math import sqrt
 from typing import Any
 
 from crashsolve.deck.card import Vec3, quantity
@@ -28,17 +28,8 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.posture import relative
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import (
-    ZERO,
-    add,
-    add_scaled,
-    cross,
-    dot,
-    matvec_t,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
+from crashsolve.foundation.vec3 import ZERO, dot, matvec_t, scale, sub, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along
 from crashsolve.springs._card import PointSpringCard
 
@@ -126,49 +117,6 @@ def tangent(p, state, nodes, curves, rows, first):
         axis_tangent(rows[first + k], a, b, arm(a, e), d_a, d_b, p.stiffness[k], p.damping[k])
         g = arm(a, tangent_map(theta, c, 0.5, e))
         turn_tangent(rows[first + 3 + k], a, b, g, p.turning_stiffness[k], p.turning_damping[k])
-
-
-@kernel
-def rotation_vector(a, b, reference):
-    """theta of b's turn relative to a since the start, axes of a [rad]."""
-    w, v = relative_rotation(a, b, reference)
-    # q and -q are one posture: take the shorter turn
-    if w < 0.0:
-        w, v = -w, scale(-1.0, v)
-    s = sqrt(dot(v, v))
-    if s < 1e-8:
-        return scale(2.0, v)
-    return scale(2.0 * atan2(s, w) / s, v)
-
-
-@kernel
-def relative_rotation(a, b, reference):
-    """Unit quaternion (w, v) of b's turn relative to a since the start, axes of a."""
-    w_a, w_b, w_0 = a.q[0], b.q[0], reference[0]
-    v_a, v_b = (a.q[1], a.q[2], a.q[3]), (b.q[1], b.q[2], b.q[3])
-    v_0 = (reference[1], reference[2], reference[3])
-    w = w_a * w_b + dot(v_a, v_b)
-    v = sub(sub(scale(w_a, v_b), scale(w_b, v_a)), cross(v_a, v_b))
-    turned = sub(sub(scale(w_0, v), scale(w, v_0)), cross(v, v_0))
-    return w * w_0 + dot(v, v_0), turned
-
-
-@kernel
-def tangent_factor(phi):
-    """c(phi); a series where the formula would cancel, its next term below 1e-10."""
-    if phi < 0.05:
-        return 1.0 / 12.0 + phi * phi / 720.0 + phi**4 / 30240.0
-    half = 0.5 * phi
-    # (1 + cos phi) / sin phi = cot(phi / 2), finite at half a turn
-    cot = sin(phi) / (2.0 * sin(half) ** 2)
-    return 1.0 / (phi * phi) - cot / (2.0 * phi)
-
-
-@kernel
-def tangent_map(theta, c, half, x):
-    """T x for half = -1/2, T^T x for half = 1/2."""
-    turn = cross(theta, x)
-    return add(x, add_scaled(scale(half, turn), c, cross(theta, turn)))
 
 
 @kernel

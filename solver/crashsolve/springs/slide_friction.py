@@ -60,7 +60,7 @@ OUTPUT = Record(
 
 
 def build(card: SlideFriction, scene: Any) -> dict[str, Any]:
-    joint = named_joint(scene, card.joint, ("prismatic", "cylindrical"))
+    joint = named_joint(scene, card.joint, "travel")
     columns = {column.name: joint.frame[column.name] for column in POINTS.columns}
     return columns | {
         "level": card.force,

@@ -50,7 +50,7 @@ OUTPUT = Record(
 
 
 def build(card: SlideLimit, scene: Any) -> dict[str, Any]:
-    frame = named_joint(scene, card.joint, ("prismatic", "cylindrical")).frame
+    frame = named_joint(scene, card.joint, "travel").frame
     columns = {column.name: frame[column.name] for column in POINTS.columns}
     return columns | stops(card, scene) | {"axis_a": frame["axis_a"]}
 

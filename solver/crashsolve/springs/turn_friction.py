@@ -70,7 +70,7 @@ OUTPUT = Record(
 
 
 def build(card: TurnFriction, scene: Any) -> dict[str, Any]:
-    joint = named_joint(scene, card.joint, ("revolute", "cylindrical", "spherical"))
+    joint = named_joint(scene, card.joint, "angle", "ball")
     return {
         "level": card.torque,
         "pressed": card.coefficient * (card.radius or 0.0),

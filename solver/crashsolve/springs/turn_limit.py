@@ -49,7 +49,7 @@ OUTPUT = Record(
 
 
 def build(card: TurnLimit, scene: Any) -> dict[str, Any]:
-    frame = named_joint(scene, card.joint, ("revolute", "cylindrical")).frame
+    frame = named_joint(scene, card.joint, "angle").frame
     return {column.name: frame[column.name] for column in TURN.columns} | stops(card, scene)
 
 

@@ -13,14 +13,15 @@ from crashsolve.study.findings import Finding, worst
 from crashsolve.study.settings import Series
 from crashsolve.study.trials import Trial
 
-COLOURS = ("#1f5a99", "#c4472b", "#2e8b63", "#c98a12", "#74509e", "#3f9fc4", "#7d5a44", "#8a9199")
+# those of crashpost, which a solver does not import
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#332288", "#cc79a7", "#882255", "#1c2126")
 MARKERS = "os^Dv<>p"
 ROUND_OFF = 1e-12
 # more lines than these no eye keeps apart
 MOST = 10
 # letters of a title or label that fit
 LONGEST = 72
-INK, MUTED, RULE = "#1c2126", "#66707a", "#e4e7ea"
+INK, MUTED, RULE = "#1c2126", "#5b6570", "#e4e7ea"
 
 
 class Line(NamedTuple):

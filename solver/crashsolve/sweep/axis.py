@@ -20,6 +20,8 @@ from crashsolve.deck.numbers import as_written
 
 # share of a distribution that its limits must leave
 LEAST_SHARE = 1e-6
+# sizes of numbers whose quotients are numbers; deviations of lognormal values over their mean
+SMALLEST, LARGEST, WIDEST = 1e-150, 1e150, 1e6
 NORMALS = ("normal", "lognormal")
 
 
@@ -42,7 +44,7 @@ class Axis(Card):
     values: tuple[Any, ...] | None = word("values to take, numbers or words", None)
     from_: float | str | None = word("least value, alone or with a unit", None)
     to: float | str | None = word("largest value, in the same unit", None)
-    count: int | None = word("values of a range in a grid", None, ge=2)
+    count: int | None = word("values of a range in a grid", None, ge=2, le=10_000)
     distribution: Literal["uniform", "log_uniform", "normal", "lognormal", "triangular"] = word(
         "how values are spread; normal and lognormal are cut at from and to, if given", "uniform"
     )
@@ -95,6 +97,9 @@ class Axis(Card):
         if len(units) > 1:
             told = " and ".join(f"'{unit or 'none'}'" for unit in sorted(units))
             raise ValueError(f"numbers of one range must be in one unit, not in {told}")
+        for name, amount in self._given().items():
+            if amount.number and not SMALLEST <= abs(amount.number) <= LARGEST:
+                raise ValueError(f"{name.rstrip('_')}: {amount.number:g} is no size to draw from")
         low, high = self._number("from_"), self._number("to")
         if low is not None and high is not None:
             if low > high:
@@ -116,8 +121,13 @@ class Axis(Card):
         is_log = self.distribution in ("log_uniform", "lognormal")
         if is_log and low is not None and low <= 0.0:
             raise ValueError(f"from: must be greater than 0 for {self.distribution}")
-        if self.distribution == "lognormal" and (self._number("mean") or 0.0) <= 0.0:
+        mean, deviation = self._number("mean") or 0.0, self._number("deviation") or 0.0
+        if self.distribution != "lognormal":
+            return
+        if mean <= 0.0:
             raise ValueError("mean: must be greater than 0 for lognormal")
+        if not 1.0 / WIDEST <= deviation / mean <= WIDEST:
+            raise ValueError(f"deviation: must be from 1/{WIDEST:g} to {WIDEST:g} times the mean")
 
     def _check_whole(self, low: float | None, high: float | None) -> None:
         if self.distribution != "uniform":

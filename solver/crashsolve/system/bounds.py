@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.sections import SECTIONS
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.system.diagnosis import chooses_step, limiter
 from crashsolve.system.engine import Engine
@@ -134,7 +135,7 @@ def _actors(engine: Engine, at: int) -> list[Actor]:
         acts = np.zeros(len(g.names), bool)
         for end in ends:
             acts |= (g.parameters[end] == at).reshape(len(acts), -1).any(axis=1)
-        word = {"springs": "spring", "parts": "element", "loads": "load"}.get(g.keyword, g.keyword)
+        word = "element" if g.keyword == "parts" else SECTIONS[g.keyword].singular
         for rows in _split(np.flatnonzero(acts)):
             names = ", ".join(f"'{g.names[i]}'" for i in rows[:3])
             more = f" and {len(rows) - 3} more" if len(rows) > 3 else ""

@@ -182,6 +182,11 @@ def curve_end(model: Model, clock: Any) -> Diagnosis:
     if model.integrator == "rattle" and times > 1.0:
         cause += f", with a step {times:.2g} times the one that is sure to be stable"
         advice = f"take a shorter step; if that does not help, {advice}"
+    if "." in name:
+        hinge, _, field = name.partition(".")
+        cause = f"deformed to {x:.6g}, beyond what it is known for, {last:.6g} (plastic, or work)"
+        advice = f"extend its {field}, or say extrapolate: hold; a hinge in two directions folds "
+        return f"hinge '{hinge}'", cause, f"{advice}by 3 rad at most"
     return f"curve '{name}'", cause, advice
 
 

@@ -32,7 +32,7 @@ NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 
 # what else is in the scene
 ATTACHMENTS = True  # nodes welded to rigid bodies
-SECTIONS = True  # sensors that cut through elements
+CUTS = True  # sensors that cut through elements
 SEARCHES = True  # lists of near pairs, which are renewed
 PAIR_DAMPERS = True  # contacts whose friction depends on the sliding speed alone
 NODAL_DAMPERS = True  # the same between nodes and faces
@@ -66,7 +66,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "TANGENT_CONTACTS": tuple(tangent_contacts(model)),
         "NODAL": tuple(nodal),
         "ATTACHMENTS": len(model.slaves) > 0,
-        "SECTIONS": model.elements is not None and len(model.elements.cuts) > 0,
+        "CUTS": model.elements is not None and len(model.elements.cuts) > 0,
         "SEARCHES": any(c.search is not None for c in contacts),
         "PAIR_DAMPERS": any(damped) or any(c.friction_damps for c in contacts),
         "NODAL_DAMPERS": any(damped),

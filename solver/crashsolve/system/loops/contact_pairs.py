@@ -77,16 +77,14 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
     contacts.latch(p, old, new, depth, rate, counts)
     mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)
     mass = 1.0 / (mob_a + mob_b)
-    if KICK_DRIFT_KICK:
-        felt = contacts.share_felt(old, depth, rate, h)
-    else:
-        felt = contacts.begun_before(clock, old, h)
     if group.is_flat:
         count, radius = group.narrow.patch(a, b, nodes, group.data, n, x)
         if group.has_radius:
             radius = max(radius, p.torsion_radius)
     elif group.has_radius:
         radius = p.torsion_radius
+    if group.is_flat:
+        felt = share_of_step(clock, h, old, depth, rate)
     f, out.stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, depth, rate, mass, curves
     )
@@ -117,6 +115,7 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
         contacts.touch(m, w, d_a, d_b, felt, 0.0, t, n, x, out)
         areas.add_pressure(f, n, out)
     else:
+        felt = share_of_step(clock, h, old, depth, rate)
         contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)
         contacts.count_stiffness(m, w, mob_a, mob_b, k, c)
     if group.resists_spin:
@@ -129,3 +128,11 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
         work.begin_second_half(felt, way, f, t, n, x, out, new, counts[p.card])
     elif KICK_DRIFT_KICK:
         work.begin_push(felt, way, f, n, x, out, new, counts[p.card])
+
+
+@stage
+def share_of_step(clock, h, old, depth, rate):
+    """How much of the force of a pair counts in the step in which it begins to touch."""
+    if KICK_DRIFT_KICK:
+        return contacts.share_felt(old, depth, rate, h)
+    return contacts.begun_before(clock, old, h)

@@ -3,7 +3,7 @@
 from crashsolve.foundation.compile import kernel, stage
 from crashsolve.parts import _cut
 from crashsolve.system import points
-from crashsolve.system.scene import ELEMENTS, SECTIONS, SENSORS
+from crashsolve.system.scene import CUTS, ELEMENTS, SENSORS
 
 
 @kernel
@@ -11,7 +11,7 @@ def measure(time, nodes, rows, curves, scene):
     """Readings of all sensors. Writes: outputs."""
     if ELEMENTS:
         points.add_up_motion(scene.points, scene.motion[0])
-    if SECTIONS:
+    if CUTS:
         cut_elements(scene)
     for group in SENSORS:
         p, out = group.parameters, group.output

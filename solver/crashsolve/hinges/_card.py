@@ -1,0 +1,242 @@
+"""Words that hinges share, and what the kernels of _law.py need of them."""
+
+from typing import Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, CurveName, MaterialName, SectionName, quantity, word
+from crashsolve.hinges._backbone import Backbone, backbone, over_work, refuse_kinematic
+from crashsolve.hinges._law import ISOTROPIC, KINEMATIC, PEAK_ORIENTED
+from crashsolve.hinges._sections import axial_curve, bending_curve
+from crashsolve.joints._card import AxisJointCard
+
+CYCLIC = {"isotropic": ISOTROPIC, "kinematic": KINEMATIC, "peak_oriented": PEAK_ORIENTED}
+
+
+class TurnCurve(Card):
+    """Moment over angle: a curve of the deck, or the collapse of a section; a name is enough."""
+
+    shorthand: ClassVar = "name"
+    curve_axes: ClassVar = {"name": ("rad", "N m")}
+
+    name: CurveName | None = word("curve that begins at 0", default=None)
+    section: SectionName | None = word("section whose bending makes the curve", default=None)
+    material: MaterialName | None = word("its material, elastoplastic", default=None)
+    about: Literal["y", "z"] = word("axis of the section that it bends about", default="y")
+    model: Literal["plastic", "kecman"] = word(
+        "plastic: constant plastic moment; kecman: collapse of a rectangular tube",
+        default="plastic",
+    )
+    length: float | None = quantity(
+        "m", "of the member whose bending the elastic stiffness stands for", default=None, gt=0
+    )
+    until: float | None = quantity(
+        "rad",
+        "where the curve ends: 1 rad and constant beyond, or where the fold closes and no further",
+        default=None,
+        gt=0,
+    )
+    flow_stress: float | None = quantity(
+        "Pa", "of the hinge lines of a fold; the yield stress when absent", default=None, gt=0
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "TurnCurve":
+        return _named_or_made(self)
+
+
+class AxialCurve(Card):
+    """Force over change of length: a curve of the deck, or of a section; a name is enough."""
+
+    shorthand: ClassVar = "name"
+    curve_axes: ClassVar = {"name": ("m", "N")}
+
+    name: CurveName | None = word("curve that begins at 0", default=None)
+    section: SectionName | None = word("section that is pulled or crushed", default=None)
+    material: MaterialName | None = word("its material, elastoplastic", default=None)
+    model: Literal["plastic", "crush"] = word(
+        "plastic: constant force at yield; crush: mean force of a folding square tube",
+        default="plastic",
+    )
+    length: float | None = quantity(
+        "m", "of the member whose stretch the elastic stiffness stands for", default=None, gt=0
+    )
+    until: float | None = quantity(
+        "m", "where the curve ends, 1 m when absent; constant beyond", default=None, gt=0
+    )
+    flow_stress: float | None = quantity(
+        "Pa", "of the crushed walls; the yield stress when absent", default=None, gt=0
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "AxialCurve":
+        return _named_or_made(self)
+
+
+def _named_or_made(card: Any) -> Any:
+    made = (card.section, card.material, card.length)
+    if (card.name is None) == (card.section is None):
+        raise ValueError("give the name of a curve, or section, material and length")
+    if card.section is not None and None in made:
+        raise ValueError("section: needs material and length beside it")
+    if card.name is not None and any(word in card.model_fields_set for word in MAKING):
+        raise ValueError("name: a curve of the deck needs nothing beside it")
+    return card
+
+
+MAKING = ("section", "material", "about", "model", "length", "until", "flow_stress")
+
+
+class RateFactor(Card):
+    """Factor 1 + a V^b, or that of Cowper and Symonds, on the moment at which a hinge yields."""
+
+    coefficient: float | None = quantity("1", "a; 0.07 when absent", default=None, ge=0)
+    exponent: float | None = quantity("1", "b; 0.82 when absent", default=None, gt=0)
+    reference_rate: float | None = quantity(
+        "any", "D of Cowper and Symonds: speed that doubles the moment", default=None, gt=0
+    )
+    reference_exponent: float | None = quantity("1", "q of Cowper and Symonds", None, gt=0)
+    speed: Literal["current", "start"] = word(
+        "V: the present speed of the hinge, or that at its first yield", default="current"
+    )
+    arm: float | None = quantity(
+        "m",
+        "distance of the tip: V is the speed there in m/s; when absent V of an angle is in rad/s",
+        default=None,
+        gt=0,
+    )
+
+    @model_validator(mode="after")
+    def _one_law(self) -> "RateFactor":
+        symonds = (self.reference_rate, self.reference_exponent)
+        if (symonds[0] is None) != (symonds[1] is None):
+            raise ValueError("reference_rate and reference_exponent belong together")
+        if symonds[0] is not None and (self.coefficient, self.exponent) != (None, None):
+            raise ValueError("give coefficient and exponent, or reference_rate and its exponent")
+        return self
+
+    def power_law(self) -> tuple[float, float]:
+        """a and b of 1 + a V^b."""
+        if self.reference_rate is not None and self.reference_exponent is not None:
+            b = 1.0 / self.reference_exponent
+            return self.reference_rate**-b, b
+        a = 0.07 if self.coefficient is None else self.coefficient
+        return a, 0.82 if self.exponent is None else self.exponent
+
+
+class HingeCard(AxisJointCard):
+    """What every hinge has: two bodies, a place, an axis, and how it behaves in cycles."""
+
+    cyclic: Literal["isotropic", "kinematic", "peak_oriented"] = word(
+        "isotropic: yield in both directions follows the curve along the plastic way; kinematic: "
+        "its range moves; peak_oriented: reloads towards the largest deformation so far",
+        default="isotropic",
+    )
+    rate: RateFactor | None = word("growth of the yield moment with the speed", default=None)
+    after_failure: Literal["apart", "loose"] = word(
+        "apart: failure frees the whole joint; loose: it leaves the joint without resistance",
+        default="apart",
+    )
+
+
+class Motion(NamedTuple):
+    """Fields of a card that belong to one free motion; "" for one that the card lacks."""
+
+    curve: str
+    negative: str
+    stiffness: str
+    initial: str
+    failure: str
+
+
+def backbones(
+    card: Any, motions: tuple[Motion, ...], built: dict[str, Any], scene: Any
+) -> dict[str, Backbone]:
+    """Yield moments over plastic angles, by the fields of a card that name curves."""
+    found: dict[str, Backbone] = {}
+    for motion in motions:
+        k = getattr(card, motion.stiffness)
+        for field in filter(None, (motion.curve, motion.negative)):
+            source = getattr(card, field)
+            if source is not None:
+                found[field] = backbone(_points(source, field, built, scene), k, field, scene)
+                # both directions have the stiffness of the first
+                k = found[field].stiffness
+                if card.cyclic == "kinematic":
+                    refuse_kinematic(found[field], field, scene)
+    return found
+
+
+def pair_backbones(
+    card: Any, motions: tuple[Motion, ...], built: dict[str, Any], scene: Any
+) -> dict[str, Any]:
+    """The same of two motions; on one ellipse, squares of the yield moments over plastic work."""
+    if card.interaction == "uncoupled":
+        return backbones(card, motions, built, scene)
+    if card.cyclic != "isotropic":
+        raise scene.fail("an ellipse hardens and softens as a whole: say isotropic", "cyclic")
+    for motion in motions:
+        if motion.negative and getattr(card, motion.negative) is not None:
+            raise scene.fail(
+                "an ellipse is the same in both directions; say interaction: uncoupled",
+                motion.negative,
+            )
+    return {
+        field: over_work(found, field, scene)
+        for field, found in backbones(card, motions, built, scene).items()
+    }
+
+
+def _points(source: Any, field: str, built: dict[str, Any], scene: Any) -> Any:
+    """Breakpoints, coefficients and the code of extrapolation."""
+    if source.name is not None:
+        if source.name not in built:
+            raise scene.fail(f"curve '{source.name}' cannot be built", field)
+        return built[source.name]
+    if isinstance(source, TurnCurve):
+        return bending_curve(source, field, built, scene)
+    return axial_curve(source, field, built, scene)
+
+
+def law(card: Any, motions: tuple[Motion, ...], scene: Any) -> dict[str, Any]:
+    """Columns of LAW."""
+    found = scene.backbones[id(card)]
+    # a second direction without a curve has the first one's
+    found = {motion.curve: found[motions[0].curve] for motion in motions} | found
+    stiffness, curves = np.zeros(2), np.zeros(4, np.int64)
+    initial, failure = np.zeros(2), np.full(2, np.inf)
+    for c, motion in enumerate(motions):
+        both = found[motion.curve], found.get(motion.negative, found[motion.curve])
+        stiffness[c] = both[0].stiffness
+        curves[2 * c : 2 * c + 2] = [scene.curve(side.name) for side in both]
+        if motion.initial:
+            initial[c] = getattr(card, motion.initial)
+            begins = -stiffness[c] * initial[c]
+            limit = both[0 if begins >= 0.0 else 1].limit
+            if abs(begins) > limit:
+                raise scene.fail(
+                    f"the hinge would begin beyond yield: its elastic line leads to {begins:.4g}, "
+                    f"and it yields at {limit:.4g}",
+                    motion.initial,
+                )
+        if motion.failure and getattr(card, motion.failure) is not None:
+            failure[c] = getattr(card, motion.failure)
+    a, b = card.rate.power_law() if card.rate else (0.0, 1.0)
+    return {
+        "stiffness": stiffness,
+        "backbone": curves,
+        "cyclic": CYCLIC[card.cyclic],
+        "initial": initial,
+        "failure": failure,
+        "is_apart": card.after_failure == "apart",
+        "rate_coefficient": a,
+        "rate_exponent": b,
+        "rate_floor": (0.1 / a) ** (1.0 / b) if a else 0.0,
+        "latched": bool(card.rate and card.rate.speed == "start"),
+    }
+
+
+def tip(card: Any) -> float:
+    """Metres per radian of the speed in the rate factor; 1 where it is in rad/s."""
+    return float(card.rate.arm) if card.rate and card.rate.arm else 1.0

@@ -1,0 +1,84 @@
+"""What joints beneath hinges share: rows that failure frees, histories at the start, energies."""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.record import Record
+
+LEDGER = "hinge"
+COMMON = Record(
+    rate_factor=("1", "phi, on the static moment or force at yield"),
+    energy=("J", "taken up so far: stored and dissipated"),
+    failed=("flag", "1 after failure"),
+)
+
+
+def at_start(p: Any, speed: float) -> dict[str, Any]:
+    """History of a hinge that has not moved; `speed` is that of the rate factor."""
+    return {"x": -p["initial"], "latch": -1.0, "factor": 1.0, "speed": abs(speed)}
+
+
+def motion_of(scene: Any, p: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Velocity of b's joint point and spin of b, both seen from a, world axes."""
+    a, b = p["node_a"], p["node_b"]
+    arms = [scene.matrix(node) @ p[f"point_{side}"] for side, node in (("a", a), ("b", b))]
+    v = [scene.v[n] + np.cross(scene.w[n], d) for n, d in zip((a, b), arms, strict=True)]
+    return v[1] - v[0], scene.w[b] - scene.w[a]
+
+
+@kernel
+def is_open(p, old):
+    """Whether failure has freed the joint."""
+    return old.failed == 1 and p.is_apart == 1
+
+
+@kernel
+def open_residual(p, rows, count):
+    """Writes: rows.phi."""
+    for k in range(p.first_row, p.first_row + count):
+        rows[k].phi = 0.0
+
+
+@kernel
+def open_jacobian(p, rows, count):
+    """Rows without a Jacobian hold nothing. Writes: rows.D, nu."""
+    for k in range(p.first_row, p.first_row + count):
+        rows[k].nu = 0.0
+        for j in range(12):
+            rows[k].D[j] = 0.0
+
+
+@kernel
+def open_convective(p, rows, count):
+    """Writes: rows.gamma."""
+    for k in range(p.first_row, p.first_row + count):
+        rows[k].gamma = 0.0
+
+
+@kernel
+def fails(p, old, x, y):
+    """Whether the hinge has failed, by now or long ago, with these motions."""
+    return old.failed == 1 or abs(x) >= p.failure[0] or abs(y) >= p.failure[1]
+
+
+@kernel
+def keep_old(old, new):
+    """History of a hinge that is no more. Writes: new."""
+    for c in range(2):
+        new.x[c], new.plastic[c], new.flow[c] = old.x[c], old.plastic[c], old.flow[c]
+        new.origin[c] = old.origin[c]
+        new.flowing[c], new.corner[c] = 0, 0.0
+    for j in range(4):
+        new.reached[j] = old.reached[j]
+
+
+@kernel
+def close_outputs(p, old, new, out, stored, loss):
+    """What all hinges tell; one that has failed gives up what it stored. Writes: out, new."""
+    out.failed, out.rate_factor = new.failed, new.factor
+    out.stored, out.power, out.loss = stored, 0.0, loss
+    if new.failed == 1:
+        out.stored, out.loss = 0.0, loss + stored
+    out.energy = old.dissipated + out.stored + out.loss

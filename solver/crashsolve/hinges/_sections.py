@@ -1,0 +1,82 @@
+"""Hinge curves from sections and materials: plastic moments and yield forces of any section.
+
+    M_p = Y sum |d| A about the axis of equal areas,   N_p = Y A
+
+d is the distance of a fibre from that axis. The elastic line is that of a member of some length
+under constant moment or force: k = E I / L, k = E A / L. Collapse of tubes is in _collapse.py.
+Consequence to test: M_p = Y b h^2 / 4 for a rectangle, Y D^3 / 6 for a round bar.
+
+Reference: Neal (1977), The Plastic Methods of Structural Analysis, 1.3.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.curve import HOLD
+from crashsolve.hinges import _collapse
+
+# fibres along each side of a wall or plate, of plastic moments
+GRID = (400, 400)
+
+
+def material_of(card: Any, field: str, built: dict[str, Any], scene: Any) -> tuple[float, float]:
+    """Young's modulus and yield stress [Pa]."""
+    module, material = scene.law("materials", card.material)
+    young, stress = getattr(material, "young", None), getattr(material, "yield_stress", None)
+    curve = getattr(material, "curve", None)
+    if stress is None and curve is not None and curve in built:
+        stress = float(built[curve][1][0, 0])
+    if young is None or not stress:
+        raise scene.fail(f"material '{card.material}' has no yield stress; name one", field)
+    return float(young), float(stress)
+
+
+def section_of(card: Any, field: str, scene: Any) -> tuple[Any, Any, dict[str, Any]]:
+    """Module and card of the section, and its constants."""
+    module, section = scene.law("sections", card.section)
+    # kappa, which depends on Poisson's ratio, has no part in a hinge
+    return module, section, module.build(section, 0.3)
+
+
+def plastic_moment(fibres: np.ndarray, about: str) -> float:
+    """M_p / Y of fibres (y, z, A) about an axis of the section [m^3]."""
+    d, area = fibres[:, 1 if about == "y" else 0], fibres[:, 2]
+    order = np.argsort(d)
+    below = np.cumsum(area[order])
+    middle = float(np.interp(0.5 * below[-1], below - 0.5 * area[order], d[order]))
+    return float(np.abs(d - middle) @ area)
+
+
+def plastic_curve(start: float, limit: float, until: float | None, field: str, scene: Any) -> Any:
+    """From 0 to the limit at `start`, and level to `until`, 1 when absent; level beyond."""
+    until = until or 1.0
+    if not until > start:
+        raise scene.fail(f"ends at {until:.4g}, before it yields at {start:.4g}", field)
+    x = np.array([0.0, start, until])
+    c = np.zeros((2, 4))
+    c[0, 1], c[1, 0] = limit / start, limit
+    return x, c, HOLD
+
+
+def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> Any:
+    """Moment over angle of a section: breakpoints, coefficients, the code of extrapolation."""
+    young, stress = material_of(card, field, built, scene)
+    module, section, constants = section_of(card, field, scene)
+    if not hasattr(module, "fibres"):
+        raise scene.fail("a section without a shape has no plastic moment; give a curve", field)
+    stiffness = young * constants["second"][0 if card.about == "y" else 1] / card.length
+    if card.model == "kecman":
+        return _collapse.curve(card, section, (young, stress, stiffness), field, scene)
+    limit = stress * plastic_moment(module.fibres(section, GRID), card.about)
+    return plastic_curve(limit / stiffness, limit, card.until, field, scene)
+
+
+def axial_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> Any:
+    """Force over change of length of a section, the same."""
+    young, stress = material_of(card, field, built, scene)
+    _, section, constants = section_of(card, field, scene)
+    stiffness, limit = young * constants["area"] / card.length, stress * constants["area"]
+    if card.model == "crush":
+        limit = _collapse.crush_force(section, card.flow_stress or stress, field, scene)
+    return plastic_curve(limit / stiffness, limit, card.until, field, scene)

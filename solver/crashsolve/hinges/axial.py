@@ -1,0 +1,199 @@
+"""Axial hinge: b slides against a along the beam, and an elastic-plastic force resists.
+
+    F(delta) by _law.py,   delta = axis_a . (x_b - x_a) - delta_0      (Ambrosio (2003), Fig. 3d)
+
+Pull is positive; a curve of its own may describe the push, in which members are crushed. The force
+acts in the point of b. Consequence to test: a mass m at V_0 is stopped by a constant force P_s on
+the way m V_0^2 / 2 P_s.
+
+References: Ambrosio (2003), Eq. 7 and Fig. 3.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.card import quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import (
+    apply_force,
+    arm,
+    axis_tangent,
+    mobility,
+    relative,
+    stiffen,
+)
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
+from crashsolve.hinges._card import AxialCurve, HingeCard, Motion, backbones, law
+from crashsolve.hinges._joint import (
+    COMMON,
+    LEDGER,
+    at_start,
+    close_outputs,
+    fails,
+    is_open,
+    keep_old,
+    motion_of,
+    open_convective,
+    open_jacobian,
+    open_residual,
+)
+from crashsolve.hinges._law import (
+    LAW,
+    PATH,
+    advance_motion,
+    beyond_motion,
+    factor,
+    growth_bound,
+    growth_slope,
+    motion_tangent,
+    overshoot,
+    step_factor,
+)
+from crashsolve.joints import prismatic
+from crashsolve.joints._card import FRAME
+
+__all__ = ["LEDGER"]
+ROWS, ANGULAR = prismatic.ROWS, prismatic.ANGULAR
+TANGENTS = 1
+MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_stroke", "failure_stroke"),)
+
+
+class Axial(HingeCard):
+    """Axial hinge: b slides along the beam against an elastic-plastic force."""
+
+    curve: AxialCurve = word("force over change of length as it grows, from [0, 0]")
+    curve_negative: AxialCurve | None = word(
+        "the same for shortening, both counted positive; as curve when absent", default=None
+    )
+    stiffness: float | None = quantity(
+        "N/m", "elastic, also of unloading; the first slope when absent", default=None, gt=0
+    )
+    initial_stroke: float = quantity(
+        "m", "way of b from the start at which the hinge has no force", default=0.0
+    )
+    failure_stroke: float | None = quantity(
+        "m", "change of length in either direction at which the hinge fails", default=None, gt=0
+    )
+
+
+PARAMETERS = FRAME + LAW
+HISTORY = PATH
+OUTPUT = COMMON + Record(
+    force=("N", "pull is positive"),
+    stroke=("m", "of b along the axis from the undeformed hinge"),
+    rate=("m/s", "of the stroke"),
+    plastic_stroke=("m", "sum of plastic ways in both directions"),
+    residual_stroke=("m", "that would be left without force"),
+)
+
+
+def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
+    """Backbones by field."""
+    return backbones(card, MOTIONS, built, scene)
+
+
+def build(card: Axial, scene: Any) -> dict[str, Any]:
+    return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene)
+
+
+def initial_history(card: Axial, p: Any, scene: Any) -> dict[str, Any]:
+    axis = scene.matrix(p["node_a"]) @ p["axis_a"]
+    return at_start(p, float(np.dot(axis, motion_of(scene, p)[0])))
+
+
+@kernel
+def residual(p, old, new, t, nodes, rows, curves):
+    """Writes: rows.phi."""
+    if is_open(p, old):
+        open_residual(p, rows, 5)
+    else:
+        prismatic.residual(p, old, new, t, nodes, rows, curves)
+
+
+@kernel
+def jacobian(p, old, t, nodes, rows, curves):
+    """Writes: rows.D, nu."""
+    if is_open(p, old):
+        open_jacobian(p, rows, 5)
+    else:
+        prismatic.jacobian(p, old, t, nodes, rows, curves)
+
+
+@kernel
+def convective(p, old, t, nodes, rows, curves):
+    """Writes: rows.gamma."""
+    if is_open(p, old):
+        open_convective(p, rows, 5)
+    else:
+        prismatic.convective(p, old, t, nodes, rows, curves)
+
+
+@kernel
+def stroke_along(p, nodes, axis):
+    """Way of b along an axis of a, its rate, the axis, and the arms of the force in both bodies."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
+    x, x_dot = relative(a, d_a, b, d_b)
+    u = arm(a, vec(axis))
+    rate = dot(u, sub(x_dot, cross(vec(a.w), x)))
+    return dot(u, x), rate, u, add(d_a, x), d_b
+
+
+@kernel
+def pull(p, nodes, force, u, d_a, d_b, stiffness, damping):
+    """Force along u on both bodies in the point of b. Writes: nodes."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    f = scale(force, u)
+    apply_force(a, f, d_a)
+    apply_force(b, scale(-1.0, f), d_b)
+    stiffen(a, mobility(a, d_a, u), stiffness, damping)
+    stiffen(b, mobility(b, d_b, u), stiffness, damping)
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    way, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
+    x = way - p.initial[0]
+    keep_old(old, new)
+    share = overshoot(p, old, 0, x, curves) if p.latched == 1 else 2.0
+    phi = factor(p, old, new, abs(rate), share)
+    new.failed = 1 if fails(p, old, x, 0.0) else 0
+    pulled, stored, loss = 0.0, 0.0, 0.0
+    if old.failed == 0:
+        pulled, stored, loss = advance_motion(p, old, new, 0, x, phi, curves)
+    if new.failed == 1:
+        pulled = 0.0
+    new.x[0] = x
+    out.force, out.stroke, out.rate = pulled, x, rate
+    out.plastic_stroke, out.residual_stroke = new.flow[0], new.plastic[0]
+    close_outputs(p, old, new, out, stored, loss)
+    if new.failed == 0:
+        drag = growth_bound(p, new.speed) * abs(pulled) / phi
+        pull(p, nodes, pulled, u, d_a, d_b, p.stiffness[0], drag)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    way, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
+    x, stiffness, damping = way - p.initial[0], 0.0, 0.0
+    if state.failed == 0:
+        speed = abs(rate)
+        phi, slope = step_factor(p, state, speed), growth_slope(p, speed)
+        stiffness, damping, side = motion_tangent(p, state, 0, x, rate, phi, slope, curves)
+        damping = damping if side * rate > 0.0 else 0.0
+    axis_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], u, d_a, d_b, stiffness, damping)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this has left the piece of the law on which the step began [m]."""
+    if old.failed == 1:
+        return -1e300
+    way, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)
+    x = way - p.initial[0]
+    phi = step_factor(p, old, abs(rate))
+    return max(beyond_motion(p, old, h, 0, x, rate, phi, curves), abs(x) - p.failure[0])

@@ -1,0 +1,269 @@
+"""Hinge of axial force and moment: b slides along the beam and turns about one axis across it.
+
+    F(delta), M(theta) by _pair.py,   delta = beam . (x_b - x_a) - delta_0
+
+The beam's direction is that of a, and the force acts in the point of b; theta is counted as in
+_turn.py. On the ellipse (M / M_p)^2 + (F / F_p)^2 = 1 a hinge that bends also gives way along the
+beam under axial force. Consequence to test: without axial force it is a bending hinge.
+
+References: Ambrosio (2003), Eq. 6-7 and Fig. 3; Powell and Chen (1986), ASCE J. Eng. Mech. 112,
+627-641.
+"""
+
+from math import sqrt
+from typing import Any, Literal
+
+import numpy as np
+
+from crashsolve.deck.card import Vec3, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import (
+    apply_torque,
+    axis_tangent,
+    spin_mobility,
+    stiffen,
+    turn_tangent,
+)
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import scale
+from crashsolve.hinges._card import AxialCurve, HingeCard, Motion, TurnCurve, law, pair_backbones
+from crashsolve.hinges._joint import (
+    COMMON,
+    LEDGER,
+    at_start,
+    close_outputs,
+    fails,
+    is_open,
+    keep_old,
+    motion_of,
+    open_convective,
+    open_jacobian,
+    open_residual,
+)
+from crashsolve.hinges._law import LAW, PATH, factor, growth_bound, growth_slope, step_factor
+from crashsolve.hinges._pair import (
+    PAIR,
+    WORK,
+    advance_pair,
+    beyond_pair,
+    overshoot_pair,
+    pair_tangent,
+)
+from crashsolve.hinges._turn import turned
+from crashsolve.hinges.axial import pull, stroke_along
+from crashsolve.joints._card import FRAME, direction
+from crashsolve.joints._rows import (
+    parallel_convective,
+    parallel_jacobian,
+    parallel_residual,
+    slide_along,
+    slide_jacobian,
+    slide_turning,
+)
+
+__all__ = ["LEDGER"]
+ROWS = 4
+ANGULAR = (False, False, True, True)
+TANGENTS = 2
+MOTIONS = (
+    Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),
+    Motion("axial_curve", "axial_negative", "axial_stiffness", "initial_stroke", "failure_stroke"),
+)
+# directions typed with six digits are square to this; a worse one is a mistake
+SQUARE = 1e-5
+
+
+class AxialBending(HingeCard):
+    """Hinge of axial force and moment: b slides along the beam and turns about one axis."""
+
+    beam: Vec3 = word("direction of the beam at the start, at right angles to `axis`")
+    curve: TurnCurve = word("moment over angle, from [0, 0]")
+    curve_negative: TurnCurve | None = word(
+        "the same for negative angles; as curve when absent", default=None
+    )
+    axial_curve: AxialCurve = word("force over change of length, from [0, 0]")
+    axial_negative: AxialCurve | None = word(
+        "the same for shortening, both counted positive; as axial_curve when absent", default=None
+    )
+    stiffness: float | None = quantity(
+        "N m/rad", "elastic, of curve; its first slope when absent", default=None, gt=0
+    )
+    axial_stiffness: float | None = quantity(
+        "N/m", "elastic, of axial_curve; its first slope when absent", default=None, gt=0
+    )
+    interaction: Literal["elliptic", "uncoupled"] = word(
+        "elliptic: (M / M_p)^2 + (F / F_p)^2 <= 1; uncoupled: each for itself", default="elliptic"
+    )
+    initial_angle: float = quantity("rad", "turn of b from the start without moment", default=0.0)
+    initial_stroke: float = quantity("m", "way of b from the start without force", default=0.0)
+    failure_angle: float | None = quantity(
+        "rad", "angle in either direction at which the hinge fails", default=None, gt=0
+    )
+    failure_stroke: float | None = quantity(
+        "m", "change of length in either direction at which it fails", default=None, gt=0
+    )
+
+
+PARAMETERS = (
+    FRAME
+    + LAW
+    + PAIR
+    + Record(
+        beam_a=("1", 3, "direction of the beam, axes of a"),
+        across_a=("1", 3, "axis x beam, axes of a"),
+        tip=("m", "arm of the angle in the speed of the factor"),
+    )
+)
+HISTORY = PATH + WORK
+OUTPUT = COMMON + Record(
+    moment=("N m", "positive turns b back"),
+    force=("N", "pull is positive"),
+    angle=("rad", "of b from the undeformed hinge"),
+    stroke=("m", "of b along the beam from the undeformed hinge"),
+    rate=("rad/s", "of the angle"),
+    stroke_rate=("m/s", "of the stroke"),
+    plastic_angle=("rad", "sum of plastic turns in both directions"),
+    residual_angle=("rad", "that would be left without moment and force"),
+    plastic_stroke=("m", "sum of plastic ways in both directions"),
+    residual_stroke=("m", "that would be left without moment and force"),
+)
+
+
+def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
+    """Backbones by field; on an ellipse, squares of yield moment and force over work."""
+    return pair_backbones(card, MOTIONS, built, scene)
+
+
+def build(card: AxialBending, scene: Any) -> dict[str, Any]:
+    frame = dict(scene.joint_frame(card))
+    axis, beam = direction(card, scene, "axis"), direction(card, scene, "beam")
+    cosine = float(axis @ beam)
+    if abs(cosine) > SQUARE:
+        raise scene.fail(f"must be at right angles to axis; their cosine is {cosine:.3g}", "beam")
+    if card.rate is not None and card.rate.arm is None:
+        raise scene.fail("needs the arm: its speed is that of stroke and angle together", "rate")
+    beam = scene.unit(beam - cosine * axis, "beam")
+    a = frame["node_a"]
+    return (
+        frame
+        | law(card, MOTIONS, scene)
+        | {
+            "is_elliptic": card.interaction == "elliptic",
+            "beam_a": scene.turn_to_body(a, beam),
+            "across_a": scene.turn_to_body(a, np.cross(axis, beam)),
+            "tip": card.rate.arm if card.rate else 1.0,
+        }
+    )
+
+
+def initial_history(card: AxialBending, p: Any, scene: Any) -> dict[str, Any]:
+    v, w = motion_of(scene, p)
+    A = scene.matrix(p["node_a"])
+    speed = np.hypot(v @ (A @ p["beam_a"]), p["tip"] * (w @ (A @ p["axis_a"])))
+    return at_start(p, float(speed))
+
+
+@kernel
+def residual(p, old, new, t, nodes, rows, curves):
+    """Writes: rows.phi."""
+    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
+    if is_open(p, old):
+        open_residual(p, rows, 4)
+        return
+    rows[r].phi = slide_along(a, b, p.point_a, p.point_b, p.axis_a)
+    rows[r + 1].phi = slide_along(a, b, p.point_a, p.point_b, p.across_a)
+    parallel_residual(p, nodes, rows, r + 2)
+
+
+@kernel
+def jacobian(p, old, t, nodes, rows, curves):
+    """Writes: rows.D, nu."""
+    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
+    if is_open(p, old):
+        open_jacobian(p, rows, 4)
+        return
+    slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, rows[r])
+    slide_jacobian(a, b, p.point_a, p.point_b, p.across_a, rows[r + 1])
+    parallel_jacobian(p, nodes, rows, r + 2)
+
+
+@kernel
+def convective(p, old, t, nodes, rows, curves):
+    """Writes: rows.gamma."""
+    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
+    if is_open(p, old):
+        open_convective(p, rows, 4)
+        return
+    rows[r].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.axis_a)
+    rows[r + 1].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.across_a)
+    parallel_convective(p, nodes, rows, r + 2)
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    angle, rate, g = turned(p, old.x[0], nodes)
+    way, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
+    stroke = way - p.initial[1]
+    keep_old(old, new)
+    new.work = old.work
+    speed = sqrt(along * along + (p.tip * rate) ** 2)
+    share = overshoot_pair(p, old, angle, stroke, curves) if p.latched == 1 else 2.0
+    phi = factor(p, old, new, speed, share)
+    new.failed = 1 if fails(p, old, angle, stroke) else 0
+    moment, pulled, stored, loss = 0.0, 0.0, 0.0, 0.0
+    if old.failed == 0:
+        moment, pulled, stored, loss = advance_pair(p, old, new, angle, stroke, phi, curves)
+    if new.failed == 1:
+        moment, pulled = 0.0, 0.0
+    new.x[0], new.x[1] = angle, stroke
+    out.moment, out.force, out.angle, out.stroke = moment, pulled, angle, stroke
+    out.rate, out.stroke_rate = rate, along
+    out.plastic_angle, out.residual_angle = new.flow[0], new.plastic[0]
+    out.plastic_stroke, out.residual_stroke = new.flow[1], new.plastic[1]
+    close_outputs(p, old, new, out, stored, loss)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    apply_torque(a, scale(moment, g))
+    apply_torque(b, scale(-moment, g))
+    bound = growth_bound(p, new.speed) / phi if new.failed == 0 else 0.0
+    k, j = (p.stiffness[0], p.stiffness[1]) if new.failed == 0 else (0.0, 0.0)
+    pull(p, nodes, pulled, u, d_a, d_b, j, bound * (abs(pulled) + abs(moment) / p.tip))
+    drag = bound * p.tip * (abs(moment) + p.tip * abs(pulled))
+    stiffen(a, spin_mobility(a, g), k, drag)
+    stiffen(b, spin_mobility(b, g), k, drag)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    angle, rate, g = turned(p, state.x[0], nodes)
+    way, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
+    stroke = way - p.initial[1]
+    one, other = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    if state.failed == 0:
+        speed = sqrt(along * along + (p.tip * rate) ** 2)
+        phi, slope = step_factor(p, state, speed), growth_slope(p, speed)
+        one, other = pair_tangent(p, state, angle, stroke, rate, along, phi, slope, curves)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    turn_tangent(rows[first], a, b, g, one[2], 0.0)
+    axis_tangent(rows[first + 1], a, b, u, d_a, d_b, other[2], 0.0)
+    for k in range(12):
+        turn, slide = rows[first].D[k], rows[first + 1].D[k]
+        rows[first].D[k] = one[0] * turn + one[1] * slide
+        rows[first + 1].D[k] = other[0] * turn + other[1] * slide
+        turn, slide = rows[first].G[k], rows[first + 1].G[k]
+        rows[first].G[k] = one[0] * turn + one[1] * slide
+        rows[first + 1].G[k] = other[0] * turn + other[1] * slide
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this has left the piece of the law on which the step began [rad]."""
+    if old.failed == 1:
+        return -1e300
+    angle, rate, _ = turned(p, old.x[0], nodes)
+    way, along, _, _, _ = stroke_along(p, nodes, p.beam_a)
+    stroke = way - p.initial[1]
+    phi = step_factor(p, old, sqrt(along * along + (p.tip * rate) ** 2))
+    past = beyond_pair(p, old, h, angle, stroke, rate, along, phi, curves)
+    return max(past, abs(angle) - p.failure[0], abs(stroke) - p.failure[1])

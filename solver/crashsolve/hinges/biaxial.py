@@ -1,0 +1,288 @@
+"""Bending hinge in two directions: b turns about every axis across the beam, not about the beam.
+
+    theta = log(A_a^T A_b A_b0^T A_a0),   theta . beam = 0,   M_i(theta_i) by _pair.py
+    torque on b = -T^T M,   theta_dot = T w      (Ambrosio (2003), Fig. 3b)
+
+theta is the rotation vector of b in a since the start, less the initial one. It has the same
+components in both bodies, so that their order only changes its sign, and it is the same in every
+frame. The joint holds its component along the beam at 0: sin|theta| e . beam = 0, with the sides s
+and t of both bodies t_a . s_b - s_a . t_b = 0. Against the two axes of a universal joint, this has
+no direction of its own, so that a round section bends alike in all. theta is known up to half a
+turn; a hinge that folds by 3 rad ends the run. Consequence to test: M does the work M . theta_dot
+in every posture.
+
+References: Ambrosio (2003), Fig. 3; Bauchau and Trainelli (2003), Nonlinear Dynamics 32, 71-92.
+"""
+
+from math import sqrt
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import model_validator
+
+from crashsolve.deck.card import Vec3, quantity, word
+from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen, turn_tangent
+from crashsolve.foundation.posture import relative
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
+from crashsolve.foundation.vec3 import (
+    add_scaled,
+    dot,
+    matvec_t,
+    norm,
+    scale,
+    sub,
+    vec,
+)
+from crashsolve.hinges._card import HingeCard, Motion, TurnCurve, law, pair_backbones, tip
+from crashsolve.hinges._joint import (
+    COMMON,
+    LEDGER,
+    at_start,
+    close_outputs,
+    fails,
+    is_open,
+    keep_old,
+    motion_of,
+    open_convective,
+    open_jacobian,
+    open_residual,
+)
+from crashsolve.hinges._law import LAW, PATH, factor, growth_bound, growth_slope, step_factor
+from crashsolve.hinges._pair import (
+    PAIR,
+    WORK,
+    advance_pair,
+    beyond_pair,
+    overshoot_pair,
+    pair_tangent,
+)
+from crashsolve.joints._card import FRAME, direction
+from crashsolve.joints._rows import (
+    point_convective,
+    point_jacobian,
+    point_residual,
+    square_convective,
+    square_jacobian,
+    square_residual,
+)
+
+__all__ = ["LEDGER"]
+ROWS = 4
+ANGULAR = (False, False, False, True)
+TANGENTS = 2
+MOTIONS = (
+    Motion("curve", "", "stiffness", "", "failure_angle"),
+    Motion("second_curve", "", "second_stiffness", "", ""),
+)
+# directions typed with six digits are square to this; a worse one is a mistake
+SQUARE = 1e-5
+# largest angle at which the rotation vector is trusted [rad]
+FOLDED = 3.0
+
+
+class Biaxial(HingeCard):
+    """Bending hinge in two directions: b turns about every axis across the beam."""
+
+    side: Vec3 = word("direction of the first axis of bending, at right angles to `axis`")
+    curve: TurnCurve = word("moment over angle about `side`, from [0, 0]")
+    second_curve: TurnCurve | None = word(
+        "the same about the axis x side direction; as curve when absent", default=None
+    )
+    stiffness: float | None = quantity(
+        "N m/rad", "elastic, of curve; its first slope when absent", default=None, gt=0
+    )
+    second_stiffness: float | None = quantity(
+        "N m/rad", "elastic, of second_curve; its first slope when absent", default=None, gt=0
+    )
+    interaction: Literal["elliptic", "uncoupled"] = word(
+        "elliptic: (M_1 / y_1)^2 + (M_2 / y_2)^2 <= 1; uncoupled: each for itself",
+        default="elliptic",
+    )
+    initial_angles: tuple[float, float] = quantity(
+        "rad", "turn of b from the start without moment, about both axes", default=(0.0, 0.0)
+    )
+    failure_angle: float | None = quantity(
+        "rad", "angle in any direction at which the hinge fails", default=None, gt=0, lt=FOLDED
+    )
+
+    @model_validator(mode="after")
+    def _both_of_a_direction(self) -> "Biaxial":
+        if self.second_stiffness is not None and self.second_curve is None:
+            raise ValueError("second_stiffness: needs second_curve beside it")
+        return self
+
+
+PARAMETERS = (
+    FRAME
+    + LAW
+    + PAIR
+    + Record(
+        reference=("1", 4, "q_a^-1 q_b at the start"),
+        tip=("m or 1", "speed of the factor over the rate"),
+    )
+)
+HISTORY = PATH + WORK
+OUTPUT = COMMON + Record(
+    moment=("N m", 2, "about side and about axis x side, positive turns b back"),
+    angle=("rad", 2, "theta"),
+    rate=("rad/s", 2, "of the angle"),
+    plastic_angle=("rad", 2, "sum of plastic turns in both directions"),
+    residual_angle=("rad", 2, "that would be left without moment"),
+)
+
+
+def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
+    """Backbones by field; on an ellipse, squares of yield moments over work."""
+    return pair_backbones(card, MOTIONS, built, scene)
+
+
+def build(card: Biaxial, scene: Any) -> dict[str, Any]:
+    frame = dict(scene.joint_frame(card))
+    beam, side = direction(card, scene, "axis"), direction(card, scene, "side")
+    cosine = float(beam @ side)
+    if abs(cosine) > SQUARE:
+        raise scene.fail(f"must be at right angles to axis; their cosine is {cosine:.3g}", "side")
+    side = scene.unit(side - cosine * beam, "side")
+    for end in "ab":
+        node = frame[f"node_{end}"]
+        frame[f"side_{end}"] = scene.turn_to_body(node, side)
+        frame[f"third_{end}"] = scene.turn_to_body(node, np.cross(beam, side))
+    words = law(card, MOTIONS, scene)
+    words["initial"] = np.array(card.initial_angles)
+    return (
+        frame
+        | words
+        | {
+            "is_elliptic": card.interaction == "elliptic",
+            "reference": relative(scene.q[frame["node_a"]], scene.q[frame["node_b"]]),
+            "tip": tip(card),
+        }
+    )
+
+
+def initial_history(card: Biaxial, p: Any, scene: Any) -> dict[str, Any]:
+    spin, A = motion_of(scene, p)[1], scene.matrix(p["node_a"])
+    across = np.hypot(spin @ (A @ p["side_a"]), spin @ (A @ p["third_a"]))
+    return at_start(p, float(p["tip"] * across))
+
+
+@kernel
+def residual(p, old, new, t, nodes, rows, curves):
+    """Writes: rows.phi."""
+    r = p.first_row
+    if is_open(p, old):
+        open_residual(p, rows, 4)
+        return
+    point_residual(p, nodes, rows, r)
+    square_residual(p, p.side_a, p.third_b, nodes, rows[r + 3])
+    crossed = rows[r + 3].phi
+    square_residual(p, p.third_a, p.side_b, nodes, rows[r + 3])
+    rows[r + 3].phi -= crossed
+
+
+@kernel
+def jacobian(p, old, t, nodes, rows, curves):
+    """Writes: rows.D, nu."""
+    r = p.first_row
+    if is_open(p, old):
+        open_jacobian(p, rows, 4)
+        return
+    point_jacobian(p, nodes, rows, r)
+    D = rows[r + 3].D
+    square_jacobian(p, p.side_a, p.third_b, nodes, rows[r + 3])
+    x, y, z = D[3], D[4], D[5]
+    square_jacobian(p, p.third_a, p.side_b, nodes, rows[r + 3])
+    D[3], D[4], D[5] = D[3] - x, D[4] - y, D[5] - z
+    D[9], D[10], D[11] = D[9] + x, D[10] + y, D[11] + z
+
+
+@kernel
+def convective(p, old, t, nodes, rows, curves):
+    """Writes: rows.gamma."""
+    r = p.first_row
+    if is_open(p, old):
+        open_convective(p, rows, 4)
+        return
+    point_convective(p, nodes, rows, r)
+    square_convective(p, p.side_a, p.third_b, nodes, rows[r + 3])
+    crossed = rows[r + 3].gamma
+    square_convective(p, p.third_a, p.side_b, nodes, rows[r + 3])
+    rows[r + 3].gamma -= crossed
+
+
+@kernel
+def turned(p, nodes):
+    """Both angles, their rates, the world directions of their torques, and |theta|, |T|^2."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    theta = rotation_vector(a, b, p.reference)
+    size = norm(theta)
+    c = tangent_factor(size)
+    first, second = vec(p.side_a), vec(p.third_a)
+    g, q = tangent_map(theta, c, 0.5, first), tangent_map(theta, c, 0.5, second)
+    spin = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
+    x, y = dot(first, theta) - p.initial[0], dot(second, theta) - p.initial[1]
+    stretch = (1.0 - c * size * size) ** 2 + 0.25 * size * size
+    return x, y, dot(g, spin), dot(q, spin), arm(a, g), arm(a, q), size, stretch
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    x, y, rate, across, g, q, size, stretch = turned(p, nodes)
+    if size > FOLDED:
+        curves[0].fault, curves[0].x = p.backbone[0], size
+    keep_old(old, new)
+    new.work = old.work
+    speed = p.tip * sqrt(rate * rate + across * across)
+    share = overshoot_pair(p, old, x, y, curves) if p.latched == 1 else 2.0
+    phi = factor(p, old, new, speed, share)
+    new.failed = 1 if fails(p, old, sqrt(x * x + y * y), 0.0) else 0
+    first, second, stored, loss = 0.0, 0.0, 0.0, 0.0
+    if old.failed == 0:
+        first, second, stored, loss = advance_pair(p, old, new, x, y, phi, curves)
+    if new.failed == 1:
+        first, second = 0.0, 0.0
+    new.x[0], new.x[1] = x, y
+    out.moment[0], out.moment[1] = first, second
+    out.angle[0], out.angle[1], out.rate[0], out.rate[1] = x, y, rate, across
+    for c in range(2):
+        out.plastic_angle[c], out.residual_angle[c] = new.flow[c], new.plastic[c]
+    close_outputs(p, old, new, out, stored, loss)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    torque = add_scaled(scale(first, g), second, q)
+    apply_torque(a, torque)
+    apply_torque(b, scale(-1.0, torque))
+    if new.failed == 0:
+        moment = sqrt(first * first + second * second)
+        drag = stretch * p.tip * growth_bound(p, new.speed) * moment / phi
+        for c in range(2):
+            u = arm(a, vec(p.side_a if c == 0 else p.third_a))
+            stiffen(a, spin_mobility(a, u), stretch * p.stiffness[c], drag)
+            stiffen(b, spin_mobility(b, u), stretch * p.stiffness[c], drag)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    x, y, rate, across, g, q, _, _ = turned(p, nodes)
+    one, other = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    if state.failed == 0:
+        speed = p.tip * sqrt(rate * rate + across * across)
+        phi, slope = step_factor(p, state, speed), growth_slope(p, speed)
+        one, other = pair_tangent(p, state, x, y, rate, across, phi, slope, curves)
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    turn_tangent(rows[first], a, b, add_scaled(scale(one[0], g), one[1], q), one[2], 0.0)
+    turn_tangent(rows[first + 1], a, b, add_scaled(scale(other[0], g), other[1], q), other[2], 0.0)
+
+
+@kernel
+def beyond(p, old, h, nodes, curves):
+    """How far this has left the piece of the law on which the step began [rad]."""
+    if old.failed == 1:
+        return -1e300
+    x, y, rate, across, _, _, _, _ = turned(p, nodes)
+    phi = step_factor(p, old, p.tip * sqrt(rate * rate + across * across))
+    past = beyond_pair(p, old, h, x, y, rate, across, phi, curves)
+    return max(past, sqrt(x * x + y * y) - p.failure[0])

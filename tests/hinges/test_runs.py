@@ -1,0 +1,79 @@
+"""Claim: hinges remember over a restart, and what fails flies on."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from command import crashsolve
+from small_runs import last, run
+
+from crashpost.result import Result
+
+
+def scene(**hinge: Any) -> dict[str, Any]:
+    """A rotor on an arm, beside one in two directions, each on hinges that soften."""
+    points = [[0, 0], [0.002, 300], [0.05, 400], [0.06, 200], [1, 150]]
+    rotor = {"mass": 2, "inertia": [1, 1, 2], "position": [0.5, 0, 0], "velocity": [0, 4, 0]}
+    both = {"mass": 2, "inertia": [1, 2, 2], "position": [5, 0, 0], "angular_velocity": [0, 6, 5]}
+    bending = {"type": "bending", "b": "rotor", "at": [0, 0, 0], "axis": [0, 0, 1]}
+    biaxial = {"type": "biaxial", "b": "both", "at": [5, 0, 0], "axis": [1, 0, 0]}
+    return {
+        "title": "hinges",
+        "curves": {"fold": {"points": points}},
+        "bodies": {"rotor": rotor | {"angular_velocity": [0, 0, 8]}, "both": both},
+        "hinges": {
+            "rotor": bending | {"curve": "fold", "cyclic": "peak_oriented"} | hinge,
+            "both": biaxial | {"side": [0, 1, 0], "curve": "fold", "rate": {"speed": "start"}},
+        },
+    }
+
+
+def test_a_restart_goes_on_to_the_same_bits(tmp_path: Path) -> None:
+    deck, ends = tmp_path / "deck.yaml", {}
+    for name, stops in (("whole", (0.02,)), ("twice", (0.01, 0.02))):
+        for end in stops:
+            control = {"end_time": end, "step": 2e-4, "energy_limit": "off"}
+            output = {"history": {"interval": 0.01}, "restart": {"every": 0.01}}
+            text = yaml.safe_dump({"control": control, "output": output} | scene())
+            deck.write_text(text, "utf-8")
+            more = ["--restart"] * (end == 0.02 and name == "twice")
+            done = crashsolve(deck, "-o", tmp_path / name, *more, NUMBA_DISABLE_JIT="1")
+            assert done.returncode == 0, done.stdout + done.stderr
+        result = Result(tmp_path / name)
+        channels = [c.name for c in result.channels("hinge.*")]
+        ends[name] = {channel: last(result, channel) for channel in channels}
+    assert ends["whole"]["hinge.rotor.plastic_angle"] > 0.05
+    assert ends["twice"] == ends["whole"]
+
+
+def test_what_fails_flies_on(tmp_path: Path) -> None:
+    result = run(tmp_path, scene(failure_angle=0.05), 0.012, 2e-4)
+    assert last(result, "hinge.rotor.failed") == 1.0
+    assert last(result, "hinge.rotor.moment") == 0.0
+    v = [last(result, f"rbdout.rotor.velocity.{k}") for k in "xyz"]
+    forces = [last(result, f"jntforc.rotor.force.{k}") for k in "xyz"]
+    assert forces == [0.0, 0.0, 0.0]
+    # its energy is what it had less what the hinge took, but for the moment over a last step
+    energy = v[0] ** 2 + v[1] ** 2 + last(result, "rbdout.rotor.angular_velocity.z") ** 2
+    left = 16.0 + 64.0 - last(result, "hinge.rotor.energy")
+    assert abs(energy - left) < 400.0 * 8.0 * 2e-4
+    other = run(tmp_path, scene(failure_angle=0.05, after_failure="loose"), 0.012, 2e-4)
+    # still an arm about the pivot: v = w x r
+    spin = last(other, "rbdout.rotor.angular_velocity.z")
+    speed = np.hypot(*(last(other, f"rbdout.rotor.velocity.{k}") for k in "xy"))
+    assert np.isclose(speed, 0.5 * spin, rtol=1e-9)
+    assert last(other, "hinge.rotor.failed") == 1.0
+
+
+def test_an_angle_beyond_the_curve_stops_the_run(tmp_path: Path) -> None:
+    known = scene()
+    known["curves"]["fold"]["points"] = known["curves"]["fold"]["points"][:3]
+    deck = tmp_path / "deck.yaml"
+    control = {"end_time": 0.02, "step": 2e-4, "energy_limit": "off"}
+    deck.write_text(yaml.safe_dump({"control": control} | known, sort_keys=False), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out", NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 4
+    told = r"hinge 'rotor': deformed to 0\.0\d+, beyond what it is known for, 0\.0473333"
+    assert re.search(told, done.stdout + done.stderr)

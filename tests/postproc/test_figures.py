@@ -1,0 +1,347 @@
+"""Figures of one result and of several: words, colours, units, tests with corridors, limits."""
+
+import itertools
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import SPEED, TIME, Command, two_cars, write_result, write_status
+from matplotlib.figure import Figure as Canvas
+
+from crashpost import draw, events, gallery, injury, words
+from crashpost.errors import PostError
+from crashpost.figure import figures_of
+from crashpost.measured import read_test
+from crashpost.overlay import names
+from crashpost.panels import Wish, panels, profile
+from crashpost.result import Result
+from crashpost.shown import Units, on_page
+from crashpost.style import COLOURS, DASHES, MOST_LINES, line_look
+
+FORCE = "deforc.buffer.force"
+
+
+def run(folder: Path, scale: float = 1.0, parameters: str = "{}", deck: str = "") -> Result:
+    """Two cars, the force of their buffer times `scale`."""
+    families = two_cars()
+    ids, columns = families["deforc"]
+    unit, meaning, values = columns["force"]
+    columns["force"] = (unit, meaning, scale * values)
+    write_result(folder, families, title="Cars", parameters=parameters, deck_text=deck)
+    write_status(folder)
+    return Result(folder)
+
+
+@pytest.mark.parametrize(
+    ("channels", "expected"),
+    [
+        (["rcforc.buffers.normal"], "Buffers: contact force"),
+        (["-rcforc.left_rail.depth"], "Left rail: gap"),
+        (["-'rcforc.car-a.depth'"], "Car-a: gap"),
+        (["rbdout.A.velocity.x"], "A: velocity along x"),
+        (["rbdout.A.angular_velocity.x"], "A: angular velocity about x"),
+        (["glstat.model.energy.contact_dissipated"], "Energy dissipated in contacts"),
+        (["glstat.model.energy.kinetic"], "Kinetic energy"),
+        (["rbdout.A.velocity.x", "rbdout.B.velocity.x"], "Velocity along x"),
+        (["rbdout.A.velocity.x", "rbdout.A.velocity.z"], "A: velocity"),
+        (["cfc(nodout.head.acceleration.x, 180)"], "Head: acceleration along x, CFC 180"),
+        (["hic(nodout.head.resultant, '15 ms')"], "Head: resultant, HIC 15 ms"),
+        (["rcforc.a.normal / 2 + rcforc.b.normal"], "A: contact force / 2 + B: contact force"),
+        (["abs(a.b.c) - abs(d.e.f)"], "abs(B: c) - abs(E: f)"),
+        (["time"], "time"),
+    ],
+)
+def test_titles_are_words(channels: list[str], expected: str) -> None:
+    assert words.title(channels) == expected
+
+
+# Machado, Oliveira and Fernandes (2009), IEEE TVCG 15, 1291-1298: severity 1, linear RGB
+BLIND = {
+    "nobody": np.eye(3),
+    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
+               [-0.003882, -0.048116, 1.051998]],
+    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
+               [-0.011820, 0.042940, 0.968881]],
+    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
+               [0.004733, 0.691367, 0.303900]],
+}  # fmt: skip
+
+
+def linear(colour: str) -> np.ndarray:
+    """Linear red, green and blue of #rrggbb (IEC 61966-2-1)."""
+    shares = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+
+
+def lab(light: np.ndarray) -> np.ndarray:
+    """CIE L*a*b* under D65."""
+    to_xyz = [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750],
+              [0.0193339, 0.1191920, 0.9503041]]  # fmt: skip
+    x = np.array(to_xyz) @ np.clip(light, 0, 1) / [0.95047, 1, 1.08883]
+    f = np.where(x > 0.008856, np.cbrt(x), 7.787 * x + 16 / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+@pytest.mark.parametrize("eyes", BLIND)
+def test_colours_differ_to_all_eyes_and_stand_out_from_paper(eyes: str) -> None:
+    seen = [np.array(BLIND[eyes]) @ linear(colour) for colour in COLOURS]
+    # 2.3 is just noticeable side by side; thin lines apart need several times that
+    least = min(np.linalg.norm(lab(a) - lab(b)) for a, b in itertools.combinations(seen, 2))
+    assert least > 15
+    luminance = [linear(colour) @ [0.2126, 0.7152, 0.0722] for colour in COLOURS]
+    assert min(1.05 / (0.05 + y) for y in luminance) >= 3.0  # WCAG 2.1, graphics
+
+
+def test_lines_of_a_figure_differ_and_neighbours_in_dashes() -> None:
+    looks = [line_look(n) for n in range(MOST_LINES)]
+    assert len(set(looks)) == MOST_LINES == len(COLOURS) * len(DASHES)
+    assert all(a[1] != b[1] for a, b in itertools.pairwise(looks))
+
+
+def test_legends_tell_what_differs(tmp_path: Path) -> None:
+    runs = [
+        run(tmp_path / f"{k}.results", parameters=f'{{"speed": {v}, "mass": 3.0}}')
+        for k, v in enumerate((10.0, 12.5))
+    ]
+    assert names(runs) == ["speed 10", "speed 12.5"]
+    close = [
+        run(tmp_path / f"c{k}", parameters=f'{{"v": {v!r}}}') for k, v in enumerate((1.0, 1 + 1e-7))
+    ]
+    assert len(set(names(close))) == 2
+    # a value that --set changed somewhere in the deck is no parameter
+    decks = [
+        run(tmp_path / f"d{k}", deck=f"springs: {{s: {{stiffness: {k + 1}.0}}}}") for k in (0, 1)
+    ]
+    assert names(decks) == ["springs.s.stiffness 1", "springs.s.stiffness 2"]
+    # parameters that do not tell all apart tell nothing
+    three = [
+        run(tmp_path / f"t{k}", parameters=f'{{"v": {v}}}', deck=f"a: {{b: {k}}}")
+        for k, v in enumerate((1.0, 1.0, 2.0))
+    ]
+    assert names(three) == ["a.b 0", "a.b 1", "a.b 2"]
+    same = [run(tmp_path / f"s{k}.results") for k in (0, 1)]
+    assert names(same) == ["s0", "s1"]
+
+
+def test_a_channel_has_a_curve_for_every_result(tmp_path: Path) -> None:
+    runs = [run(tmp_path / f"{k}", k, parameters=f'{{"k": {k}.0}}') for k in (1, 2)]
+    (figure,) = panels(runs, names(runs), Wish([FORCE]))
+    assert [(curve.run, curve.label) for curve in figure.y] == [(0, "k 1"), (1, "k 2")]
+    canvas = Canvas().subplots()
+    draw._draw(canvas, runs, figure)
+    first, second = (line.get_ydata() for line in canvas.lines[:2])
+    np.testing.assert_allclose(second, 2 * first)
+    (both,) = panels(runs, names(runs), Wish(["rbdout.*.velocity.x"]))
+    assert [curve.label for curve in both.y] == ["A, k 1", "A, k 2", "car-b, k 1", "car-b, k 2"]
+
+
+def test_a_name_must_be_in_every_result(tmp_path: Path) -> None:
+    other = two_cars()
+    del other["deforc"]
+    write_result(tmp_path / "b", other)
+    runs = [run(tmp_path / "a"), Result(tmp_path / "b")]
+    with pytest.raises(PostError, match=r"/b: .*deforc"):
+        panels(runs, ["a", "b"], Wish([FORCE]))
+    (figure,) = panels(runs, ["a", "b"], Wish(["deforc.*.force"]))
+    assert [curve.run for curve in figure.y] == [0]
+
+
+def test_a_page_has_one_unit_of_time_and_the_units_asked_for(tmp_path: Path) -> None:
+    result = run(tmp_path)
+    level = {"label": "l", "value": 2.0, "tolerance": 0.5, "over": [0.01, 0.02]}
+    moment = {"label": "m", "kind": "point", "points": [[0.07, 3]], "tolerance": 0.01}
+    moment |= {"channel": FORCE, "statistic": "argmin"}
+    entry = {"title": "t", "y": [FORCE], "y_unit": "MN", "x_range": [0, 0.1], "y_range": [-8, 0]}
+    (figure,) = figures_of({"figures": [{**entry, "x_offset": 0.01, "reference": [level, moment]}]})
+    shown = on_page(result, figure, Units.read(["kN,mm"]), "ms")
+    assert (shown.x_unit, shown.y_unit, shown.x_range) == ("ms", "kN", (0.0, 100.0))
+    assert (shown.x_offset, shown.y_range) == (10.0, (-8000.0, 0.0))
+    first, second = shown.reference
+    assert (first.value, first.tolerance, first.over) == (2000.0, 500.0, (10.0, 20.0))
+    assert second.points == ((pytest.approx(70.0), 3000.0),)
+    # the tolerance of a moment is one of time
+    assert second.tolerance == pytest.approx(10.0)
+
+
+TEST = """# a remark
+time [ms]; measured [kN]; lower [kN]; upper [kN]
+0; 0; -500; 500
+70; -6500; -7000; -6000
+140; -100; -500; 500
+"""
+
+
+def test_measured_curves_and_corridors_are_drawn_in_the_units_shown(tmp_path: Path) -> None:
+    path = tmp_path / "pole_test.csv"
+    path.write_text(TEST)
+    result = run(tmp_path / "r")
+    wish = Wish([FORCE, "rbdout.A.velocity.x"], units=Units.read(["MN"]), tests=[read_test(path)])
+    force, velocity = panels([result], ["r"], wish)
+    curve, corridor = force.reference
+    assert not velocity.reference
+    assert (curve.label, curve.kind) == ("pole test: measured", "curve")
+    assert curve.points[1] == (70.0, -6.5)
+    assert (corridor.kind, corridor.points[1], corridor.upper[1]) == (
+        "corridor",
+        (70, -7),
+        (70, -6),
+    )
+    text, keys = draw.svg(result, force, "f")
+    assert [key.mark for key in keys] == ["line", "dots", "band"]
+    with pytest.raises(PostError, match="fits no figure drawn"):
+        panels([result], ["r"], Wish(["rbdout.A.velocity.x"], tests=[read_test(path)]))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "a line of names and at least two"),
+        ("0 1\n1 2\n2 3\n", "name columns as"),
+        ("time [s],F [kN]\n0,1\n1\n", ":3: 1 columns where the first line has 2"),
+        ("time [s],F [kN]\n0,1\n1,x\n", ":3: could not convert"),
+        ("time [s],F [kN]\n0,1\n1,nan\n", ":3: a value is not finite"),
+        ("time [s],F [kN]\n0,1\n0,2\n", "times must increase"),
+        ("time [s],F [furlong]\n0,1\n1,2\n", "furlong"),
+        ("time [s],lower [kN]\n0,1\n1,2\n", "two columns, lower and upper"),
+        ("time [s],lower [kN],upper [kN]\n0,1,2\n1,2,1\n", "lower is above upper"),
+    ],
+)
+def test_a_wrong_test_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    with pytest.raises(PostError, match=re.escape(message)):
+        read_test(path)
+
+
+def test_limits_and_logarithms(cars: Path, tmp_path: Path, crashpost: Command) -> None:
+    target = tmp_path / "x.png"
+    assert crashpost("plot", cars, "-o", target, FORCE, "--x-range", "10:50", "--log", "x")[0] == 0
+    for wrong, message in (
+        (("--y-range", "1:1"), "two different numbers"),
+        (("--x-range", "a:b"), "takes FROM:TO"),
+        (("--x-range", "500:600"), "no sample lies from 500 to 600"),
+        (("rbdout.A.velocity.x", "--y-range", "0:1"), "for one panel, and 2"),
+        (("--log", "y"), "no positive value"),
+        (("--at", "0"), "--at goes with --along"),
+        (("nothing.results",), "no such file"),
+        ((tmp_path,), "without history.h5"),
+        ((cars,), "named twice"),
+    ):
+        code, out, err = crashpost("plot", cars, FORCE, *wrong, "-o", target)
+        assert (code, out) == (2, "")
+        assert message in err
+
+
+def test_limits_show_what_lies_between_them(tmp_path: Path) -> None:
+    result = run(tmp_path)
+    (figure,) = panels([result], ["r"], Wish([FORCE], units=Units.read(["N"]), x_range=(0.0, 10.0)))
+    canvas = Canvas().subplots()
+    draw._draw(canvas, result, figure)
+    least = min(result.series(FORCE).values[TIME <= 0.01])
+    assert canvas.get_ylim()[0] == pytest.approx(1.05 * least, rel=1e-6)
+
+
+def beam(folder: Path) -> Result:
+    """Five nodes along x above a wall, which sink in turn."""
+    ids = [f"tube_{k}" for k in range(5)]
+    time = np.array([0.0, 0.5, 1.0])
+    x = np.tile(np.arange(5.0), (3, 1))
+    z = 0.1 - np.outer(time, [0.01, 0.02, 0.03, 0.02, 0.01])
+    write_result(
+        folder, {"rbdout": (ids, {"position/x": ("m", "", x), "position/z": ("m", "", z)})}, time
+    )
+    return Result(folder)
+
+
+def test_a_gap_along_an_interface(tmp_path: Path) -> None:
+    result = beam(tmp_path)
+    gap, along = "rbdout.tube_*.position.z - '50 mm'", "rbdout.tube_*.position.x"
+    figure = profile(result, gap, along, [0.0, 0.75], Wish(units=Units.read(["mm"])))
+    assert (figure.x_unit, figure.y_unit) == ("mm", "mm")
+    first, second = figure.y
+    assert (first.label, second.label) == ("0 s", "0.75 s")
+    expected = 50 - 750 * np.array([0.01, 0.02, 0.03, 0.02, 0.01])
+    np.testing.assert_allclose(np.array(second.points), np.c_[1e3 * np.arange(5), expected])
+    draw.svg(result, figure, "f")
+    with pytest.raises(PostError, match="has no pattern"):
+        profile(result, "rbdout.tube_1.position.z", along, [], Wish())
+    with pytest.raises(PostError, match="no channel fits"):
+        profile(result, "rbdout.rail_*.position.z", along, [], Wish())
+
+
+def head(folder: Path) -> Result:
+    """A half sine of 50 g for 10 ms on a head, and a contact that touches then."""
+    time = np.linspace(0, 0.04, 401)
+    pulse = np.where((time >= 0.01) & (time <= 0.02), np.sin(np.pi * (time - 0.01) / 0.01), 0.0)
+    zero, one = np.zeros((401, 1)), pulse[:, None]
+    since = np.where(time < 0.01, -1.0, 0.01)[:, None]
+    left = np.where(time < 0.02, -1.0, 0.02)[:, None]
+    axes = {f"acceleration/{a}": ("m/s^2", "", zero) for a in "xy"}
+    axes["acceleration/z"] = ("m/s^2", "", 50 * 9.80665 * one)
+    touch = {"normal": ("N", "", 1e3 * one), "depth": ("m", "", 0.02 * one - 0.01)}
+    touch |= {"first_touch": ("s", "", since), "last_release": ("s", "", left)}
+    touch |= {"touching": ("1", "", (one > 0) * 1.0)}
+    part = {"plastic": ("J", "", np.cumsum(np.maximum(one - 0.5, 0), axis=0))}
+    families = {
+        "nodout": (["driver_head"], axes),
+        "rcforc": (["bag"], touch),
+        "matsum-shell": (["door"], part),
+        "rbdout": (["heads"], axes),
+    }
+    write_result(folder, families, time)
+    write_status(folder)
+    return Result(folder)
+
+
+def test_gap_crush_and_injury_come_by_default(tmp_path: Path) -> None:
+    result = head(tmp_path)
+    titles = [figure.title for figure in gallery.default_figures(result)]
+    for title in (
+        "Bag: contact force",
+        "Bag: smallest gap",
+        "Contact force over depth",
+        "Driver head: acceleration",
+    ):
+        assert title in titles
+    # the word is head, and C_heads or heads are none
+    assert [one.name for one in injury.heads(result)] == ["Driver head"]
+    rows = {row[1]: row[2:] for row in injury.measures(result)}
+    # closed forms of a half sine, as in decks/tutorial/head_form.yaml
+    assert rows["largest acceleration"] == ["50 g", "at 15 ms"]
+    assert float(rows["HIC, 15 ms"][0]) == pytest.approx(0.4146456495 * 50**2.5 * 0.01, rel=3e-3)
+    assert float(rows["3 ms clip"][0].removesuffix(" g")) == pytest.approx(44.55, rel=1e-3)
+    assert float(rows["Severity Index"][0]) == pytest.approx(
+        0.4576558581 * 50**2.5 * 0.01, rel=2e-3
+    )
+
+
+def test_what_happened_first(tmp_path: Path) -> None:
+    found = [(round(event.time, 4), event.text) for event in events.events(head(tmp_path))]
+    # sin > 1/2 from a sixth of the pulse on
+    assert found == [
+        (0.01, "Bag: first contact"),
+        (0.0117, "Door begins to yield"),
+        (0.015, "Bag: largest contact force, 1 kN"),
+        (0.02, "Bag: last release"),
+    ]
+
+
+def test_too_many_curves_are_refused(tmp_path: Path) -> None:
+    ids = [f"b{k}" for k in range(MOST_LINES + 1)]
+    values = np.ones((2, len(ids))) * np.arange(len(ids))
+    write_result(
+        tmp_path, {"rbdout": (ids, {"velocity/x": ("m/s", "", values)})}, np.array([0.0, 1])
+    )
+    result = Result(tmp_path)
+    (figure,) = panels([result], ["r"], Wish(["rbdout.*"]))
+    with pytest.raises(PostError, match="can be told apart"):
+        draw.svg(result, figure, "f")
+
+
+def test_standard_figures_by_their_words(cars: Path, tmp_path: Path, crashpost: Command) -> None:
+    for word in ("energy", "crush", "momentum", "motion"):
+        assert crashpost("plot", cars, word, "-o", tmp_path / "x.svg")[0] == 0
+    code, _, err = crashpost("plot", cars, "gap", "-o", tmp_path / "x.svg")
+    assert (code, "nothing to draw: no gap" in err) == (2, True)
+    assert SPEED in Result(cars).series("rbdout.A.velocity.x").values

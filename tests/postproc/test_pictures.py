@@ -1,0 +1,321 @@
+"""Claim: pictures and films show the states as they are, and whoever lacks VTK gets plain ones."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from conftest import Command
+
+from crashpost import camera as cameras
+from crashpost.compose import Key
+from crashpost.drawing import Look, Scene, rotated
+from crashpost.errors import PostError
+from crashpost.moments import moment, split
+from crashpost.pictures import film_task, strip_task
+from crashpost.result import Result
+from crashpost.shades import Shades
+from crashpost.states import States
+from crashpost.studio import clock
+
+CUBE = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
+SIDES = np.array([[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6]])
+FLOOR = np.array([[-1.0, -1, 0], [2, -1, 0], [2, 2, 0], [-1, 2, 0]])
+QUADS = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
+SHEET = np.array([[x, y, 2.0] for y in (0.0, 1.0) for x in (0.0, 1.0, 2.0)])
+TIMES = (0.0, 0.1, 0.2, 0.3)
+
+
+def write_states(folder: Path) -> Path:
+    """A cube that moves by 1 m/s, a sheet that loses an element at the end, a contact between."""
+    (folder / "states").mkdir()
+    blocks = {
+        "bodies": (CUBE, SIDES),
+        "ground": (FLOOR, np.array([[0, 1, 2], [0, 2, 3]])),
+        "mass_centres": (np.full((1, 3), 0.5), np.array([[0]])),
+        "part_sheet": (SHEET, QUADS),
+        "contacts": (np.zeros((1, 3)), np.array([[0]])),
+    }
+    with h5py.File(folder / "mesh.h5", "w") as file:
+        file.attrs.update({"format": "crashsolve states", "format_version": 3})
+        file.attrs["names"] = (
+            '{"bodies": ["ground", "car"], "parts": ["sheet"], "contacts": ["hit"]}'
+        )
+        for name, (points, cells) in blocks.items():
+            file[f"{name}/points"], file[f"{name}/cells"] = points, cells
+        file["bodies/body"], file["ground/body"] = np.ones(4, "f4"), np.zeros(2, "f4")
+        file["mass_centres/body"] = np.ones(1, "f4")
+    for k, time in enumerate(TIMES):
+        with h5py.File(folder / "states" / f"{k:06d}.h5", "w") as file:
+            file.attrs["time"] = time
+            for name, (points, _) in blocks.items():
+                moved = np.zeros((len(points), 3), "f4")
+                if name in ("bodies", "mass_centres"):
+                    moved[:, 0] = time
+                if name != "contacts":
+                    file[f"{name}/displacement"] = moved
+                    file[f"{name}/displacement"].attrs["unit"] = "m"
+            file["part_sheet/von_mises"] = np.array([1e6, 2e8]) * time
+            file["part_sheet/von_mises"].attrs["unit"] = "Pa"
+            file["part_sheet/vtkGhostType"] = np.array([0, 32 * (k == 3)], "u1")
+            file["contacts/points"] = np.array([[1.0 + time, 0.5, 0.5]], "f4")
+            file["contacts/force"] = np.array([[-1000.0 * (k == 2), 0, 0]], "f4")
+            file["contacts/contact"] = np.zeros(1, "f4")
+            file["contacts/vtkGhostType"] = np.array([0 if k == 2 else 32], "u1")
+    return folder
+
+
+@pytest.fixture
+def run(cars: Path) -> Path:
+    """Two cars with states."""
+    return write_states(cars)
+
+
+def test_moments_are_read_in_words(run: Path) -> None:
+    result = Result(run)
+    assert split("0, 50ms, max:norm(a.b.x, a.b.y), end") == [
+        "0",
+        "50ms",
+        "max:norm(a.b.x, a.b.y)",
+        "end",
+    ]
+    assert moment(result, "50ms", 0.3).time == pytest.approx(0.05, rel=1e-12)
+    assert moment(result, "end", 0.3).time == 0.3
+    # force pulls back: -force is largest halfway through the half oscillation
+    middle = 0.5 * (result.time[0] + result.time[-1])
+    for word in (
+        "max:-deforc.buffer.force",
+        "min:deforc.buffer.force",
+        "abs_max:deforc.buffer.force",
+    ):
+        assert moment(result, word, 0.3).time == pytest.approx(middle, rel=1e-9)
+    for wrong in ("soon", "5 kg", "max:rcforc.none.normal", "nan", ""):
+        with pytest.raises(PostError):
+            moment(result, wrong, 0.3)
+
+
+def test_a_picture_is_of_the_nearest_state_and_says_its_time(run: Path) -> None:
+    task = strip_task(Result(run), run / "x.png", ["0.14", "end"], "")
+    assert task.frames == ((1.0, "t = 100 ms"), (3.0, "t = 300 ms"))
+    with pytest.raises(PostError, match=r"there are states from 0 s to 0.3 s"):
+        strip_task(Result(run), run / "x.png", ["1.0"], "")
+
+
+def test_a_film_takes_as_long_as_asked(run: Path) -> None:
+    task = film_task(Result(run), run / "x.gif", "", fps=25, slow=20)
+    # 0.3 s, 20 times slower, at 25 per second; both ends are shown
+    assert len(task.frames) == 151
+    assert task.frames[75][0] == pytest.approx(1.5)
+    assert (task.frames[0][0], task.frames[-1][0]) == (0.0, 3.0)
+    for wrong in ({"slow": 0.0}, {"slow": float("nan")}, {"fps": 0.0}, {"slow": 1e9}):
+        with pytest.raises(PostError):
+            film_task(Result(run), run / "x.gif", "", **wrong)
+
+
+def test_what_moves_is_where_it_was_between_states_half_way(run: Path) -> None:
+    scene = Scene(States(run), Look())
+    assert scene.positions(2, "bodies")[:, 0].max() == pytest.approx(1.2)
+    assert scene.positions(1.5, "bodies")[:, 0].max() == pytest.approx(1.15)
+
+
+def test_what_turns_far_between_states_is_not_shrunk_on_the_way(run: Path) -> None:
+    with h5py.File(run / "states" / "000001.h5", "r+") as file:
+        # turned half round about its corner: halfway the cube would be flat
+        file["bodies/displacement"][...] = CUBE @ np.diag([-1.0, -1, 1]) - CUBE
+    scene = Scene(States(run), Look())
+    np.testing.assert_allclose(scene.positions(0.4, "bodies"), CUBE)
+    np.testing.assert_allclose(scene.positions(0.6, "bodies"), CUBE @ np.diag([-1.0, -1, 1]))
+
+
+def test_deleted_elements_are_gone_and_do_not_count_in_the_colours(run: Path) -> None:
+    scene = Scene(States(run), Look(color="von_mises"))
+    sheets = [s for k in (2, 3) for s in scene.at(k).surfaces if s.corners.shape[1] == 4]
+    assert [len(sheet.corners) for sheet in sheets] == [2, 1]
+    assert scene.range(2)[1] == pytest.approx(0.2 * 2e8)
+    assert scene.range(3)[1] == pytest.approx(0.3 * 1e6)
+
+
+def test_only_what_is_named_is_shown(run: Path) -> None:
+    scene = Scene(States(run), Look(show=("sh*",)))
+    drawn = [s for s in scene.at(0).surfaces if len(s.points) != len(FLOOR)]
+    assert [len(s.points) for s in drawn] == [len(SHEET)]
+    assert scene.legend() == [("sheet", scene._part_colour(0))]
+
+
+@pytest.mark.parametrize(
+    ("look", "words"),
+    [
+        (Look(show=("lorry",)), "unknown body or part 'lorry'"),
+        (Look(color="plastic"), "unknown colour 'plastic'"),
+        (Look(arrows="rcforc.wall"), r"unknown arrows 'rcforc.wall'.*rcforc.hit"),
+        (Look(arrows="deforc"), "unknown arrows 'deforc'"),
+    ],
+)
+def test_words_that_name_nothing_are_refused(run: Path, look: Look, words: str) -> None:
+    with pytest.raises(PostError, match=words):
+        Scene(States(run), look)
+
+
+def test_arrows_are_the_contact_forces_where_they_act(run: Path) -> None:
+    scene = Scene(States(run), Look(arrows="rcforc.h*"))
+    ((starts, vectors),) = scene.at(2).arrows
+    np.testing.assert_allclose(starts, [[1.2, 0.5, 0.5]], rtol=1e-6)
+    np.testing.assert_allclose(vectors, [[-1000.0, 0, 0]])
+    assert len(scene.at(1).arrows[0][0]) == 0
+    assert scene.largest_arrow(2) == 1000.0
+
+
+def test_views_look_from_where_they_say() -> None:
+    up, low, high = np.array([0.0, 0, 1]), np.zeros(3), np.array([10.0, 1, 3])
+    towards = {
+        "side": (0, -1, 0),
+        "front": (1, 0, 0),
+        "rear": (-1, 0, 0),
+        "top": (0, 0, 1),
+        "auto": (0, -1, 0),
+        "0,0,-2": (0, 0, -1),
+    }
+    for view, direction in towards.items():
+        seen = cameras.camera(view, up, low, high)
+        np.testing.assert_allclose(seen.towards, direction, atol=1e-12)
+        axes = np.array([seen.right, seen.up, seen.towards])
+        np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(axes) == pytest.approx(1.0)
+    # ahead is to the right, from the side and from above
+    for view in ("side", "top"):
+        np.testing.assert_allclose(cameras.camera(view, up, low, high).right, [1, 0, 0], atol=1e-12)
+    for wrong in ("sideways", "1,2", "0,0,0", "nan,1,1"):
+        with pytest.raises(PostError):
+            cameras.camera(wrong, up, low, high)
+
+
+def test_everything_is_within_the_picture_and_the_scale_bar_is_true() -> None:
+    points = np.array([[0.0, 0, 0], [10, 1, 3], [4, -2, 7]])
+    seen = cameras.camera("iso", np.array([0.0, 0, 1]), points.min(axis=0), points.max(axis=0))
+    seen = cameras.fitted(seen, points, 1.0, 2.0)
+    flat = seen.flat(points)
+    assert np.all(abs(flat[:, 1]) < seen.half_height)
+    assert np.all(abs(flat[:, 0]) < 0.5 * seen.width)
+    length, label = Key(seen, Shades()).scale_bar
+    assert (0.1 * seen.width < length < 0.34 * seen.width, label) == (True, f"{length:g} m")
+
+
+def test_sections_turn_with_their_nodes() -> None:
+    """Rodrigues against a quarter turn, and no turn at all."""
+    turned = rotated(np.array([[0, 0, np.pi / 2], [0, 0, 0]]))
+    np.testing.assert_allclose(turned[0] @ [1, 0, 0], [0, 1, 0], atol=1e-15)
+    np.testing.assert_array_equal(turned[1], np.eye(3))
+
+
+def test_times_have_a_unit_that_suits_the_run() -> None:
+    assert [clock(0.05, 0.3), clock(1.5, 20.0), clock(0.25e-3, 1e-3)] == [
+        "t = 50 ms",
+        "t = 1.5 s",
+        "t = 0.25 ms",
+    ]
+
+
+def pixels(path: Path) -> np.ndarray:
+    from matplotlib.image import imread
+
+    return imread(path)[:, :, :3]
+
+
+def test_whose_vtk_dies_gets_a_plain_picture_and_is_told_what_helps(
+    run: Path, crashpost: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    broken = tmp_path / "broken"
+    broken.mkdir()
+    # as VTK does without graphics libraries
+    (broken / "pyvista.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)\n")
+    monkeypatch.setenv("PYTHONPATH", f"{broken}:{':'.join(sys.path)}")
+    path = tmp_path / "plain.png"
+    code, out, err = crashpost(
+        "render", run, "--at", "0,200ms", "--color", "von_mises", "--arrows", "rcforc", "-o", path
+    )
+    assert (code, out.strip()) == (0, str(path))
+    assert "VTK died of SIGSEGV" in err and "apt-get install libgl1" in err
+    picture = pixels(path)
+    # bodies, colours and a red arrow are on it
+    assert (abs(picture - 1.0).max(axis=2) > 0.1).mean() > 0.05
+    red, green, blue = picture.reshape(-1, 3).T
+    assert ((red > 0.6) & (green < 0.3) & (blue < 0.25)).sum() > 50
+
+
+def test_pyvista_paints_a_strip_and_a_film(run: Path, crashpost: Command, tmp_path: Path) -> None:
+    pytest.importorskip("pyvista")
+    path = tmp_path / "strip.png"
+    code, _, err = crashpost("render", run, "--at", "0,end", "--view", "side", "-o", path)
+    assert (code, err) == (0, ""), err
+    blue = abs(pixels(path) - np.array([0.0, 0.447, 0.698])).max(axis=2) < 0.15
+    columns = np.flatnonzero(blue.any(axis=0))
+    assert len(columns) > 20
+    film = tmp_path / "film.gif"
+    small = ("--size", "480x270", "--slow", "2", "--fps", "10")
+    code, _, err = crashpost("film", run, *small, "--follow", "car", "-o", film)
+    assert (code, err) == (0, ""), err
+    from PIL import Image
+
+    with Image.open(film) as opened:
+        assert (opened.n_frames, opened.size, opened.info["duration"]) == (7, (480, 270), 100)
+
+
+def test_a_result_larger_than_memory_is_read_state_by_state(tmp_path: Path, run: Path) -> None:
+    """A hundred states of 0.96 MB each, all looked at, take less than 20 MB more than one."""
+    n = 40_000
+    with h5py.File(run / "mesh.h5", "r+") as file:
+        del file["part_sheet"]
+        file["part_sheet/points"] = np.random.default_rng(1).random((n, 3))
+        file["part_sheet/cells"] = np.arange(n).reshape(-1, 4)
+    with h5py.File(run / "states" / "000000.h5", "w") as file:
+        file.attrs["time"] = 0.0
+        file["part_sheet/displacement"] = np.zeros((n, 3), "f4")
+        file["part_sheet/velocity"] = np.zeros((n, 3), "f4")
+    for k in range(1, 100):
+        target = run / "states" / f"{k:06d}.h5"
+        target.unlink(missing_ok=True)
+        target.hardlink_to(run / "states" / "000000.h5")
+    code = (
+        "import resource, sys\n"
+        "from crashpost.drawing import Look, Scene\n"
+        "from crashpost.states import States\n"
+        "states = States(sys.argv[1])\n"
+        "states.blocks = {k: v for k, v in states.blocks.items() if k == 'part_sheet'}\n"
+        "scene = Scene(states, Look(color='velocity'))\n"
+        "size = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024\n"
+        "scene.range(0); scene.extent(0); before = size()\n"
+        "for k in range(100): scene.range(k); scene.extent(k)\n"
+        "print(size() - before)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(run)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    # all together are 96 MB
+    assert float(done.stdout) < 20.0
+
+
+def test_the_packed_file_says_what_the_states_say(run: Path, crashpost: Command) -> None:
+    """Read back with pyvista: times, points in place, fields, what is deleted."""
+    pyvista = pytest.importorskip("pyvista")
+    code, out, err = crashpost("pack", run)
+    assert (code, err) == (0, ""), err
+    assert "4 states" in out
+    reader = pyvista.get_reader(run / "states.vtkhdf").reader
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == len(TIMES)
+    states, blocks = States(run), list(States(run).blocks)
+    for k in range(len(TIMES)):
+        reader.SetStep(k)
+        reader.Update()
+        assert reader.GetTimeValue() == TIMES[k]
+        grid = pyvista.wrap(reader.GetOutput())
+        places = np.concatenate([states.positions(k, name) for name in blocks])
+        np.testing.assert_allclose(grid.points, places, atol=1e-6)
+        sheet = grid.cell_data["block"] == blocks.index("part_sheet")
+        wanted = states.read(k, "part_sheet", "von_mises")["von_mises"]
+        np.testing.assert_allclose(grid.cell_data["von_mises"][sheet], wanted)
+        ghost = grid.cell_data["vtkGhostType"][sheet]
+        assert ghost.tolist() == [0, 32 if k == 3 else 0]
+        force = grid.point_data["force"]
+        assert np.nansum(force[:, 0]) == (-1000.0 if k == 2 else 0.0)
