@@ -86,7 +86,7 @@ def tangential(result: Result, i: int) -> np.ndarray:
     """Force on the left car along the plate of the right one, upwards positive, with ribs [N]."""
     n = interface(i)
     x, z = (
-        sum(values(result, f"rcforc.{what}_{n}.force.{axis}") for what in ("plates", "ribs"))
+        values(result, f"rcforc.plates_{n}.force.{axis} + rcforc.ribs_{n}.force.{axis}")
         for axis in "xz"
     )
     end = f"rbdout.car_{i + 1}_left.quaternion"
@@ -102,7 +102,7 @@ def extreme(series: np.ndarray) -> float:
 def crush(result: Result, i: int) -> float:
     """What both ends of an interface have been pushed in together at most [m]."""
     ends = f"deforc.car_{i}_right_end.elongation", f"deforc.car_{i + 1}_left_end.elongation"
-    return float(-sum(values(result, end) for end in ends).min())
+    return float(-values(result, " + ".join(ends)).min())
 
 
 def absorbed(result: Result, i: int) -> float:
@@ -119,8 +119,7 @@ def absorbed(result: Result, i: int) -> float:
 
 def rails(result: Result, what: str) -> np.ndarray:
     """Sum over all cars."""
-    found: np.ndarray = sum(values(result, f"rcforc.car_{i}_rails.{what}") for i in CARS)
-    return found
+    return values(result, " + ".join(f"rcforc.car_{i}_rails.{what}" for i in CARS))
 
 
 def draw_bars(runs: Runs, plt: Any) -> None:
@@ -206,7 +205,8 @@ def energy_table(runs: Runs) -> str:
         spread = values(result, "glstat.model.energy.kinetic") - momentum**2 / (2.0 * MASS)
         k = int(np.argmin(spread))
         kinds = ("contact", "spring", "friction", "brake")
-        spent = sum(values(result, f"glstat.model.energy.{kind}_dissipated") for kind in kinds)[k]
+        lost = " + ".join(f"glstat.model.energy.{kind}_dissipated" for kind in kinds)
+        spent = values(result, lost)[k]
         braked = rails(result, "friction_dissipated")[k]
         plastic = MOVING * (speed / 3.6) ** 2 / 4.0
         start = MOVING * (speed / 3.6) ** 2 / 2.0

@@ -62,12 +62,13 @@ def test_a_braked_car_that_stands_does_not_move(tmp_path: Path) -> None:
     assert values(result, "rcforc.car_rails.touching").min() == 4
 
 
+@pytest.mark.long  # 40 s of CPU as plain Python
 def test_brakes_stop_a_car_and_no_more(tmp_path: Path) -> None:
-    speed = 0.1
-    result = run(tmp_path, one_car(speed), 0.12, 2e-3)
+    speed = 0.3
+    result = run(tmp_path, one_car(speed), 0.5, 5e-3)
     speeds = values(result, "glstat.model.momentum.x") / MASS
-    # wheels slide at mu m g once their bristles are stretched
-    early = (result.time > 0.02) & (result.time < 0.06)
+    # wheels slide at mu m g once their bristles are stretched; 1 %: found to 1e-4
+    early = (result.time > 0.02) & (result.time < 0.15)
     assert np.abs(speeds - (speed - MU * GRAVITY * result.time))[early].max() < 0.01 * speed
     # then bristles, 4 * 1e7 N/m, and pivots, 2 * 5e6 N/m, swing by what mu m g stretches them
     give = MU * MASS * GRAVITY * (1.0 / 4e7 + 1.0 / 1e7)
