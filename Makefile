@@ -9,7 +9,7 @@ BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long queue bench stability beam crush gallery docs clean
+.PHONY: demo test long queue bench stability beam trains crush gallery docs clean
 
 demo: $(VENV)/render.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -35,6 +35,9 @@ stability: $(VENV)/test.installed
 
 beam: $(VENV)/plot.installed
 	$(BIN)/python decks/scenes/beam_impact.py
+
+trains: $(VENV)/plot.installed
+	$(BIN)/python decks/scenes/train_sets.py
 
 crush: $(VENV)/plot.installed
 	$(BIN)/python decks/benchmark/tube_crush.py

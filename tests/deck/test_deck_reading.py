@@ -289,6 +289,77 @@ def test_circles_and_repeats_of_includes_are_refused(tmp_path: Path) -> None:
     ]
 
 
+CAR = """\
+parameters: {bogie_<car>: "${<mass>/6}"}
+bodies:
+  <car>_frame: {mass: "${bogie_<car>}", inertia: [1, 1, 1], position: [<x>, 0, 0]}
+springs:
+  <car>_pivot: {type: linear, b: <car>_frame, stiffness: 1}
+expect:
+  - channel: rbdout.<car>_frame.position.x
+    statistic: max
+    value: <x>
+    tolerance: 1
+    because: exact
+    source: <car>
+"""
+TWO_CARS = """\
+include:
+  - {file: car.yaml, with: {car: front, mass: m_1, x: 5}}
+  - {file: car.yaml, with: {car: rear, mass: m_2, x: -3 mm}}
+control: {end_time: 1}
+parameters: {m_1: 6, m_2: 12 t}
+"""
+
+
+def test_a_file_is_included_many_times_with_other_words(tmp_path: Path) -> None:
+    (tmp_path / "car.yaml").write_text(CAR)
+    deck = deck_of(tmp_path, TWO_CARS)
+    bodies = {name: entry.card for name, entry in deck.entries["bodies"].items()}
+    assert {name: card.mass for name, card in bodies.items()} == {
+        "front_frame": 1.0,
+        "rear_frame": 2e3,
+    }
+    assert [card.position[0] for card in bodies.values()] == [5.0, -3e-3]
+    assert deck.entries["springs"]["rear_pivot"].card.b == "rear_frame"
+    assert [card.channel for card in deck.expect] == [
+        "rbdout.front_frame.position.x",
+        "rbdout.rear_frame.position.x",
+    ]
+    assert [path.name for path in deck.files] == ["deck.yaml", "car.yaml"]
+    # written out it is one file without words, and --set reaches all of it
+    again = deck_of(tmp_path, deck.text)
+    assert again.entries["bodies"]["rear_frame"].card.mass == 2e3
+    set_to = deck_of(tmp_path, TWO_CARS, **{"bodies.rear_frame.mass": "7", "m_1": "12"})
+    assert set_to.entries["bodies"]["rear_frame"].card.mass == 7.0
+    assert set_to.entries["bodies"]["front_frame"].card.mass == 2.0
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        ("car: rear", "car: front", "car.yaml:1:14: error: parameter 'bogie_front'"),
+        (", x: 5", "", "car.yaml:3:72: error: include: the word <x> is not given"),
+        ("x: 5", "x: 5, y: 5", "car.yaml: error: include: nothing in the file has the word <y>"),
+        ("x: 5", "x: [5]", "deck.yaml:2:52: error: include: with: x must be text or a number"),
+        ("with: {car: front", "such: {car: front", "deck.yaml:2:22: error: include: unknown field"),
+        ("file: car.yaml, with: {car: front", "with: {car: front", "deck.yaml:2:5: error: include"),
+        (
+            "rear, mass: m_2, x: -3 mm",
+            "front, mass: m_1, x: 5",
+            "deck.yaml:3:5: error: include: the file is included twice with the same words",
+        ),
+    ],
+)
+def test_words_that_do_not_fit_a_file_are_refused(
+    tmp_path: Path, before: str, after: str, told: str
+) -> None:
+    (tmp_path / "car.yaml").write_text(CAR)
+    assert before in TWO_CARS
+    found = messages(tmp_path, TWO_CARS.replace(before, after))
+    assert any(line.startswith(told) for line in found), found
+
+
 def test_mistakes_stand_in_the_order_of_the_files(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("bodies:\n  wagon: {mass: 0, inertia: [1, 1, 1]}\n")
     found = messages(tmp_path, "include: [a.yaml]\ncontrol: {end_time: -1}\ntitle: 3\n")

@@ -1,48 +1,81 @@
-"""The files of a deck: the one named by the user and those it includes."""
+"""The files of a deck: the one named by the user and those it includes.
 
+A file may be included several times, each time with other words in it: of
+
+    include: [{file: car.yaml, with: {car: car_1, mass: 68 t}}, {file: car.yaml, with: ...}]
+
+every `<car>` in the names and texts of car.yaml stands for car_1, then for what comes next. Words
+are put in before anything is worked out, so that they may stand in names and in expressions.
+"""
+
+import re
 from os.path import isfile
 from pathlib import Path
+from typing import Any, NamedTuple
 
-from crashsolve.deck.source import BROKEN, Position, Rows, Table, read_yaml
+from crashsolve.deck.mistakes import shown
+from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar, read_yaml
 from crashsolve.foundation.errors import DeckError
 
 # files within files
 DEEPEST = 50
+_WORD = re.compile(r"<([A-Za-z_][A-Za-z0-9_]*)>")
+
+
+class Included(NamedTuple):
+    """A file to include, the words put into it, and where the deck asks for it."""
+
+    name: str
+    words: dict[str, str]
+    place: Position
 
 
 class Files:
     """Reads a deck and its includes; what is wrong with any of them goes to `mistakes`.
 
-    `incomplete` tells that a file is missing, so that names not found may stand in it.
+    `incomplete` tells that a file is missing, so that names not found may stand in it. A file that
+    is included again has a path of its own in `tables`, in the same folder; `paths` are real ones.
     """
 
     def __init__(self, mistakes: list[DeckError]) -> None:
         self.mistakes = mistakes
         self.tables: dict[Path, Table] = {}
-        self.seen: set[Path] = set()
+        self.paths: list[Path] = []
+        self.seen: set[tuple[Path, tuple[tuple[str, str], ...]]] = set()
         self.open: list[Path] = []
         self.incomplete = False
 
-    def read(self, path: Path) -> dict[Path, Table]:
+    def read(self, path: Path, words: dict[str, str] | None = None) -> dict[Path, Table]:
         """All files, each before those it includes."""
         table = read_yaml(path, self.mistakes)
         if table is None:
             self.incomplete = True
             return self.tables
-        self.tables[path] = table
-        self.seen.add(path.resolve())
+        if words is not None:
+            table = self._filled_in(table, words, path)
+        self.tables[self._own_path(path)] = table
+        self.paths += [path] * (path not in self.paths)
+        self.seen.add(_key(path, words or {}))
         self.open.append(path.resolve())
-        for name, place in self._included(table):
-            problem = self._problem(path.parent / name)
+        for file in self._included(table):
+            problem = self._problem(path.parent / file.name, file.words)
             if problem:
-                self.mistakes.append(DeckError(*place, "include", problem))
+                self.mistakes.append(DeckError(*file.place, "include", problem))
                 self.incomplete = True
             else:
-                self.read(path.parent / name)
+                self.read(path.parent / file.name, file.words or None)
         self.open.pop()
         return self.tables
 
-    def _problem(self, path: Path) -> str:
+    def _own_path(self, path: Path) -> Path:
+        """The path, or one like it where the file has been included before."""
+        count, own = 1, path
+        while own in self.tables:
+            count += 1
+            own = path.with_name(f"{path.name} ({count})")
+        return own
+
+    def _problem(self, path: Path, words: dict[str, str]) -> str:
         """Why a file cannot be included, if so."""
         if not isfile(path):
             return f"there is no file '{path}'"
@@ -51,9 +84,11 @@ class Files:
         if path.resolve() in self.open:
             chain = [*self.open[self.open.index(path.resolve()) :], path]
             return f"the file includes itself ({' -> '.join(link.name for link in chain)})"
-        return "the file is included twice" if path.resolve() in self.seen else ""
+        with_same = " with the same words" if words else ""
+        return f"the file is included twice{with_same}" if _key(path, words) in self.seen else ""
 
-    def _included(self, table: Table) -> list[tuple[str, Position]]:
+    def _included(self, table: Table) -> list[Included]:
+        """What a file includes; a mistake for each entry that cannot be read."""
         names = table.get("include")
         if isinstance(names, Rows):
             found = [(name, names.place(i)) for i, name in enumerate(names)]
@@ -61,8 +96,98 @@ class Files:
             return []
         else:
             found = [(names, table.value_place("include"))]
+        files = []
         for name, place in found:
-            if not isinstance(name, str) and name is not BROKEN:
+            file = name.get("file") if isinstance(name, Table) else name
+            if isinstance(file, str):
+                words = self._words(name, place) if isinstance(name, Table) else {}
+                files.append(Included(file, words, place))
+            elif name is not BROKEN and file is not BROKEN:
                 message = "must be the name of a file, or a list of names"
+                advice = "or write {file: NAME, with: {WORD: TEXT}}" * isinstance(name, Table)
+                self.mistakes.append(DeckError(*place, "include", message, advice))
+        return files
+
+    def _words(self, entry: Table, place: Position) -> dict[str, str]:
+        """The words that an entry of include puts into its file, each as it is written."""
+        for key in entry.keys() - {"file", "with"}:
+            message = f"unknown field '{key}'"
+            self.mistakes.append(
+                DeckError(*entry.key_place(key), "include", message, "(fields: file, with)")
+            )
+        given = entry.get("with", {})
+        if not isinstance(given, Table):
+            if "with" in entry and given is not BROKEN:
+                message = f"with: must be a table of words, not {shown(given)}"
                 self.mistakes.append(DeckError(*place, "include", message))
-        return [(name, place) for name, place in found if isinstance(name, str)]
+            return {}
+        words = {}
+        for word, value in given.items():
+            is_plain = isinstance(value, str | int | float) and not isinstance(value, bool)
+            if not _WORD.fullmatch(f"<{word}>"):
+                message, advice = f"with: '{word}' is no word", "letters, digits and _"
+                self.mistakes.append(DeckError(*given.key_place(word), "include", message, advice))
+            elif is_plain:
+                words[word] = str(value)
+            elif value is not BROKEN:
+                message = f"with: {word} must be text or a number, not {shown(value)}"
+                self.mistakes.append(DeckError(*given.value_place(word), "include", message))
+        return words
+
+    def _filled_in(self, table: Table, words: dict[str, str], path: Path) -> Table:
+        """A copy of a file's table with its words put in; a mistake for each that is idle."""
+        filling = _Filling(words, self.mistakes)
+        filled: Table = filling.value(table, Position(str(path), 1, 1))
+        for word in words.keys() - filling.used:
+            message = f"nothing in the file has the word <{word}>"
+            self.mistakes.append(DeckError(str(path), None, None, "include", message))
+        # names would be wrong as well
+        self.incomplete |= filling.used != words.keys()
+        return filled
+
+
+class _Filling:
+    """Puts words into the names and texts of a file."""
+
+    def __init__(self, words: dict[str, str], mistakes: list[DeckError]) -> None:
+        self.words, self.mistakes = words, mistakes
+        self.used: set[str] = set()
+
+    def value(self, value: Any, place: Position) -> Any:
+        """A value with the words put in; a lone word that is a number becomes one."""
+        if isinstance(value, Table):
+            table = Table(value.file)
+            for key, part in value.items():
+                new = self.value(part, value.value_place(key))
+                name = self.text(key, value.key_place(key))
+                if name in table:
+                    message = f"'{name}' is given twice with these words"
+                    self.mistakes.append(DeckError(*value.key_place(key), "include", message))
+                table.put(name, new, value.keys_at[key], value.values_at[key])
+            return table
+        if isinstance(value, Rows):
+            rows = Rows(value.file)
+            rows.values_at = value.values_at
+            rows.extend(self.value(part, value.place(i)) for i, part in enumerate(value))
+            return rows
+        if not isinstance(value, str) or "<" not in value:
+            return value
+        text = self.text(value, place)
+        plain, problem, _ = plain_scalar(text)
+        return plain if _WORD.fullmatch(value.strip()) and not problem else text
+
+    def text(self, text: str, place: Position) -> str:
+        """A text with the words put in; a mistake for each that is not given."""
+        for word in _WORD.findall(text):
+            if word not in self.words:
+                advice = f"give it: with: {{{word}: ...}}"
+                self.mistakes.append(
+                    DeckError(*place, "include", f"the word <{word}> is not given", advice)
+                )
+            self.used.add(word)
+        return _WORD.sub(lambda found: self.words.get(found[1], found[0]), text)
+
+
+def _key(path: Path, words: dict[str, str]) -> tuple[Path, tuple[tuple[str, str], ...]]:
+    """What makes two includes the same."""
+    return path.resolve(), tuple(sorted(words.items()))

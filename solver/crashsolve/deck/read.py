@@ -101,6 +101,7 @@ class _Reader:
         self.unread: list[tuple[Item, list[tuple[tuple[str | int, ...], Name]]]] = []
         files = Files(self.mistakes)
         self.tables = files.read(path)
+        self.paths = files.paths
         if files.incomplete:
             raise DeckErrors(self.in_order())
         self.items = items_of(self.tables, self.mistakes)
@@ -141,7 +142,7 @@ class _Reader:
         return Deck(
             title=title,
             path=self.path,
-            files=list(self.tables),
+            files=self.paths,
             parameters={name: float(v) for name, v in self.parameters.values.items()},
             control=control,
             output=output,

@@ -34,6 +34,21 @@ _LIMITS = {
 }
 
 
+# a file, or one with words put into it
+_INCLUDED = {
+    "anyOf": [
+        {"type": "string"},
+        {
+            "type": "object",
+            "properties": {
+                "file": {"type": "string"},
+                "with": {"type": "object", "additionalProperties": {"type": ["string", "number"]}},
+            },
+            "required": ["file"],
+            "additionalProperties": False,
+        },
+    ]
+}
 # a set of a mesh file may have a number for a name
 _SET_NAME = {"type": ["string", "integer"]}
 
@@ -43,7 +58,7 @@ def json_schema() -> dict[str, Any]:
     cards = _Definitions()
     keywords: dict[str, Any] = {
         "title": {"type": "string"},
-        "include": {"type": "array", "items": {"type": "string"}},
+        "include": {"anyOf": [_INCLUDED, {"type": "array", "items": _INCLUDED}]},
         "parameters": {"additionalProperties": {"type": ["number", "string"]}},
     }
     for keyword, card in SINGLE.items():
@@ -170,6 +185,8 @@ def _manual() -> Iterator[str]:
         "Generated from the cards; do not edit. Bare numbers are in SI and radians, or in the",
         "`units` of their file; `54 km/h` and `${speed/3.6}` may stand for any number.",
         "`title` is text, `include` a list of files, `parameters` a table of names and numbers.",
+        "A file may be included many times with other words: with",
+        "`{file: car.yaml, with: {car: c1}}` every `<car>` in its names and texts becomes `c1`.",
         "A field without a default must be given.",
     )
     nested: dict[type[Card], None] = {}
