@@ -93,6 +93,7 @@ def _kept_in_place(engine: Engine) -> dict[str, np.ndarray]:
     arrays |= model.nodal_loads
     # a sample may lie within the last step
     arrays |= engine.stages
+    arrays |= {f"powers/{g.word}": g.powers for g in model.groups if g.powers is not None}
     # an implicit method may use the factors of its last step in the next
     arrays |= engine.tableau
     return arrays | {"saddle/columns": model.saddle.columns, "saddle/blocks": model.saddle.blocks}

@@ -17,13 +17,28 @@ from crashsolve import examples
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 # distributions that are imported under another name, and tools that are started and not imported
-IMPORTED_AS = {"pyyaml": "yaml", "salib": "SALib"}
+IMPORTED_AS = {
+    "pyyaml": "yaml",
+    "salib": "SALib",
+    "imageio-ffmpeg": "imageio_ffmpeg",
+    "objective-rating-metrics": "objective_rating_metrics",
+}
 TOOLS = {"pytest-xdist", "ruff", "mypy", "types-pyyaml", "crashsolve"}
 # extras of which solver and post-processor import what is there
-ASKED = ("plot", "mesh", "signal", "frame", "picture", "completion", "sweep")
+ASKED = (
+    "plot",
+    "render",
+    "mesh",
+    "signal",
+    "frame",
+    "rating",
+    "picture",
+    "completion",
+    "sweep",
+)
 OURS = {"crashsolve", "crashpost"}
 # a module of another distribution, which belongs to one that is listed
-PART_OF = {"pydantic_core": "pydantic"}
+PART_OF = {"pydantic_core": "pydantic", "vtk": "pyvista", "PIL": "matplotlib"}
 
 
 def names(requirements: list[str]) -> set[str]:

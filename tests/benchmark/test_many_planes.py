@@ -46,7 +46,7 @@ def test_the_pairs_are_those_whose_gap_is_below_the_margin(tmp_path: Path) -> No
     assert 0 < len(found) < 50
 
 
-@pytest.mark.parametrize(("count", "body"), [(200, "cart"), (99, "ground")])
+@pytest.mark.parametrize(("count", "body"), [(200, "cart"), (36, "ground")])
 def test_walls_that_move_and_few_balls_keep_all_pairs(
     tmp_path: Path, count: int, body: str
 ) -> None:

@@ -167,7 +167,7 @@ def test_a_balance_above_its_limit_is_said_though_it_closes_again() -> None:
         ledger[:] = 0.0
         ledger[[EXTERNAL_WORK, LARGEST, IMBALANCE]] = work, work, missing
         clock.time, clock.cycle, clock.status = work, 1000, 0
-        check(clock, control, engine.state.nodes, ledger)
+        check(clock, control, engine.state.nodes.view(np.recarray), ledger)
         assert clock.status == 0
     engine.ledger[LARGEST] = 100.0
     (text,) = engine.step_warnings()

@@ -202,12 +202,7 @@ class _Reader:
 
     def section(self, keyword: str) -> dict[str, Entry]:
         """The entries of a keyword; those with mistakes are left out."""
-        items = list(self.items[keyword].values())
-        if items and not types_in(SECTIONS[keyword].folder):
-            message = f"keyword '{keyword}' has no types in this version"
-            self.mistakes.append(DeckError(*items[0].where, items[0].title, message))
-            return {}
-        entries = (self.entry(item) for item in items)
+        entries = (self.entry(item) for item in self.items[keyword].values())
         return {entry.name: entry for entry in entries if entry}
 
     def entry(self, item: Item) -> Entry | None:
