@@ -1,5 +1,7 @@
 """Toy spring."""
 
+from typing import Any
+
 from crashsolve.deck.card import BodyName, Card, quantity, word
 
 
@@ -9,3 +11,13 @@ class Linear(Card):
     a: BodyName = word("first body", "ground")
     b: BodyName = word("second body")
     stiffness: float = quantity("N/m", "slope", gt=0)
+
+
+def build(card: Linear, scene: Any) -> dict[str, Any]:
+    """What a law of the family provides; toys are only read."""
+    raise NotImplementedError
+
+
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """The same."""
+    raise NotImplementedError
