@@ -132,6 +132,10 @@ def test_companions_cost_no_more_than_is_left_for_them(tmp_path: Path) -> None:
     cycles = given.companions.run(1.0).cycles
     assert [r.cycles < cycles for r in given.companion_runs(1.0, cycles, [], 1e3)] == [True]
     assert [r.cycles > cycles for r in given.companion_runs(1.0, cycles, [])] == [True]
+    # and that of a cheap run ends where it gets stuck
+    problems.clear()
+    assert given.companion_runs(1.0, cycles, problems, limit=0.0) == []
+    assert problems == [DEAR]
 
 
 BEAM = """

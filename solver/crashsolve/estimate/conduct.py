@@ -33,6 +33,8 @@ RERUNS = 2
 STRIDE = 8.0
 # a run shorter than this [s of CPU] may cost less than the estimates of its errors
 SHORT = 5.0
+# and so much at most [s of CPU], for a companion may get stuck
+MOST_OF_SHORT = 2.0 * SHORT
 # an error below this share of the scale is none to warn of, however near to zero the value is
 SMALL = 1e-6
 
@@ -87,10 +89,11 @@ class Estimating:
         self.problems = []
         try:
             if not self._companions or not self.estimator.compares_with_coarser:
-                is_short = spent < SHORT or self.accuracy is not None
-                budget = inf if is_short or self.is_full else spent
+                is_free = self.accuracy is not None or self.is_full
+                budget = inf if is_free or spent < SHORT else spent
+                limit = inf if is_free else MOST_OF_SHORT
                 self._companions = self.estimator.companion_runs(
-                    self.coarseness, cycles, self.problems, budget
+                    self.coarseness, cycles, self.problems, budget, limit
                 )
         except Abandoned:
             self.problems.append("asked to stop")

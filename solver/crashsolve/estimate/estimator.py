@@ -78,13 +78,19 @@ class Estimator:
         return not is_static(self.deck) and not chooses_its_step(self.deck.control.integrator)
 
     def companion_runs(
-        self, coarseness: float, cycles: int, problems: list[str], budget: float = inf
+        self,
+        coarseness: float,
+        cycles: int,
+        problems: list[str],
+        budget: float = inf,
+        limit: float = inf,
     ) -> list[Samples]:
         """Companions of a run of `cycles` steps, which may cost `budget` [s] of CPU.
 
+        Without a budget they end at `limit`, and are those of a run that is cheap.
         Writes: why one failed. Raises Abandoned.
         """
-        self.companions.budget, runs = budget, list[Samples]()
+        self.companions.budget, runs = budget if isfinite(budget) else limit, list[Samples]()
         coarser = COARSER if self.compares_with_coarser else COARSER[-1:] * isfinite(budget)
         try:
             for factor in coarser:
@@ -107,6 +113,8 @@ class Estimator:
                     runs.append(self.companions.run(factor * coarseness))
         except SolverError as error:
             problems.append(f"a finer run stopped: {error.cause}")
+        except TooDear:
+            problems.append(DEAR)
         return runs
 
     def judge(self, main: Samples, others: Sequence[Samples]) -> list[Estimate]:
