@@ -9,7 +9,7 @@ BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long queue bench stability beam trains crush gallery docs clean
+.PHONY: demo test long queue bench stability beam trains structures crush gallery docs clean
 
 demo: $(VENV)/render.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -36,8 +36,12 @@ stability: $(VENV)/test.installed
 beam: $(VENV)/plot.installed
 	$(BIN)/python decks/scenes/beam_impact.py
 
-trains: $(VENV)/plot.installed
+trains: $(VENV)/render.installed $(VENV)/sweep.installed
 	$(BIN)/python decks/scenes/train_sets.py
+	$(BIN)/python decks/scenes/train_test.py
+
+structures: $(VENV)/plot.installed
+	$(BIN)/python decks/scenes/structures.py
 
 crush: $(VENV)/plot.installed
 	$(BIN)/python decks/benchmark/tube_crush.py

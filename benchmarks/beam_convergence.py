@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.system.equilibrium import StaticEngine
+from crashsolve.system.static.equilibrium import StaticEngine
 
 HERE = Path(__file__).resolve().parent
 MESHES = (2, 4, 8, 16, 32)

@@ -20,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 sys.path[:0] = [str(ROOT / "postproc")]
 
-from crashpost.result import Result  # noqa: E402
+from crashpost.results.result import Result  # noqa: E402
 
 DECKS = ROOT / "decks/verification/parts"
 KINDS = ("reduced", "fully_integrated", "triangles")

@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 
 from crashsolve.cli import give_back_memory
-from crashsolve.deck.read import read_deck
-from crashsolve.foundation.machine import machine_code
+from crashsolve.compiler.machine import machine_code
+from crashsolve.compiler.table import Tables
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.point import LANES, POINT
-from crashsolve.foundation.table import Tables
 from crashsolve.model.build import build
 from crashsolve.system.engine import Engine
 
@@ -51,19 +51,20 @@ loads: {{q: {{type: pressure, part: plate, pressure: {pressure}}}}}
 output: {{history: {{interval: {end}}}}}
 """
 BARE = """
-from crashsolve.foundation.compile import entry
-from crashsolve.parts.{kind} import deform
+from crashsolve.foundation.kernels import entry
+from crashsolve.materials import {law}
+from crashsolve.parts.shells.elements.{kind} import deform
 
 @entry
 def advance(h, flag, scene):
     for _ in range(scene.cycles[0]):
-        deform(scene.p[0], scene.clock[0], h, scene)
+        deform(scene.p[0], scene.clock[0], h, scene, {law})
 """
 # of which the fastest counts, a few hundredths of a second each
 RUNS = 50
 REST = 0.05  # s
 # file of the kernels, and elements for each quadrilateral of the mesh
-KINDS = {"reduced": ("shell", 1), "fully_integrated": ("_full", 1), "triangles": ("_triangle", 2)}
+KINDS = {"reduced": ("reduced", 1), "fully_integrated": ("full", 1), "triangles": ("triangle", 2)}
 CASES = [(element, material) for element in KINDS for material in ("elastic", "plastic")]
 CASES += [("reduced", "johnson_cook")]
 
@@ -95,8 +96,8 @@ def bare(folder: Path, n: int, element: str, material: str) -> float:
         | {"curves": e.model.curves, "cycles": np.array([cycles])}
     )
     source = folder / f"bare_{element}.py"
-    kind, pieces = KINDS[element]
-    source.write_text(BARE.format(kind=kind), "utf-8")
+    (kind, pieces), law = KINDS[element], group.materials[0][1]
+    source.write_text(BARE.format(kind=kind, law=law.__name__.rpartition(".")[2]), "utf-8")
     advance = machine_code(source, "advance", tables)
     best = 1e300
     for _ in range(RUNS):
@@ -152,8 +153,9 @@ def flops(folder: Path, element: str, material: str) -> float:
     )
     Counted.count = 0
     p, clock = group.parameters.view(np.recarray)[0], state.clock.view(np.recarray)[0]
-    kind, pieces = KINDS[element]
-    plain(import_module(f"crashsolve.parts.{kind}").deform)(p, clock, 1.0, scene)
+    (kind, pieces), law = KINDS[element], group.materials[0][1]
+    kernels = import_module(f"crashsolve.parts.shells.elements.{kind}")
+    plain(kernels.deform)(p, clock, 1.0, scene, law)
     return Counted.count / (16 * pieces)
 
 
@@ -184,8 +186,8 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
         "import sys, time\n"
         "from pathlib import Path\n"
         "from crashsolve.cli import give_back_memory\n"
-        "from crashsolve.foundation.machine import forget_linker\n"
-        "from crashsolve.deck.read import read_deck\n"
+        "from crashsolve.compiler.machine import forget_linker\n"
+        "from crashsolve.deck.reading.deck import read_deck\n"
         "from crashsolve.model.build import build\n"
         "from crashsolve.system.engine import Engine\n"
         "give_back_memory()\n"

@@ -15,7 +15,7 @@ from statistics import median
 
 import yaml
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 from crashsolve.system.engine import Engine
 

@@ -1,7 +1,7 @@
 """Writes decks/README.md: a picture and a line for every scene, benchmark and tutorial deck.
 
     make gallery                                  runs all decks, some of which take minutes
-    python decks/gallery.py bouncing_ball pendulum    renews the pictures of these
+    python decks/gallery.py heavy_top pendulum    renews the pictures of these
     python decks/gallery.py --list                renews the page alone
 
 A picture is that of `crashpost render`: the first scene under `output: report: scenes:` of the
@@ -16,7 +16,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 
 DECKS = Path(__file__).resolve().parent
@@ -33,22 +33,34 @@ def decks() -> list[Path]:
     return [deck for folder in FOLDERS for deck in sorted((DECKS / folder).glob("*.yaml"))]
 
 
+def name_of(deck: Path) -> str:
+    """Name of a deck among all: with its folder where another has the same."""
+    is_shared = sum(other.stem == deck.stem for other in decks()) > 1
+    return f"{deck.parent.name}_{deck.stem}" if is_shared else deck.stem
+
+
 def draw(deck: Path, results: Path) -> str:
     """Solve a deck and draw it; returns what went wrong."""
-    folder = results / deck.stem
+    folder = results / name_of(deck)
     if not finished(folder):
-        values = [word for text in SETTINGS.get(deck.stem, []) for word in ("--set", text)]
+        # errors are estimated by further runs, which no picture shows
+        values = [*settings(deck), "--set", "control.estimate=off"]
         command = [sys.executable, "-m", "crashsolve", str(deck), "-o", str(folder), *values]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             return (done.stderr or done.stdout).strip().splitlines()[-1]
-    target = PICTURES / f"{deck.stem}.png"
+    target = PICTURES / f"{name_of(deck)}.png"
     command = [sys.executable, "-m", "crashpost", "render", str(folder), "-o", str(target)]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
         return done.stderr.strip()
     shrink(target)
     return ""
+
+
+def settings(deck: Path) -> list[str]:
+    """Words of the command line that change a deck for its picture."""
+    return [word for text in SETTINGS.get(deck.stem, []) for word in ("--set", text)]
 
 
 def finished(folder: Path) -> bool:
@@ -82,9 +94,10 @@ def page() -> str:
     for folder, title in FOLDERS.items():
         lines += ["", f"## {title}"]
         for deck in (deck for deck in decks() if deck.parent.name == folder):
-            lines += ["", f"**[{deck.stem}]({folder}/{deck.name})**: {title_of(deck)}"]
-            if (PICTURES / f"{deck.stem}.png").exists():
-                lines += ["", f"![{deck.stem}](pictures/{deck.stem}.png)"]
+            changed = f" (here `{' '.join(settings(deck))}`)" if settings(deck) else ""
+            lines += ["", f"**[{deck.stem}]({folder}/{deck.name})**: {title_of(deck)}{changed}"]
+            if (PICTURES / f"{name_of(deck)}.png").exists():
+                lines += ["", f"![{deck.stem}](pictures/{name_of(deck)}.png)"]
     return "\n".join([*lines, ""])
 
 
@@ -102,7 +115,7 @@ def main() -> int:
     parser.add_argument("--list", action="store_true", help="renew the page without any picture")
     parser.add_argument("--results", type=Path, default=Path("gallery.results"), metavar="DIR")
     options = parser.parse_args()
-    known = {deck.stem: deck for deck in decks()}
+    known = {name_of(deck): deck for deck in decks()}
     unknown = [name for name in options.names if name not in known]
     if unknown:
         parser.error(f"no deck '{unknown[0]}' (known: {', '.join(known)})")

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.bordered import BLOCK, PLACE
-from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
 from crashsolve.model.build import build
+from crashsolve.model.nodes import NODE, ROW
 
 BODIES = """
 title: bench
@@ -36,6 +37,16 @@ class Bench:
     def __init__(self, folder: Path, text: str, bodies: str = BODIES) -> None:
         path = folder / "bench.yaml"
         path.write_text(bodies + text, "utf-8")
+        self._read(path)
+
+    @classmethod
+    def of_deck(cls, path: Path) -> "Bench":
+        """The bodies of a deck as it is."""
+        bench = cls.__new__(cls)
+        bench._read(path)
+        return bench
+
+    def _read(self, path: Path) -> None:
         self.model, state = build(read_deck(path))
         self.nodes: Any = state.nodes.view(np.recarray)
         self.rows: Any = state.rows.view(np.recarray)
@@ -59,7 +70,7 @@ class Bench:
         self.move(node, q=product(exponential(rotation), self.nodes[node].q))
 
     def shake(self, seed: int, speed: float = 1.0, turn: float = 0.8) -> None:
-        """Any postures and velocities, and the ground at rest."""
+        """Any configurations and velocities, and the ground at rest."""
         rng = np.random.default_rng(seed)
         for node in range(1, len(self.nodes)):
             self.turn(node, rng.uniform(-turn, turn, 3))
@@ -91,6 +102,8 @@ class Law:
         self.old = group.history.view(np.recarray)[0, i]
         self.new = group.history.view(np.recarray)[1, i]
         self.out = group.output.view(np.recarray)[i]
+        # that of its material, where its kernels call one
+        self.materials = [law for number, law in group.materials if self.p.law == number]
 
     def force(self, h: float = 1.0, t: float = 0.0) -> Any:
         """Forces of this law alone; h = 0 is a sample. Returns its outputs."""
@@ -100,7 +113,7 @@ class Law:
         spoil(self.new, getattr(self.module, "HISTORY", Record()))
         spoil(self.out, self.module.OUTPUT)
         kernel = plain(self.module.force)
-        args = (t, h, nodes, self.bench.rows, self.bench.curves)
+        args = (t, h, nodes, self.bench.rows, self.bench.curves, *self.materials)
         kernel(self.p, self.old, self.new, self.out, *args)
         return self.out
 
@@ -132,6 +145,77 @@ class Law:
             plain(self.module.follow)(self.p, self.old, self.new, self.out, bench.nodes)
         plain(self.module.measure)(self.p, self.out, t, bench.nodes, bench.rows, bench.curves)
         return self.out
+
+
+class Rows:
+    """Constraint rows of one joint with its own nodes, movable by hand."""
+
+    def __init__(self, model: Any, state: Any, group: Any, name: str) -> None:
+        joint = next(j for j in model.joints if j.name == name)
+        k = group.names.index(name)
+        self.module: Any = group.module
+        self.p = group.parameters.copy().view(np.recarray)[k]
+        self.old, self.new = group.history.copy().view(np.recarray)[:, k]
+        self.parts, self.m = joint.parts, joint.rows
+        self.ends = joint.nodes
+        self.curves = model.curves.view(np.recarray)
+        self.nodes: Any = np.zeros(len(state.nodes), NODE.dtype).view(np.recarray)
+        self.nodes[:] = state.nodes
+        self.rows = np.zeros(joint.parts * joint.rows, ROW.dtype).view(np.recarray)
+        self.p.first_row = 0
+        self.t = 0.0
+
+    def scramble(self, rng: np.random.Generator) -> None:
+        """Random configuration, velocity and time: the rows need not hold."""
+        self.t = rng.uniform(0.2, 1.5)
+        for node in self.nodes[1:]:
+            q = rng.normal(size=4)
+            node.A[:] = matrix(q / np.linalg.norm(q)).ravel()
+            node.r[:], node.v[:], node.w[:] = rng.normal(size=(3, 3))
+
+    def move(self, h: float, time: bool = False) -> None:
+        """All bodies for the time h at their constant velocities, the clock as well if asked."""
+        for node in self.nodes[1:]:
+            node.r[:] += h * node.v
+            angle = h * np.linalg.norm(node.w)
+            q = [np.cos(angle / 2), *(0.5 * h * np.sinc(angle / (2 * np.pi)) * node.w)]
+            node.A[:] = (matrix(q) @ node.A.reshape(3, 3)).ravel()
+        self.t += h if time else 0.0
+
+    def phi(self) -> np.ndarray:
+        function = plain(self.module.residual)
+        function(self.p, self.old, self.new, self.t, self.nodes, self.rows, self.curves)
+        return self.total(self.rows.phi)
+
+    def jacobian(self) -> None:
+        plain(self.module.jacobian)(self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+
+    def gamma(self) -> np.ndarray:
+        plain(self.module.convective)(self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        return self.total(self.rows.gamma)
+
+    def total(self, column: np.ndarray) -> np.ndarray:
+        """Sum over the parts of each row."""
+        total: np.ndarray = column.reshape(self.parts, self.m).sum(axis=0)
+        return total
+
+    def rate(self) -> np.ndarray:
+        """D v - nu."""
+        self.jacobian()
+        return self.total(np.array(self.dense() @ self.velocity())) - self.total(self.rows.nu)
+
+    def dense(self) -> np.ndarray:
+        """D of each row of each part, six columns per node."""
+        D = np.zeros((len(self.rows), 6 * len(self.nodes)))
+        for part in range(self.parts):
+            a, b = self.ends[2 * part : 2 * part + 2]
+            for i in range(part * self.m, (part + 1) * self.m):
+                D[i, 6 * a : 6 * a + 6] += self.rows[i].D[:6]
+                D[i, 6 * b : 6 * b + 6] += self.rows[i].D[6:]
+        return D
+
+    def velocity(self) -> np.ndarray:
+        return np.array([[*node.v, *node.w] for node in self.nodes]).ravel()
 
 
 def pair_of_blocks(flips: int) -> tuple[Any, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 import yaml
 from command import crashsolve
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 
 
 def run(folder: Path, scene: dict[str, Any], end: float, step: float | None = None) -> Result:

@@ -11,13 +11,13 @@ from scenes import Known, Scene, kinds
 
 from crashsolve.channels.series import Series
 from crashsolve.channels.statistic import refined
-from crashsolve.deck.read import Deck, read_deck
+from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.deck.run_cards.watch import Watch
 from crashsolve.deck.source import Position
-from crashsolve.deck.watch import Watch
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import estimate_in_memory
-from crashsolve.estimate.samples import Samples
 from crashsolve.model.build import build
+from crashsolve.recording.samples import Samples
 from crashsolve.study.trials import cores
 
 # methods that choose their step

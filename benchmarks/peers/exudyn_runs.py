@@ -89,12 +89,12 @@ def plane_body(
     system: Any,
     mass: float,
     inertia: float,
-    posture: Sequence[float],
+    configuration: Sequence[float],
     rates: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> tuple[int, int]:
-    """Node and body; posture and rates are (x, y, angle) of the mass centre."""
+    """Node and body; configuration and rates are (x, y, angle) of the mass centre."""
     node = system.AddNode(
-        NodeRigidBody2D(referenceCoordinates=list(posture), initialVelocities=list(rates))
+        NodeRigidBody2D(referenceCoordinates=list(configuration), initialVelocities=list(rates))
     )
     return node, system.AddObject(ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
 

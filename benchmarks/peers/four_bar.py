@@ -1,4 +1,4 @@
-"""A2: five rods in two squares fall through the flat, singular posture (IFToMM A02)."""
+"""A2: five rods in two squares fall through the flat, singular configuration (IFToMM A02)."""
 
 import crash
 import exudyn_runs
@@ -87,7 +87,7 @@ def mujoco_watch(model, data):
 
 PROBLEM = Problem(
     name="A2",
-    title="A2 two four-bar loops through the singular posture, 10 s",
+    title="A2 two four-bar loops through the singular configuration, 10 s",
     measure="largest error of x and y of the first crank's tip at 10 s [m]",
     reference=np.array(REFERENCE),
     methods=[

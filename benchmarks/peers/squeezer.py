@@ -10,7 +10,7 @@ import numpy as np
 from exudyn.utilities import LoadTorqueVector, MarkerBodyRigid, ObjectConnectorSpringDamper
 from problem import Problem
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 
 PATH = crash.DECKS / "benchmark/andrews_squeezer.yaml"
 DECK = read_deck(PATH)
@@ -50,8 +50,8 @@ def exudyn_bodies(system):
     base = exudyn_runs.ground(system)
     made = {"ground": (None, base)}
     for name, card in BODIES.items():
-        posture = [*card.position[:2], 0.0]
-        made[name] = exudyn_runs.plane_body(system, card.mass, card.inertia[2], posture)
+        configuration = [*card.position[:2], 0.0]
+        made[name] = exudyn_runs.plane_body(system, card.mass, card.inertia[2], configuration)
 
     def marker(name, place):
         centre = BODIES[name].position[:2] if name in BODIES else (0.0, 0.0)

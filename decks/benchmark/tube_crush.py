@@ -17,7 +17,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "postproc")]
 
-from crashpost.result import Result  # noqa: E402
+from crashpost.results.result import Result  # noqa: E402
 
 DECK = HERE / "tube_crush.yaml"
 PICTURES = HERE / "tube_crush"

@@ -18,7 +18,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "postproc")]
 
-from crashpost.result import Result  # noqa: E402
+from crashpost.results.result import Result  # noqa: E402
 
 PICTURES = HERE / "beam_impact"
 MESHES, FINER = (4, 10, 20), (4, 10, 20, 40, 80)

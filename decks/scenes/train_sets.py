@@ -18,7 +18,12 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "postproc")]
 
-from crashpost.result import Result  # noqa: E402
+from crashpost.results.result import Result  # noqa: E402
+
+sys.path.append(str(HERE / "train_sets"))
+
+import by_hand  # noqa: E402
+import sweeps  # noqa: E402
 
 PICTURES = HERE / "train_sets"
 SPEEDS = (30, 40, 55)
@@ -26,17 +31,16 @@ CARS = range(1, 17)
 INTERFACES = range(1, 16)
 COLOURS = {30: "#8fb8de", 40: "#3f7fbf", 55: "#12355b"}
 MASS, MOVING = 680e3, 340e3  # both trains, the moving one [kg]
-# (parameter, unit, low, high) of shared/rail_numbers.yaml and train_sets.yaml: their ranges there
-ASSUMED = (
-    ("k_grip", "N/m", 3e6, 2e7),
-    ("mu_plate", "1", 0.05, 0.5),
-    ("body_height", "m", 1.4, 1.9),
-    ("buffer_height", "m", 0.98, 1.065),
-    ("k_secondary", "N/m", 0.7e6, 1.5e6),
-    ("k_primary", "N/m", 1.5e6, 3.5e6),
-)
 # a parked train that stands as Table 2 prints it: its motor car at the far end
 REVERSED = {9: (51, 26), 10: (34, 26), 15: (51, 26), 16: (68, 20)}
+# ends out of line, m
+OFFSETS: tuple[dict[str, Any], ...] = (
+    {},
+    {"lift_parked": 0.04},
+    {"aside_parked": 0.04},
+    {"lift_parked": 0.04, "aside_parked": 0.04},
+)
+MIDDLE_CARS = "car_7*,car_8*,car_9*,car_10*"
 
 
 class Runs:
@@ -45,15 +49,15 @@ class Runs:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def __call__(self, speed: int = 55, **settings: Any) -> Result:
+    def __call__(self, speed: int = 55, deck: str = "", **settings: Any) -> Result:
         """Result at a speed [km/h] with parameters or fields set; dots of fields written __."""
         words = [f"speed={speed} km/h", "control.estimate=off"]
         words += [f"{name.replace('__', '.')}={value}" for name, value in settings.items()]
         name = "_".join([str(speed), *(f"{k}={v}" for k, v in settings.items())]).replace(" ", "")
-        folder = self.folder / name[:200]
+        folder = self.folder / f"{'space_' * bool(deck)}{name}"[:200]
         if not finished(folder):
-            deck = str(HERE / "train_sets.yaml")
-            command = [sys.executable, "-m", "crashsolve", deck, "-o", str(folder)]
+            path = str(HERE / f"train_sets{deck}.yaml")
+            command = [sys.executable, "-m", "crashsolve", path, "-o", str(folder)]
             for word in words:
                 command += ["--set", word]
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
@@ -241,32 +245,109 @@ def kinematics_table(runs: Runs) -> str:
     return table(f"{head}|cars with a wheel off the rail|ribs that locked|couplers pulled", lines)
 
 
-def assumption_table(runs: Runs) -> str:
-    """What each assumption is worth, at 55 km/h."""
-    cases: list[tuple[str, dict[str, Any]]] = [("as the deck stands", {})]
-    for name, unit, low, high in ASSUMED:
-        shown = "" if unit == "1" else f" {unit}"
-        cases += [(f"{name} {x:g}{shown}", {name: x}) for x in (low, high)]
-    other: dict[str, Any] = {}
-    for car, (mass, length) in REVERSED.items():
-        other |= {f"mass_{car}": f"{mass} t", f"length_{car}": length}
-    cases.append(("parked train the other way round", other))
+def told(run: sweeps.Extreme) -> str:
+    """Largest gap in mm and largest force in kN of a run, with their places."""
+    if np.isnan(run.gap):
+        return "no answer"
+    gap_at, force_at = run.gap_at.replace("_", "-"), run.force_at.replace("_", "-")
+    return f"{1e3 * run.gap:.0f} ({gap_at}), {1e-3 * run.force:.0f} ({force_at})"
+
+
+def assumption_table(folder: Path) -> str:
+    """What each assumption is worth, at 55 km/h: the larger its effect, the higher it stands."""
+    stands, every = sweeps.one_at_a_time(folder)
+    spread = {
+        one.name: np.nanmax(np.abs([low.gap - stands.gap, high.gap - stands.gap]))
+        for one, low, high in every
+    }
+    every.sort(key=lambda row: -spread[row[0].name])
+    lines = [["as the deck stands", "", "", told(stands), told(stands)]]
+    for one, low, high in every:
+        value = sweeps.deck_value(one.name).strip("${}")
+        lines.append(
+            [one.name, f"{value}, {one.kind}", f"{one.low} to {one.high}", told(low), told(high)]
+        )
+    return table("assumption|deck|range|at its low end|at its high end", lines)
+
+
+def space_table(runs: Runs) -> str:
+    """The train sets in space, with ends in line and out of line."""
     lines = []
-    for title, settings in cases:
-        result = runs(55, **settings)
+    for offset in OFFSETS:
+        result = runs(55, "_3d", **offset)
         (g, at), (f, where) = largest(result, gap), largest(result, tangential)
-        most = max(crush(result, i) for i in INTERFACES)
-        lines.append([title, f"{1e3 * g:.0f}", at, f"{1e-3 * f:.0f}", where, f"{most:.2f}"])
-    head = "changed|largest gap [mm]|at|largest tangential force [kN]|at|largest crush [m]"
-    return table(head, lines)
+        aside = max(
+            np.abs(values(result, f"disbout.gap_{interface(i)}.vector.y")).max() for i in INTERFACES
+        )
+        guided = max(
+            values(result, f"rcforc.car_{i}_guidance_{side}.normal").max()
+            for i in CARS
+            for side in ("left", "right")
+        )
+        name = ", ".join(f"{k.split('_')[0]} {1e3 * v:.0f} mm" for k, v in offset.items())
+        line = [name or "in line", f"{1e3 * g:.1f} ({at})", f"{1e3 * gap_at(result, 8):.1f}"]
+        line += [f"{1e-3 * f:.1f} ({where})", f"{1e3 * aside:.1f}", f"{1e-3 * guided:.0f}"]
+        lines.append(line)
+    head = "ends of the parked train|largest gap [mm]|gap at 8-9 [mm]|largest tangential force [kN]"
+    return table(f"{head}|largest offset along y [mm]|flange on rail [kN]", lines)
+
+
+def gap_at(result: Result, i: int) -> float:
+    return extreme(gap(result, i))
+
+
+def plane_and_space(runs: Runs) -> str:
+    """How far both models differ in a straight collision, over the largest of all interfaces."""
+    flat, space = runs(55), runs(55, "_3d")
+    parts = []
+    for name, measure in (("gap", gap), ("tangential force", tangential)):
+        size = largest(flat, measure)[0]
+        apart = max(abs(extreme(measure(flat, i)) - extreme(measure(space, i))) for i in INTERFACES)
+        parts.append(f"{name} {100 * apart / size:.2f} %")
+    return ", ".join(parts)
+
+
+def draw_assumptions(folder: Path, plt: Any) -> None:
+    """Largest gap and force of every run of the sweeps, beside what the chapter has."""
+    stands, every = sweeps.one_at_a_time(folder / "one")
+    draws = sweeps.all_at_once(folder / "all")
+    figure, axes = plt.subplots(figsize=(7.5, 4.6), layout="constrained")
+    single = [run for _, low, high in every for run in (low, high)]
+    for some, look, label in (
+        (draws, {"color": "0.6", "marker": "o"}, f"all drawn over their ranges, {len(draws)} runs"),
+        (single, {"color": "#3f7fbf", "marker": "."}, "one number changed"),
+        ([stands], {"color": "#d55e00", "marker": "*", "s": 160}, "the deck"),
+    ):
+        x, y = [1e3 * run.gap for run in some], [1e-3 * run.force for run in some]
+        axes.scatter(x, y, label=label, **look)
+    axes.axvline(130, color="0.3", ls="--", lw=0.8)
+    axes.axhline(200, color="0.3", ls="--", lw=0.8)
+    axes.annotate("within these: Figs 13, 14", (128, 203), ha="right", fontsize=8)
+    axes.set(xlabel="largest gap [mm]", ylabel="largest tangential force [kN]")
+    axes.legend(frameon=False)
+    axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(PICTURES / "assumed.png", dpi=110)
+    plt.close(figure)
+
+
+def draw_film(result: Result) -> None:
+    """Strip and film of the cars that meet."""
+    for word, told in (
+        ("render", ("--at", "0,0.1,0.3,0.6,1.5", "-o", "strip.png")),
+        ("film", ("--slow", "4", "--fps", "12", "--size", "960x270", "-o", "film.gif")),
+    ):
+        *options, file = told
+        command = [sys.executable, "-m", "crashpost", word, str(result.folder), "--view", "side"]
+        command += ["--show", MIDDLE_CARS, "--title", "Cars 7 to 10 at 55 km/h", *options]
+        subprocess.run([*command, str(PICTURES / file)], check=True, stdout=subprocess.DEVNULL)
 
 
 def price_table(runs: Runs) -> str:
-    """Steps and their errors at 55 km/h to 1 s, against a quarter of the finest step here."""
-    until = {"control__end_time": 1.0}
+    """Steps and their errors at 55 km/h to 1 s, against the finest."""
+    until: dict[str, Any] = {"control__end_time": 1.0}
     best = runs(55, **until, control__safety=0.005)
     lines = []
-    for safety in (0.1, 0.05, 0.02):
+    for safety in (0.8, 0.5, 0.3, 0.1):
         result = runs(55, **until, control__safety=safety)
         errors = []
         for measure in (gap, tangential):
@@ -278,9 +359,13 @@ def price_table(runs: Runs) -> str:
             errors.append(np.abs(apart).max() / size)
         status = json.loads((result.folder / "status.json").read_text("utf-8"))
         steps = int(status["cycle"])
+        cost = f"{status['cpu_steps']:.2f}"
         told = [f"{x:.1e}" for x in errors]
-        lines.append([f"{safety:g}", str(steps), *told])
-    return table("safety|steps|error of largest gaps|of largest tangential forces", lines)
+        lines.append([f"{safety:g}", str(steps), cost, *told])
+    return table(
+        "safety|steps|CPU of the steps [s]|error of largest gaps|of largest tangential forces",
+        lines,
+    )
 
 
 def main() -> None:
@@ -291,14 +376,28 @@ def main() -> None:
 
     PICTURES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        runs = Runs(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(folder))
+        work = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(folder)
+        runs = Runs(work)
         for draw in (draw_bars, draw_crush, draw_motion):
             draw(runs, plt)
+        draw_assumptions(work, plt)
+        draw_film(runs(55))
+        reverse: dict[str, Any] = {}
+        for car, (mass, length) in REVERSED.items():
+            reverse |= {f"mass_{car}": f"{mass} t", f"length_{car}": length}
+        other = runs(55, **reverse)
+        turned = f"{1e3 * largest(other, gap)[0]:.0f} mm"
+        turned += f" and {1e-3 * largest(other, tangential)[0]:.0f} kN"
         parts = {
             "ENERGY": energy_table(runs),
             "KINEMATICS": kinematics_table(runs),
+            "HAND": by_hand.table(),
             "PRICE": price_table(runs),
-            "ASSUMED": assumption_table(runs),
+            "ASSUMED": assumption_table(work / "one"),
+            "DRAWN": sweeps.summary(sweeps.all_at_once(work / "all")),
+            "TURNED": turned,
+            "AGREE": plane_and_space(runs),
+            "SPACE": space_table(runs),
         }
     text = (PICTURES / "page.txt").read_text("utf-8")
     for name, part in parts.items():

@@ -3,13 +3,13 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from crashpost.result import Result as Result
+    from crashpost.results.result import Result as Result
 
 
 def __getattr__(name: str) -> Any:
     """`Result` for scripts, loaded when it is asked for."""
     if name == "Result":
-        from crashpost.result import Result
+        from crashpost.results.result import Result
 
         return Result
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

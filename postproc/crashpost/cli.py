@@ -11,14 +11,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crashpost import curves_cli, pictures
+from crashpost.commands import curves, pictures
 from crashpost.errors import PostError
-from crashpost.text import printable, printable_lines
+from crashpost.results.text import printable, printable_lines
 from crashsolve import __version__
 from crashsolve.channels.command_line import add_completion, completion, protected
 
 if TYPE_CHECKING:
-    from crashpost.result import Result
+    from crashpost.results.result import Result
 
 # exit code of a request that cannot be met
 REFUSED = 2
@@ -90,14 +90,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     sub = add("expect", _expect, "evaluate the deck's expectations")
     sub.add_argument("--partial", action="store_true", help="also of a run that did not finish")
-    curves_cli.add_commands(add)
+    curves.add_commands(add)
     pictures.add_commands(add)
     sub = add("sweep", _sweep, "gather the runs of a sweep in one table, and draw them")
     sub.add_argument("-o", "--output", type=Path, help="folder of the pictures; default RESULT")
     sub.add_argument("--table", action="store_true", help="only the table")
     sub = add("report", _report, "write one self-contained HTML page")
     sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
-    curves_cli.add_units(sub)
+    curves.add_units(sub)
     sub.add_argument(
         "--pictures",
         choices=("all", "strips", "none"),
@@ -111,13 +111,13 @@ def _parser() -> argparse.ArgumentParser:
 
 def _open(options: argparse.Namespace) -> "Result":
     # h5py and numpy are loaded only once a result is really opened
-    from crashpost.result import Result
+    from crashpost.results.result import Result
 
     return Result(options.result)
 
 
 def _summary(options: argparse.Namespace) -> int:
-    from crashpost.summary import summary
+    from crashpost.values.summary import summary
 
     _say(summary(_open(options)))
     return 0
@@ -125,8 +125,8 @@ def _summary(options: argparse.Namespace) -> int:
 
 def _channels(options: argparse.Namespace) -> int:
     result = _open(options)
-    from crashpost.choice import channels
-    from crashpost.table import text_table
+    from crashpost.results.choice import channels
+    from crashpost.results.table import text_table
 
     known = {channel.name: channel for channel in result.channels()}
     rows = []
@@ -140,9 +140,9 @@ def _channels(options: argparse.Namespace) -> int:
 
 def _value(options: argparse.Namespace) -> int:
     result = _open(options)
-    from crashpost.answer import answer
-    from crashpost.choice import choices
-    from crashpost.table import text_table
+    from crashpost.results.answer import answer
+    from crashpost.results.choice import choices
+    from crashpost.results.table import text_table
 
     during = _window(options.during) if options.during else None
     rows = []
@@ -164,7 +164,7 @@ def _value(options: argparse.Namespace) -> int:
 def _values(options: argparse.Namespace) -> int:
     import json
 
-    from crashpost.questions import answers
+    from crashpost.values.questions import answers
 
     print(json.dumps(answers(_open(options), options.questions)))
     return 0
@@ -180,7 +180,7 @@ def _window(text: str) -> tuple[float, float]:
 
 def _expect(options: argparse.Namespace) -> int:
     result = _open(options)
-    from crashpost.expectation import judge, verdict_table
+    from crashpost.values.expectation import judge, verdict_table
 
     state = result.status.get("state", "unknown")
     if not result.finished and not options.partial:
@@ -201,15 +201,15 @@ def _completion(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
 
 
 def _sweep(options: argparse.Namespace) -> int:
-    from crashpost import sweep
+    from crashpost.sweeps import table
 
-    found = sweep.read(options.result)
-    _say(sweep.told(found, sweep.write(found)))
+    found = table.read(options.result)
+    _say(table.told(found, table.write(found)))
     # a measure that no run has is a mistake of the plan
-    code = 1 if sweep.unanswered(found) else 0
+    code = 1 if table.unanswered(found) else 0
     if options.table:
         return code
-    from crashpost.sweep_pictures import draw
+    from crashpost.sweeps.pictures import draw
 
     paths, missing = draw(found, options.output or options.result)
     for line in (*map(str, paths), *missing):
@@ -219,8 +219,8 @@ def _sweep(options: argparse.Namespace) -> int:
 
 def _report(options: argparse.Namespace) -> int:
     result = _open(options)
-    from crashpost.report import report
-    from crashpost.shown import Units
+    from crashpost.reports.build import report
+    from crashpost.values.units import Units
 
     text, problems = report(result, options.pictures, Units.read(options.unit))
     output = options.output or result.folder / "report.html"

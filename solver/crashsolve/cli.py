@@ -96,6 +96,12 @@ def _parser(asked: Sequence[str]) -> argparse.ArgumentParser:
         command = commands.add_parser(word, help=text)
         _deck_arguments(command)
         command.set_defaults(act=act)
+    commands.choices["explain"].add_argument(
+        "--expanded",
+        action="store_true",
+        help="print the deck instead, in SI, with all that it includes, its defaults, and the "
+        "cards that structures are made of; it runs by itself",
+    )
     _study_arguments(
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
@@ -162,6 +168,13 @@ def _study_arguments(parser: argparse.ArgumentParser) -> None:
         help="factors on the number of elements of every part; default: 1,2,4 where there are any",
     )
     parser.add_argument(
+        "--vary",
+        metavar="PATH[=A,B,...]",
+        help="compare the values of a field, such as parts.frame.deformation (all words that it "
+        "knows, or those given): with the deck's own method and step, unless others are asked for, "
+        "and against --reference, or the dearest of these runs",
+    )
+    parser.add_argument(
         "--channel",
         action="append",
         default=[],
@@ -193,7 +206,7 @@ def _overrides(options: argparse.Namespace) -> dict[str, str]:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from crashsolve.solve import solve
+    from crashsolve.simulation.solve import solve
 
     folder = options.output or Path(options.deck.stem + ".results")
     overrides = _overrides(options)
@@ -216,6 +229,7 @@ def _study(options: argparse.Namespace) -> int:
         steps=options.steps,
         tolerances=options.tolerances,
         meshes=options.meshes,
+        vary=options.vary,
         channels=options.channel,
         reference=options.reference,
         target=options.target,
@@ -225,10 +239,14 @@ def _study(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from crashsolve.deck.read import read_deck
+    from crashsolve.deck.reading.deck import read_deck
     from crashsolve.model.build import build
+    from crashsolve.recording.histories import families_of
+    from crashsolve.recording.questions import look_up
 
-    model, _ = build(read_deck(options.deck, _overrides(options)))
+    deck = read_deck(options.deck, _overrides(options))
+    model, state = build(deck)
+    look_up(deck, families_of(model, state))
     for text in model.warnings:
         print(printable(f"warning: {text}"))
     print(printable(f"{options.deck}: no mistakes found"))
@@ -236,12 +254,13 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _explain(options: argparse.Namespace) -> int:
-    from crashsolve.deck.read import read_deck
+    from crashsolve.deck.reading.deck import read_deck
     from crashsolve.explain import explain
     from crashsolve.model.build import build
 
     deck = read_deck(options.deck, _overrides(options))
-    print(explain(deck, build(deck)[0]))
+    model, _ = build(deck)
+    print(deck.text.rstrip("\n") if options.expanded else explain(deck, model))
     return ExitCode.NORMAL
 
 

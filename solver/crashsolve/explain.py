@@ -1,8 +1,8 @@
 """What a scene uses, what it leaves out, and the step composed for it."""
 
+from crashsolve.deck.keywords import SECTIONS
 from crashsolve.deck.laws import types_in
-from crashsolve.deck.read import Deck
-from crashsolve.deck.sections import SECTIONS
+from crashsolve.deck.reading.deck import Deck
 from crashsolve.model.model import Model
 from crashsolve.system.compose import compose
 
@@ -24,6 +24,10 @@ def explain(deck: Deck, model: Model) -> str:
         if entries:
             used[keyword] = {entry.type for entry in entries.values()}
             lines.append(f"  {keyword}: {', '.join(sorted(used[keyword]))}")
+    for entry in deck.written_out:
+        used.setdefault(entry.item.keyword, set()).add(entry.type)
+        told = f"{entry.type} '{entry.name}'"
+        lines.append(f"  {entry.item.keyword}: {told}, written out in these (--expanded)")
     for group in model.contact_groups:
         lines.append(f"  contact loop: {group.word}, {len(group.parameters)} pairs")
     for nodal in model.nodal_groups:

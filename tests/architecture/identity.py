@@ -79,7 +79,7 @@ SHORT = {
 
 def steps(folder: Path) -> None:
     """Write the text of the composed step of every deck with every setting."""
-    from crashsolve.deck.read import read_deck
+    from crashsolve.deck.reading.deck import read_deck
     from crashsolve.foundation.errors import DeckErrors
     from crashsolve.model.build import build
     from crashsolve.system.compose import compose
@@ -324,7 +324,7 @@ def results(folder: Path, decks: list[str]) -> None:
 
 def state_after(path: Path, setting: dict[str, str], steps: int) -> dict[str, str]:
     """Hashes of the tables of a run after so many steps, and of a sample then."""
-    from crashsolve.deck.read import read_deck
+    from crashsolve.deck.reading.deck import read_deck
     from crashsolve.foundation.errors import SolverError
     from crashsolve.model.build import build
     from crashsolve.system.engine import Engine

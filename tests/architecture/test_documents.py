@@ -1,14 +1,10 @@
 """Claim: the documents agree with the code: generated ones are fresh, examples work, links lead."""
 
-import os
 import re
-import shutil
 from pathlib import Path
 
 import pytest
-from command import crashsolve
 
-from crashpost.cli import main as crashpost
 from crashsolve.deck.schema import equations_markdown, keywords_markdown
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -48,27 +44,10 @@ def test_the_commands_of_the_readme_are_targets_of_the_makefile() -> None:
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.name)
 def test_links_and_files_named_in_a_document_exist(path: Path) -> None:
     text = re.sub(r"```.*?```", "", path.read_text("utf-8"), flags=re.DOTALL)
+    # files that the page itself shows, for the reader to make
+    text = re.sub(r"^`[\w./-]+`:$", "", text, flags=re.MULTILINE)
     links = re.findall(r"\]\((?!http)([^)#]+)\)", text)
     files = re.findall(r"`((?:solver|postproc|tests|decks|benchmarks)/[\w./-]+\.\w+)`", text)
     missing = [link for link in links if not (path.parent / link).exists()]
     missing += [name for name in files if not (ROOT / name).exists()]
     assert not missing
-
-
-def test_the_law_of_the_adding_guide_works(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A new law is one file and its deck: a copy of the package with drag.py solves drag.yaml."""
-    guide = ROOT / "solver" / "ADDING.md"
-    (law,), (deck,) = blocks(guide, "python"), blocks(guide, "yaml")
-    package = tmp_path / "source" / "crashsolve"
-    shutil.copytree(ROOT / "solver" / "crashsolve", package)
-    (package / "loads" / "drag.py").write_text(law, "utf-8")
-    path = tmp_path / "drag.yaml"
-    path.write_text(deck, "utf-8")
-    search = os.pathsep.join([str(package.parent), str(ROOT / "postproc")])
-    folder = tmp_path / "results"
-    done = crashsolve(path, "-o", folder, NUMBA_DISABLE_JIT="1", PYTHONPATH=search)
-    assert done.returncode == 0, done.stdout + done.stderr
-    code = crashpost(["expect", str(folder)])
-    assert code == 0, capsys.readouterr().out

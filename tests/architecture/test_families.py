@@ -11,104 +11,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from adding import files
 from command import crashsolve, environment
 
 ROOT = Path(__file__).resolve().parents[2]
-DECLARATION = '''"""Tethers: ropes between two bodies."""
-
-from typing import Any, Protocol
-
-from crashsolve.deck.family import LINE, Family
-
-
-class TetherLaw(Protocol):
-    """What the file of a tether provides beside its card."""
-
-    def build(self, card: Any, scene: Any) -> Any:
-        """Words into symbols."""
-
-    def force(self, p, old, new, out, t, h, nodes, rows, curves):
-        """Forces on both bodies."""
-
-
-FAMILY = Family(
-    entry="tether",
-    follows="springs",
-    law=TetherLaw,
-    energy=("tether",),
-    channels=("tetherout", "tension of tethers"),
-    picture=LINE,
-    uses=(),
-    integrators=("rattle", "dormand_prince_5"),
-)
-'''
-ROPE = '''"""Rope that pulls and does not push.
-
-    F = k (l - l_0)   while l > l_0
-"""
-
-from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.motion import apply_force, arm, mobility, point_at, stiffen
-from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import norm, scale, sub, vec
-
-
-class Rope(Card):
-    """Elastic rope between two points."""
-
-    a: BodyName = word("first body", default="ground")
-    b: BodyName = word("second body")
-    at_a: Vec3 = quantity("m", "in the frame of a", default=(0.0, 0.0, 0.0))
-    at_b: Vec3 = quantity("m", "in the frame of b", default=(0.0, 0.0, 0.0))
-    stiffness: float = quantity("N/m", "tension over elongation", gt=0)
-    length: float = quantity("m", "length without tension", gt=0)
-
-
-PARAMETERS = Record(
-    node_a=("index", "a"),
-    node_b=("index", "b"),
-    point_a=("m", 3, "of a"),
-    point_b=("m", 3, "of b"),
-    stiffness=("N/m", "k"),
-    length=("m", "l_0"),
-)
-HISTORY = Record(longest=("m", "length so far"))
-OUTPUT = Record(force=("N", "tension"))
-
-
-def build(card, scene):
-    return scene.attachments(card) | {"stiffness": card.stiffness, "length": card.length}
-
-
-@kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
-    """Writes: nodes, out, new."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
-    way = sub(point_at(b, d_b), point_at(a, d_a))
-    length = norm(way)
-    u, x = scale(1.0 / length, way), max(length - p.length, 0.0)
-    out.force = p.stiffness * x
-    out.stored, out.power, out.loss = 0.5 * p.stiffness * x * x, 0.0, 0.0
-    new.longest = max(old.longest, length)
-    apply_force(a, scale(out.force, u), d_a)
-    apply_force(b, scale(-out.force, u), d_b)
-    stiffen(a, mobility(a, d_a, u), p.stiffness, 0.0)
-    stiffen(b, mobility(b, d_b, u), p.stiffness, 0.0)
-'''
-DECK = """\
-title: a ball on a rope
-control: {end_time: 0.2, step: 1e-3, integrator: rattle, estimate: off}
-bodies: {ball: {mass: 2.0, inertia: [1, 1, 1], position: [0, 0, -1.01]}}
-tethers: {line: {type: rope, b: ball, stiffness: 5000.0, length: 1.0}}
-output: {history: {interval: 0.01}, states: {interval: 0.1}, restart: {every: 0.1}}
-expect:
-  - {channel: tetherout.line.force, statistic: 'at:0', value: 50, tolerance: 1e-9, because: exact,
-     source: k x}
-  - {channel: glstat.model.energy.tether_stored, statistic: 'at:0', value: 0.25, tolerance: 1e-9,
-     because: exact, source: k x^2 / 2}
-"""
+# the family of the guide, as it stands there
+(DECLARATION, ROPE, DECK) = files("8. A family").values()
 
 
 @pytest.fixture(scope="module")
@@ -178,18 +86,47 @@ def test_what_cannot_step_it_is_refused(home: Path, tmp_path: Path) -> None:
     assert (done.returncode, told in done.stderr) == (2, True), done.stderr
 
 
-def test_the_tests_of_laws_and_of_the_house_ask_about_it(home: Path) -> None:
-    code = (
-        "import test_laws, test_house, crashsolve\n"
-        "assert ('tethers', 'rope') in test_laws.LAWS\n"
-        "assert test_laws.KERNELS['tethers'] == ('build', 'force')\n"
-        "test_laws.test_a_law_has_card_build_and_kernels(('tethers', 'rope'))\n"
-        "assert test_house.floor('crashsolve.tethers.rope') == 1\n"
-    )
-    folders = (home / "source", ROOT / "postproc", ROOT / "tests", ROOT / "tests/architecture")
-    given = environment(PYTHONPATH=os.pathsep.join(map(str, folders)))
-    done = subprocess.run([sys.executable, "-c", code], env=given, capture_output=True, text=True)
+def test_a_run_goes_on_from_its_dump_to_the_same_bits(home: Path, tmp_path: Path) -> None:
+    whole, parted = tmp_path / "whole", tmp_path / "parted"
+    assert run(home, home / "deck.yaml", "-o", whole).returncode == 0
+    short = home / "deck.yaml", "-o", parted, "--set", "control.end_time=0.1"
+    assert run(home, *short).returncode == 0
+    done = run(home, home / "deck.yaml", "-o", parted, "--restart", "--until", "0.2")
     assert done.returncode == 0, done.stderr
+    with h5py.File(whole / "history.h5") as one, h5py.File(parted / "history.h5") as other:
+        for name in ("tetherout-rope/force", "glstat/energy/tether_stored"):
+            assert np.array_equal(one[name], other[name]) and len(one[name]) == 21
+
+
+def test_the_contract_tests_ask_about_it(home: Path) -> None:
+    """Deck, card, kernels, layer, balance, energy, tangents: the tests are those of all laws."""
+    tests = home / "tests"
+    for name in ("bench.py", "contract", "architecture/test_laws.py", "architecture/test_house.py"):
+        (tests / name).parent.mkdir(parents=True, exist_ok=True)
+        copy = shutil.copytree if (ROOT / "tests" / name).is_dir() else shutil.copy
+        copy(ROOT / "tests" / name, tests / name)
+    deck = home / "decks" / "verification" / "tethers" / "rope.yaml"
+    deck.parent.mkdir(parents=True)
+    shutil.copy(home / "deck.yaml", deck)
+    shutil.copytree(home / "source", home / "solver")
+    folders = (home / "solver", ROOT / "postproc", tests)
+    given = environment(PYTHONPATH=os.pathsep.join(map(str, folders)), NUMBA_DISABLE_JIT="1")
+    words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rA", str(tests)]
+    asked = "tethers or (imports_only and down) or has_its_floor"
+    done = subprocess.run(
+        [*words, "-k", asked], env=given, capture_output=True, text=True, cwd=home, check=False
+    )
+    assert done.returncode == 0, done.stdout
+    for claim in (
+        "test_a_law_has_card_build_and_kernels[tethers/rope]",
+        "test_imports_only_go_down_the_house",
+        "test_every_package_of_the_solver_has_its_floor",
+        "test_every_column_is_written_and_the_past_is_kept[tethers/rope]",
+        "test_action_equals_reaction_also_in_moment[0-tethers/rope]",
+        "test_work_is_stored_or_lost_or_done_from_outside[1-tethers/rope]",
+        "test_implicit_methods_have_its_tangent_or_do_not_step_it[tethers/rope]",
+    ):
+        assert claim in done.stdout, claim
 
 
 @pytest.mark.parametrize(
@@ -203,8 +140,11 @@ def test_the_tests_of_laws_and_of_the_house_ask_about_it(home: Path) -> None:
             "must declare law, energy: see",
         ),
         ("__init__", '"springs"', '"ropes"', "follows 'ropes', which is no section"),
-        ("__init__", "law=TetherLaw", "law=Any", "`law` must be a Protocol"),
-        ("rope", "def force(", "def pull(", "must provide force (Forces on both bodies)"),
+        ("__init__", "law=TetherLaw", "law=dict", "`law` must be a Protocol"),
+        ("__init__", 'energy=("tether",)', "energy=()", "must name an entry of the ledger"),
+        ("rope", "def force(p, old, new,", "def force(p, new, old,", "not force(p, new, old, out"),
+        ("rope", "HISTORY =", 'LEDGER = "hemp"\nHISTORY =', "must be one of tether, as declared"),
+        ("rope", "def force(", "def pull(", "must provide force (Forces on bodies, what is"),
     ],
 )
 def test_what_is_forgotten_is_one_error_in_words(
@@ -219,5 +159,6 @@ def test_what_is_forgotten_is_one_error_in_words(
     finally:
         path.write_text(text, "utf-8")
     assert done.returncode == 1
-    # what went wrong stands in the last line
-    assert told in done.stderr.splitlines()[-1]
+    # one clear line, and no traceback above it
+    (line,) = done.stderr.splitlines()
+    assert told in line

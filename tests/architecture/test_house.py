@@ -1,7 +1,8 @@
-"""Claim: the house stands as ARCHITECTURE.md draws it. Imports only go down, never sideways."""
+"""Claim: the layers are those of ARCHITECTURE.md. Imports only go down, and never in a circle."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -14,21 +15,27 @@ POST = ROOT / "postproc" / "crashpost"
 
 FLOORS = (
     ("foundation", "channels"),
-    (
-        "deck",
-        *("curves", "bodies", "contact", "friction", "materials", "sections", "parts", "meshes"),
-        # each with all it states of itself
-        *families(),
-    ),
+    ("compiler",),
+    # families state themselves what they are
+    ("deck", *dict.fromkeys(family.folder.split("/")[0] for family in families().values())),
     ("model",),
     ("system",),
     ("integrators", "output"),
+    ("recording",),
+    ("study",),
+    ("estimate",),
+    ("simulation",),
+    ("sweep",),
 )
+# the package's single files: the commands and the Python interface
 ROOF = len(FLOORS)
-# packages on the roof, beside its single files
-ROOF_ROOMS = {"study", "estimate", "sweep"}
+# packages of crashpost, each of which imports only those before it
+POST_LAYERS = (
+    *("results", "values", "figures", "renders", "compare", "exports", "sweeps", "reports"),
+    "commands",
+)
 # every card is made of the deck's fields, so the families stand on deck/ although on its floor
-SIDEWAYS = {(family, "deck") for family in FLOORS[1]}
+SIDEWAYS = {(family, "deck") for family in FLOORS[2]}
 SIDEWAYS |= {(name, other) for name, family in families().items() for other in family.uses}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
 LONGEST_FUNCTION = 60
@@ -49,14 +56,23 @@ def floor(name: str) -> int:
     return ROOF
 
 
-def module_name(path: Path) -> str:
-    parts = path.relative_to(SOLVER.parent).with_suffix("").parts
+def module_name(path: Path, package: Path = SOLVER) -> str:
+    parts = path.relative_to(package.parent).with_suffix("").parts
     return ".".join(part for part in parts if part != "__init__")
 
 
 def imports(path: Path) -> Iterator[str]:
-    """Full names of all modules a file imports, at the top and within functions."""
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    """Full names of all modules a file imports when it runs, at the top and within functions."""
+    tree = ast.parse(path.read_text("utf-8"))
+    for_types = {
+        inner
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
+        for inner in ast.walk(node)
+    }
+    for node in ast.walk(tree):
+        if node in for_types:
+            continue
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -98,7 +114,37 @@ def test_the_postprocessor_knows_the_solver_by_its_files_only() -> None:
 
 def test_every_package_of_the_solver_has_its_floor() -> None:
     rooms = {path.name for path in SOLVER.iterdir() if (path / "__init__.py").exists()}
-    assert rooms == {name for names in FLOORS for name in names} | ROOF_ROOMS
+    assert rooms == {name for names in FLOORS for name in names}
+
+
+def test_the_packages_of_the_postprocessor_have_an_order() -> None:
+    assert {path.parent.name for path in POST.glob("*/__init__.py")} == set(POST_LAYERS)
+    up = []
+    for path in POST.glob("*/*.py"):
+        height = POST_LAYERS.index(path.parent.name)
+        for there in imports(path):
+            package = there.split(".")[1] if there.startswith("crashpost.") else ""
+            if package in POST_LAYERS and POST_LAYERS.index(package) > height:
+                up.append(f"{module_name(path, POST)} imports {there}")
+    assert not up, "\n".join(up)
+
+
+@pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
+def test_no_modules_import_each_other_in_a_circle(package: Path) -> None:
+    """Imports at the top of modules and within functions; those for types alone do not run."""
+    paths = {module_name(path, package): path for path in package.rglob("*.py")}
+    graph = {
+        name: {
+            known for there in imports(path) if (known := _module(there, paths)) not in (None, name)
+        }
+        for name, path in paths.items()
+    }
+    TopologicalSorter(graph).prepare()
+
+
+def _module(name: str, known: Mapping[str, Path]) -> str | None:
+    """The module that an imported name is, or belongs to."""
+    return next((n for n in (name, name.rpartition(".")[0]) if n in known), None)
 
 
 @pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from crashsolve.deck.read import read_deck
-from crashsolve.deck.sections import SECTIONS
+from crashsolve.deck.keywords import SECTIONS
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 from crashsolve.model.ledger import ENTRIES
-from crashsolve.system import scene
+from crashsolve.system import placeholders
 from crashsolve.system.compose import compose
 
 ROOT = Path(__file__).resolve().parents[2]
 SOLVER = ROOT / "solver" / "crashsolve"
-COMPOSERS = ("system/compose.py", "foundation/program.py", "foundation/specialise.py")
+COMPOSERS = ("system/compose.py", "compiler/program.py", "compiler/specialise.py")
 # rigid and flexible, explicit and implicit, of pairs and of nodes, with and without samples within
 DECKS = (
     "tutorial/bouncing_ball",
@@ -76,15 +76,15 @@ def test_every_function_of_a_step_has_its_file(name: str) -> None:
     # the names of placeholders have given way to what they stand for
     tree = ast.parse(text)
     left = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
-    assert not left & {name for name in vars(scene) if name.isupper()}
+    assert not left & {name for name in vars(placeholders) if name.isupper()}
 
 
 def test_every_placeholder_has_a_value() -> None:
     model, _ = build(read_deck(ROOT / "decks/tutorial/bouncing_ball.yaml"))
-    tree = ast.parse((SOLVER / "system/scene.py").read_text("utf-8"))
+    tree = ast.parse((SOLVER / "system/placeholders.py").read_text("utf-8"))
     declared = {
         ast.unparse(node.target if isinstance(node, ast.AnnAssign) else node.targets[0])
         for node in tree.body
         if isinstance(node, (ast.Assign, ast.AnnAssign))
     }
-    assert declared == set(scene.placeholders(model))
+    assert declared == set(placeholders.placeholders(model))

@@ -22,7 +22,7 @@ from mutations import Decks, damage
 
 from crashpost.cli import main as crashpost
 from crashsolve.cli import main as crashsolve
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import CrashsolveError
 from crashsolve.model.build import build
 

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 from command import crashsolve
 
-from crashsolve.foundation import cache, machine
-from crashsolve.foundation.cache import CacheError, find_folder, locked, read_sealed, write_sealed
-from crashsolve.foundation.table import Tables
+from crashsolve.compiler import cache, machine
+from crashsolve.compiler.cache import CacheError, find_folder, locked, read_sealed, write_sealed
+from crashsolve.compiler.table import Tables
 from crashsolve.system import compose
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
@@ -73,7 +73,7 @@ def test_what_is_no_plain_file_is_not_read_nor_waited_for(tmp_path: Path) -> Non
 
 
 KERNELS = """
-from crashsolve.foundation.compile import entry, kernel
+from crashsolve.foundation.kernels import entry, kernel
 
 @kernel
 def inner(x):
@@ -157,7 +157,7 @@ def test_of_sixteen_that_begin_together_one_compiles(
 HOLDER = """
 import sys, time
 from pathlib import Path
-from crashsolve.foundation.cache import locked
+from crashsolve.compiler.cache import locked
 with locked(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(600)

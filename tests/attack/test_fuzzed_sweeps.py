@@ -10,8 +10,8 @@ import pytest
 import yaml
 from attack.mutations import change_anything, change_number
 
-from crashpost import sweep
 from crashpost.errors import PostError
+from crashpost.sweeps import table
 from crashsolve.foundation.errors import CrashsolveError
 from crashsolve.sweep.design import points_of
 from crashsolve.sweep.plan import read_plan
@@ -88,7 +88,7 @@ def test_a_damaged_sweep_is_told(tmp_path: Path) -> None:
     data, rng = sweep_folder(tmp_path), random.Random(5)
     path = tmp_path / "sweep.json"
     path.write_text(json.dumps(data), "utf-8")
-    (row,) = sweep.read(tmp_path).rows
+    (row,) = table.read(tmp_path).rows
     assert (row.state, row.message, row.values) == ("failed", "m", [3.0])
     told = 0
     for _ in range(300):
@@ -96,7 +96,7 @@ def test_a_damaged_sweep_is_told(tmp_path: Path) -> None:
         change_anything(wrong, rng)
         path.write_text(json.dumps(wrong, default=str), "utf-8")
         try:
-            sweep.write(sweep.read(tmp_path))
+            table.write(table.read(tmp_path))
         except PostError as error:
             told += 1
             assert "sweep.json" in str(error)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from crashsolve.deck.read import Deck, read_deck
+from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.output.log import Log

@@ -18,7 +18,7 @@ import pytest
 from command import crashsolve, differences, start
 
 from crashpost.cli import main as crashpost
-from crashpost.result import Result
+from crashpost.results.result import Result
 from crashsolve.output.restart import newest_restart
 
 ROOT = Path(__file__).resolve().parents[2]

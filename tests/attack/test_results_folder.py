@@ -13,7 +13,7 @@ import h5py
 import pytest
 from command import arguments, crashsolve, environment, start
 
-from crashpost.status import read_status
+from crashpost.results.status import read_status
 from crashsolve.output.errors import OutputError
 from crashsolve.output.lock import Lock
 from crashsolve.output.log import STOPPED
@@ -90,6 +90,13 @@ def test_what_is_no_file_of_words_is_passed_over_and_the_run_can_be_stopped(
     assert run.returncode == 3
     assert "Traceback" not in errors
     assert "\x1b" not in output + log.read_text("utf-8")
+
+
+def test_a_folder_of_that_name_that_is_there_before_the_run_does_not_end_it(tmp_path: Path) -> None:
+    (tmp_path / "out" / "control.txt").mkdir(parents=True)
+    done = crashsolve(OSCILLATOR, "-o", tmp_path / "out", *SHORT, **PLAIN)
+    assert done.returncode == 0, done.stderr
+    assert "control.txt is no plain file" in done.stdout
 
 
 def test_a_second_interrupt_ends_at_once(live: tuple[subprocess.Popen[str], Path]) -> None:

@@ -1,4 +1,4 @@
-"""Mass, inertia, place and posture of a rigid body, from the words of its card."""
+"""Mass, inertia, place and configuration of a rigid body, from the words of its card."""
 
 from pathlib import Path
 from typing import Any
@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.orientation import matrix
 from crashsolve.model.build import build
 
 # half sizes of a box around each solid, and which of its points are inside

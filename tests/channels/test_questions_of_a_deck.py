@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from command import crashsolve
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckError
 from crashsolve.study.watch import watched
 

@@ -11,10 +11,10 @@ from touching import Contact
 
 from crashsolve.contact.narrow import _convex, _edged, box_box
 from crashsolve.contact.shape import box, cylinder
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
-from crashsolve.system import areas
+from crashsolve.system.contact import areas
 
 SHAPES = {
     "box": "type: box, body: %s, size: [0.6, 0.4, 0.5]",

@@ -11,9 +11,9 @@ from bench import plain
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow import _ellipsoid_face, _face, sphere_ellipsoid
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.system import ellipsoids, faces, nodal, normals
+from crashsolve.system.contact import ellipsoids, node_contact, normals, projection
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float) - [0.5, 0.5, 0.0]
 FAR = 1e9
@@ -134,15 +134,26 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
     """What the ellipsoid finds at x, a step later each time: side, depth, normal, ball's centre."""
     body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
     body.r, body.A = x, np.ravel(A)
-    g.tally[0].listed, g.due[:] = -1.0, 0.0
+    g.totals[0].listed, g.due[:] = -1.0, 0.0
     lists = (g.first, g.near, g.wait, g.due)
-    plain(nodal.open_loads)(g)
-    plain(faces.open_faces)(
-        *(0.0, g.p[0], g.tally[0], g.probes, g.nodes, g),
+    plain(node_contact.open_loads)(g)
+    plain(projection.open_faces)(
+        *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
         *((g.cells, g.starts, g.sorted), lists, (g.spared_first, g.spared)),
     )
     plain(ellipsoids.look)(
-        *(0, g.p[0], g.tally[0], g.ellipsoids[0], g.nodes, g.slots, g.turns, mesh, lists, g.found),
+        *(
+            0,
+            g.p[0],
+            g.totals[0],
+            g.ellipsoids[0],
+            g.nodes,
+            g.probe_states,
+            g.turns,
+            mesh,
+            lists,
+            g.found,
+        ),
     )
     if is_smooth:
         centre, pen = plain(ellipsoids.pen_of)(g.ellipsoids[0], g.nodes)
@@ -150,11 +161,11 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
         plain(normals.smoothen)(0, centre, pen, g.p[0], mesh, spared, g.found)
     hits = []
     for s in range(2):
-        old, new, hit = g.slots[g.turns[s], s], g.slots[1 - g.turns[s], s], g.found[s]
+        old, new, hit = g.probe_states[g.turns[s], s], g.probe_states[1 - g.turns[s], s], g.found[s]
         new.depth, new.active, new.face = hit.depth, int(hit.depth > 0.0), hit.face
         new.normal = hit.normal
         if new.active or old.active:
-            plain(nodal.take_turn)(1.0, g.turns, s)
+            plain(node_contact.take_turn)(1.0, g.turns, s)
         if new.active:
             plain(ellipsoids.roll)(g.balls[0], g.p[0], hit, g.nodes, g.points, g.corners)
             z = np.array(body.r) + np.reshape(body.A, (3, 3)) @ g.balls[0].at
@@ -212,7 +223,7 @@ def test_along_a_field_it_points_to_the_axis_of_a_drum(r: float, seed: int, tmp_
         half = np.pi / 24
         chord = np.cos(half) / np.cos(phi % (2.0 * half) - half)
         assert depth == pytest.approx(0.11 - abs(r - chord), abs=1e-12)
-        g.slots.active = 0
+        g.probe_states.active = 0
 
 
 @pytest.mark.parametrize("seed", range(4))

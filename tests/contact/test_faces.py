@@ -10,14 +10,14 @@ import yaml
 from bench import plain
 from command import crashsolve, gone_on
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow import _face
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
-from crashsolve.model.nodal import faces_beside, spare
-from crashsolve.system import faces, nodal, normals
+from crashsolve.model.contact.node_to_surface import faces_beside, spare
+from crashsolve.system.contact import node_contact, normals, projection
 
 DECK = Path(__file__).resolve().parents[2] / "decks/verification/contact/faces.yaml"
 # a worker compiles the scene once
@@ -141,30 +141,32 @@ class Bench:
         return g
 
     def search(self, g: Any) -> None:
-        plain(nodal.open_loads)(g)
-        plain(faces.open_faces)(
-            *(0.0, g.p[0], g.tally[0], g.probes, g.nodes, g, g.grid, g.lists),
+        plain(node_contact.open_loads)(g)
+        plain(projection.open_faces)(
+            *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g, g.grid, g.lists),
             (g.spared_first, g.spared),
         )
 
     def look(self, x: Any, h: float = 1.0, is_smooth: bool = False) -> Any:
         """What the ball finds at x, each time a step later; None for nothing."""
         g = self.groups[0]
-        g.nodes[1].r, g.tally[0].listed = x, -1.0
+        g.nodes[1].r, g.totals[0].listed = x, -1.0
         g.due[:] = 0.0
         self.search(g)
         place = tuple(map(float, x))
-        plain(faces.look)(0, place, g.p[0], g.tally[0], g.slots, g.turns, g.mesh, g.lists, g.found)
+        plain(projection.look)(
+            0, place, g.p[0], g.totals[0], g.probe_states, g.turns, g.mesh, g.lists, g.found
+        )
         if is_smooth:
             spared = (g.spared_first, g.spared)
             plain(normals.smoothen)(0, place, None, g.p[0], g.mesh, spared, g.found)
         hits = []
         for s in range(2):
-            old, new = g.slots[g.turns[s], s], g.slots[1 - g.turns[s], s]
+            old, new = g.probe_states[g.turns[s], s], g.probe_states[1 - g.turns[s], s]
             new.depth, new.active = g.found[s].depth, int(g.found[s].depth > 0.0)
             new.face, new.normal = g.found[s].face, g.found[s].normal
             if new.active or old.active:
-                plain(nodal.take_turn)(h, g.turns, s)
+                plain(node_contact.take_turn)(h, g.turns, s)
             if new.active:
                 hits.append((s, float(g.found[s].depth), np.array(g.found[s].normal)))
         return hits
@@ -201,7 +203,7 @@ def test_lists_hold_the_same_faces_as_comparing_all_with_all(tmp_path: Path) -> 
         own = (np.array(quads) - 1 == i).any(axis=1)
         found = sorted(g.near[g.first[i] : g.first[i + 1]])
         assert found == list(np.flatnonzero(near & ~own))
-    assert g.tally[0].pairs == g.first[-1] > 0
+    assert g.totals[0].pairs == g.first[-1] > 0
 
 
 # the same strip of triangles, and of both kinds
@@ -251,7 +253,7 @@ def test_a_deleted_element_is_met_no_more(tmp_path: Path, mesh: Any) -> None:
         if f >= g.p[0].quads:
             first, stride, k = g.p[0].first_third, g.p[0].stride_third, f - g.p[0].quads
         blocks[first + k // 16 * stride + k % 16] = 0.0
-    plain(faces.bury)(g.p[0], blocks, g.gone)
+    plain(projection.bury)(g.p[0], blocks, g.gone)
     assert list(g.gone) == list((x > 1.0).astype(int))
     assert bench.look([1.6, 0.3, 0.05]) == []
     assert len(bench.look([0.4, 0.6, 0.05])) == 1
@@ -336,7 +338,7 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
     quads = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 4)
     beside = faces_beside(quads).reshape(-1, 4)
     assert list(beside[6]) == [1, 7, 11, 5] and list(beside[0]) == [-1, 1, 5, -1]
-    from crashsolve.model.nodal import faces_around
+    from crashsolve.model.contact.node_to_surface import faces_around
 
     around = faces_around(quads, n * n)
     for ring in range(3):

@@ -52,7 +52,7 @@ class Pair(Contact):
         super().__init__(folder, surfaces=f"surfaces:\n{cards}", sides=sides)
 
     def approach(self, seed: int) -> None:
-        """Any postures, near to each other: some apart, some overlapping by a little."""
+        """Any configurations, near to each other: some apart, some overlapping by a little."""
         rng = np.random.default_rng(seed)
         self.bench.shake(seed, turn=2.0)
         n = rng.normal(size=3)
@@ -80,7 +80,7 @@ def test_the_turn_of_the_cards_is_that_of_the_reach() -> None:
 
 
 def turned(q: np.ndarray, points: np.ndarray) -> np.ndarray:
-    from crashsolve.foundation.posture import matrix
+    from crashsolve.foundation.orientation import matrix
 
     return points @ matrix(q).T
 

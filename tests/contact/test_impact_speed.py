@@ -17,6 +17,7 @@ LAWS = (
     "gonthier",
     "flores",
     "hu_guo",
+    "zhiying_qishao",
     "exact_restitution",
 )
 K, N, MASS = 1e6, 1.5, 1.0

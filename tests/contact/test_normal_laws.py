@@ -19,6 +19,7 @@ LAWS = {
     "gonthier": DAMPED,
     "flores": DAMPED,
     "hu_guo": DAMPED,
+    "zhiying_qishao": DAMPED,
     "exact_restitution": DAMPED,
     "kelvin_voigt": "stiffness: 1e5, damping: 40",
     "penalty": "stiffness: 1e5",

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from crashsolve.model.nodal import FOLDED, faces_around, merged, points_along, spare, spare_along
+from crashsolve.model.contact.node_to_surface import (
+    FOLDED,
+    faces_around,
+    merged,
+    points_along,
+    spare,
+    spare_along,
+)
 
 
 def strip(

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from small_runs import last, run
 
-from crashsolve.deck.read import read_deck
-from crashsolve.model import pairs
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
+from crashsolve.model.contact import pairs
 from crashsolve.system.engine import Engine
 
 LAW = "normal: {type: hunt_crossley, stiffness: 1e6, restitution: 0.8}"

@@ -12,7 +12,7 @@ import yaml
 from command import crashsolve
 from touching import Contact
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 
 SQUARE = "vertices: [[-0.05, -0.05, 0], [0.05, -0.05, 0], [0.05, 0.05, 0], [-0.05, 0.05, 0]]"
@@ -76,7 +76,16 @@ def test_what_comes_from_behind_an_open_mesh_stops_the_run(tmp_path: Path) -> No
     assert "'ball' has passed the middle of what it strikes" in done.stdout
 
 
-def fly(folder: Path, striker: str, struck: str, height: float, speed: float, step: Any) -> Any:
+def fly(
+    folder: Path,
+    striker: str,
+    struck: str,
+    height: float,
+    speed: float,
+    step: Any,
+    beside: float = 5e-4,
+    stiffness: float = 1e6,
+) -> Any:
     """A run as plain Python: half a gram flies a little beside the middle of what it strikes."""
     pace = {"step": step} if step else {}
     deck = {
@@ -85,7 +94,7 @@ def fly(folder: Path, striker: str, struck: str, height: float, speed: float, st
             "ball": {
                 "mass": 5e-4,
                 "inertia": [2e-9, 2e-9, 2e-9],
-                "position": [5e-4, 0, height],
+                "position": [beside, 0, height],
                 "velocity": [0, 0, speed],
             }
         },
@@ -94,7 +103,7 @@ def fly(folder: Path, striker: str, struck: str, height: float, speed: float, st
             "hit": {
                 "a": ["striker"],
                 "b": ["struck"],
-                "normal": {"type": "hertz", "stiffness": 1e6},
+                "normal": {"type": "hertz", "stiffness": stiffness},
             }
         },
         "output": {"history": {"interval": 1e-4}, "states": {"interval": 2e-4}},
@@ -108,6 +117,16 @@ def test_a_hard_contact_lets_nothing_through(tmp_path: Path) -> None:
     """The same ball against the same plate, a thousand times as stiff."""
     done = fly(tmp_path, BALL, "type: plane", height=4e-3, speed=-30.0, step=None)
     assert done.returncode == 0, done.stdout
+
+
+def test_a_ball_that_slips_by_another_deep_within_it_is_told(tmp_path: Path) -> None:
+    """Flown by 2.5 mm beside the middle of two radii of 2.5 mm, it has been half of them deep."""
+    ball = "type: sphere, radius: 2.5e-3"
+    soft = fly(tmp_path, BALL, ball, height=6e-3, speed=-300.0, step=None, beside=2.5e-3)
+    assert soft.returncode == 0 and "'hit': pressed to 50 % of the half thick" in soft.stdout
+    # that stores 22 J before it is a quarter deep: it is thrown aside
+    hard = fly(tmp_path, BALL, ball, 6e-3, -300.0, None, beside=2.5e-3, stiffness=1e10)
+    assert hard.returncode == 0 and "pressed to" not in hard.stdout
 
 
 SHELL = """

@@ -10,8 +10,8 @@ import yaml
 from command import crashsolve, gone_on
 from small_runs import last, run, slopes
 
-from crashpost.result import Result
-from crashsolve.deck.read import read_deck
+from crashpost.results.result import Result
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.system.compose import compose

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_runge_kutta import BENCHMARKS, END, SCENE, SLOPE, posture, run
+from test_runge_kutta import BENCHMARKS, END, SCENE, SLOPE, configuration, run
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 from crashsolve.system.engine import Engine
 
@@ -84,5 +84,7 @@ def test_rattle_has_its_order_on_a_free_body_a_spring_and_a_pendulum(tmp_path: P
     counts = (640, 1280)
     runs = [run(tmp_path, SCENE, END, integrator="rattle", step=END / n) for n in counts]
     for body in SCENE["bodies"]:
-        errors = [np.linalg.norm(posture(e, body) - posture(finest, body)) for e in runs]
+        errors = [
+            np.linalg.norm(configuration(e, body) - configuration(finest, body)) for e in runs
+        ]
         assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=SLOPE), (body, errors)

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 import yaml
 from test_integrator_order import IMPACT, RETURNED
-from test_runge_kutta import END, SCENE, SLOPE, posture, run, start
+from test_runge_kutta import END, SCENE, SLOPE, configuration, run, start
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.family import FamilyError
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.integrators import generalized_alpha, radau_iia_5
 from crashsolve.model.build import build
 from crashsolve.model.ledger import IMBALANCE, LARGEST
+from crashsolve.springs import bushing
 from crashsolve.system.compose import compose
 
 METHODS = {"generalized_alpha": generalized_alpha, "radau_iia_5": radau_iia_5}
@@ -100,7 +102,9 @@ def test_the_order_is_the_declared_one(method: str, tmp_path: Path) -> None:
     counts = COUNTS[method]
     runs = [run(tmp_path, SCENE, END, integrator=method, step=END / n, **close) for n in counts]
     for body in SCENE["bodies"]:
-        errors = [np.linalg.norm(posture(e, body) - posture(finest, body)) for e in runs]
+        errors = [
+            np.linalg.norm(configuration(e, body) - configuration(finest, body)) for e in runs
+        ]
         slope = np.log(errors[0] / errors[1]) / np.log(counts[1] / counts[0])
         assert slope == pytest.approx(METHODS[method].ORDER, abs=SLOPE), (body, errors)
     assert max(e.clock.residual for e in runs) <= 1e-10
@@ -195,7 +199,10 @@ def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) 
     for tolerance in (1e-4, 1e-6, 1e-8):
         engine = run(tmp_path, SCENE, END, integrator=method, tolerance=tolerance)
         errors.append(
-            max(np.abs(posture(engine, b) - posture(exact, b)).max() for b in SCENE["bodies"])
+            max(
+                np.abs(configuration(engine, b) - configuration(exact, b)).max()
+                for b in SCENE["bodies"]
+            )
         )
         # few attempts fail: the estimate foretells the error of the next step
         assert engine.clock.rejected < 0.2 * engine.clock.cycle
@@ -308,3 +315,12 @@ def test_a_composed_step_has_one_meaning_for_every_name(method: str, tmp_path: P
         elif isinstance(node, ast.FunctionDef):
             meanings.setdefault(node.name, set()).add(f"line {node.lineno}")
     assert not {name: where for name, where in meanings.items() if len(where) > 1}
+
+
+def test_more_rows_than_a_block_holds_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # a seventh row would be written past the end of its block
+    monkeypatch.setattr(bushing, "TANGENTS", 7)
+    with pytest.raises(FamilyError, match="bushing: TANGENTS is 7; two bodies have at most 6"):
+        start(tmp_path, bushings(1e4), 1e-3, integrator="radau_iia_5")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.integrators.rattle import ORDER
 from crashsolve.model.build import build
 from crashsolve.system.engine import Engine

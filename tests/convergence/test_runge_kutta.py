@@ -9,13 +9,13 @@ import pytest
 import yaml
 from test_integrator_order import IMPACT, RETURNED
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.integrators import dormand_prince_5, dormand_prince_8
 from crashsolve.model.build import build
 from crashsolve.model.ledger import IMBALANCE, LARGEST
 from crashsolve.system.engine import Engine
-from crashsolve.system.stages import weigh_part
+from crashsolve.system.implicit.stages import weigh_part
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "decks" / "benchmark"
 
@@ -99,7 +99,7 @@ def solved(deck: Path, **control: Any) -> Engine:
     return engine
 
 
-def posture(engine: Engine, body: str) -> np.ndarray:
+def configuration(engine: Engine, body: str) -> np.ndarray:
     """Position and quaternion of a body."""
     node = engine.state.nodes[engine.model.bodies.index(body)]
     return np.concatenate([node["r"], node["q"]])
@@ -135,7 +135,9 @@ def test_the_order_is_the_declared_one(method: str, tmp_path: Path) -> None:
         engines = [
             run(tmp_path, SCENE, END, integrator=method, step=END / n, **close) for n in counts
         ]
-        errors = [np.linalg.norm(posture(e, body) - posture(finest, body)) for e in engines]
+        errors = [
+            np.linalg.norm(configuration(e, body) - configuration(finest, body)) for e in engines
+        ]
         slopes = -np.diff(np.log(errors)) / np.diff(np.log(counts))
         order = METHODS[method].ORDER
         if body == "bob":
@@ -151,7 +153,8 @@ def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) 
     for tolerance in (1e-4, 1e-7, 1e-10):
         engine = run(tmp_path, SCENE, END, integrator=method, tolerance=tolerance)
         worst = max(
-            np.abs(posture(engine, body) - posture(exact, body)).max() for body in SCENE["bodies"]
+            np.abs(configuration(engine, body) - configuration(exact, body)).max()
+            for body in SCENE["bodies"]
         )
         # errors of steps add up over some tens of them, over a size of 10 m
         assert worst < 1000 * tolerance
@@ -250,7 +253,7 @@ def test_the_seven_bodies_to_nine_digits() -> None:
 def test_the_flat_posture_is_passed() -> None:
     deck = BENCHMARKS / "four_bar_singular.yaml"
     engine = solved(deck, integrator="dormand_prince_8", tolerance=1e-10)
-    # 3 theta'' = -3.5 g cos theta (benchmarks/peers/reference.py); twenty passes of the posture
+    # 3 theta'' = -3.5 g cos theta (benchmarks/peers/reference.py); twenty passes of the fold
     tip = 2.0 * engine.state.nodes[engine.model.bodies.index("crank_1")]["r"][:2]
     assert tip == pytest.approx([0.32845811154026, 0.94451853817879], abs=1e-7)
 

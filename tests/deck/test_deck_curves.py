@@ -13,11 +13,11 @@ from crashsolve.curves import file, formula, table
 from crashsolve.curves._card import EXTRAPOLATE
 from crashsolve.curves._piecewise import coefficients
 from crashsolve.deck.card import reference_of
+from crashsolve.deck.keywords import SECTIONS
 from crashsolve.deck.laws import law_class, types_in
 from crashsolve.deck.numbers import Context, SiFloat
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.deck.schema import _nested_folders
-from crashsolve.deck.sections import SECTIONS
 from crashsolve.foundation import curve
 from crashsolve.foundation.errors import DeckErrors
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from crashsolve.deck.expressions import MAX_LENGTH, Expression, ExpressionError
+from crashsolve.deck.reading.expressions import MAX_LENGTH, Expression, ExpressionError
 
 NAMES = {"speed": 54.0, "n": 3.0}
 

@@ -10,7 +10,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from crashsolve.deck.read import Deck, read_deck
+from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import DeckErrors
 
 TEXT = (Path(__file__).parent / "fuzzed.yaml").read_text("utf-8")

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from crashsolve.deck.numbers import SiFloat, as_written
-from crashsolve.deck.read import Deck, read_deck
+from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import DeckErrors
 
 TEXT = """\

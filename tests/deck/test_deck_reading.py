@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from crashsolve.deck.expect import Expect
-from crashsolve.deck.read import Deck, read_deck
+from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.foundation.errors import DeckErrors
 
 TRAIN = """\

@@ -10,6 +10,7 @@ import yaml
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.fields import deck_words, declared
+from crashsolve.deck.keywords import KEYWORDS, SECTIONS, SINGLE
 from crashsolve.deck.laws import law_class, package_folder, types_in
 from crashsolve.deck.schema import (
     _cards_in,
@@ -18,9 +19,8 @@ from crashsolve.deck.schema import (
     json_schema,
     keywords_markdown,
 )
-from crashsolve.deck.sections import KEYWORDS, SECTIONS, SINGLE
 from crashsolve.deck.source import read_yaml
-from crashsolve.model.nodal import PRESSING
+from crashsolve.model.contact.node_to_surface import PRESSING
 
 LAWS = [
     (folder, word)

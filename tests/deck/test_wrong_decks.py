@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from crashsolve.deck import laws
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 
 HERE = Path(__file__).parent

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from crashsolve.estimate.error import Estimate, Judge
-from crashsolve.estimate.samples import Channel, Samples
 from crashsolve.output.channels import Column, Family
+from crashsolve.recording.samples import Channel, Samples
 from crashsolve.study.watch import Watch
 
 NAME = "rbdout.a.position.x"

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from command import crashsolve, start
 
-from crashpost.result import Result
-from crashsolve.deck.read import read_deck
+from crashpost.results.result import Result
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.companion import Abandoned
 from crashsolve.estimate.conduct import Estimating
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import DEAR, Estimator
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.histories import Histories
 from crashsolve.model.build import build
 from crashsolve.model.ledger import EXTERNAL_WORK, IMBALANCE, LARGEST
+from crashsolve.recording.histories import Histories
 from crashsolve.study.watch import Watch
 from crashsolve.system.energy import check
 from crashsolve.system.engine import Engine

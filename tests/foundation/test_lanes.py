@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from crashsolve.foundation.compile import entry
+from crashsolve.compiler.machine import machine_code
+from crashsolve.compiler.table import Tables
+from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.lanes import add_forces, take_motion
-from crashsolve.foundation.machine import machine_code
 from crashsolve.foundation.point import LANES, POINT
-from crashsolve.foundation.table import Tables
 
 
 @entry

@@ -5,7 +5,7 @@ from pathlib import Path
 import llvmlite.binding as llvm
 import pytest
 
-from crashsolve.foundation.machine import forget_linker
+from crashsolve.compiler.machine import forget_linker
 
 SMAPS = Path("/proc/self/smaps")
 TEXT = "define i32 @f() { ret i32 7 }"

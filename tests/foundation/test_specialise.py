@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from crashsolve.foundation.program import Program
-from crashsolve.foundation.specialise import SpecialiseError
+from crashsolve.compiler.program import Program
+from crashsolve.compiler.specialise import SpecialiseError
 
 HOME = """
 GROUPS = ()

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crashsolve.foundation.compile import entry
-from crashsolve.foundation.machine import machine_code
+from crashsolve.compiler.machine import machine_code
+from crashsolve.compiler.table import Tables
+from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.table import Tables
 
 THING = Record(
     mass=("kg", "a number"),
@@ -71,7 +71,7 @@ def test_the_layout_depends_on_names_and_columns_alone() -> None:
 def test_what_cannot_be_compiled_is_told(tmp_path: Path) -> None:
     source = tmp_path / "wrong.py"
     source.write_text(
-        "from crashsolve.foundation.compile import entry\n\n\n"
+        "from crashsolve.foundation.kernels import entry\n\n\n"
         "@entry\ndef work(number, flag, tables):\n    tables.nothing[0] = 1.0\n"
     )
     with pytest.raises(RuntimeError, match="(?s)cannot compile .*wrong.py.*nothing"):
@@ -81,3 +81,9 @@ def test_what_cannot_be_compiled_is_told(tmp_path: Path) -> None:
 def test_an_array_in_pieces_is_refused() -> None:
     with pytest.raises(ValueError, match="must lie in one piece"):
         Tables({"things": np.zeros(6, THING.dtype)[::2]})
+
+
+@pytest.mark.parametrize("name", ["addresses", "places", "pointer", "second", "layout"])
+def test_no_table_may_take_the_place_of_what_finds_the_others(name: str) -> None:
+    with pytest.raises(ValueError, match=f"no table may be called {name}"):
+        Tables({name: np.zeros(3)})

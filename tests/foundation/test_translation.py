@@ -25,15 +25,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from crashsolve.foundation.compile import entry, inlined, kernel, stage
-from crashsolve.foundation.machine import import_file, machine_code
+from crashsolve.compiler.machine import import_file, machine_code
+from crashsolve.compiler.table import Tables
+from crashsolve.compiler.translation.arithmetic import operate
+from crashsolve.compiler.translation.expressions import BUILTINS, Expressions
+from crashsolve.compiler.translation.kinds import Tuple, Value, known
+from crashsolve.compiler.translation.memory import place_of_number, write_number
+from crashsolve.compiler.translation.module import Module, TranslationError
+from crashsolve.foundation.kernels import entry, inlined, kernel, stage
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.table import Tables
-from crashsolve.foundation.translation.arithmetic import operate
-from crashsolve.foundation.translation.expressions import BUILTINS, Expressions
-from crashsolve.foundation.translation.kinds import Tuple, Value, known
-from crashsolve.foundation.translation.memory import place_of_number, write_number
-from crashsolve.foundation.translation.module import Module, TranslationError
 
 ROW = Record(
     width=("m", "a number"),
@@ -264,7 +264,7 @@ WRONG = {
     "beyond the end": ("x = (1, 2)[2]", "a tuple of 2 has no item 2"),
     "items of several kinds": ("x = (1, (2, 3))[scene.small[0]]", "must be of one kind"),
     "no kernel": ("x = bare(number)", "bare is no kernel"),
-    "calls itself": ("x = endless(number)", "endless calls itself"),
+    "calls itself": ("x = infinite(number)", "infinite calls itself"),
     "too many arguments": ("x = twice(1, 2)", "twice takes 1, not 2"),
     "names": ("x, y = (1, 2, 3)", "3 values for 2 names"),
     "keywords": ("x = twice(x=1.0)", "arguments by place"),
@@ -274,7 +274,7 @@ WRONG = {
     "in": ("x = 1 in (1, 2)", "no kernel compares with In"),
 }
 HEAD = """\
-from crashsolve.foundation.compile import entry, kernel
+from crashsolve.foundation.kernels import entry, kernel
 
 def bare(x):
     return x
@@ -284,8 +284,8 @@ def twice(x):
     return 2 * x
 
 @kernel
-def endless(x):
-    return endless(x)
+def infinite(x):
+    return infinite(x)
 
 @entry
 def work(number, flag, scene):

@@ -1,9 +1,9 @@
-"""Rotation vectors between postures: closed forms, also for no turn and for a sign of q."""
+"""Rotation vectors between configurations: closed forms, also for no turn and for a sign of q."""
 
 import numpy as np
 import pytest
 
-from crashsolve.foundation.posture import products, turned_by
+from crashsolve.foundation.orientation import products, turned_by
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.3, np.pi / 2, 3.0])
@@ -12,6 +12,6 @@ def test_a_turn_about_an_axis_is_found_again(angle: float) -> None:
     turn = np.array([[np.cos(angle / 2), *(np.sin(angle / 2) * axis)]])
     start = np.array([[0.5, 0.5, -0.5, 0.5]])
     after = products(turn, start)
-    # q and -q are the same posture
+    # q and -q are the same configuration
     for q in (after, -after):
         np.testing.assert_allclose(turned_by(q, start), [angle * axis], atol=1e-15)

@@ -9,7 +9,7 @@ import pytest
 from bench import Bench, Law, exponential, plain, spoil, written
 
 from crashsolve.deck.laws import package_folder
-from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.orientation import matrix
 from crashsolve.model.nodes import COMPLIANT
 
 CURVES = """

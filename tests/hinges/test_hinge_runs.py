@@ -9,7 +9,7 @@ import yaml
 from command import crashsolve
 from small_runs import last, run
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 
 
 def scene(**hinge: Any) -> dict[str, Any]:

@@ -90,10 +90,3 @@ def test_a_hinge_and_a_joint_have_different_names(tmp_path: Path) -> None:
     joints = "joints:\n  h: {type: spherical, b: b, at: [0, 0, 0]}\n"
     with pytest.raises(DeckErrors, match="a joint has that name"):
         Bench(tmp_path, f"{HEAD}  h: {{{BENDING}, curve: good}}\n{joints}")
-
-
-def test_a_quasi_static_solution_has_no_hinges_yet(tmp_path: Path) -> None:
-    text = f"{HEAD}  h: {{{BENDING}, curve: good}}\n"
-    still = "title: t\ncontrol: {end_time: 1, solution: quasi_static}\nbodies:\n"
-    with pytest.raises(DeckErrors, match="a quasi-static solution has no hinges yet"):
-        Bench(tmp_path, text, f"{still}  b: {{mass: 1, inertia: [1, 1, 1]}}\n")

@@ -9,13 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import plain
+from bench import Rows
 
 import crashsolve.joints
-from crashsolve.deck.read import read_deck
-from crashsolve.foundation.posture import matrix
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.model.nodes import NODE, ROW
 
 HERE = Path(__file__).parent
 FOLDER = Path(crashsolve.joints.__file__).parent
@@ -28,6 +26,7 @@ FREEDOMS = {
     "universal": 2,
     "cylindrical": 2,
     "prismatic": 1,
+    "screw": 1,
     "planar": 3,
     "point_on_line": 4,
     "point_on_plane": 5,
@@ -49,82 +48,15 @@ def built() -> Any:
     return build(read_deck(HERE / "every_joint.yaml"))
 
 
-class Case:
-    """One joint with its own nodes and rows, movable by hand."""
-
-    def __init__(self, name: str) -> None:
-        model, state = built()
-        group = next(g for g in model.joint_groups() if g.type == name)
-        joint = next(j for j in model.joints if j.name == name)
-        k = group.names.index(name)
-        self.module: Any = group.module
-        self.p = group.parameters.copy().view(np.recarray)[k]
-        self.old, self.new = group.history.copy().view(np.recarray)[:, k]
-        self.parts, self.m = joint.parts, joint.rows
-        self.ends = joint.nodes
-        self.curves = model.curves.view(np.recarray)
-        self.nodes: Any = np.zeros(len(state.nodes), NODE.dtype).view(np.recarray)
-        self.nodes[:] = state.nodes
-        self.rows = np.zeros(joint.parts * joint.rows, ROW.dtype).view(np.recarray)
-        self.p.first_row = 0
-        self.t = 0.0
-
-    def scramble(self, rng: np.random.Generator) -> None:
-        """Random posture, velocity and time: the rows need not hold."""
-        self.t = rng.uniform(0.2, 1.5)
-        for node in self.nodes[1:]:
-            q = rng.normal(size=4)
-            node.A[:] = matrix(q / np.linalg.norm(q)).ravel()
-            node.r[:], node.v[:], node.w[:] = rng.normal(size=(3, 3))
-
-    def move(self, h: float, time: bool = False) -> None:
-        """All bodies for the time h at their constant velocities, the clock as well if asked."""
-        for node in self.nodes[1:]:
-            node.r[:] += h * node.v
-            angle = h * np.linalg.norm(node.w)
-            q = [np.cos(angle / 2), *(0.5 * h * np.sinc(angle / (2 * np.pi)) * node.w)]
-            node.A[:] = (matrix(q) @ node.A.reshape(3, 3)).ravel()
-        self.t += h if time else 0.0
-
-    def phi(self) -> np.ndarray:
-        function = plain(self.module.residual)
-        function(self.p, self.old, self.new, self.t, self.nodes, self.rows, self.curves)
-        return self.total(self.rows.phi)
-
-    def jacobian(self) -> None:
-        plain(self.module.jacobian)(self.p, self.old, self.t, self.nodes, self.rows, self.curves)
-
-    def gamma(self) -> np.ndarray:
-        plain(self.module.convective)(self.p, self.old, self.t, self.nodes, self.rows, self.curves)
-        return self.total(self.rows.gamma)
-
-    def total(self, column: np.ndarray) -> np.ndarray:
-        """Sum over the parts of each row."""
-        total: np.ndarray = column.reshape(self.parts, self.m).sum(axis=0)
-        return total
-
-    def rate(self) -> np.ndarray:
-        """D v - nu."""
-        self.jacobian()
-        return self.total(np.array(self.dense() @ self.velocity())) - self.total(self.rows.nu)
-
-    def dense(self) -> np.ndarray:
-        """D of each row of each part, six columns per node."""
-        D = np.zeros((len(self.rows), 6 * len(self.nodes)))
-        for part in range(self.parts):
-            a, b = self.ends[2 * part : 2 * part + 2]
-            for i in range(part * self.m, (part + 1) * self.m):
-                D[i, 6 * a : 6 * a + 6] += self.rows[i].D[:6]
-                D[i, 6 * b : 6 * b + 6] += self.rows[i].D[6:]
-        return D
-
-    def velocity(self) -> np.ndarray:
-        return np.array([[*node.v, *node.w] for node in self.nodes]).ravel()
+def case_of(name: str) -> Rows:
+    """The joint of the deck of that name and type."""
+    model, state = built()
+    return Rows(model, state, next(g for g in model.joint_groups() if g.type == name), name)
 
 
 @pytest.fixture(params=TYPES)
-def case(request: pytest.FixtureRequest) -> Case:
-    return Case(request.param)
+def case(request: pytest.FixtureRequest) -> Rows:
+    return case_of(request.param)
 
 
 @pytest.fixture
@@ -137,12 +69,12 @@ def test_the_deck_shows_every_joint() -> None:
     assert set(TYPES) <= set(deck.entries["joints"]) and set(TYPES) == set(FREEDOMS)
 
 
-def test_the_start_satisfies_the_joint(case: Case) -> None:
+def test_the_start_satisfies_the_joint(case: Rows) -> None:
     # round-off of sums of terms of order 1
     np.testing.assert_allclose(case.phi(), 0.0, atol=1e-15)
 
 
-def test_jacobian_is_the_derivative_of_the_residual(case: Case, rng: np.random.Generator) -> None:
+def test_jacobian_is_the_derivative_of_the_residual(case: Rows, rng: np.random.Generator) -> None:
     for _ in range(5):
         case.scramble(rng)
         case.rows.nu = 0.0
@@ -155,7 +87,7 @@ def test_jacobian_is_the_derivative_of_the_residual(case: Case, rng: np.random.G
         np.testing.assert_allclose(expected, slope, atol=TOLERANCE)
 
 
-def test_nu_is_minus_the_derivative_in_time(case: Case, rng: np.random.Generator) -> None:
+def test_nu_is_minus_the_derivative_in_time(case: Rows, rng: np.random.Generator) -> None:
     case.scramble(rng)
     case.jacobian()
     nu = case.total(case.rows.nu)
@@ -167,7 +99,7 @@ def test_nu_is_minus_the_derivative_in_time(case: Case, rng: np.random.Generator
 
 
 def test_gamma_is_what_a_motion_without_accelerations_lacks(
-    case: Case, rng: np.random.Generator
+    case: Rows, rng: np.random.Generator
 ) -> None:
     for _ in range(5):
         case.scramble(rng)
@@ -178,7 +110,7 @@ def test_gamma_is_what_a_motion_without_accelerations_lacks(
         np.testing.assert_allclose(gamma, -(after - case.rate()) / (2 * STEP), atol=TOLERANCE)
 
 
-def test_the_rank_leaves_the_right_freedoms(case: Case) -> None:
+def test_the_rank_leaves_the_right_freedoms(case: Rows) -> None:
     case.jacobian()
     D = case.dense().reshape(case.parts, case.m, -1).sum(axis=0)
     b = case.ends[1]
@@ -188,7 +120,7 @@ def test_the_rank_leaves_the_right_freedoms(case: Case) -> None:
     assert np.linalg.matrix_rank(D, tol=1e-9) == case.m
 
 
-def test_forces_on_both_bodies_balance_where_the_rows_hold(case: Case) -> None:
+def test_forces_on_both_bodies_balance_where_the_rows_hold(case: Rows) -> None:
     case.jacobian()
     for i, row in enumerate(case.rows):
         part = i // case.m
@@ -202,7 +134,7 @@ def test_forces_on_both_bodies_balance_where_the_rows_hold(case: Case) -> None:
 
 @pytest.mark.parametrize("name", ["turn_driver", "gear", "rack"])
 def test_turns_are_counted_without_a_jump(name: str) -> None:
-    case = Case(name)
+    case = case_of(name)
     case.nodes.v[:] = case.nodes.w[:] = 0.0
     p, column = case.p, case.new.dtype.names[0]
     axis = case.nodes[p.node_a].A.reshape(3, 3) @ p.axis_a

@@ -211,10 +211,10 @@ WRONG = {
     "curve: must begin at 0, where the joint meets the stop": (
         "{type: slide_limit, joint: rail, lower: 0, curve: late}"
     ),
-    "joint: 'hinge' is a revolute joint; name a prismatic or cylindrical joint": (
+    "joint: 'hinge' is of type revolute and has no travel; name one of type": (
         "{type: slide_limit, joint: hinge, lower: 0, stiffness: 5}"
     ),
-    "joint: 'rail' is a prismatic joint; name a revolute or cylindrical or spherical joint": (
+    "joint: 'rail' is of type prismatic and has no angle or ball; name one of type": (
         "{type: turn_friction, joint: rail, torque: 1, stiffness: 5}"
     ),
     "needs torque, coefficient or both": "{type: turn_friction, joint: hinge, stiffness: 5}",
@@ -223,6 +223,35 @@ WRONG = {
     ),
     "needs force, coefficient or both": "{type: slide_friction, joint: rail, stiffness: 5}",
 }
+
+
+HINGE = """
+curves: {yield: {points: [[0, 0], [0.1, 40], [3, 50]], extrapolate: linear}}
+hinges:
+  fold: {type: bending, a: a, b: b, at: [0.4, 0.1, 0.2], axis: [1, 2, -1], curve: yield%s}
+joints:
+  table: {type: planar, a: a, b: b, at: [0.4, 0.1, 0.2], axis: [1, 2, -1]}
+  hinge: {type: revolute, a: a, b: b, at: [0.4, 0.1, 0.2], axis: [1, 2, -1]}
+springs: {s: {type: turn_limit, joint: %s, lower: -0.1, upper: 0.1, stiffness: 9, damping: 2}}
+"""
+
+
+@pytest.mark.parametrize("joint", ["fold", "table"])
+def test_a_stop_acts_on_whatever_has_an_angle(tmp_path: Path, joint: str) -> None:
+    """A plastic hinge and a planar joint bear the stop that a hinge of the same axis bears."""
+    torques = []
+    for name in (joint, "hinge"):
+        law = Bench(tmp_path, HINGE % ("", name)).law("springs", "s")
+        law.bench.shake(2)
+        torques.append(float(law.force().torque))
+    assert torques[0] == torques[1] != 0.0
+
+
+def test_no_stop_outlives_the_hinge_that_it_is_on(tmp_path: Path) -> None:
+    fails = ", failure_angle: 0.5"
+    with pytest.raises(DeckErrors, match="'fold' comes apart when it fails, and this would still"):
+        Bench(tmp_path, HINGE % (fails, "fold"))
+    Bench(tmp_path, HINGE % (fails + ", after_failure: loose", "fold"))
 
 
 @pytest.mark.parametrize("message", WRONG)

@@ -31,10 +31,10 @@ WRONG = {
     "at_b: the two points coincide; use a spherical joint": (
         "{type: distance, b: a, at_a: [0.1, 0.2, -0.1], at_b: [0, 0, 0]}"
     ),
-    "joint: 'ball' is a spherical joint; name a revolute or cylindrical joint": (
+    "joint: 'ball' is of type spherical and has no angle; name one of type": (
         "{type: turn_driver, joint: ball, curve: wave}"
     ),
-    "joint: 'hinge' is a revolute joint; name a prismatic or cylindrical joint": (
+    "joint: 'hinge' is of type revolute and has no travel; name one of type": (
         "{type: slide_driver, joint: hinge, curve: wave}"
     ),
     "curve: is 0.2 at the start, where the coordinate is 0;": (
@@ -53,10 +53,10 @@ WRONG = {
         "{type: gear, first: hinge, second: hinge, ratio: 2}"
     ),
     "ratio: must not be 0": "{type: gear, first: hinge, second: hinge2, ratio: 0}",
-    "second: 'rail' is a prismatic joint; name a revolute or cylindrical joint": (
+    "second: 'rail' is of type prismatic and has no angle; name one of type": (
         "{type: gear, first: hinge, second: rail, ratio: 2}"
     ),
-    "pinion: 'rail' is a prismatic joint; name a revolute or cylindrical joint": (
+    "pinion: 'rail' is of type prismatic and has no angle; name one of type": (
         "{type: rack, pinion: rail, rack: rail, radius: 1}"
     ),
     "radius: must not be 0": "{type: rack, pinion: hinge, rack: rail, radius: 0}",

@@ -11,8 +11,8 @@ import yaml
 from command import crashsolve
 
 import crashsolve as package
-from crashpost.result import Result
-from crashsolve.deck.read import read_deck
+from crashpost.results.result import Result
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 from crashsolve.model.corners import corners, corners_in_time
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from bench import plain
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 
 from crashsolve.output.channels import Column, Family
+from crashsolve.output.history import HistoryWriter
 
 FAMILIES = (
     Family(
@@ -31,6 +32,11 @@ def sample_row(row: int) -> dict[str, np.ndarray]:
         "glstat": np.array([[row, -row, 1 / (row + 1)]]),
         "rbdout": np.array([[row + 0.1, row], [row + 0.2, 2 * row], [row + 0.3, 3 * row]]),
     }
+
+
+def appended(writer: HistoryWriter, time: float, values: dict[str, np.ndarray]) -> None:
+    """Append one row, whose arrays are (n_id, n_column)."""
+    writer.append(np.array([time]), {name: block[None] for name, block in values.items()})
 
 
 def sample_time(row: int) -> float:

@@ -45,5 +45,5 @@ def test_ambiguous_name_is_refused(
 
 
 def test_unknown_family_is_refused() -> None:
-    with pytest.raises(ValueError, match="one of glstat, matsum"):
+    with pytest.raises(ValueError, match="one of glstat, rbdout"):
         Family("springs", ("a",), (LENGTH,))

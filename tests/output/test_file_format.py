@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from history_sample import FAMILIES, sample_row, sample_time
+from history_sample import FAMILIES, appended, sample_row, sample_time
 
 from crashsolve.output import channels, layout, restart, states
 from crashsolve.output.channels import Column, Family
@@ -24,7 +24,7 @@ def test_the_code_of_the_page_reads_a_running_and_a_finished_history(tmp_path: P
     path = tmp_path / "history.h5"
     writer = HistoryWriter(path, FAMILIES, {})
     for row in range(5):
-        writer.append(sample_time(row), sample_row(row))
+        appended(writer, sample_time(row), sample_row(row))
     for finish in (writer.flush, writer.close):
         finish()
         times, values, unit = page["read"](path, "rbdout.wagon_b.velocity.x")
@@ -43,7 +43,9 @@ def test_the_page_finds_a_channel_among_the_types_of_a_family(tmp_path: Path) ->
     names = {"deforc-linear": ("stay", "strut"), "deforc-brake": ("shoe",)}
     families = tuple(Family(name, ids, columns) for name, ids in names.items())
     writer = HistoryWriter(tmp_path / "history.h5", families, {})
-    writer.append(0.0, {"deforc-linear": np.array([[1.0], [2.0]]), "deforc-brake": np.ones((1, 1))})
+    appended(
+        writer, 0.0, {"deforc-linear": np.array([[1.0], [2.0]]), "deforc-brake": np.ones((1, 1))}
+    )
     writer.close()
     times, values, unit = page["read"](tmp_path / "history.h5", "deforc.strut.force")
     assert (times.tolist(), values.tolist(), unit) == ([0.0], [2.0], "N")

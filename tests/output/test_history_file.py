@@ -7,7 +7,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from history_sample import FAMILIES, assert_is_sample, read_rows, sample_row, sample_time
+from history_sample import FAMILIES, appended, assert_is_sample, read_rows, sample_row, sample_time
 
 from crashsolve.output import layout
 from crashsolve.output.channels import Column, Family
@@ -19,7 +19,7 @@ def write_sample(path: Path, rows: int, **options: Any) -> HistoryWriter:
     """Append the first rows of the sample and leave the writer open."""
     writer = HistoryWriter(path, FAMILIES, {}, **options)
     for row in range(rows):
-        writer.append(sample_time(row), sample_row(row))
+        appended(writer, sample_time(row), sample_row(row))
     return writer
 
 
@@ -32,6 +32,13 @@ def test_closed_file_holds_every_row_and_nothing_more(tmp_path: Path, rows: int)
         assert file["rbdout/position/x"].shape == (rows, 3)
 
 
+def test_a_run_that_may_last_for_ever_reserves_little(tmp_path: Path) -> None:
+    path = tmp_path / "history.h5"
+    with HistoryWriter(path, FAMILIES, {}, expected_rows=10**12):
+        # 64 MiB of rows, and a page for each of the few columns
+        assert path.stat().st_size < 2**26 + 2**20
+
+
 def test_rows_are_readable_while_the_run_goes_on(tmp_path: Path) -> None:
     path = tmp_path / "history.h5"
     writer = write_sample(path, 5)
@@ -39,7 +46,7 @@ def test_rows_are_readable_while_the_run_goes_on(tmp_path: Path) -> None:
     writer.flush()
     with h5py.File(path) as reader:
         # a reader who holds the file neither blocks the run nor is disturbed by it
-        writer.append(sample_time(5), sample_row(5))
+        appended(writer, sample_time(5), sample_row(5))
         writer.close()
         assert reader["glstat/time"][4] == sample_time(4)
     assert assert_is_sample(path, 6) == 6
@@ -55,7 +62,7 @@ def test_families_share_one_time_axis_and_are_described(tmp_path: Path) -> None:
     path = tmp_path / "history.h5"
     unused = Family("rcforc", (), (Column("force", "x", "N", ""),))
     with HistoryWriter(path, (*FAMILIES, unused), {}) as writer:
-        writer.append(0.0, sample_row(0))
+        appended(writer, 0.0, sample_row(0))
     with h5py.File(path) as file:
         assert sorted(file) == ["glstat", "rbdout"]
         assert file["glstat/time"] == file["rbdout/time"]
@@ -69,7 +76,7 @@ def test_metadata_may_be_long_and_structured(tmp_path: Path) -> None:
     path = tmp_path / "history.h5"
     deck, expect = "größe: 1\n" * 20_000, [{"channel": "glstat.model.step", "value": 1e-5}]
     with HistoryWriter(path, FAMILIES, {"deck_text": deck, "expect": expect, "cores": 2}) as writer:
-        writer.append(0.0, sample_row(0))
+        appended(writer, 0.0, sample_row(0))
     with h5py.File(path) as file:
         assert file.attrs["format"] == "crashsolve history"
         assert file.attrs["format_version"] == 2
@@ -87,7 +94,7 @@ def test_row_that_is_not_finite_is_refused_and_leaves_no_trace(
     broken = sample_row(4)
     broken["rbdout"][2, 1] = value
     with pytest.raises(OutputError, match=r"rbdout\.wagon_c\.velocity\.x is -?(nan|inf)") as caught:
-        writer.append(sample_time(4), broken)
+        appended(writer, sample_time(4), broken)
     assert caught.value.exit_code == 5
     writer.close()
     assert assert_is_sample(path, 4) == 4
@@ -97,13 +104,13 @@ def test_row_that_is_not_finite_is_refused_and_leaves_no_trace(
 def test_time_must_go_forward(tmp_path: Path, time: float) -> None:
     writer = write_sample(tmp_path / "history.h5", 4)
     with pytest.raises(OutputError, match="follows"):
-        writer.append(time, sample_row(4))
+        appended(writer, time, sample_row(4))
 
 
 def test_wrong_shape_is_refused(tmp_path: Path) -> None:
     writer = write_sample(tmp_path / "history.h5", 0)
     with pytest.raises(ValueError, match="glstat"):
-        writer.append(0.0, {**sample_row(0), "glstat": np.zeros((3, 1))})
+        appended(writer, 0.0, {**sample_row(0), "glstat": np.zeros((3, 1))})
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -117,7 +124,7 @@ def test_resumed_history_equals_the_uninterrupted_one(
     writer = HistoryWriter(path, FAMILIES, {}, resume_time=sample_time(kept - 1))
     assert assert_is_sample(path, kept) == kept
     for row in range(kept, 2100):
-        writer.append(sample_time(row), sample_row(row))
+        appended(writer, sample_time(row), sample_row(row))
     writer.close()
     assert assert_is_sample(path, 2100) == 2100
     whole = write_sample(tmp_path / "whole.h5", 2100)

@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from history_sample import FAMILIES, assert_is_sample, read_rows, sample_row, sample_time
+from history_sample import FAMILIES, appended, assert_is_sample, read_rows, sample_row, sample_time
 
 from crashsolve.output import history
 from crashsolve.output.history import HistoryWriter
@@ -43,7 +43,7 @@ def append_for_ever(path: Path, pipe: int, flushes: int = 10**9) -> None:
     writer = HistoryWriter(path, FAMILIES, {})
     for flush in range(flushes):
         for row in range(ROWS_PER_FLUSH * flush, ROWS_PER_FLUSH * (flush + 1)):
-            writer.append(sample_time(row), sample_row(row))
+            appended(writer, sample_time(row), sample_row(row))
         writer.flush()
         os.write(pipe, b".")
     writer.close()
@@ -127,7 +127,7 @@ def test_killed_history_is_resumed(tmp_path: Path) -> None:
     os.waitpid(child, 0)
     os.close(pipe)
     with HistoryWriter(path, FAMILIES, {}, resume_time=sample_time(1)) as writer:
-        writer.append(sample_time(2), sample_row(2))
+        appended(writer, sample_time(2), sample_row(2))
     assert assert_is_sample(path, 3) == 3
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from history_sample import FAMILIES, assert_is_sample, sample_row, sample_time
+from history_sample import FAMILIES, appended, assert_is_sample, sample_row, sample_time
 
 from crashsolve.output import shapes
 from crashsolve.output.blocks import Block
@@ -47,7 +47,7 @@ def test_history_keeps_its_rows_when_the_disk_is_full(tmp_path: Path) -> None:
     def fill() -> None:
         with HistoryWriter(path, FAMILIES, {}, buffer_bytes=1000) as writer:
             for row in range(10**6):
-                writer.append(sample_time(row), sample_row(row))
+                appended(writer, sample_time(row), sample_row(row))
 
     assert outcome_with_limit(fill) == f"{path}: File too large"
     assert assert_is_sample(path, 500) < 2000

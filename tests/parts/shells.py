@@ -9,11 +9,10 @@ import numpy as np
 import yaml
 from bench import plain
 
-from crashsolve.deck.read import read_deck
-from crashsolve.foundation.posture import matrix
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.orientation import matrix
 from crashsolve.model.build import build
-from crashsolve.parts._layers import FAILED_ROWS
-from crashsolve.parts._quad_block import LAYERS
+from crashsolve.parts.shells.records import BLOCK, EROSION
 
 STEEL = {"type": "elastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
 # the patch of MacNeal and Harder (1985): five elements of odd shapes on 0.24 by 0.12
@@ -51,8 +50,9 @@ class Elements:
         self.model, self.state = model, _ = build(read_deck(path))
         group = model.element_groups()[0]
         self.module, self.p = group.module, group.parameters.view(np.recarray)[0]
+        self.material = group.materials[0][1]
         used = [name for column, name in self.module.KINDS.items() if self.p[column]]
-        self.kinds = [import_module(f"crashsolve.parts.{name}") for name in used]
+        self.kinds = [import_module(f"crashsolve.parts.shells.elements.{name}") for name in used]
         self.new = group.history.view(np.recarray)[1, 0]
         self.out = group.output.view(np.recarray)[0]
         self.clock: Any = self.state.clock.view(np.recarray)[0]
@@ -76,7 +76,7 @@ class Elements:
         self.clock.element_rate = 0.0
         self.points.rate, self.points.spin_rate = 0.0, 0.0
         for kind in self.kinds:
-            plain(kind.deform)(self.p, self.clock, h, self.scene)
+            plain(kind.deform)(self.p, self.clock, h, self.scene, self.material)
         return np.hstack([self.points.force, self.points.torque])
 
     def turn(self, axis: np.ndarray, about: np.ndarray, way: np.ndarray) -> np.ndarray:
@@ -92,7 +92,7 @@ class Elements:
     def energies(self) -> Any:
         plain(self.module.energies)(self.p, self.new, self.out, self.scene)
         for kind in self.kinds:
-            plain(kind.add_energies)(self.p, self.out, self.scene)
+            plain(kind.add_energies)(self.p, self.out, self.scene, self.material)
         return self.out
 
     def stiffness(self) -> np.ndarray:
@@ -113,8 +113,8 @@ class Elements:
 
     def layers(self, element: int = 0) -> np.ndarray:
         """Rows of all layers at all points of an element (points times layers, rows)."""
-        count = int(self.p.stride) // 16 - LAYERS - FAILED_ROWS * bool(self.p.failure)
-        return self.rows(LAYERS, count)[element].reshape(-1, int(self.p.layer_rows))
+        count = int(self.p.stride) // 16 - BLOCK.SIZE - EROSION.SIZE * bool(self.p.erodes)
+        return self.rows(BLOCK.SIZE, count)[element].reshape(-1, int(self.p.layer_rows))
 
 
 def any_turn(seed: int) -> np.ndarray:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from bench import Bench, Law, exponential, matrix_of_pair, pair_of_blocks, plain, written
 
-from crashsolve.deck.read import read_deck
-from crashsolve.foundation.posture import matrix
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.orientation import matrix
 from crashsolve.model.build import build
 from crashsolve.model.nodes import COMPLIANT
 
@@ -207,7 +207,8 @@ def test_rows_are_the_derivative_by_the_velocity(tmp_path: Path, kind: str, seed
     """dF = -D^T c D dv, as tests/springs/test_tangents.py has it."""
     law = on_its_way(tmp_path, kind, seed, 1.0, 0.8)
     found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
-    plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+    place = (law.bench.nodes, law.bench.curves, found, 0)
+    plain(law.module.tangent)(law.p, law.old, *place, *law.materials)
     start, rate, ends = law.bench.state(), np.random.default_rng(seed).normal(size=12), []
     for side in (-STEP, STEP):
         shift(law, start, np.zeros(12), rate, side)
@@ -220,7 +221,8 @@ def test_rows_are_the_derivative_by_the_velocity(tmp_path: Path, kind: str, seed
 def whole_tangent(law: Law, flips: int) -> np.ndarray:
     """Blocks of the element as one matrix (12, 12) of the nodes."""
     place, blocks = pair_of_blocks(flips)
-    plain(law.module.bend)(law.p, law.old, law.bench.nodes, law.bench.curves, place, blocks)
+    given = (law.bench.nodes, law.bench.curves, place, blocks)
+    plain(law.module.bend)(law.p, law.old, *given, *law.materials)
     return matrix_of_pair(blocks, flips)
 
 
@@ -230,7 +232,7 @@ def whole_tangent(law: Law, flips: int) -> np.ndarray:
 def test_blocks_are_the_derivative_by_the_place(
     tmp_path: Path, kind: str, turn: float, speed: float
 ) -> None:
-    """In any posture, with damping and viscosity while it moves, elastic and yielding."""
+    """In any configuration, with damping and viscosity while it moves, elastic and yielding."""
     law = on_its_way(tmp_path, kind, 5, speed, turn)
     load(law)
     # some fibres flow, and with a turn some do not

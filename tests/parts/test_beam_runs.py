@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from command import crashsolve, datasets, gone_on
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 
 DECKS = Path(__file__).resolve().parents[2] / "decks/verification/parts"
 FLIGHT, ROLL_UP = DECKS / "free_flight.yaml", DECKS / "roll_up.yaml"

@@ -8,7 +8,7 @@ import pytest
 from bench import Bench, Law
 from shells import SQUARE, Elements
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.system.diagnosis import limiter

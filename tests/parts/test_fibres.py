@@ -9,8 +9,8 @@ from bench import Bench, Law
 from command import crashsolve
 from test_beam import KINDS, is_plastic, load, on_its_way, shift, whole_tangent
 
-from crashpost.result import Result
-from crashsolve.deck.read import read_deck
+from crashpost.results.result import Result
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.parts.fibre_beam import IMPLICIT
@@ -21,6 +21,7 @@ control: {end_time: 1}
 materials:
   soft: {type: elastoplastic, young: 2000, poisson: 0.3, density: 3, YIELD}
   hooke: {type: elastic, young: 2000, poisson: 0.3, density: 3}
+  rubber: {type: neo_hookean, young: 2000, poisson: 0.3, density: 3}
 sections: {s: {SECTION}}
 curves: {flow: {points: [[0, 4], [1, 24], [5, 24]]}}
 parts:
@@ -220,10 +221,10 @@ def test_implicit_steps_go_through_cycles_of_yield_as_explicit_ones_do(tmp_path:
 
 
 REFUSED = {
-    "elastic": (
+    "rubber": (
         "material: soft",
-        "material: hooke",
-        "needs a material of type elastoplastic; or say type: beam",
+        "material: rubber",
+        "type neo_hookean is for shells; strains of beams are small",
     ),
     "beam": ("type: fibre_beam", "type: beam", "fibres"),
     "many": ("fibres: [4, 16]", "fibres: [9, 16]", "makes 144 fibres of this section; at most 64"),
@@ -249,6 +250,11 @@ REFUSED = {
         RECTANGLE,
         "type: fibres, fibres: [[0, 1, 1], [1, 2, 1]], torsion: 1, shear_y: 1, shear_z: 1",
         "their mass centre must be the origin",
+    ),
+    "a mistake elsewhere": (
+        "control: {",
+        "joints: {foot: {type: revolute, b: s_start, at: [0, 0, 0], axis: [0, 0, 0]}}\ncontrol: {",
+        "joint 'foot': axis: a direction needs a length",
     ),
 }
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_meshes import laid, refusal
+from test_meshes import meshed, refusal
 
-from crashsolve.foundation.mesh_file import MeshFileError, read_mesh_file
+from crashsolve.foundation.mesh_files.reading import MeshFileError, read_mesh_file
 
 NODES = """*NODE
 1, 0, 0, 0
@@ -82,7 +82,7 @@ $EndElements
 def areas(folder: Path, text: str, elements: Any = "", name: str = "plate.inp") -> Any:
     (folder / name).write_text(text, "utf-8")
     mesh = {"type": "file", "file": name} | ({"elements": elements} if elements else {})
-    return laid(folder, mesh)
+    return meshed(folder, mesh)
 
 
 @pytest.mark.parametrize(
@@ -149,12 +149,16 @@ WRONG = {
     "corner": (S4R + "14, 1, 2, 3, 99\n", "line 17: element 14 names node 99"),
     "corners": (S4R + "14, 1, 2, 3\n", "line 17: element 14 is of type S4R, but 3 nodes follow"),
     "part": ("*Part, name=P\n", "line 16: *PART would be passed over; write the mesh flat"),
+    "section offset": (
+        "*SHELL SECTION, ELSET=A, MATERIAL=M, OFFSET=SPOS\n1.5\n",
+        "line 16: *SHELL SECTION, OFFSET=SPOS would be passed over: nodes lie in the middle",
+    ),
     "include": ("*INCLUDE, INPUT=x.inp\n", "line 16: *INCLUDE would be passed over"),
     "instance": (
         "*NSET, NSET=A, INSTANCE=P-1\n1\n",
         "line 16: *NSET, NSET=A, INSTANCE=P-1 would be",
     ),
-    "offset": (
+    "offset of elements": (
         "*ELEMENT, TYPE=S4, OFFSET=9\n",
         "line 16: *ELEMENT, TYPE=S4, OFFSET=9 would be passed over",
     ),
@@ -191,7 +195,7 @@ def test_elements_of_other_kinds_do_not_hinder_a_set_without_them(tmp_path: Path
 def test_an_empty_set_is_refused_where_it_is_used(tmp_path: Path, field: str) -> None:
     (tmp_path / "plate.inp").write_text(INP + "*NSET, NSET=NONE\n*NSET, NSET=LEFT\n1, 5\n", "utf-8")
     mesh = {"type": "file", "file": "plate.inp", "elements": "MIDDLE"}
-    laid(tmp_path, mesh)
+    meshed(tmp_path, mesh)
     for name in ("NONE", "LEFT"):
         words = {"nodes": name} | ({"part": "s"} if field == "welded" else {})
         told = refusal(tmp_path, mesh, **{field: [words]})
@@ -309,7 +313,7 @@ def test_sets_of_a_listed_mesh_may_have_numbers(tmp_path: Path) -> None:
         "quads": [[1, 2, 3, 4]],
         "sets": [{"name": 3, "nodes": [1, 2]}],
     }
-    part = laid(tmp_path, square, hold=[{"nodes": 3, "motions": ["x"]}])
+    part = meshed(tmp_path, square, hold=[{"nodes": 3, "motions": ["x"]}])
     assert list(part.held) == [1, 1, 0, 0]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 
@@ -69,7 +69,7 @@ two squares
 """
 
 
-def laid(folder: Path, mesh: dict[str, Any], **words: Any) -> Any:
+def meshed(folder: Path, mesh: dict[str, Any], **words: Any) -> Any:
     part = {"type": "shell", "mesh": mesh, "thickness": 0.01, "material": "m"} | words
     path = folder / "mesh.yaml"
     path.write_text(yaml.safe_dump(DECK | {"parts": {"s": part}}), "utf-8")
@@ -80,14 +80,14 @@ def laid(folder: Path, mesh: dict[str, Any], **words: Any) -> Any:
 
 def refusal(folder: Path, mesh: dict[str, Any], **words: Any) -> str:
     with pytest.raises(DeckErrors) as caught:
-        laid(folder, mesh, **words)
+        meshed(folder, mesh, **words)
     return str(caught.value)
 
 
 @pytest.mark.parametrize("name", MESHES)
 def test_a_mesh_has_the_area_and_the_nodes_of_its_shape(tmp_path: Path, name: str) -> None:
     mesh, area, nodes = MESHES[name]
-    part = laid(tmp_path, mesh)
+    part = meshed(tmp_path, mesh)
     assert part.area.sum() == pytest.approx(area, rel=1e-12)
     assert len(part.mesh.points) == nodes
     assert part.mass.sum() == pytest.approx(0.01 * area, rel=1e-12)
@@ -95,7 +95,7 @@ def test_a_mesh_has_the_area_and_the_nodes_of_its_shape(tmp_path: Path, name: st
 
 @pytest.mark.parametrize("name", ["cylinder", "tube", "box", "sphere"])
 def test_normals_of_a_hollow_mesh_point_outwards(tmp_path: Path, name: str) -> None:
-    part = laid(tmp_path, MESHES[name][0])
+    part = meshed(tmp_path, MESHES[name][0])
     x = part.mesh.points[part.mesh.quads]
     middle = part.mesh.points.mean(axis=0)
     normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
@@ -105,7 +105,7 @@ def test_normals_of_a_hollow_mesh_point_outwards(tmp_path: Path, name: str) -> N
 @pytest.mark.parametrize("half, sides", [("eighth", "xyz"), ("half", "z"), ("whole", "")])
 def test_a_part_of_a_sphere_ends_on_its_planes(tmp_path: Path, half: str, sides: str) -> None:
     mesh = {"type": "sphere", "radius": 2, "centre": [1, 0, 0], "elements": 4, "part": half}
-    part = laid(tmp_path, mesh)
+    part = meshed(tmp_path, mesh)
     x = part.mesh.points - [1, 0, 0]
     np.testing.assert_allclose(np.linalg.norm(x, axis=1), 2.0, rtol=1e-12)
     assert set(part.mesh.sets) == {f"{axis}0" for axis in sides}
@@ -117,7 +117,7 @@ def test_a_part_of_a_sphere_ends_on_its_planes(tmp_path: Path, half: str, sides:
 
 def test_a_blow_gives_the_elements_of_a_box_their_momentum(tmp_path: Path) -> None:
     box = {"low": [0.5, 0, -1], "high": [2, 3, 1], "speed": 3}
-    part = laid(tmp_path, GRID, blows=[box])
+    part = meshed(tmp_path, GRID, blows=[box])
     middle = part.mesh.points[part.mesh.quads].mean(axis=1)
     hit = (middle[:, 0] > 0.5) & (middle[:, 0] < 2)
     total = (part.mass[:, None] * part.velocities()).sum(axis=0)
@@ -134,8 +134,8 @@ def test_a_folded_plate_needs_a_number_for_each_piece(tmp_path: Path) -> None:
 
 def test_a_dent_pushes_two_sides_in_and_two_out(tmp_path: Path) -> None:
     dent = {"depth": 0.01, "from": 0.5, "to": 1.5}
-    plain = laid(tmp_path, TUBE | {"elements": [2, 2, 8]}).mesh.points
-    way = laid(tmp_path, TUBE | {"elements": [2, 2, 8], "dent": dent}).mesh.points - plain
+    plain = meshed(tmp_path, TUBE | {"elements": [2, 2, 8]}).mesh.points
+    way = meshed(tmp_path, TUBE | {"elements": [2, 2, 8], "dent": dent}).mesh.points - plain
     middle = np.isclose(plain[:, 2], 1.0)
     across, up = middle & (abs(plain[:, 0]) < 1e-9), middle & (abs(plain[:, 1]) < 1e-9)
     np.testing.assert_allclose(way[across][:, 1] * np.sign(plain[across][:, 1]), 0.01)
@@ -145,7 +145,7 @@ def test_a_dent_pushes_two_sides_in_and_two_out(tmp_path: Path) -> None:
 
 def test_a_file_gives_its_elements_and_its_sets(tmp_path: Path) -> None:
     (tmp_path / "plate.inp").write_text(INP, "utf-8")
-    part = laid(tmp_path, {"type": "file", "file": "plate.inp", "unit": 0.001})
+    part = meshed(tmp_path, {"type": "file", "file": "plate.inp", "unit": 0.001})
     assert part.area.sum() == pytest.approx(2e-6, rel=1e-12)
     assert sorted(part.mesh.sets["LEFT"]) == [0, 3]
 
@@ -179,7 +179,7 @@ def test_a_mesh_written_and_read_is_the_same(kind: str, suffix: str, tmp_path: P
     meshio.write(
         tmp_path / f"plate.{suffix}", mesh, **({"binary": True} if suffix == "stl" else {})
     )
-    part = laid(tmp_path, {"type": "file", "file": f"plate.{suffix}"})
+    part = meshed(tmp_path, {"type": "file", "file": f"plate.{suffix}"})
     # a file may number its nodes anew
     wanted = sorted(sorted(map(tuple, points[cell])) for cell in cells)
     corners = [dict.fromkeys(q) for q in part.mesh.quads]
@@ -203,7 +203,7 @@ ENDDATA
 def test_elements_of_a_property_are_a_set(tmp_path: Path) -> None:
     (tmp_path / "plate.bdf").write_text(BDF, "utf-8")
     for number, area in (("7", 1.0), ("9", 2.0), ("", 3.0)):
-        part = laid(tmp_path, {"type": "file", "file": "plate.bdf", "elements": number})
+        part = meshed(tmp_path, {"type": "file", "file": "plate.bdf", "elements": number})
         assert part.area.sum() == pytest.approx(area, rel=1e-12)
     told = refusal(tmp_path, {"type": "file", "file": "plate.bdf", "elements": "8"})
     assert "no element set '8' (sets: 7, 9)" in told
@@ -213,7 +213,7 @@ def test_triangles_of_a_file_come_after_its_quadrilaterals(tmp_path: Path) -> No
     first = "*ELEMENT, TYPE=S3, ELSET=CORNER\n3, 1, 2, 5\n4, 1, 5, 4\n"
     text = INP.replace("*ELEMENT", first + "*ELEMENT", 1).replace("1, 1, 2, 5, 4\n", "")
     (tmp_path / "plate.inp").write_text(text, "utf-8")
-    part = laid(tmp_path, {"type": "file", "file": "plate.inp", "unit": 0.001})
+    part = meshed(tmp_path, {"type": "file", "file": "plate.inp", "unit": 0.001})
     assert part.quad_count == 1
     np.testing.assert_allclose(part.area, [1e-6, 0.5e-6, 0.5e-6], rtol=1e-12)
     # a third of each triangle, a quarter of each quadrilateral

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from command import crashsolve
 
-from crashsolve.deck.read import read_deck
-from crashsolve.engines import engine_of
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors, SolverError
 from crashsolve.model import ledger
 from crashsolve.model.build import build
-from crashsolve.system import equilibrium
-from crashsolve.system.balance import EQUAL, ROUND, Forces
-from crashsolve.system.rest import turning
-from crashsolve.system.stability import way_out
+from crashsolve.recording.engines import engine_of
+from crashsolve.system.static import equilibrium
+from crashsolve.system.static.balance import EQUAL, ROUND, Forces
+from crashsolve.system.static.pseudo_transient import turning
+from crashsolve.system.static.stability import way_out
 
 DECK = """
 title: cantilever at rest
@@ -53,9 +53,9 @@ def engine(folder: Path, text: str = DECK) -> equilibrium.StaticEngine:
 def test_corrections_fall_quadratically_to_round_off(tmp_path: Path) -> None:
     found, sizes = engine(tmp_path), []
     for _ in range(8):
-        way = found._correction(0.3)
+        way = found.correction(0.3)
         sizes.append(float(np.abs(way).max()))
-        found._shift(found.state.nodes, way)
+        found.shift(found.state.nodes, way)
     # each is the square of the one before, then a share: differences over 1e-7 of the size see
     # the stretch of what they turn, and round-off of 1e-16 / 1e-7
     near = [k for k in range(7) if sizes[k] < 0.01]
@@ -369,7 +369,7 @@ REFUSED = {
         "loads:",
         "springs: {s: {type: elastoplastic, a: ground, b: p_end, stiffness: 1, yield_force: 1}}\n"
         "loads:",
-        "a quasi-static solution has no laws that remember yet",
+        "a quasi-static solution has no path-dependent laws yet",
     ),
     "contact": (
         "loads:",

@@ -9,9 +9,9 @@ import yaml
 from bench import plain
 from shells import KINDS, ODD, PATCH, SQUARE, STEEL, Elements, any_turn
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.parts._quad_block import SHEAR
+from crashsolve.parts.shells.records import BLOCK
 from crashsolve.system.points import bound_rate
 
 E, NU = STEEL["young"], STEEL["poisson"]
@@ -70,7 +70,7 @@ def test_a_patch_holds_constant_curvature_and_twist(tmp_path: Path, kind: str) -
     assert np.abs(force[4:, 2:5]).max() < 1e-6 * edge
     assert np.abs(force[:4, 3:]).max() > 0.1 * edge
     # the shear of a wrong slope would be 1e-7
-    assert np.abs(patch.rows(SHEAR, 2)).max() < 1e-12 * E
+    assert np.abs(patch.rows(BLOCK.shear, 2)).max() < 1e-12 * E
 
 
 def test_rigid_motions_strain_nothing(tmp_path: Path, kind: str, seed: int) -> None:

@@ -8,7 +8,7 @@ from bench import plain
 from shells import KINDS, PATCH, Elements
 
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.parts import _cut
+from crashsolve.parts.shells import section_cut
 
 CUTS = [
     {"name": "across", "at": [0.1, 0, 0], "normal": [1, 0, 0]},
@@ -41,13 +41,14 @@ def measured(shell: Elements) -> np.ndarray:
     scene.taps, scene.cuts = shell.taps.view(np.recarray), shell.cuts.view(np.recarray)
     modules = dict(zip(shell.module.KINDS.values(), range(3), strict=True))
     kinds = {modules[kind.__name__.rpartition(".")[2]]: kind for kind in shell.kinds}
-    plain(_cut.open_cuts)(scene)
+    plain(section_cut.open_cuts)(scene)
     for tap in scene.taps:
         if tap.first != before:
-            plain(kinds[int(tap.kind)].respond)(shell.p, 0.0, tap.first, tap.corner, scene)
+            place = (tap.first, tap.corner, scene, shell.material)
+            plain(kinds[int(tap.kind)].respond)(shell.p, 0.0, *place)
         before = tap.first
-        plain(_cut.add_tap)(tap, scene)
-    plain(_cut.close_cuts)(scene)
+        plain(section_cut.add_tap)(tap, scene)
+    plain(section_cut.close_cuts)(scene)
     return shell.cuts
 
 

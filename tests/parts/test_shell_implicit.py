@@ -12,13 +12,14 @@ from bench import exponential, plain, product
 from command import crashsolve, gone_on
 from shells import ODD, PATCH, STEEL
 
-from crashpost.result import Result
-from crashsolve.deck.read import read_deck
+from crashpost.results.result import Result
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.orientation import matrix
 from crashsolve.model.build import build
-from crashsolve.model.compliance import compliance
-from crashsolve.system import assembled, points, stiffness
+from crashsolve.model.implicit.compliance import compliance
+from crashsolve.system import points
+from crashsolve.system.implicit import global_matrix, stiffness
 
 YIELDING = STEEL | {"type": "elastoplastic", "yield_stress": 200.0, "hardening": 2e4}
 MOVING = YIELDING | {"kinematic": 0.6, "rate_D": 40.0, "rate_q": 5.0}
@@ -79,15 +80,20 @@ class Implicit:
         arrays = tables | {"points": state.points, "control": self.model.control}
         arrays |= {"curves": self.model.curves}
         views = {k: a.view(np.recarray) if a.dtype.names else a for k, a in arrays.items()}
-        self.riders: Any = e.riders.view(np.recarray)
+        self.attached_points: Any = e.attached_points.view(np.recarray)
         self.scene = SimpleNamespace(
-            **views, lanes=state.blocks, corners=e.corners, work=e.work, riders=self.riders
+            **views,
+            lanes=state.blocks,
+            corners=e.corners,
+            work=e.work,
+            attached_points=self.attached_points,
         )
         self.clock: Any = state.clock.view(np.recarray)[0]
         group = self.model.element_groups()[0]
         self.p = group.parameters.view(np.recarray)[0]
+        self.material = group.materials[0][1]
         words = [word for column, word in group.module.KINDS.items() if self.p[column]]
-        self.kinds = [__import__(f"crashsolve.parts.{word}", fromlist=["deform"]) for word in words]
+        self.kinds = [import_module(f"crashsolve.parts.shells.elements.{word}") for word in words]
         for b in self.nodes[1:]:
             b.start_r, b.start_q, b.start_A = b.r, b.q, b.A
 
@@ -99,13 +105,13 @@ class Implicit:
             b.A = matrix(b.q).ravel()
 
     def carry(self) -> None:
-        plain(points.carry)(H, self.nodes, self.scene.points, self.riders)
+        plain(points.carry)(H, self.nodes, self.scene.points, self.attached_points)
 
     def elements(self) -> None:
         """As composed: forces on the points, from what the elements kept."""
         plain(stiffness.begin_again)(H, self.clock, self.scene)
         for kind in self.kinds:
-            plain(kind.deform)(self.p, self.clock, H, self.scene)
+            plain(kind.deform)(self.p, self.clock, H, self.scene, self.material)
 
     def force(self) -> np.ndarray:
         """Forces and torques (n, 6) of the elements where the bodies are."""
@@ -113,20 +119,20 @@ class Implicit:
         self.scene.points.force = self.scene.points.torque = 0.0
         self.elements()
         self.nodes.force, self.nodes.torque = 0.0, 0.0
-        plain(points.unload)(self.clock, self.nodes, self.scene.points, self.riders)
+        plain(points.unload)(self.clock, self.nodes, self.scene.points, self.attached_points)
         return np.hstack([self.nodes.force, self.nodes.torque])[1:]
 
     def stiffness(self) -> np.ndarray:
         """K (6 n, 6 n) as the composed step finds it."""
         self.carry()
         matrix = SimpleNamespace(columns=self.scene.columns_0, blocks=self.scene.blocks_0)
-        plain(assembled.open_blocks)(self.nodes, matrix)
+        plain(global_matrix.open_blocks)(self.nodes, matrix)
         plain(stiffness.take_back)(H, self.scene)
         plain(stiffness.reach)(self.nodes, self.scene)
         for kind in self.kinds:
             word = kind.__name__.rpartition(".")[2].lstrip("_")
-            file = import_module(f"crashsolve.parts._{word}_tangent")
-            plain(file.tangent)(self.p, H, self.scene, matrix)
+            file = import_module(f"crashsolve.parts.shells.tangents.{word}")
+            plain(file.tangent)(self.p, H, self.scene, matrix, self.material)
         return self.matrix()
 
     def differences(self, size: float) -> np.ndarray:

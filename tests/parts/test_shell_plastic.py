@@ -9,19 +9,16 @@ from bench import plain
 from shells import KINDS, ODD, SQUARE, Elements
 
 from crashsolve.foundation.curve import curve_line, curve_value, pack
-from crashsolve.parts._layers import (
-    BACK,
-    FACTOR,
-    NEAR,
-    NUMBER,
-    SLOT_ROWS,
-    STRAIN,
-    G,
-    beside_at,
-    step_to_root,
+from crashsolve.materials._von_mises import LAYER
+from crashsolve.parts.shells.plasticity import beside_at
+from crashsolve.parts.shells.records import (
+    BLOCK,
+    SLOT,
+    WORK,
 )
-from crashsolve.parts._quad_block import PLANE_Q, SHEAR, THICKNESS
+from crashsolve.parts.shells.return_mapping import NEAR, step_to_root
 
+STRAIN = LAYER.plastic_strain
 BASE = {"type": "elastoplastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
 Y, H = 200.0, 2000.0
 MATERIALS = {
@@ -52,8 +49,10 @@ def size(xi: np.ndarray) -> np.ndarray:
 def whole(shell: Elements, slot: int, xi: np.ndarray) -> float:
     """Von Mises' stress of the layer in a slot, with what is beside its plane."""
     work = shell.scene.work
-    left = 1.0 / (1.0 + shell.p.falls_2 * work.reshape(-1, 16)[SLOT_ROWS * slot + G, 0])
-    zeta = shell.p.zeta[int(work.reshape(-1, 16)[NUMBER, slot])]
+    left = 1.0 / (
+        1.0 + shell.p.material.falls_2 * work.reshape(-1, 16)[SLOT.SIZE * slot + SLOT.g, 0]
+    )
+    zeta = shell.p.zeta[int(work.reshape(-1, 16)[WORK.yielding, slot])]
     beside: Any = plain(beside_at)
     return float(np.hypot(size(xi[None])[0], left * np.sqrt(beside(work, 0, zeta))))
 
@@ -83,8 +82,8 @@ def test_yielding_layers_meet_the_yield_condition_to_round_off(
         for slot, row in enumerate(rows[rows[:, STRAIN] > before]):
             factor = 1.0
             if "rate_D" in material or "exponent" in material:
-                factor = shell.scene.work.reshape(-1, 16)[FACTOR + SLOT_ROWS * slot, 0]
-            alpha = row[BACK : BACK + 3] if "kinematic" in material else 0.0
+                factor = shell.scene.work.reshape(-1, 16)[SLOT.factor + SLOT.SIZE * slot, 0]
+            alpha = row[LAYER.alpha :][:3] if "kinematic" in material else 0.0
             limit = factor * flow_stress(material, row[STRAIN : STRAIN + 1])[0]
             # 1e-14 for the root, as much for the stress that is put together from it
             assert whole(shell, slot, row[:3] - alpha) == pytest.approx(limit, rel=2e-14)
@@ -101,7 +100,7 @@ def test_transverse_shear_yields_with_the_layers(tmp_path: Path, kind: str) -> N
         force = shell.move(tilt)
         work -= 0.5 * (tilt * (force + last)).sum()
         last = force
-    tau = np.linalg.norm(shell.rows(SHEAR, 2), axis=1)
+    tau = np.linalg.norm(shell.rows(BLOCK.shear, 2), axis=1)
     # nothing else is strained, and all layers take the same part
     assert tau == pytest.approx(Y / np.sqrt(3.0), rel=1e-12)
     out = shell.energies()
@@ -117,12 +116,12 @@ def test_the_hourglass_yields_by_its_mean_square(tmp_path: Path) -> None:
     for _ in range(100):
         shell.move(way)
     # of the unit square A int h_x^2 is 4/3, with the slopes h_x = 4 y of xi eta
-    stress = shell.rows(PLANE_Q, 2)[0] / (0.1 * np.sqrt(4.0 / 3.0))
+    stress = shell.rows(BLOCK.hourglass_plane, 2)[0] / (0.1 * np.sqrt(4.0 / 3.0))
     assert np.linalg.norm(stress) == pytest.approx(Y, rel=1e-12)
     assert stress[1] / stress[0] == pytest.approx(4.0 / 3.0, rel=1e-12)
     # stretching it as well takes from both
     shell.move(way + 1e-3 * stretched([1.0, 0.0, 0.0]))
-    less = np.linalg.norm(shell.rows(PLANE_Q, 2)[0]) / (0.1 * np.sqrt(4.0 / 3.0))
+    less = np.linalg.norm(shell.rows(BLOCK.hourglass_plane, 2)[0]) / (0.1 * np.sqrt(4.0 / 3.0))
     assert less < 0.9 * Y
     for slot, row in enumerate(shell.layers()):
         assert whole(shell, slot, row[:3]) == pytest.approx(Y, rel=2e-14)
@@ -178,7 +177,9 @@ def test_layers_follow_a_curve_over_its_corners_to_round_off(tmp_path: Path, way
         rows, slot = shell.layers(), 0
         for row, old in zip(rows, before, strict=True):
             if row[STRAIN] > old:
-                flow, _, _ = curve_value(shell.scene.curves, int(shell.p.curve), row[STRAIN])
+                flow, _, _ = curve_value(
+                    shell.scene.curves, int(shell.p.material.curve), row[STRAIN]
+                )
                 assert whole(shell, slot, row[:3]) == pytest.approx(flow, rel=2e-14)
                 slot += 1
                 corners |= {x for x, _ in points if old < x < row[STRAIN]}
@@ -193,7 +194,7 @@ def test_a_step_may_go_over_more_lines_than_the_return_has_passes(tmp_path: Path
     shell = Elements(tmp_path, SQUARE, 0.01, material, layers=1, curves={"flow": words})
     shell.move(stretched([0.0, 0.0, 4e-3]))
     row = shell.layers()[0]
-    flow, _, _ = curve_value(shell.scene.curves, int(shell.p.curve), row[STRAIN])
+    flow, _, _ = curve_value(shell.scene.curves, int(shell.p.material.curve), row[STRAIN])
     assert row[STRAIN] > 60e-5
     assert size(row[None, :3])[0] == pytest.approx(flow, rel=2e-14)
 
@@ -274,7 +275,7 @@ def test_plastic_stretch_keeps_the_volume(tmp_path: Path) -> None:
     a, b, c = shell.points.r[1] - shell.points.r[0], shell.points.r[3] - shell.points.r[0], 0
     area = np.linalg.norm(np.cross(a, b)) + c
     # elastic strains are 5e-6; each of the 50 steps errs by a third of its strain squared, 5e-5
-    assert area * shell.rows(THICKNESS, 1)[0, 0] == pytest.approx(0.01, rel=3e-3)
+    assert area * shell.rows(BLOCK.thickness, 1)[0, 0] == pytest.approx(0.01, rel=3e-3)
 
 
 def test_johnson_and_cook_follow_their_formula_at_one_rate(tmp_path: Path) -> None:

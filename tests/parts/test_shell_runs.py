@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from command import crashsolve, datasets, gone_on
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 
 BALL = Path(__file__).resolve().parents[2] / "decks/verification/parts/shell_ball.yaml"
 # a worker compiles the scene once

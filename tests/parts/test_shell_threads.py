@@ -1,4 +1,4 @@
-"""Claim: two threads give the bits of one, go on to them, and stop where one does."""
+"""Claim: two threads are bitwise identical to one, go on to them, and stop where one does."""
 
 import shutil
 import signal
@@ -13,12 +13,12 @@ from bench import plain
 from command import crashsolve, differences, gone_on, start
 from shells import Elements
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
-from crashsolve.model.halves import halve
-from crashsolve.system import crew
+from crashsolve.model.partition import halve
 from crashsolve.system.compose import compose
+from crashsolve.system.threads import worker
 
 # a worker compiles the scene once
 pytestmark = pytest.mark.xdist_group("threads")
@@ -87,7 +87,7 @@ def test_the_second_thread_alone_has_points_lent(two: tuple[Path, Path]) -> None
     text = compose(build(read_deck(two[0]))[0])
     first, _, second = text.partition("def assist")
     # once for the elements, once for the pressure on them
-    assert second.count("crew.lend(") == 2 and "crew.lend(" not in first
+    assert second.count("worker.lend(") == 2 and "worker.lend(" not in first
 
 
 def test_two_threads_go_on_from_a_dump_to_the_same_bits(
@@ -163,13 +163,13 @@ def test_halves_of_a_part_push_its_points_as_the_whole(element: str, tmp_path: P
         clock = shared["second_clock"][0] if k else cut.clock
         scene = SimpleNamespace(corners=corners, **shared)
         if k:
-            plain(crew.lend)(scene)
+            plain(worker.lend)(scene)
         row = halves.rows[k][word].view(np.recarray)[0]
         assert row.element_count > 0
         for kind in cut.kinds:
-            plain(kind.deform)(row, clock, 1.0, scene)
+            plain(kind.deform)(row, clock, 1.0, scene, cut.material)
     assert len(halves.loans) > 50
-    plain(crew.take_back)(cut.clock, scene)
+    plain(worker.take_back)(cut.clock, scene)
     found = np.hstack([own.force, own.torque])
     assert found.tobytes() == forces.tobytes()
     assert cut.clock.element_rate == whole.clock.element_rate

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 
@@ -60,14 +60,14 @@ def test_welding_changes_neither_mass_nor_its_centre_nor_its_inertia(tmp_path: P
 
 def test_points_ride_where_they_are_and_on_the_nearest_node(tmp_path: Path) -> None:
     model, state = model_of(tmp_path)
-    assert len(model.elements.riders) == 4
-    for rider in model.elements.riders:
-        node, point = state.nodes[rider["node"]], state.points[rider["point"]]
-        place = node["r"] + node["A"].reshape(3, 3) @ rider["spot"]
+    assert len(model.elements.attached_points) == 4
+    for attached_point in model.elements.attached_points:
+        node, point = state.nodes[attached_point["node"]], state.points[attached_point["point"]]
+        place = node["r"] + node["A"].reshape(3, 3) @ attached_point["spot"]
         np.testing.assert_allclose(place, point["r"], atol=1e-15)
         if point["r"][0] > 0.1:
             wanted = "rib_start" if point["r"][1] < 0.05 else "rib_end"
-            assert model.bodies[rider["node"]] == wanted
+            assert model.bodies[attached_point["node"]] == wanted
 
 
 WRONG = {
@@ -101,7 +101,7 @@ FAR = DECK.replace(
 
 def test_a_weld_reaches_no_farther_than_an_element_or_what_the_card_allows(tmp_path: Path) -> None:
     # sides of 0.1 m
-    assert len(model_of(tmp_path, FAR.replace("{z}", "0.0999"))[0].elements.riders) == 4
+    assert len(model_of(tmp_path, FAR.replace("{z}", "0.0999"))[0].elements.attached_points) == 4
     with pytest.raises(DeckErrors) as caught:
         model_of(tmp_path, FAR.replace("{z}", "0.3"))
     told = str(caught.value)
@@ -116,7 +116,7 @@ def test_a_weld_reaches_no_farther_than_an_element_or_what_the_card_allows(tmp_p
         in str(caught.value)
     )
     far = FAR.replace("{nodes: u1, part: rib}", "{nodes: u1, part: rib, within: 0.5}")
-    assert len(model_of(tmp_path, far.replace("{z}", "0.3"))[0].elements.riders) == 4
+    assert len(model_of(tmp_path, far.replace("{z}", "0.3"))[0].elements.attached_points) == 4
 
 
 def test_a_shell_is_welded_to_the_named_nodes_of_a_shell(tmp_path: Path) -> None:

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crashsolve.deck.read import read_deck
-from crashsolve.engines import engine_of
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
-from crashsolve.system.equilibrium import StaticEngine
+from crashsolve.recording.engines import engine_of
+from crashsolve.system.static.equilibrium import StaticEngine
 
 STRIP = Path(__file__).parents[2] / "decks" / "verification" / "parts" / "strip_static.yaml"
 # a worker compiles the scene once

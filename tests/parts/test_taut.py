@@ -13,7 +13,7 @@ from bench import Bench
 from command import crashsolve
 from test_beam import DECK, STEP, acceleration, load, shift
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 
 E, SIDE, LENGTH = 1e9, 0.01, 1.0
 BENDING = E * SIDE**4 / 12.0

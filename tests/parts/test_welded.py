@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from command import crashsolve, differences
 
-from crashpost.result import Result
-from crashsolve.deck.read import read_deck
+from crashpost.results.result import Result
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 

@@ -8,12 +8,12 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import TIME, Command, two_cars, write_result, write_status
 
-from crashpost.difference import compare
+from crashpost.compare.difference import compare
+from crashpost.compare.rating import rating
 from crashpost.errors import PostError
-from crashpost.measured import Column, Measurement
-from crashpost.mme import code
-from crashpost.rating import rating
-from crashpost.result import Result
+from crashpost.exports.mme import code
+from crashpost.results.result import Result
+from crashpost.values.measured import Column, Measurement
 from crashsolve.channels.series import Series
 
 FORCE = "deforc.buffer.force"

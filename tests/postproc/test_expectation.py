@@ -8,8 +8,8 @@ import pytest
 from conftest import SPEED, Command, expectation, two_cars, write_result, write_status
 
 from crashpost.errors import PostError
-from crashpost.expectation import Expectation, Verdict, expectations, judge
-from crashpost.result import Result
+from crashpost.results.result import Result
+from crashpost.values.expectation import Expectation, Verdict, expectations, judge
 
 # masses 2 : 1, so an elastic impact leaves a third of the speed and gives four thirds
 LEFT_OVER = expectation("rbdout.A.velocity.x", "final", SPEED / 3, 1e-9)

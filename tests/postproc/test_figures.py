@@ -9,15 +9,16 @@ import pytest
 from conftest import SPEED, TIME, Command, two_cars, write_result, write_status
 from matplotlib.figure import Figure as Canvas
 
-from crashpost import draw, events, gallery, injury, words
 from crashpost.errors import PostError
-from crashpost.figure import figures_of
-from crashpost.measured import read_test
-from crashpost.overlay import names
-from crashpost.panels import Wish, panels, profile
-from crashpost.result import Result
-from crashpost.shown import Units, on_page
-from crashpost.style import COLOURS, DASHES, MOST_LINES, line_look
+from crashpost.figures import draw, gallery
+from crashpost.figures.overlay import names
+from crashpost.figures.panels import Wish, panels, profile
+from crashpost.figures.style import COLOURS, DASHES, MOST_LINES, line_look
+from crashpost.results.result import Result
+from crashpost.values import events, injury, words
+from crashpost.values.figure import figures_of
+from crashpost.values.measured import read_test
+from crashpost.values.units import Units, on_page
 
 FORCE = "deforc.buffer.force"
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crashpost.figure import figures_of
-from crashpost.result import Result
-from crashpost.sights import look, scenes_of
+from crashpost.reports.sights import look, scenes_of
+from crashpost.results.result import Result
+from crashpost.values.figure import figures_of
 
 channels = pytest.importorskip("crashsolve.output.channels")
 history = pytest.importorskip("crashsolve.output.history")
@@ -20,8 +20,8 @@ def write(folder: Path, *, close: bool) -> None:
     families = (channels.Family("rbdout", ("A", "car-b"), columns),)
     metadata = {"title": "Two", "expect": [], "deck_text": "title: Two\n"}
     writer = history.HistoryWriter(folder / "history.h5", families, metadata)
-    for step in range(5):
-        writer.append(0.1 * step, {"rbdout": np.array([[step, 2.0], [-step, 3.0]])})
+    rows = [[[step, 2.0], [-step, 3.0]] for step in range(5)]
+    writer.append(0.1 * np.arange(5), {"rbdout": np.array(rows)})
     writer.close() if close else writer.flush()
 
 
@@ -51,7 +51,7 @@ def test_a_written_status_is_understood(tmp_path: Path) -> None:
 
 
 def test_a_scene_of_a_deck_is_understood() -> None:
-    cards = pytest.importorskip("crashsolve.deck.output")
+    cards = pytest.importorskip("crashsolve.deck.run_cards.output")
     dump = pytest.importorskip("crashsolve.deck.dump")
     written = {"title": "Crush", "at": [0, "50 ms", "max:rcforc.left.normal"], "show": ["A", "C"]}
     card = cards.Report.model_validate({"scenes": [{**written, "view": "1,-1,0.5"}]})
@@ -64,7 +64,7 @@ def test_a_scene_of_a_deck_is_understood() -> None:
 
 
 def test_a_figure_of_a_deck_is_understood() -> None:
-    cards = pytest.importorskip("crashsolve.deck.output")
+    cards = pytest.importorskip("crashsolve.deck.run_cards.output")
     dump = pytest.importorskip("crashsolve.deck.dump")
     reference = {"label": "plateau", "kind": "band", "from": 0.8, "to": 1.2, "source": "Fig. 16"}
     curve = {"channel": "-rcforc.left.force.normal", "label": "left"}

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from conftest import Command
 
-from crashpost import camera as cameras
-from crashpost.compose import Key
-from crashpost.drawing import Look, Scene, rotated
+from crashpost.commands.pictures import film_task, strip_task
 from crashpost.errors import PostError
-from crashpost.moments import moment, split
-from crashpost.pictures import film_task, strip_task
-from crashpost.result import Result
-from crashpost.shades import Shades
-from crashpost.states import States
-from crashpost.studio import clock
+from crashpost.renders import camera as cameras
+from crashpost.renders.drawing import Look, Scene, rotated
+from crashpost.renders.shades import Shades
+from crashpost.renders.sheet import Key
+from crashpost.renders.studio import clock
+from crashpost.results.moments import moment, split
+from crashpost.results.result import Result
+from crashpost.results.states import States
 
 CUBE = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
 SIDES = np.array([[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6]])
@@ -279,8 +279,8 @@ def test_a_result_larger_than_memory_is_read_state_by_state(tmp_path: Path, run:
         target.hardlink_to(run / "states" / "000000.h5")
     code = (
         "import resource, sys\n"
-        "from crashpost.drawing import Look, Scene\n"
-        "from crashpost.states import States\n"
+        "from crashpost.renders.drawing import Look, Scene\n"
+        "from crashpost.results.states import States\n"
         "states = States(sys.argv[1])\n"
         "states.blocks = {k: v for k, v in states.blocks.items() if k == 'part_sheet'}\n"
         "scene = Scene(states, Look(color='velocity'))\n"

@@ -12,14 +12,15 @@ import pytest
 from conftest import SPEED, TIME, Command, expectation, two_cars, write_result, write_status
 from matplotlib.figure import Figure as Canvas
 
-from crashpost import draw, ledger
-from crashpost.comparison import comparisons
+from crashpost.compare.references import comparisons
 from crashpost.errors import PostError
-from crashpost.figure import figures_of
-from crashpost.gallery import family_figures, momentum_figures
-from crashpost.report import report
-from crashpost.result import Result
-from crashpost.words import labels
+from crashpost.figures import draw
+from crashpost.figures.gallery import family_figures, momentum_figures
+from crashpost.reports.build import report
+from crashpost.results import ledger
+from crashpost.results.result import Result
+from crashpost.values.figure import figures_of
+from crashpost.values.words import labels
 
 FORCE = "-deforc.buffer.force"
 PEAK = 6.708203932499369  # MN: speed times the root of stiffness times reduced mass
@@ -109,7 +110,7 @@ def test_the_page_shows_title_deck_status_figures_and_verdicts(tmp_path: Path) -
         "0 of 1",
         "FAIL",
         "too &lt;fast&gt;",
-        "6.708 MN",
+        "6.708\u00a0MN",
         "kinetic",
     ):
         assert words in text

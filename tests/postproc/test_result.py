@@ -13,7 +13,7 @@ import pytest
 from conftest import SPEED, TIME, two_cars, write_result, write_status
 
 from crashpost.errors import PostError
-from crashpost.result import Result
+from crashpost.results.result import Result
 from crashsolve.channels.series import Series
 
 

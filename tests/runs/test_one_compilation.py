@@ -13,8 +13,8 @@ TOGETHER = 16
 # in every process of Python: the compiler's tell which file they are to make
 TELL = """
 import os, sys
-if "crashsolve.foundation.compiler" in sys.orig_argv:
-    at = sys.orig_argv.index("crashsolve.foundation.compiler")
+if "crashsolve.compiler.process" in sys.orig_argv:
+    at = sys.orig_argv.index("crashsolve.compiler.process")
     with open(os.environ["COMPILED"], "a") as file:
         file.write(sys.orig_argv[at + 2] + "\\n")
 """

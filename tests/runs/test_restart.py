@@ -12,8 +12,8 @@ import pytest
 from command import crashsolve, differences, gone_on, start
 
 from crashpost.cli import main as crashpost
-from crashsolve.resume import differing
-from crashsolve.sampling import Schedule
+from crashsolve.recording.sampling import Schedule
+from crashsolve.simulation.resume import differing
 
 HEAP = Path(__file__).parent / "heap.yaml"
 

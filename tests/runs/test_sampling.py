@@ -11,10 +11,10 @@ import yaml
 from command import crashsolve
 
 from crashpost.errors import PostError
-from crashpost.expectation import judge
-from crashpost.result import Result
+from crashpost.results.result import Result
+from crashpost.values.expectation import judge
 from crashsolve.channels.statistic import statistic
-from crashsolve.sampling import Schedule
+from crashsolve.recording.sampling import Schedule
 
 RADIUS, SPEED, MASS, STIFFNESS, GAP = 0.1, 2.0, 1.0, 1e4, 0.05
 OMEGA = sqrt(STIFFNESS / MASS)

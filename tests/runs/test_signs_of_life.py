@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from command import crashsolve, differences, environment
 
-from crashsolve import pulse
-from crashsolve.model.gyration import misfit
-from crashsolve.pulse import Pulse
-from crashsolve.remarks import STEPS, StepWatch
+from crashsolve.model.checks.gyration import misfit
+from crashsolve.simulation import heartbeat
+from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.remarks import STEPS, StepWatch
 
 pytestmark = pytest.mark.xdist_group("runs")
 
@@ -90,7 +90,7 @@ def test_telling_leaves_no_trace_in_the_results(
     deck = next(path for path in uninterrupted if path.stem == "heap")
     # a line at every sample and at every pause, and the culprit looked for at each of them
     code = (
-        "import crashsolve.pulse as pulse, crashsolve.system.bounds as bounds, sys;"
+        "import crashsolve.simulation.heartbeat as pulse, crashsolve.system.bounds as bounds, sys;"
         "pulse.AT_PAUSE = bounds.AGAIN = -1.0;"
         "from crashsolve.cli import main; sys.exit(main(sys.argv[1:]))"
     )
@@ -102,9 +102,9 @@ def test_telling_leaves_no_trace_in_the_results(
 
 
 def test_what_lasts_long_is_told_from_the_first_second_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pulse, "FIRST", 0.05)
-    monkeypatch.setattr(pulse, "AT_LATEST", 0.2)
-    monkeypatch.setattr(pulse, "LOOK", 0.01)
+    monkeypatch.setattr(heartbeat, "FIRST", 0.05)
+    monkeypatch.setattr(heartbeat, "AT_LATEST", 0.2)
+    monkeypatch.setattr(heartbeat, "LOOK", 0.01)
     told: list[tuple[float, str]] = []
     begun = time.monotonic()
     with Pulse("reading", lambda text: told.append((time.monotonic() - begun, text))) as beat:

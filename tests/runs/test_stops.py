@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from command import arguments, crashsolve, environment
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 
 HERE = Path(__file__).parent
 OSCILLATOR = HERE / "oscillator.yaml"

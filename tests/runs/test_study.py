@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from command import crashsolve
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.integrators.rattle import ORDER
 from crashsolve.study.convergence import examine, parting_time
 from crashsolve.study.findings import cheapest, find

@@ -7,7 +7,7 @@ import pytest
 from command import crashsolve
 
 from crashpost.cli import main as crashpost
-from crashpost.result import Result
+from crashpost.results.result import Result
 from crashsolve.channels.statistic import statistic
 
 DECK = Path(__file__).parents[2] / "decks" / "scenes" / "rigid_bar.yaml"

@@ -7,7 +7,7 @@ import pytest
 from command import crashsolve
 
 from crashpost.cli import main as crashpost
-from crashpost.result import Result
+from crashpost.results.result import Result
 from crashsolve.channels.series import within
 from crashsolve.channels.statistic import statistic
 
@@ -91,7 +91,7 @@ def test_the_report_puts_our_figures_beside_the_chapters(folder: Path, tmp_path:
     text = page.read_text("utf-8")
     for figure in ("Fig. 16", "Fig. 17", "Fig. 18", "Fig. 19"):
         assert figure in text
-    assert "2500 to 3000 kN" in text
+    assert "2500 to 3000\u00a0kN" in text
     assert "stand-in data" in text
 
 

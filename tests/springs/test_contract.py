@@ -9,7 +9,7 @@ import pytest
 from bench import Bench, Law, exponential, written
 
 from crashsolve.deck.laws import package_folder
-from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.orientation import matrix
 
 CURVES = """
 curves:
@@ -20,22 +20,29 @@ curves:
     extrapolate: linear
   low: {points: [[-3, -100], [-0.5, 0], [0, 0], [0.5, 0], [3, 100]], extrapolate: linear}
   growth: {points: [[0, 1], [2, 1.4], [50, 2]], extrapolate: hold}
+materials:
+  cork: {type: elastic, young: 2e6, poisson: 0.3, density: 1}
+  lead:
+    {type: elastoplastic, young: 2e6, poisson: 0.3, density: 1, yield_stress: 3e4, hardening: 1e5}
+sections: {bar: {type: rectangle, width: 0.01, height: 0.016}}
 """
 POINTS = "a: a, b: b, at_a: [0.1, 0, 0.2], at_b: [0, 0.2, -0.1]"
+BEAM = "axis: [1, 0, 2], side: [0, 1, 0], length: 0.4, section: bar"
 AXIS = "a: a, b: b, axis: [1, 2, -1]"
-# every spring whose force follows from posture and velocity alone, in each of its ways
+# every spring whose force follows from configuration and velocity alone, in each of its ways
 REVERSIBLE = {
     "linear": f"{{type: linear, {POINTS}, stiffness: 50, damping: 3, length: 0.7}}",
     "torsional": f"{{type: torsional, {AXIS}, stiffness: 40, damping: 2, angle: 0.3}}",
     "bushing": f"{{type: bushing, {POINTS}, stiffness: [50, 90, 20], damping: [1, 2, 3],"
     " turning_stiffness: [30, 10, 20], turning_damping: [0.5, 1, 0.2], offset: [0.5, 0.1, 0]}",
+    "segment": f"{{type: segment, {POINTS}, {BEAM}, material: cork, damping: 0.02}}",
     "curve": f"{{type: curve, {POINTS}, curve: smooth, damping: 2, length: 0.6}}",
     "curve_torsional": f"{{type: curve_torsional, {AXIS}, curve: smooth, damping: 2, angle: -0.6}}",
     "curve with growth": f"{{type: curve, {POINTS}, curve: soft, rate_curve: growth, length: 0.5}}",
     "curve with power law": f"{{type: curve, {POINTS}, curve: soft, power_law: {{}}, length: 0.5}}",
     "curve with gap": f"{{type: curve, {POINTS}, curve: soft, gap: 0.02, length: 0.4}}",
 }
-# springs that remember
+# path-dependent springs
 SLIDING = {
     "set": f"{{type: curve, {POINTS}, curve: smooth, unloading_stiffness: 1200, length: 0.9}}",
     "set with gap": f"{{type: curve, {POINTS}, curve: soft, unloading_stiffness: 900, length: 0.6,"
@@ -50,6 +57,7 @@ SLIDING = {
     " tangent: 200}",
     "kinematic": f"{{type: elastoplastic, {POINTS}, stiffness: 900, yield_force: 60, tangent: 200,"
     " hardening: kinematic}",
+    "segment that yields": f"{{type: segment, {POINTS}, {BEAM}, material: lead}}",
     "brake along": f"{{type: brake, {POINTS}, axis: [1, 0, 2], force: 50, stiffness: 800}}",
     "brake across": f"{{type: brake, {POINTS}, axis: [1, 0, 2], force: 50, stiffness: 800,"
     " motion: across}",

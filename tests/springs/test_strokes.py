@@ -1,4 +1,4 @@
-"""Springs that remember, driven over strokes: energy closes exactly, whatever the step."""
+"""Path-dependent springs, driven over strokes: energy closes exactly, whatever the step."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path

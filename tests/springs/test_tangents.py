@@ -84,10 +84,12 @@ def compare(law: Law, way: np.ndarray, rate: np.ndarray, sides: tuple[float, flo
     np.testing.assert_allclose(change, -here.D.T @ given, atol=bound)
 
 
-def test_every_spring_without_whole_steps_has_a_tangent() -> None:
+def test_every_spring_that_implicit_methods_take_has_a_tangent() -> None:
     for path in (package_folder() / "springs").glob("[!_]*.py"):
         text = path.read_text("utf-8")
-        assert ("STEPWISE = True" in text) != ("def tangent(" in text), path.stem
+        # laws of whole steps name the implicit methods that go by whole steps too
+        is_implicit = "STEPWISE = True" not in text or "IMPLICIT = (" in text
+        assert is_implicit == ("def tangent(" in text), path.stem
 
 
 @pytest.mark.parametrize("flips", [0, 1])
@@ -171,13 +173,19 @@ def test_damping_turns_with_the_bodies(make: Make, way: str, seed: int) -> None:
     compare(law, rng.normal(size=12), rng.normal(size=12), (-1.0, 1.0))
 
 
-@pytest.mark.parametrize("way", [way for way in SMOOTH if way not in REVERSIBLE])
+# while a segment flows its rows also turn among the forces; the iteration finds what that adds
+SLIDING = [way for way in SMOOTH if way not in REVERSIBLE and way != "segment that yields"]
+
+
+@pytest.mark.parametrize("way", SLIDING)
 @pytest.mark.parametrize("seed", range(3))
 def test_a_sliding_spring_is_as_stiff_as_the_way_it_goes(make: Make, way: str, seed: int) -> None:
     law = make(way)
     law.bench.shake(seed)
     law.force()
     law.accept()
+    # a little on its way, so that what slides or flows does so
+    law.bench.drift(1e-5)
     n = law.bench.nodes
     onward = np.concatenate([n.v[1], n.w[1], n.v[2], n.w[2]])
     # past the point where the slider moves there is a corner: look ahead only

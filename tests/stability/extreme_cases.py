@@ -6,8 +6,9 @@ from math import exp
 import numpy as np
 from long_chains import chain, loop
 from sweeps import ALL, EITHER, EXPLICIT, STIFF, Sweep
+from train_cases import TRAINS
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 
 SHORTER = "take a shorter step"
 
@@ -257,19 +258,19 @@ MATRIX = (
         (0, 1e-9, 0.5),
         integrators=("rattle", "dormand_prince_5", "radau_iia_5"),
     ),
-    # its multipliers are unknowns of the step, and lose more digits the nearer the posture is
+    # its multipliers are unknowns of the step, and lose more digits the nearer the configuration is
     Sweep(
         "singular mechanisms by multipliers, errors of a step",
         "extreme/singular",
         "control.tolerance",
         (1e-7, 1e-8, 1e-10),
         EITHER,
-        "singular posture",
+        "singular configuration",
         ("generalized_alpha",),
         also={"start": "0.5"},
     ),
     Sweep(
-        "the A2 mechanism through its flat posture, s",
+        "the A2 mechanism through its flat configuration, s",
         "benchmark/four_bar_singular",
         "end",
         (10,),
@@ -277,7 +278,7 @@ MATRIX = (
         # the deck asks for 1e-5 of its size at the end
         also={"control.tolerance": "1e-7"},
     ),
-    # how near a step comes to the flat posture decides whether an implicit method passes it
+    # how near a step comes to the flat configuration decides whether an implicit method passes it
     # (of order 2, it errs by ten times the deck's bound at 1e-8)
     Sweep(
         "the A2 mechanism by multipliers, errors of a step",
@@ -285,7 +286,7 @@ MATRIX = (
         "control.tolerance",
         (1e-10, 3e-11),
         EITHER,
-        "singular posture",
+        "singular configuration",
         ("generalized_alpha",),
     ),
     Sweep(
@@ -294,7 +295,7 @@ MATRIX = (
         "control.tolerance",
         (1e-7, 1e-8, 1e-10),
         EITHER,
-        "posture is singular|singular posture",
+        "configuration is singular|singular configuration",
         ("radau_iia_5",),
     ),
     Sweep("redundant constraints", "extreme/redundant", "misfit", (0,), integrators=ALL),
@@ -368,6 +369,7 @@ MATRIX = (
     Sweep(
         "vertical curves", "extreme/steep_curve", "width", (0,), "is refused", "", ALL, quick=(0,)
     ),
+    Sweep("finite segments, springs of a beam", "extreme/segments", "n", (1, 2, 8, 50, 200)),
     Sweep("hinges that soften, over their hardening", "extreme/hinges", "ratio", (1, 10, 100)),
     Sweep("hinges with growth at high speed, m/s", "extreme/hinges", "speed", (1, 30, 1000)),
     Sweep(
@@ -464,4 +466,5 @@ MATRIX = (
         "mu",
         (0, 0.2),
     ),
+    *TRAINS,
 )

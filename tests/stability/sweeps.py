@@ -16,14 +16,14 @@ import numpy as np
 import yaml
 from command import crashsolve
 
-from crashpost.expectation import Verdict, judge
-from crashpost.result import Result
+from crashpost.results.result import Result
+from crashpost.values.expectation import Verdict, judge
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 RATTLE = ("rattle",)
 STIFF = ("generalized_alpha", "radau_iia_5")
 ALL = (*RATTLE, "dormand_prince_5", *STIFF)
-# beside contacts and corners order 8 is the recital of order 5: it is tried on smooth motions
+# beside contacts and corners order 8 is the time stepper of order 5: it is tried on smooth motions
 EXPLICIT = ("rattle", "dormand_prince_5", "dormand_prince_8")
 # The error of a step counts over the largest speed in the model, and decks ask for 0.1 % of every
 # body's own: where that is 1e-6 of the largest, as in grazing, a step may err by 1e-10 at most.

@@ -9,7 +9,7 @@ from command import crashsolve
 from random_models import Table, masses_of, model
 from sweeps import REFUSED, STOPPED, outcome
 
-from crashpost.result import Result
+from crashpost.results.result import Result
 
 FEW, MANY = range(8), range(8, 38)
 METHODS = [

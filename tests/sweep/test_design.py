@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crashpost.effects import Indices, indices_of, main_effect
+from crashpost.sweeps.effects import Indices, indices_of, main_effect
 from crashsolve.sweep.axis import Axis
 from crashsolve.sweep.design import points_of
 from crashsolve.sweep.plan import Design, Measure, Plan, PlanCard

@@ -22,7 +22,7 @@ from sweep.sweeping import (
     written,
 )
 
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.sweep.folder import mark_of, text_mark
 
 STEP = Path(__file__).parents[1] / "runs" / "stops" / "long_step.yaml"

@@ -1,1 +1,23 @@
 """Bodies: what carries mass."""
+
+from typing import Protocol
+
+from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.roles import Built
+
+
+class BodyLaw(Built, Protocol):
+    """What the file of a body provides beside its card."""
+
+
+FAMILY = Family(
+    entry="body",
+    follows="curves",
+    law=BodyLaw,
+    energy=(),
+    channels={"rbdout": "motion of rigid bodies and of nodes of parts"},
+    picture=None,
+    uses=(),
+    integrators=ANY,
+    default="rigid",
+)

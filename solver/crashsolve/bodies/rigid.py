@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
-from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
 
 
@@ -34,7 +34,7 @@ class Primitive(Card):
 
 
 class Rigid(Card):
-    """Rigid body with its posture and velocity at the start."""
+    """Rigid body with its position, orientation and velocity at the start."""
 
     mass: float | None = quantity("kg", "mass", default=None, gt=0)
     inertia: Vec3 | None = quantity("kg m^2", "Ixx, Iyy, Izz about the mass centre", default=None)
@@ -44,7 +44,7 @@ class Rigid(Card):
     primitive: Primitive | None = word("uniform solid instead of mass and inertia", default=None)
     mass_centre: Vec3 = quantity("m", "from the body's origin, body axes", default=(0.0, 0.0, 0.0))
     position: Vec3 = quantity("m", "of the body's origin", default=(0.0, 0.0, 0.0))
-    rotation: Rotation = word("posture, body to world", default_factory=Rotation)
+    rotation: Rotation = word("configuration, body to world", default_factory=Rotation)
     velocity: Vec3 = quantity("m/s", "of the body's origin", default=(0.0, 0.0, 0.0))
     angular_velocity: Vec3 = quantity("rad/s", "world axes", default=(0.0, 0.0, 0.0))
     angular_velocity_axes: Literal["world", "body"] = word(

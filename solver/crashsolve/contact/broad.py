@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import entry, kernel
-from crashsolve.foundation.machine import machine_code
+from crashsolve.compiler.machine import machine_code
+from crashsolve.compiler.table import Tables
+from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.table import Tables
 from crashsolve.foundation.vec3 import dot, sub, vec
 
 SPHERE = Record(

@@ -8,7 +8,7 @@ comparing all with all.
 
 from math import floor, sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec

@@ -17,7 +17,7 @@ References: Ambrosio (2003), Eq. 23-25; Moreau (1988), in Nonsmooth Mechanics an
 from typing import Any
 
 from crashsolve.deck.card import Card, SurfaceName, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale
 
@@ -40,11 +40,11 @@ HISTORY = Record(
     arm_b=("m", 3, "the same of side b"),
     opening=("N s", 3, "impulse on side a in the first half of the step"),
     closing=("N s", 3, "in the second half"),
-    blow=("N s", 3, "of captures, at the end of the step"),
+    blow=("N s", 3, "of unilateral impulses, at the end of the step"),
     lift=("m/s", "normal velocity that keeps the gap closed on a curved surface"),
-    rubbed=("J", "lost by friction in the step"),
+    friction_loss=("J", "lost by friction in the step"),
     met=("m/s", 3, "velocity over b before a capture"),
-    reaction=("N", 3, "force on side a at the end of the step, without captures"),
+    reaction=("N", 3, "force on side a at the end of the step, without unilateral impulses"),
 )
 
 

@@ -1,1 +1,23 @@
 """Curves a deck may name: from a table, a file or a formula, all as piecewise cubics."""
+
+from typing import Protocol
+
+from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.roles import Built
+
+
+class CurveLaw(Built, Protocol):
+    """What the file of a curve provides beside its card: points and cubics."""
+
+
+FAMILY = Family(
+    entry="curve",
+    follows="sections",
+    law=CurveLaw,
+    energy=(),
+    channels=None,
+    picture=None,
+    uses=(),
+    integrators=ANY,
+    default="table",
+)

@@ -17,9 +17,9 @@ from pydantic import ValidationInfo, model_validator
 from crashsolve.curves._card import EXTRAPOLATE, CurveCard
 from crashsolve.curves._piecewise import Array, hermite
 from crashsolve.deck.card import word
-from crashsolve.deck.expressions import Expression, ExpressionError
 from crashsolve.deck.mistakes import refuse
 from crashsolve.deck.numbers import Context, number_in
+from crashsolve.deck.reading.expressions import Expression, ExpressionError
 
 FINE = 4  # samples to a segment
 

@@ -258,7 +258,7 @@ def _check_bounds(
 
 
 class Rotation(Card):
-    """Posture of body axes in the world: axis and angle, quaternion, or Euler angles; else none."""
+    """Orientation of a body in the world: axis and angle, quaternion, or Euler angles; or none."""
 
     axis: Vec3 | None = quantity("1", "direction of the axis of rotation, of any length", None)
     angle: float | None = quantity("rad", "angle about the axis, right-handed", None)

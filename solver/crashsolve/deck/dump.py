@@ -11,7 +11,7 @@ from crashsolve.deck.laws import type_word
 from crashsolve.deck.source import plain_scalar
 
 if TYPE_CHECKING:
-    from crashsolve.deck.read import Deck
+    from crashsolve.deck.reading.deck import Deck
 
 
 def as_data(value: Any) -> Any:

@@ -59,7 +59,7 @@ def law_class(folder: str, word: object) -> "type[Card]":
         near = get_close_matches(str(word), list(types), n=1, cutoff=ALIKE)
         raise UnknownType(f"unknown type '{word}'", choices(word, types, "types"), "".join(near))
     module = importlib.import_module(f"{PACKAGE}.{folder.replace('/', '.')}.{word}")
-    check_law(folder, module)
+    check_law(module)
     card: type[Card] = getattr(module, class_name(word))
     return card
 

@@ -15,8 +15,8 @@ from pydantic import AfterValidator, BeforeValidator
 
 from crashsolve.deck.card import Card, Reference, existing_file, number_as_name
 from crashsolve.deck.fields import BOUNDS, Declared, deck_words, declared
+from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS, SINGLE
 from crashsolve.deck.laws import PACKAGE, law_class, package_folder, types_in
-from crashsolve.deck.sections import KEYWORDS, LISTS, SECTIONS, SINGLE
 
 _SCALARS: dict[Any, dict[str, Any]] = {
     float: {"type": ["number", "string"]},

@@ -15,13 +15,13 @@ from math import inf
 
 import numpy as np
 
-from crashsolve.deck.read import Deck
-from crashsolve.engines import engine_of, is_static
-from crashsolve.estimate.samples import Channel, Samples, gather
+from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import SolverError
-from crashsolve.histories import Histories
 from crashsolve.model.build import build
-from crashsolve.sampling import Schedule
+from crashsolve.recording.engines import engine_of, is_static
+from crashsolve.recording.histories import Histories
+from crashsolve.recording.samples import Channel, Samples, gather
+from crashsolve.recording.sampling import Schedule
 from crashsolve.study.settings import order_of
 from crashsolve.system.engine import Engine
 
@@ -83,18 +83,19 @@ class Companions:
             coarsen(model.control, coarseness, schedule.interval, self.order)
         engine = engine_of(self.deck, model, state)
         engine.on_pause = self._abandon_on_request
-        histories = Histories(engine)
-        times, rows = [], []
+        histories = Histories(engine, self.names)
+        times, blocks = [], []
         engine.start()
         k = 0
         while True:
             engine.sample(schedule.time(k))
-            row = histories.row(self.names)
-            if not all(np.isfinite(block).all() for block in row.values()):
-                raise _not_finite(engine)
             times.append(schedule.time(k))
-            rows.append(row)
-            if schedule.is_end(k):
+            is_end = schedule.is_end(k)
+            if histories.take() or is_end:
+                blocks.append(histories.values())
+                if not all(np.isfinite(values).all() for values in blocks[-1].values()):
+                    raise _not_finite(engine)
+            if is_end:
                 break
             self._abandon_on_request()
             if is_static(self.deck):
@@ -103,7 +104,7 @@ class Companions:
                 continue
             k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
             engine.reach(schedule.time(k))
-        samples = gather(times, rows, self.channels)
+        samples = gather(times, blocks, self.channels)
         spent = clock.process_time() - begun
         return replace(samples, cycles=int(engine.clock["cycle"]), cpu=spent)
 

@@ -16,15 +16,15 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.read import Deck
+from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
-from crashsolve.estimate.samples import Channel, Samples, read
 from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
 from crashsolve.output.log import Log
-from crashsolve.sampling import Schedule
+from crashsolve.recording.samples import Channel, Samples, read
+from crashsolve.recording.sampling import Schedule
 
 AIM = 0.5
 ROUNDS = 12

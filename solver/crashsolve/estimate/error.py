@@ -29,8 +29,8 @@ from crashsolve.channels.statistic import (
     unresolved,
 )
 from crashsolve.channels.statistics._top import plateau
-from crashsolve.deck.statistic import PATH
-from crashsolve.estimate.samples import Channel, Samples
+from crashsolve.deck.run_cards.statistic import PATH
+from crashsolve.recording.samples import Channel, Samples
 from crashsolve.study.convergence import Convergence, distance, examine
 from crashsolve.study.watch import Watch
 

@@ -11,34 +11,23 @@ step then gets one coarser run.
 """
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from math import inf, isfinite
 
-import numpy as np
-
-from crashsolve.channels.errors import TooShort
-from crashsolve.channels.statistic import moment_asked
-from crashsolve.deck.expect import Expect
-from crashsolve.deck.read import Deck
-from crashsolve.deck.source import Position
-from crashsolve.deck.statistic import PATH
-from crashsolve.deck.watch import Watch as WatchCard
-from crashsolve.engines import engine_of, is_static
+from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
-from crashsolve.estimate.samples import Channel, Samples, find
-from crashsolve.foundation.errors import DeckError, DeckErrors, SolverError
-from crashsolve.histories import Histories
+from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.output.channels import Family
-from crashsolve.sampling import Schedule
+from crashsolve.recording.engines import engine_of, is_static
+from crashsolve.recording.histories import Histories
+from crashsolve.recording.questions import look_up
+from crashsolve.recording.samples import Channel, Samples
 from crashsolve.study.settings import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
-# samples on which expressions are tried out before the run
-TRIED = 256
 DEAR = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
@@ -54,7 +43,7 @@ class Estimator:
         # one answer for expectations of the same number
         unique = {(w.channels, w.statistic, w.during): w for w in reversed(named(deck))}
         self.watches: list[Watch] = list(reversed(unique.values()))
-        self.channels = _look_up(deck, families)
+        self.channels = look_up(deck, families)
         self.order = order_of(deck.control.integrator)
         self.companions = Companions(deck, self.all_channels, stopped)
 
@@ -125,44 +114,6 @@ class Estimator:
             return found
         # all runs have the same mesh
         return [replace(e, how=f"{e.how}; without the mesh") if e.error else e for e in found]
-
-
-def _look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
-    """The channels of every watched expression."""
-    found: dict[str, list[Channel]] = {}
-    mistakes, interval = [], Schedule.of(deck).interval
-    sections: list[tuple[str, Sequence[Expect | WatchCard], list[Position]]] = [
-        ("expect", deck.expect, deck.expect_at),
-        ("watch", deck.watch, deck.watch_at),
-    ]
-    for keyword, cards, places in sections:
-        for number, (card, place) in enumerate(zip(cards, places, strict=True), 1):
-            try:
-                found[card.channel] = find(card.channel, families)
-                _try_out(card.channel, found[card.channel], interval)
-            except ValueError as problem:
-                mistakes.append(DeckError(*place, f"{keyword} {number}", f"channel: {problem}"))
-            moment = None if card.statistic == PATH else moment_asked(card.statistic)
-            if moment is not None and moment < deck.control.start_time:
-                told = (
-                    f"'{card.statistic}' is before the run, from {deck.control.start_time:g} s on"
-                )
-                mistakes.append(DeckError(*place, f"{keyword} {number}", f"statistic: {told}"))
-    if mistakes:
-        raise DeckErrors(mistakes)
-    return found
-
-
-def _try_out(expression: str, channels: Sequence[Channel], interval: float) -> None:
-    """Raises ChannelError where units do not fit, or samples are too far apart for a function.
-
-    The run may still be too short for one, which its results say.
-    """
-    count = np.arange(TRIED)
-    values = {c.name: 1.0 + 0.1 * np.cos(count + i) for i, c in enumerate(channels)}
-    samples = Samples(interval * count, values, units={c.name: c.unit for c in channels})
-    with suppress(TooShort):
-        samples.series(expression)
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:

@@ -17,7 +17,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 
 from crashsolve.foundation import saddle
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import REDUNDANT, Saddle, subtract
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 REFUSE, HOLD, LINEAR = 0, 1, 2

@@ -4,7 +4,7 @@
 f there adds f to the body's force and d x f to its torque about the mass centre.
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, add_to, cross, dot, matvec, scale, sub, vec
 
 

@@ -47,7 +47,7 @@ MOTION = Record(
     angular_size=("N m s", "sum of |r| |p| + |J w|"),
 )
 
-RIDER = Record(
+ATTACHED_POINT = Record(
     point=("index", "point"),
     node=("index", "body it rides on"),
     spot=("m", 3, "from the mass centre, body axes"),

@@ -55,3 +55,15 @@ class Record:
         if not self.columns:
             return np.dtype([("unused", np.int64)])
         return np.dtype([column.format for column in self.columns])
+
+
+def rows_of(record: Record, first: int = 0) -> Any:
+    """Where each column begins among rows of lanes that lie one after the other from `first` on.
+
+    Kernels read `ROWS.name`; SIZE is that of all columns, RECORD what they mean.
+    """
+    places, at = {}, first
+    for column in record.columns:
+        places[column.name] = at
+        at += column.size
+    return type("Rows", (), {**places, "SIZE": at - first, "RECORD": record})

@@ -6,7 +6,7 @@ the rotation of the energy and momentum conserving midpoint rule (Simo and Wong 
 
 from math import sqrt, tan
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, cross, dot, matvec, scale, sub
 
 

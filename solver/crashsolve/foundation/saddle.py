@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
 
 # a pivot below this share of its diagonal is round-off: S loses twice the digits of D

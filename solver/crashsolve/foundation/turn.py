@@ -6,14 +6,14 @@ With the axis u and the side s fixed in a, t = u x s, and the side x fixed in b:
     g = u - e p / (p . p),   e = x . u,   p = x - e u
 
 g = u while x stays at right angles to the axis, as in a revolute joint. Where there is no axis, the
-posture of b in a is a quaternion, and a step turns b by a rotation vector, as does the whole way
-from the start. Consequence to test: g is the derivative of theta in every posture, and n follows a
-body that turns for ever.
+orientation of b in a is a quaternion, and a step turns b by a rotation vector, as does the whole
+way from the start. Consequence to test: g is the derivative of theta in every configuration, and n
+follows a body that turns for ever.
 """
 
 from math import atan2, floor, pi, sin, sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub, vec
 
@@ -69,7 +69,7 @@ def posture_in(a, b):
 
 @kernel
 def turn_between(before, after):
-    """Rotation vector of b from one posture in a to the next, axes of a [rad]."""
+    """Rotation vector of b from one orientation in a to the next, axes of a [rad]."""
     w, x, y, z = times(after, (before[0], -before[1], -before[2], -before[3]))
     sine = sqrt(x * x + y * y + z * z)
     if w < 0.0:
@@ -94,7 +94,7 @@ def times(p, q):
 def rotation_vector(a, b, reference):
     """theta of b's turn relative to a since the start, axes of a [rad]."""
     w, v = relative_rotation(a, b, reference)
-    # q and -q are one posture: take the shorter turn
+    # q and -q are one orientation: take the shorter turn
     if w < 0.0:
         w, v = -w, scale(-1.0, v)
     s = sqrt(dot(v, v))

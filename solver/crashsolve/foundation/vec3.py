@@ -2,7 +2,7 @@
 
 from math import sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 
 ZERO = (0.0, 0.0, 0.0)
 

@@ -16,7 +16,7 @@ IEEE/RSJ International Conference on Intelligent Robots and Systems.
 
 from math import sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, add_scaled, dot, scale
 
 

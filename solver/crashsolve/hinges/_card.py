@@ -139,6 +139,41 @@ class HingeCard(AxisJointCard):
         default="apart",
     )
 
+    @property
+    def may_open(self) -> bool:
+        """Whether failure may free the whole joint."""
+        limits = [name for name in type(self).model_fields if name.startswith("failure_")]
+        fails = any(getattr(self, name) is not None for name in limits)
+        return fails and self.after_failure == "apart"
+
+
+class TurningCard(HingeCard):
+    """A hinge that turns about one axis."""
+
+    curve: TurnCurve = word("moment over angle as it grows, from [0, 0]")
+    curve_negative: TurnCurve | None = word(
+        "the same for negative angles, both counted positive; as curve when absent", default=None
+    )
+    stiffness: float | None = quantity(
+        "N m/rad", "elastic, also of unloading; the first slope when absent", default=None, gt=0
+    )
+    initial_angle: float = quantity(
+        "rad", "turn of b from the start in which the hinge has no moment", default=0.0
+    )
+    failure_angle: float | None = quantity(
+        "rad", "angle in either direction at which the hinge fails", default=None, gt=0
+    )
+
+
+class PairCard(HingeCard):
+    """A hinge of two motions."""
+
+    interaction: Literal["elliptic", "uncoupled"] = word(
+        "elliptic: squares of both moments (or moment and force), over those at yield, sum to "
+        "1 at most; uncoupled: each for itself",
+        default="elliptic",
+    )
+
 
 class Motion(NamedTuple):
     """Fields of a card that belong to one free motion; "" for one that the card lacks."""

@@ -4,10 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+from crashsolve.joints._card import direction
 
 LEDGER = "hinge"
+# directions typed with six digits are square to this; a worse one is a mistake
+SQUARE = 1e-5
 COMMON = Record(
     rate_factor=("1", "phi, on the static moment or force at yield"),
     energy=("J", "taken up so far: stored and dissipated"),
@@ -18,6 +21,18 @@ COMMON = Record(
 def at_start(p: Any, speed: float) -> dict[str, Any]:
     """History of a hinge that has not moved; `speed` is that of the rate factor."""
     return {"x": -p["initial"], "latch": -1.0, "factor": 1.0, "speed": abs(speed)}
+
+
+def across(card: Any, field: str, scene: Any) -> np.ndarray:
+    """Direction in a field of the card, which must be at right angles to its axis, and made so.
+
+    Raises DeckErrors where it is not.
+    """
+    axis, found = direction(card, scene, "axis"), direction(card, scene, field)
+    cosine = float(axis @ found)
+    if abs(cosine) > SQUARE:
+        raise scene.fail(f"must be at right angles to axis; their cosine is {cosine:.3g}", field)
+    return np.asarray(scene.unit(found - cosine * axis, field))
 
 
 def motion_of(scene: Any, p: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -35,26 +50,14 @@ def is_open(p, old):
 
 
 @kernel
-def open_residual(p, rows, count):
-    """Writes: rows.phi."""
+def let_go(p, old, rows, count):
+    """Rows that hold nothing, where failure has freed the joint. Writes: rows.phi, D, nu, gamma."""
+    if not is_open(p, old):
+        return
     for k in range(p.first_row, p.first_row + count):
-        rows[k].phi = 0.0
-
-
-@kernel
-def open_jacobian(p, rows, count):
-    """Rows without a Jacobian hold nothing. Writes: rows.D, nu."""
-    for k in range(p.first_row, p.first_row + count):
-        rows[k].nu = 0.0
+        rows[k].phi = rows[k].nu = rows[k].gamma = 0.0
         for j in range(12):
             rows[k].D[j] = 0.0
-
-
-@kernel
-def open_convective(p, rows, count):
-    """Writes: rows.gamma."""
-    for k in range(p.first_row, p.first_row + count):
-        rows[k].gamma = 0.0
 
 
 @kernel

@@ -22,8 +22,8 @@ earthquake ductility requirements, and Mahin and Bertero (1976), ASCE J. Struct.
 oriented); Nikravesh, Chung and Benedict (1983), Computers and Structures 16, 395-400 (hinges).
 """
 
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_area, curve_value, segment
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 ISOTROPIC, KINEMATIC, PEAK_ORIENTED = 0, 1, 2
@@ -267,20 +267,33 @@ def at_yield(p, state, c, x, rate, phi, curves):
 
 @kernel
 def beyond_motion(p, old, h, c, x, rate, phi, curves):
-    """How far a motion has left the piece of the law on which the step began [rad or m]."""
+    """How far a motion has left the piece of the law on which the step began [rad or m].
+
+    A load step (h = 0) has no rates: one that turns back does so from its start on.
+    """
     side = 1.0 * old.flowing[c]
     if side == 0.0:
-        past = -1e300
-        for j in range(2):
-            side = 1.0 - 2.0 * j
-            R, _ = resistance(p, old, c, side, 0.0, line_origin(p, old, c, side), curves)
-            # without resistance there is nothing to meet, but the line to a peak where M turns
-            turns = p.cyclic == PEAK_ORIENTED and side * (old.x[c] - old.plastic[c]) < 0.0
-            if p.cyclic == KINEMATIC or R > 0.0 or turns:
-                past = max(past, side * (x - old.plastic[c]) - dynamic(R, phi) / p.stiffness[c])
-        return past
+        return max(
+            beyond_yield(p, old, c, 1.0, x, phi, curves),
+            beyond_yield(p, old, c, -1.0, x, phi, curves),
+        )
     way = plastic_way(p, old, c, side, x, phi, curves)
-    return max(-side * rate * h, way - old.corner[c])
+    if h > 0.0:
+        return max(-side * rate * h, way - old.corner[c])
+    if way > 0.0:
+        return way - old.corner[c]
+    return beyond_yield(p, old, c, -side, x, phi, curves)
+
+
+@kernel
+def beyond_yield(p, old, c, side, x, phi, curves):
+    """How far a motion is past the elastic line in one direction [rad or m]."""
+    R, _ = resistance(p, old, c, side, 0.0, line_origin(p, old, c, side), curves)
+    # without resistance there is nothing to meet, but the line to a peak where M turns
+    turns = p.cyclic == PEAK_ORIENTED and side * (old.x[c] - old.plastic[c]) < 0.0
+    if p.cyclic == KINEMATIC or R > 0.0 or turns:
+        return side * (x - old.plastic[c]) - dynamic(R, phi) / p.stiffness[c]
+    return -1e300
 
 
 @kernel

@@ -6,9 +6,9 @@
 
 On the ellipse dl is plastic work. Both curves are read at the work done, W: y_i^2 is made of
 straight lines over it, as dW = y dx. One motion alone thus follows its own curve, and equal curves
-of both make one that is the same in every direction. A step is cut into pieces of at most a
-tenth of the elastic range, each of which returns to the ellipse at its end (backward Euler, order
-1); the loss is the trapezoid of the moments over the plastic way.
+of both make one that is the same in every direction. A step is cut into pieces of a tenth of the
+elastic range and what is left, each of which returns to the ellipse at its end (backward Euler,
+order 1); the loss is the trapezoid of the moments over the plastic way.
 
 Consequence to test: under a load that turns, the moments stay on the ellipse and the loss is the
 work less what is stored.
@@ -20,8 +20,8 @@ Chen (1986), 3D beam-column element with generalized plastic hinges, ASCE J. Eng
 
 from math import ceil, sqrt
 
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.hinges._law import (
     ROUND_OFF,
@@ -65,11 +65,12 @@ def advance_ellipse(p, old, new, x, y, phi, curves):
     a, b, _, _ = limits(p, work, phi, curves)
     dx, dy = x - old.x[0], y - old.x[1]
     way = sqrt((k * dx) ** 2 / a + (j * dy) ** 2 / b)
-    count = min(max(ceil(way / PIECE), 1.0), 1.0 * MOST_PIECES)
+    # a last piece that grows from nothing: their number makes no jumps, which iterations would meet
+    piece = max(PIECE / max(way, PIECE), 1.0 / MOST_PIECES)
     loss, done = 0.0, 0.0
     before, across = k * (old.x[0] - u), j * (old.x[1] - v)
-    for i in range(int(count)):
-        share = (i + 1.0) / count
+    for i in range(int(ceil(1.0 / piece))):
+        share = min((i + 1.0) * piece, 1.0)
         f, g = k * (old.x[0] + share * dx - u), j * (old.x[1] + share * dy - v)
         done = return_work(p, f, g, work, phi, curves)
         if done > 0.0:
@@ -156,7 +157,7 @@ def pair_tangent(p, state, x, y, rate, across, phi, slope, curves):
     f, g = k * (x - state.plastic[0]), j * (y - state.plastic[1])
     work = state.work
     done = return_work(p, f, g, work, phi, curves)
-    flow, _, _ = scaled_flow(p, f, g, work, done, phi, curves)
+    flow = scaled_flow(p, f, g, work, done, phi, curves)[0] if done > 0.0 else 0.0
     a, b, da, db = limits(p, work + done, phi, curves)
     f, g = f * a / (a + flow * k), g * b / (b + flow * j)
     at_yield = f * f / a + g * g / b > 1.0 - 1e-12
@@ -183,7 +184,7 @@ def beyond_pair(p, old, h, x, y, rate, across, phi, curves):
     elastic = sqrt(a) / k
     f, g = k * (x - old.plastic[0]), j * (y - old.plastic[1])
     if old.flowing[0] == 1:
-        return -h * (f / a * k * rate + g / b * j * across) * elastic
+        return -1e300 if h == 0.0 else -h * (f / a * k * rate + g / b * j * across) * elastic
     return (sqrt(f * f / a + g * g / b) - 1.0) * elastic
 
 

@@ -1,8 +1,8 @@
 """Hinge curves from sections and materials: plastic moments and yield forces of any section.
 
-    M_p = Y sum |d| A about the axis of equal areas,   N_p = Y A
+    M_p = Y Z,   N_p = Y A
 
-d is the distance of a fibre from that axis. The elastic line is that of a member of some length
+Z is the plastic modulus (sections/_plastic.py). The elastic line is that of a member of some length
 under constant moment or force: k = E I / L, k = E A / L. Collapse of tubes is in _collapse.py.
 Consequence to test: M_p = Y b h^2 / 4 for a rectangle, Y D^3 / 6 for a round bar.
 
@@ -15,9 +15,7 @@ import numpy as np
 
 from crashsolve.foundation.curve import HOLD
 from crashsolve.hinges import _collapse
-
-# fibres along each side of a wall or plate, of plastic moments
-GRID = (400, 400)
+from crashsolve.sections._plastic import GRID, plastic_modulus
 
 
 def material_of(card: Any, field: str, built: dict[str, Any], scene: Any) -> tuple[float, float]:
@@ -37,15 +35,6 @@ def section_of(card: Any, field: str, scene: Any) -> tuple[Any, Any, dict[str, A
     module, section = scene.law("sections", card.section)
     # kappa, which depends on Poisson's ratio, has no part in a hinge
     return module, section, module.build(section, 0.3)
-
-
-def plastic_moment(fibres: np.ndarray, about: str) -> float:
-    """M_p / Y of fibres (y, z, A) about an axis of the section [m^3]."""
-    d, area = fibres[:, 1 if about == "y" else 0], fibres[:, 2]
-    order = np.argsort(d)
-    below = np.cumsum(area[order])
-    middle = float(np.interp(0.5 * below[-1], below - 0.5 * area[order], d[order]))
-    return float(np.abs(d - middle) @ area)
 
 
 def plastic_curve(start: float, limit: float, until: float | None, field: str, scene: Any) -> Any:
@@ -68,7 +57,7 @@ def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> A
     stiffness = young * constants["second"][0 if card.about == "y" else 1] / card.length
     if card.model == "kecman":
         return _collapse.curve(card, section, (young, stress, stiffness), field, scene)
-    limit = stress * plastic_moment(module.fibres(section, GRID), card.about)
+    limit = stress * plastic_modulus(module.fibres(section, GRID), card.about)
     return plastic_curve(limit / stiffness, limit, card.until, field, scene)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, spin_mobility, stiffen, turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import angle_about, angle_gradient, counted
@@ -21,12 +21,9 @@ from crashsolve.hinges._joint import (
     at_start,
     close_outputs,
     fails,
-    is_open,
     keep_old,
+    let_go,
     motion_of,
-    open_convective,
-    open_jacobian,
-    open_residual,
 )
 from crashsolve.hinges._law import (
     LAW,
@@ -43,7 +40,7 @@ from crashsolve.hinges._law import (
 from crashsolve.joints import revolute
 from crashsolve.joints._card import FRAME
 
-ROWS, ANGULAR = revolute.ROWS, revolute.ANGULAR
+ROWS, ANGULAR, FREE = revolute.ROWS, revolute.ANGULAR, revolute.FREE
 TANGENTS = 1
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),)
 PARAMETERS = FRAME + LAW + Record(tip=("m or 1", "speed of the factor over the rate"))
@@ -74,28 +71,22 @@ def initial_history(card: Any, p: Any, scene: Any) -> dict[str, Any]:
 @kernel
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
-    if is_open(p, old):
-        open_residual(p, rows, 5)
-    else:
-        revolute.residual(p, old, new, t, nodes, rows, curves)
+    revolute.residual(p, old, new, t, nodes, rows, curves)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
-    if is_open(p, old):
-        open_jacobian(p, rows, 5)
-    else:
-        revolute.jacobian(p, old, t, nodes, rows, curves)
+    revolute.jacobian(p, old, t, nodes, rows, curves)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    if is_open(p, old):
-        open_convective(p, rows, 5)
-    else:
-        revolute.convective(p, old, t, nodes, rows, curves)
+    revolute.convective(p, old, t, nodes, rows, curves)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel

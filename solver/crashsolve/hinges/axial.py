@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
     arm,
@@ -32,12 +32,9 @@ from crashsolve.hinges._joint import (
     at_start,
     close_outputs,
     fails,
-    is_open,
     keep_old,
+    let_go,
     motion_of,
-    open_convective,
-    open_jacobian,
-    open_residual,
 )
 from crashsolve.hinges._law import (
     LAW,
@@ -55,7 +52,7 @@ from crashsolve.joints import prismatic
 from crashsolve.joints._card import FRAME
 
 __all__ = ["LEDGER"]
-ROWS, ANGULAR = prismatic.ROWS, prismatic.ANGULAR
+ROWS, ANGULAR, FREE = prismatic.ROWS, prismatic.ANGULAR, prismatic.FREE
 TANGENTS = 1
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_stroke", "failure_stroke"),)
 
@@ -106,28 +103,22 @@ def initial_history(card: Axial, p: Any, scene: Any) -> dict[str, Any]:
 @kernel
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
-    if is_open(p, old):
-        open_residual(p, rows, 5)
-    else:
-        prismatic.residual(p, old, new, t, nodes, rows, curves)
+    prismatic.residual(p, old, new, t, nodes, rows, curves)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
-    if is_open(p, old):
-        open_jacobian(p, rows, 5)
-    else:
-        prismatic.jacobian(p, old, t, nodes, rows, curves)
+    prismatic.jacobian(p, old, t, nodes, rows, curves)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    if is_open(p, old):
-        open_convective(p, rows, 5)
-    else:
-        prismatic.convective(p, old, t, nodes, rows, curves)
+    prismatic.convective(p, old, t, nodes, rows, curves)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel

@@ -11,12 +11,12 @@ References: Ambrosio (2003), Eq. 6-7 and Fig. 3; Powell and Chen (1986), ASCE J.
 """
 
 from math import sqrt
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.card import Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_torque,
     axis_tangent,
@@ -26,19 +26,17 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import scale
-from crashsolve.hinges._card import AxialCurve, HingeCard, Motion, TurnCurve, law, pair_backbones
+from crashsolve.hinges._card import AxialCurve, Motion, PairCard, TurnCurve, law, pair_backbones
 from crashsolve.hinges._joint import (
     COMMON,
     LEDGER,
+    across,
     at_start,
     close_outputs,
     fails,
-    is_open,
     keep_old,
+    let_go,
     motion_of,
-    open_convective,
-    open_jacobian,
-    open_residual,
 )
 from crashsolve.hinges._law import LAW, PATH, factor, growth_bound, growth_slope, step_factor
 from crashsolve.hinges._pair import (
@@ -69,11 +67,9 @@ MOTIONS = (
     Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),
     Motion("axial_curve", "axial_negative", "axial_stiffness", "initial_stroke", "failure_stroke"),
 )
-# directions typed with six digits are square to this; a worse one is a mistake
-SQUARE = 1e-5
 
 
-class AxialBending(HingeCard):
+class AxialBending(PairCard):
     """Hinge of axial force and moment: b slides along the beam and turns about one axis."""
 
     beam: Vec3 = word("direction of the beam at the start, at right angles to `axis`")
@@ -90,9 +86,6 @@ class AxialBending(HingeCard):
     )
     axial_stiffness: float | None = quantity(
         "N/m", "elastic, of axial_curve; its first slope when absent", default=None, gt=0
-    )
-    interaction: Literal["elliptic", "uncoupled"] = word(
-        "elliptic: (M / M_p)^2 + (F / F_p)^2 <= 1; uncoupled: each for itself", default="elliptic"
     )
     initial_angle: float = quantity("rad", "turn of b from the start without moment", default=0.0)
     initial_stroke: float = quantity("m", "way of b from the start without force", default=0.0)
@@ -136,13 +129,9 @@ def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
 
 def build(card: AxialBending, scene: Any) -> dict[str, Any]:
     frame = dict(scene.joint_frame(card))
-    axis, beam = direction(card, scene, "axis"), direction(card, scene, "beam")
-    cosine = float(axis @ beam)
-    if abs(cosine) > SQUARE:
-        raise scene.fail(f"must be at right angles to axis; their cosine is {cosine:.3g}", "beam")
+    axis, beam = direction(card, scene, "axis"), across(card, "beam", scene)
     if card.rate is not None and card.rate.arm is None:
         raise scene.fail("needs the arm: its speed is that of stroke and angle together", "rate")
-    beam = scene.unit(beam - cosine * axis, "beam")
     a = frame["node_a"]
     return (
         frame
@@ -167,36 +156,30 @@ def initial_history(card: AxialBending, p: Any, scene: Any) -> dict[str, Any]:
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
-    if is_open(p, old):
-        open_residual(p, rows, 4)
-        return
     rows[r].phi = slide_along(a, b, p.point_a, p.point_b, p.axis_a)
     rows[r + 1].phi = slide_along(a, b, p.point_a, p.point_b, p.across_a)
     parallel_residual(p, nodes, rows, r + 2)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
-    if is_open(p, old):
-        open_jacobian(p, rows, 4)
-        return
     slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, rows[r])
     slide_jacobian(a, b, p.point_a, p.point_b, p.across_a, rows[r + 1])
     parallel_jacobian(p, nodes, rows, r + 2)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
-    if is_open(p, old):
-        open_convective(p, rows, 4)
-        return
     rows[r].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.axis_a)
     rows[r + 1].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.across_a)
     parallel_convective(p, nodes, rows, r + 2)
+    let_go(p, old, rows, ROWS)
 
 
 @kernel

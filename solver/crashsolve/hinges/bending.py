@@ -8,11 +8,11 @@ rotor J at w_0 in a rigid-plastic hinge M_0 stops after J w_0^2 / 2 M_0.
 References: Ambrosio (2003), Eq. 6-7, Fig. 3 and 4.
 """
 
-from crashsolve.deck.card import quantity, word
-from crashsolve.hinges._card import HingeCard, TurnCurve
+from crashsolve.hinges._card import TurningCard
 from crashsolve.hinges._joint import LEDGER
 from crashsolve.hinges._turn import (
     ANGULAR,
+    FREE,
     HISTORY,
     OUTPUT,
     PARAMETERS,
@@ -29,24 +29,20 @@ from crashsolve.hinges._turn import (
     tangent,
 )
 
-__all__ = ["ANGULAR", "HISTORY", "LEDGER", "OUTPUT", "PARAMETERS", "ROWS", "TANGENTS", "beyond"]
+__all__ = [
+    "ANGULAR",
+    "FREE",
+    "HISTORY",
+    "LEDGER",
+    "OUTPUT",
+    "PARAMETERS",
+    "ROWS",
+    "TANGENTS",
+    "beyond",
+]
 __all__ += ["build", "convective", "curves", "force", "initial_history", "jacobian", "residual"]
 __all__ += ["tangent"]
 
 
-class Bending(HingeCard):
+class Bending(TurningCard):
     """Bending hinge: b turns about one axis of a against an elastic-plastic moment."""
-
-    curve: TurnCurve = word("moment over angle as it grows, from [0, 0]")
-    curve_negative: TurnCurve | None = word(
-        "the same for negative angles, both counted positive; as curve when absent", default=None
-    )
-    stiffness: float | None = quantity(
-        "N m/rad", "elastic, also of unloading; the first slope when absent", default=None, gt=0
-    )
-    initial_angle: float = quantity(
-        "rad", "turn of b from the start in which the hinge has no moment", default=0.0
-    )
-    failure_angle: float | None = quantity(
-        "rad", "angle in either direction at which the hinge fails", default=None, gt=0
-    )

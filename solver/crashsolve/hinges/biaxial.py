@@ -9,21 +9,21 @@ frame. The joint holds its component along the beam at 0: sin|theta| e . beam = 
 and t of both bodies t_a . s_b - s_a . t_b = 0. Against the two axes of a universal joint, this has
 no direction of its own, so that a round section bends alike in all. theta is known up to half a
 turn; a hinge that folds by 3 rad ends the run. Consequence to test: M does the work M . theta_dot
-in every posture.
+in every configuration.
 
 References: Ambrosio (2003), Fig. 3; Bauchau and Trainelli (2003), Nonlinear Dynamics 32, 71-92.
 """
 
 from math import sqrt
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen, turn_tangent
-from crashsolve.foundation.posture import relative
+from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.vec3 import (
@@ -35,19 +35,17 @@ from crashsolve.foundation.vec3 import (
     sub,
     vec,
 )
-from crashsolve.hinges._card import HingeCard, Motion, TurnCurve, law, pair_backbones, tip
+from crashsolve.hinges._card import Motion, PairCard, TurnCurve, law, pair_backbones, tip
 from crashsolve.hinges._joint import (
     COMMON,
     LEDGER,
+    across,
     at_start,
     close_outputs,
     fails,
-    is_open,
     keep_old,
+    let_go,
     motion_of,
-    open_convective,
-    open_jacobian,
-    open_residual,
 )
 from crashsolve.hinges._law import LAW, PATH, factor, growth_bound, growth_slope, step_factor
 from crashsolve.hinges._pair import (
@@ -76,13 +74,11 @@ MOTIONS = (
     Motion("curve", "", "stiffness", "", "failure_angle"),
     Motion("second_curve", "", "second_stiffness", "", ""),
 )
-# directions typed with six digits are square to this; a worse one is a mistake
-SQUARE = 1e-5
 # largest angle at which the rotation vector is trusted [rad]
 FOLDED = 3.0
 
 
-class Biaxial(HingeCard):
+class Biaxial(PairCard):
     """Bending hinge in two directions: b turns about every axis across the beam."""
 
     side: Vec3 = word("direction of the first axis of bending, at right angles to `axis`")
@@ -95,10 +91,6 @@ class Biaxial(HingeCard):
     )
     second_stiffness: float | None = quantity(
         "N m/rad", "elastic, of second_curve; its first slope when absent", default=None, gt=0
-    )
-    interaction: Literal["elliptic", "uncoupled"] = word(
-        "elliptic: (M_1 / y_1)^2 + (M_2 / y_2)^2 <= 1; uncoupled: each for itself",
-        default="elliptic",
     )
     initial_angles: tuple[float, float] = quantity(
         "rad", "turn of b from the start without moment, about both axes", default=(0.0, 0.0)
@@ -140,11 +132,7 @@ def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
 
 def build(card: Biaxial, scene: Any) -> dict[str, Any]:
     frame = dict(scene.joint_frame(card))
-    beam, side = direction(card, scene, "axis"), direction(card, scene, "side")
-    cosine = float(beam @ side)
-    if abs(cosine) > SQUARE:
-        raise scene.fail(f"must be at right angles to axis; their cosine is {cosine:.3g}", "side")
-    side = scene.unit(side - cosine * beam, "side")
+    beam, side = direction(card, scene, "axis"), across(card, "side", scene)
     for end in "ab":
         node = frame[f"node_{end}"]
         frame[f"side_{end}"] = scene.turn_to_body(node, side)
@@ -172,23 +160,18 @@ def initial_history(card: Biaxial, p: Any, scene: Any) -> dict[str, Any]:
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
     r = p.first_row
-    if is_open(p, old):
-        open_residual(p, rows, 4)
-        return
     point_residual(p, nodes, rows, r)
     square_residual(p, p.side_a, p.third_b, nodes, rows[r + 3])
     crossed = rows[r + 3].phi
     square_residual(p, p.third_a, p.side_b, nodes, rows[r + 3])
     rows[r + 3].phi -= crossed
+    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     r = p.first_row
-    if is_open(p, old):
-        open_jacobian(p, rows, 4)
-        return
     point_jacobian(p, nodes, rows, r)
     D = rows[r + 3].D
     square_jacobian(p, p.side_a, p.third_b, nodes, rows[r + 3])
@@ -196,20 +179,19 @@ def jacobian(p, old, t, nodes, rows, curves):
     square_jacobian(p, p.third_a, p.side_b, nodes, rows[r + 3])
     D[3], D[4], D[5] = D[3] - x, D[4] - y, D[5] - z
     D[9], D[10], D[11] = D[9] + x, D[10] + y, D[11] + z
+    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     r = p.first_row
-    if is_open(p, old):
-        open_convective(p, rows, 4)
-        return
     point_convective(p, nodes, rows, r)
     square_convective(p, p.side_a, p.third_b, nodes, rows[r + 3])
     crossed = rows[r + 3].gamma
     square_convective(p, p.third_a, p.side_b, nodes, rows[r + 3])
     rows[r + 3].gamma -= crossed
+    let_go(p, old, rows, ROWS)
 
 
 @kernel

@@ -4,14 +4,14 @@ The same for every method; what a step and a sample are is said by its stepper (
 `_runge_kutta` or `_implicit`), in three functions.
 """
 
-from crashsolve.foundation.compile import entry
+from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.integrators.rattle import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING
 from crashsolve.system.energy import check
 from crashsolve.system.loops.energy import energy
 from crashsolve.system.loops.events import need_rebuild
-from crashsolve.system.scene import LOOKS_AHEAD
+from crashsolve.system.placeholders import LOOKS_AHEAD
 
 
 @entry

@@ -1,4 +1,4 @@
-"""Stage of generalized-alpha: stages of the stepper `_implicit` (see system/alpha.py).
+"""Stage of generalized-alpha, for the stepper `_implicit` (system/implicit/generalized_alpha.py).
 
     accelerations of the end and both multipliers by Newton's method: lambda for D v = nu, eta for
     Phi = 0
@@ -8,12 +8,15 @@ Consequence to test: a spring far too stiff for the step dies away, order 2 for 
 Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 121-137.
 """
 
-from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED
-from crashsolve.system.alpha import (
+from crashsolve.system.constraints import scatter_trial, velocity_residual
+from crashsolve.system.implicit.collocation import correction_size, keep_spin_rates, solve_stage
+from crashsolve.system.implicit.compliance import factor_compliant, linearise
+from crashsolve.system.implicit.generalized_alpha import (
     alpha_weights,
     answer_rows,
     ask_positions,
@@ -26,17 +29,14 @@ from crashsolve.system.alpha import (
     open_accelerations,
     stand_at_end,
 )
-from crashsolve.system.collocation import correction_size, keep_spin_rates, solve_stage
-from crashsolve.system.compliance import factor_compliant, linearise
-from crashsolve.system.constraints import scatter_trial, velocity_residual
-from crashsolve.system.iteration import PASSES, PATIENCE, enough_beside, is_near
+from crashsolve.system.implicit.iteration import PASSES, PATIENCE, enough_beside, is_near
+from crashsolve.system.implicit.stages import keep_outside, keep_rates
 from crashsolve.system.kinetics import clear_forces, take_late
 from crashsolve.system.loops.elements import keep_elements
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.tangents import bend, renew, tangents
-from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS
-from crashsolve.system.stages import keep_outside, keep_rates
+from crashsolve.system.placeholders import ASSEMBLED, CONTACTS, JOINTS
 
 FAR = 4.0  # a step longer than so many of the last is not guessed from it
 # the least share of the error that a pass leaves, where the problem is stiff

@@ -9,12 +9,12 @@ motion, whatever the stiffness.
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
 
-from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED
-from crashsolve.system.collocation import (
+from crashsolve.system.implicit.collocation import (
     correction_size,
     guess,
     improve,
@@ -25,12 +25,12 @@ from crashsolve.system.collocation import (
     stand,
     weigh_estimate,
 )
-from crashsolve.system.compliance import factor_compliant, linearise
-from crashsolve.system.iteration import PASSES, PATIENCE, enough_beside, is_near
+from crashsolve.system.implicit.compliance import factor_compliant, linearise
+from crashsolve.system.implicit.iteration import PASSES, PATIENCE, enough_beside, is_near
+from crashsolve.system.implicit.stages import keep_rates
 from crashsolve.system.loops.elements import keep_elements
 from crashsolve.system.loops.tangents import bend, tangents
-from crashsolve.system.scene import ASSEMBLED, CONTACTS, JOINTS
-from crashsolve.system.stages import keep_rates
+from crashsolve.system.placeholders import ASSEMBLED, CONTACTS, JOINTS
 
 # a step longer than so many of the last is not guessed from it
 FAR = 4.0

@@ -9,7 +9,7 @@ stepper of all methods of this kind, with the stages of the deck's.
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
 
-from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.integrators._collocation import arrive, estimate, open_step, pass_stages
 from crashsolve.integrators._places import accept, begin, evaluate, onset_gap
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES
@@ -17,13 +17,13 @@ from crashsolve.model.clock import (
     RUNNING,
     STEP_TOO_SMALL,
 )
+from crashsolve.system.implicit.stages import add_kick, add_outside, fastest_point, next_length
 from crashsolve.system.kinetics import accelerations, refresh, save
 from crashsolve.system.loops.events import approach_before, beyond
 from crashsolve.system.loops.joints import residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, open_bracket, seek
-from crashsolve.system.scene import CONTACTS, EVENTS, JOINTS, ONSETS
-from crashsolve.system.stages import add_kick, add_outside, fastest_point, next_length
+from crashsolve.system.placeholders import CONTACTS, EVENTS, JOINTS, ONSETS
 from crashsolve.system.timestep import fit
 
 MANY = 8  # passes for the stages of a step, after which the next is no longer

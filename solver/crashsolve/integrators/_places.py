@@ -6,7 +6,7 @@
 Reference: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 """
 
-from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.saddle import solve_rows
 from crashsolve.model.clock import POSITION, VELOCITY
 from crashsolve.system.constraints import (
@@ -20,17 +20,17 @@ from crashsolve.system.constraints import (
     worst_rate,
     worst_residual,
 )
-from crashsolve.system.kinetics import any_late, clear_forces, refresh, take_late
-from crashsolve.system.loops.events import approach, beyond
-from crashsolve.system.loops.forces import force_pass
-from crashsolve.system.loops.joints import convective, jacobian, residual
-from crashsolve.system.scene import CONTACTS, EVENTS, JOINTS
-from crashsolve.system.stages import (
+from crashsolve.system.implicit.stages import (
     displace_by_joints,
     note_kick,
     spin_round_off,
     typical_speed,
 )
+from crashsolve.system.kinetics import any_late, clear_forces, refresh, take_late
+from crashsolve.system.loops.events import approach, beyond
+from crashsolve.system.loops.forces import force_pass
+from crashsolve.system.loops.joints import convective, jacobian, residual
+from crashsolve.system.placeholders import CONTACTS, EVENTS, JOINTS
 from crashsolve.system.timestep import wanted_step
 
 PROJECTIONS = 10
@@ -53,7 +53,7 @@ def onset_gap(h, clock, control, nodes, curves, scene):
     """Largest depth of what begins in a step of h: a contact, its end, or a piece of a law."""
     gap = -1e300
     if CONTACTS:
-        gap = approach(clock.current, nodes, scene)
+        gap = approach(clock.current, nodes, scene, -1e300)
     if EVENTS:
         # what rests at a corner passes it by round-off again and again
         past = beyond(clock.current, h, nodes, curves, scene) - ROUND_OFF * control.length
@@ -174,7 +174,7 @@ def react(time, clock, nodes, rows, saddle, curves, scene):
         scatter_delta(rows, nodes)
         acceleration_right_side(rows, nodes)
         previous, worst = worst, worst_rate(rows, saddle)
-        # a row that is redundant at a singular posture keeps what is left
+        # a row that is redundant at a singular configuration keeps what is left
         if worst <= enough * first or not worst < 0.5 * previous:
             break
 

@@ -9,23 +9,23 @@ to test: as h grows, one step leads to the equilibrium.
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
-from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.rotation import rotate_by_vector, write_matrix, write_world_tensor
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.foundation.vec3 import add_scaled, add_to, matvec_t, norm, put, scale, vec
 from crashsolve.integrators._places import evaluate
 from crashsolve.model.clock import UNSOLVED
-from crashsolve.system.alpha import missing_accelerations
-from crashsolve.system.assembled import answer_rows
-from crashsolve.system.compliance import factor_compliant, linearise
 from crashsolve.system.constraints import scatter_trial, worst_residual
+from crashsolve.system.implicit.compliance import factor_compliant, linearise
+from crashsolve.system.implicit.generalized_alpha import missing_accelerations
+from crashsolve.system.implicit.global_matrix import answer_rows
+from crashsolve.system.implicit.stages import keep_outside
 from crashsolve.system.kinetics import clear_forces
 from crashsolve.system.loops.elements import keep_elements
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.tangents import bend, tangents
-from crashsolve.system.scene import JOINTS
-from crashsolve.system.stages import keep_outside
+from crashsolve.system.placeholders import JOINTS
 
 PASSES = 40
 # largest turn [rad] and way (over the model's size) of a correction

@@ -14,7 +14,7 @@ Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 
 from math import sqrt
 
-from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.integrators._places import (
     accept,
     begin,
@@ -32,6 +32,18 @@ from crashsolve.model.clock import (
 from crashsolve.system.constraints import (
     factor_constraints,
 )
+from crashsolve.system.implicit.stages import (
+    add_kick,
+    add_outside,
+    estimate,
+    fastest_point,
+    keep_rates,
+    next_length,
+    project_estimate,
+    reach,
+    step_error,
+    weigh_part,
+)
 from crashsolve.system.kinetics import (
     accelerations,
     clear_forces,
@@ -45,19 +57,7 @@ from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, open_bracket, seek
-from crashsolve.system.scene import CONTACTS, DENSE, EVENTS, JOINTS, ONSETS
-from crashsolve.system.stages import (
-    add_kick,
-    add_outside,
-    estimate,
-    fastest_point,
-    keep_rates,
-    next_length,
-    project_estimate,
-    reach,
-    step_error,
-    weigh_part,
-)
+from crashsolve.system.placeholders import CONTACTS, DENSE, EVENTS, JOINTS, ONSETS
 from crashsolve.system.timestep import fit
 
 ONSET = 1e-4  # of the way in the step: by so much what begins may be passed at most

@@ -1,12 +1,15 @@
-"""Newton's method for equilibria of what strains on its way: a step from rest (system/rest.py).
+"""Newton's method for equilibria of path-dependent laws, a step from rest at a time.
 
-No deck names it: `control.solution: quasi_static` does, where a part remembers its way.
+See system/static/pseudo_transient.py.
+
+No deck names it: `control.solution: quasi_static` does, where a part is path-dependent.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
 import numpy as np
 
+IN_DECKS = False
 STEPPER = "_implicit"
 STAGE = "_rest_stage"
 ORDER = 2

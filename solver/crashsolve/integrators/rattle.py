@@ -11,7 +11,7 @@ References: Andersen (1983), J. Comput. Phys. 52, 24-34; Hairer, Lubich and Wann
 Geometric Numerical Integration, VII.1.4.
 """
 
-from crashsolve.foundation.compile import stage
+from crashsolve.foundation.kernels import stage
 from crashsolve.foundation.saddle import solve_rows
 from crashsolve.model.clock import (
     POSITION,
@@ -35,6 +35,7 @@ from crashsolve.system.constraints import (
     worst_rate,
     worst_residual,
 )
+from crashsolve.system.contact.resting import note_motion
 from crashsolve.system.kinetics import (
     accelerations,
     add_impulse,
@@ -53,7 +54,7 @@ from crashsolve.system.loops.joints import convective, jacobian, residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.loops.unilateral import hold, react
 from crashsolve.system.onset import first_gap, open_bracket, seek
-from crashsolve.system.scene import CONTACTS, JOINTS, UNILATERAL
+from crashsolve.system.placeholders import CONTACTS, JOINTS, RESTING, UNILATERAL
 from crashsolve.system.timestep import fit, wanted_step
 
 ORDER = 2
@@ -103,7 +104,10 @@ def move(h, clock, control, nodes, rows, saddle, curves, scene):
         place(trial, clock, control, nodes, rows, saddle, curves, scene)
         if not CONTACTS or clock.status != RUNNING:
             break
-        gap = approach(clock.current, nodes, scene)
+        if RESTING:
+            note_motion(nodes)
+        # of a whole step without an onset nothing else is asked
+        gap = approach(clock.current, nodes, scene, 0.0 if bracket[-1] == 0 else -1e300)
         if bracket[-1] == 0:
             before = approach_before(clock.current, scene)
             # long steps of free flight must not spoil what a smaller safety asks of the contact
@@ -150,7 +154,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, scene):
             clear_trial(rows, nodes)
             continue
         # far apart in mass and inertia, or in a sharp turn, D of the start is no guide any more;
-        # past a singular posture it points the wrong way: begin anew along D of the end
+        # past a singular configuration it points the wrong way: begin anew along D of the end
         anew = worst > 0.5 * previous and not renewed
         if anew or (iteration >= 3 and worst > 0.1 * previous):
             if anew:

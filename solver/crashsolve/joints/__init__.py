@@ -1,24 +1,13 @@
 """Joints: kinematic constraints between two bodies."""
 
-from typing import Any, Protocol
+from typing import Protocol
 
 from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.roles import Built, Constraint
 
 
-class JointLaw(Protocol):
+class JointLaw(Built, Constraint, Protocol):
     """What the file of a joint provides beside its card."""
-
-    def build(self, card: Any, scene: Any) -> Any:
-        """Words into symbols: one row of PARAMETERS."""
-
-    def residual(self, p, old, new, t, nodes, rows, curves):
-        """Phi(q, t). Writes: rows.phi, new."""
-
-    def jacobian(self, p, old, t, nodes, rows, curves):
-        """D and nu = -Phi_t. Writes: rows.D, nu."""
-
-    def convective(self, p, old, t, nodes, rows, curves):
-        """gamma = -D_dot v - Phi_tt. Writes: rows.gamma."""
 
 
 FAMILY = Family(
@@ -26,7 +15,7 @@ FAMILY = Family(
     follows="bodies",
     law=JointLaw,
     energy=(),
-    channels=None,
+    channels={"jntforc": "joint reactions and joint motion"},
     picture=None,
     uses=(),
     integrators=ANY,

@@ -47,11 +47,10 @@ def direction(card: JointCard, scene: Any, field: str) -> np.ndarray:
 
 
 def named_frame(scene: Any, field: str, name: str, motion: str) -> dict[str, Any]:
-    """Frame of a joint that another card names, which must have a motion."""
-    entry = scene.deck.entries["joints"][name]
+    """Columns of a joint that another card names, which must have a motion."""
     scene.refuse_joint(name, (motion,), field)
     try:
-        frame: dict[str, Any] = scene.joint_frame(entry.card)
+        frame: dict[str, Any] = scene.built(scene.joint_entry(name).card)
     except ValueError:
         # reported at its own card
         raise scene.fail(f"'{name}' cannot be built", field) from None

@@ -13,7 +13,7 @@ accelerations (Ambrosio (2003), Eq. 1-3).
 Reference: Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems, ch. 9.
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_at, point_velocity
 from crashsolve.foundation.turn import angle_gradient
 from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
@@ -173,6 +173,14 @@ def turn_jacobian(a, b, axis_a, side_b, row):
     g = angle_gradient(a, b, axis_a, side_b)
     zero = (0.0, 0.0, 0.0)
     write_row(row, zero, scale(-1.0, g), zero, g)
+
+
+@kernel
+def turn_also(row, g):
+    """Add the turn of b against a, with gradient g, to a row. Writes: row.D."""
+    for k in range(3):
+        row.D[3 + k] -= g[k]
+        row.D[9 + k] += g[k]
 
 
 @kernel

@@ -8,7 +8,7 @@ upright axis with g while it keeps its spin.
 
 from typing import Any
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
 from crashsolve.joints._rows import (
     line_convective,
@@ -21,7 +21,7 @@ from crashsolve.joints._rows import (
 
 ROWS = 4
 ANGULAR = (False, False, True, True)
-MOTIONS = ("angle", "travel")
+FREE = ("angle", "travel")
 PARAMETERS = FRAME
 
 

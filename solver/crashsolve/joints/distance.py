@@ -9,7 +9,7 @@ a particle on a rod is a pendulum.
 from typing import Any
 
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, scale, sub

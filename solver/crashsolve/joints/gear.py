@@ -10,7 +10,7 @@ theta_1_ddot = T / (J_1 + ratio^2 J_2).
 from typing import Any
 
 from crashsolve.deck.card import Card, JointName, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import angle_about, angle_turning, counted
 from crashsolve.joints._card import named_frame
@@ -39,10 +39,10 @@ HISTORY = Record(
 
 
 class Gear(Card):
-    """Couples the angles of two revolute or cylindrical joints."""
+    """Couples the angles of two joints that have one, such as revolute ones."""
 
-    first: JointName = word("revolute or cylindrical joint")
-    second: JointName = word("revolute or cylindrical joint")
+    first: JointName = word("joint that has an angle: revolute, cylindrical, ...")
+    second: JointName = word("joint that has an angle: revolute, cylindrical, ...")
     ratio: float = quantity(
         "1", "turns of the second per turn of the first; negative when they turn against each other"
     )

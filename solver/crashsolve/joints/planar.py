@@ -8,7 +8,7 @@ constant speed while the body keeps its spin.
 
 from typing import Any
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
 from crashsolve.joints._rows import (
     parallel_convective,
@@ -21,6 +21,7 @@ from crashsolve.joints._rows import (
 
 ROWS = 3
 ANGULAR = (False, True, True)
+FREE = ("angle",)
 PARAMETERS = FRAME
 
 

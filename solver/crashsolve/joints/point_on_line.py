@@ -7,7 +7,7 @@ Consequence to test: four degrees of freedom; the ends of a ladder on a wall and
 
 from typing import Any
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
 from crashsolve.joints._rows import line_convective, line_jacobian, line_residual
 

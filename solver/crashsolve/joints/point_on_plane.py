@@ -7,7 +7,7 @@ Consequence to test: five degrees of freedom; a ladder on a smooth wall and floo
 
 from typing import Any
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
 from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
 

@@ -8,7 +8,7 @@ alpha with g sin alpha.
 
 from typing import Any
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
 from crashsolve.joints._rows import (
     line_convective,
@@ -24,7 +24,7 @@ from crashsolve.joints._rows import (
 
 ROWS = 5
 ANGULAR = (False, False, True, True, True)
-MOTIONS = ("travel",)
+FREE = ("travel",)
 PARAMETERS = FRAME
 
 

@@ -9,7 +9,7 @@ turns a pinion of inertia J accelerates with m g / (m + J / R^2).
 from typing import Any
 
 from crashsolve.deck.card import Card, JointName, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import angle_about, angle_turning, counted
 from crashsolve.joints._card import named_frame
@@ -41,10 +41,10 @@ HISTORY = Record(angle=("rad", "angle of the pinion, with all turns"))
 
 
 class Rack(Card):
-    """Couples the travel of a prismatic or cylindrical joint to the angle of a pinion's joint."""
+    """Couples the travel of a joint to the angle of a pinion's joint."""
 
-    pinion: JointName = word("revolute or cylindrical joint of the pinion")
-    rack: JointName = word("prismatic or cylindrical joint of the rack")
+    pinion: JointName = word("joint of the pinion, which has an angle: revolute, ...")
+    rack: JointName = word("joint of the rack, which has a travel: prismatic, ...")
     radius: float = quantity("m", "pitch radius; negative when the rack moves the other way")
 
 

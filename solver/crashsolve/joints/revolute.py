@@ -8,7 +8,7 @@ a pendulum on it has the period 4 K(sin(theta_0 / 2)) sqrt(L / g).
 
 from typing import Any
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
 from crashsolve.joints._rows import (
     parallel_convective,
@@ -21,7 +21,7 @@ from crashsolve.joints._rows import (
 
 ROWS = 5
 ANGULAR = (False, False, False, True, True)
-MOTIONS = ("angle",)
+FREE = ("angle",)
 PARAMETERS = FRAME
 
 

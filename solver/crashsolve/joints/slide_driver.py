@@ -9,8 +9,8 @@ needs the force -m A omega^2 sin(omega t).
 from typing import Any, ClassVar
 
 from crashsolve.deck.card import JointName, word
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, named_frame
 from crashsolve.joints._driven import DrivenCard, motion
@@ -27,11 +27,11 @@ PARAMETERS = POINTS + Record(
 
 
 class SlideDriver(DrivenCard):
-    """Prescribes the travel of a prismatic or cylindrical joint; zero at the start."""
+    """Prescribes the travel of a joint that has one; zero at the start."""
 
     curve_axes: ClassVar = {"curve": ("s", "m")}
 
-    joint: JointName = word("prismatic or cylindrical joint")
+    joint: JointName = word("joint that has a travel: prismatic, cylindrical, ...")
 
 
 def build(card: SlideDriver, scene: Any) -> dict[str, Any]:

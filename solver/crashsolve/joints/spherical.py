@@ -8,13 +8,13 @@ omega^2 = g / (L cos alpha).
 
 from typing import Any
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import POINTS, JointCard
 from crashsolve.joints._rows import point_convective, point_jacobian, point_residual
 
 ROWS = 3
 ANGULAR = (False, False, False)
-MOTIONS = ("ball",)
+FREE = ("ball",)
 PARAMETERS = POINTS
 
 

@@ -9,8 +9,8 @@ needs the torque J alpha, and the driver's work is its kinetic energy.
 from typing import Any, ClassVar
 
 from crashsolve.deck.card import JointName, word
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import angle_about, angle_turning, counted
 from crashsolve.joints._card import named_frame
@@ -33,11 +33,11 @@ HISTORY = Record(angle=("rad", "theta, with all turns"))
 
 
 class TurnDriver(DrivenCard):
-    """Prescribes the angle of a revolute or cylindrical joint; zero at the start."""
+    """Prescribes the angle of a joint that has one; zero at the start."""
 
     curve_axes: ClassVar = {"curve": ("s", "rad")}
 
-    joint: JointName = word("revolute or cylindrical joint")
+    joint: JointName = word("joint that has an angle: revolute, cylindrical, ...")
 
 
 def build(card: TurnDriver, scene: Any) -> dict[str, Any]:

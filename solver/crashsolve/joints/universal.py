@@ -11,7 +11,7 @@ Reference: Seherr-Thoss, Schmelz and Aucktor (2006), Universal Joints and Drives
 from typing import Any
 
 from crashsolve.deck.card import Vec3, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, AxisJointCard, direction
 from crashsolve.joints._rows import (

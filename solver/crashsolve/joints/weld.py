@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, JointCard
 from crashsolve.joints._rows import (
     parallel_convective,

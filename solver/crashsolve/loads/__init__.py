@@ -1,18 +1,16 @@
 """Loads: forces that come from outside."""
 
-from typing import Any, Protocol
+from typing import Protocol
 
 from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.roles import Built, Force
 
 
-class LoadLaw(Protocol):
+class LoadLaw(Built, Force, Protocol):
     """What the file of a load provides beside its card."""
 
-    def build(self, card: Any, scene: Any) -> Any:
-        """Words into symbols: one row of PARAMETERS."""
-
-    def force(self, p, old, new, out, t, h, nodes, rows, curves):
-        """Forces on bodies, and the power of their work. Writes: nodes, out, new."""
+    # the column of PARAMETERS that its force is proportional to
+    AMPLITUDE: str
 
 
 FAMILY = Family(
@@ -20,7 +18,7 @@ FAMILY = Family(
     follows="contacts",
     law=LoadLaw,
     energy=("external", "potential"),
-    channels=("bndout", "loads and forces of prescribed motion"),
+    channels={"bndout": "loads and forces of prescribed motion"},
     picture=None,
     uses=(),
     integrators=ANY,

@@ -3,8 +3,8 @@
 from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import BodyName, Card, CurveName, word
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import scale, vec

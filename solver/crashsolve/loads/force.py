@@ -8,7 +8,7 @@ Consequence to test: a constant force F in world axes does the work F . (x - x_0
 from typing import Any
 
 from crashsolve.deck.card import Vec3, quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_external, arm, point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, put, vec

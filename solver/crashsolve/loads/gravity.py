@@ -6,7 +6,7 @@ f_i = m_i g,   potential energy -m_i g . r_i
 from typing import Any
 
 from crashsolve.deck.card import Card, Vec3, quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import act_from_outside, apply_external
 from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.record import Record

@@ -13,8 +13,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from crashsolve.deck.card import Card, CurveName, PartName, SetName, Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, add_to, cross, dot, put, scale, vec
@@ -46,19 +46,19 @@ OUTPUT = Record(force=("N", 3, "total, world axes"))
 
 
 def build(card: NodalForce, scene: Any) -> dict[str, Any]:
-    laid, _, _ = scene.skin(card.part, "part")
-    own = laid.set_of(card.nodes, "nodes", scene)
+    meshed, _, _ = scene.skin(card.part, "part")
+    own = meshed.set_of(card.nodes, "nodes", scene)
     return {
         "vector": card.force,
         "curve": scene.curve(card.curve) if card.curve else 0,
-        "mass": laid.mass[own].sum() if card.share == "mass" else 0.0,
+        "mass": meshed.mass[own].sum() if card.share == "mass" else 0.0,
     }
 
 
 def members(card: NodalForce, scene: Any) -> np.ndarray:
     """The points it acts on."""
-    laid, _, first = scene.skin(card.part, "part")
-    points: np.ndarray = first + laid.set_of(card.nodes, "nodes", scene)
+    meshed, _, first = scene.skin(card.part, "part")
+    points: np.ndarray = first + meshed.set_of(card.nodes, "nodes", scene)
     return points
 
 

@@ -8,7 +8,7 @@ Consequence to test: a disc of inertia J under constant T about its axis turns b
 from typing import Any
 
 from crashsolve.deck.card import Vec3, quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_external
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, put, vec

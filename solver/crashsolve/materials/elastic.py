@@ -7,8 +7,12 @@ Consequence to test: a bar's elongation is N L / (E A).
 
 from typing import Any
 
+import numpy as np
+
 from crashsolve.deck.card import Card, quantity
-from crashsolve.foundation.record import Record
+from crashsolve.foundation.kernels import inlined
+from crashsolve.foundation.point import LANES
+from crashsolve.foundation.record import Record, rows_of
 
 
 class Elastic(Card):
@@ -19,7 +23,18 @@ class Elastic(Card):
     density: float = quantity("kg/m^3", "mass per volume", gt=0)
 
 
-PARAMETERS = HISTORY = OUTPUT = Record()
+PARAMETERS = Record(
+    young=("Pa", "E"),
+    poisson=("1", "nu"),
+    shear=("Pa", "G"),
+    density=("kg/m^3", "rho"),
+    # quotients of these, which layers would compute again and again
+    plane=("Pa", "E / (1 - nu^2)"),
+    across=("1", "nu / (1 - nu)"),
+)
+LAYER = rows_of(Record(stress=("Pa", 3, "xx, yy, xy")))
+FIBRE = Record()
+VON_MISES = LARGE_STRAIN = DISSIPATES = False
 
 
 def build(card: Elastic, scene: Any) -> dict[str, Any]:
@@ -28,4 +43,62 @@ def build(card: Elastic, scene: Any) -> dict[str, Any]:
         "poisson": card.poisson,
         "shear": card.young / (2.0 + 2.0 * card.poisson),
         "density": card.density,
+        "plane": card.young / (1.0 - card.poisson * card.poisson),
+        "across": card.poisson / (1.0 - card.poisson),
     }
+
+
+def layer_rows(card: Elastic) -> int:
+    return int(LAYER.SIZE)
+
+
+def initial_layer(card: Elastic, scene: Any) -> np.ndarray:
+    return np.zeros(LAYER.SIZE)
+
+
+def stored(card: Elastic, layer: np.ndarray) -> np.ndarray:
+    x, y, s = np.moveaxis(layer[..., :3], -1, 0)
+    E, nu = card.young, card.poisson
+    found: np.ndarray = x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s
+    return found / (2.0 * E)
+
+
+def plastic_strain(card: Elastic, layer: np.ndarray) -> np.ndarray:
+    return np.zeros(layer.shape[:-1])
+
+
+@inlined
+def update(m, blocks, at, d, h, curves):
+    """Of any layer within its yield stress."""
+    x, y, xy = d
+    s_x = blocks[at] + m.plane * (x + m.poisson * y)
+    s_y = blocks[at + LANES] + m.plane * (y + m.poisson * x)
+    s_xy = blocks[at + 2 * LANES] + m.shear * xy
+    return (s_x, s_y, s_xy), -m.across * (x + y), 0.0, 1.0
+
+
+@inlined
+def tangent(m, kept, blocks, at, d, way, h, curves):
+    both = m.young / (1.0 - m.poisson) * (way[0] + way[1])
+    apart = 2.0 * m.shear * (way[0] - way[1])
+    stress = (0.5 * (both + apart), 0.5 * (both - apart), m.shear * way[2])
+    return stress, -m.poisson / m.young * both
+
+
+@inlined
+def energy(m, blocks, at):
+    """By its stress."""
+    x, y, s = blocks[at], blocks[at + LANES], blocks[at + 2 * LANES]
+    density = x * x + y * y - 2.0 * m.poisson * x * y + 2.0 * (1.0 + m.poisson) * s * s
+    return 0.5 * density / m.young
+
+
+@inlined
+def fibre(m, old, new, i, strain, rate, h, curves):
+    sigma = m.young * strain
+    return sigma, 0.5 * sigma * strain, 0.0
+
+
+@inlined
+def fibre_tangent(m, old, i, strain, rate, curves):
+    return 0.0, 0.0, 0.0

@@ -13,11 +13,14 @@ effects in the impact loading of cantilever beams, Brown University Report 28.
 
 from typing import Any, ClassVar
 
+import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import CurveName, quantity, word
+from crashsolve.foundation.curve import curve_line, curve_value
+from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record
-from crashsolve.materials import elastic
+from crashsolve.materials import _von_mises, elastic
 
 
 class Elastoplastic(elastic.Elastic):
@@ -42,17 +45,73 @@ class Elastoplastic(elastic.Elastic):
         return self
 
 
-PARAMETERS = HISTORY = OUTPUT = Record()
+PARAMETERS = _von_mises.PARAMETERS + Record(
+    yield_stress=("Pa", "Y_0"),
+    isotropic=("Pa", "(1 - beta) H"),
+    curve=("index", "Y over plastic strain; 0 for none"),
+    line_row=("index", "of a layer: value at no strain, slope and end of the line of a curve"),
+    rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
+    rate_q=("1", "q of Cowper and Symonds"),
+)
+LAYER, FIBRE = _von_mises.LAYER, _von_mises.FIBRE
+VON_MISES = DISSIPATES = True
+LARGE_STRAIN = SMOOTH = HEATS = False
+LINE_ROWS = 3
 
 
 def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:
-    return elastic.build(card, scene) | {
-        "plastic": 1,
+    kinematic = card.kinematic * card.hardening
+    return _von_mises.build(card, scene, kinematic, card.rate_D is not None) | {
         "yield_stress": card.yield_stress or 0.0,
         "isotropic": (1.0 - card.kinematic) * card.hardening,
-        "kinematic": card.kinematic * card.hardening,
         "curve": scene.curve(card.curve) if card.curve else 0,
+        "line_row": layer_rows(card) - LINE_ROWS,
         "rate_D": card.rate_D or 0.0,
         "rate_q": card.rate_q,
-        "failure": card.failure_strain or 0.0,
     }
+
+
+def layer_rows(card: Elastoplastic) -> int:
+    moves = card.kinematic * card.hardening > 0.0
+    return int(LAYER.SIZE if moves else LAYER.alpha) + LINE_ROWS * (card.curve is not None)
+
+
+def initial_layer(card: Elastoplastic, scene: Any) -> np.ndarray:
+    found = np.zeros(layer_rows(card))
+    if card.curve is not None:
+        points = scene.curve_points.view(np.recarray)
+        found[-LINE_ROWS:] = curve_line(points, scene.curve(card.curve), 0.0)
+    return found
+
+
+stored, plastic_strain = elastic.stored, _von_mises.plastic_strain
+update, energy = elastic.update, elastic.energy
+
+
+@inlined
+def flow(m, e, curves):
+    if m.curve > 0:
+        Y, slope, _ = curve_value(curves, m.curve, e)
+        return Y, slope
+    return m.yield_stress + m.isotropic * e, m.isotropic
+
+
+@inlined
+def line(m, e, curves):
+    return curve_line(curves, m.curve, e)
+
+
+@inlined
+def rate_factor(m, rate):
+    return 1.0 + (rate / m.rate_D) ** (1.0 / m.rate_q)
+
+
+@inlined
+def rate_slope(m, rate, factor):
+    # at no rate at all the law is vertical where q is above 1
+    return (factor - 1.0) / (m.rate_q * rate + 1e-300)
+
+
+@inlined
+def heat_factor(m, temperature):
+    return 1.0

@@ -13,11 +13,15 @@ Reference: Johnson and Cook (1983), A constitutive model and data for metals sub
 strains, high strain rates and high temperatures, 7th Int. Symposium on Ballistics, 541-547.
 """
 
+from math import log
 from typing import Any
 
+import numpy as np
+
 from crashsolve.deck.card import quantity
+from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record
-from crashsolve.materials import elastic
+from crashsolve.materials import _von_mises, elastic
 
 
 class JohnsonCook(elastic.Elastic):
@@ -36,19 +40,69 @@ class JohnsonCook(elastic.Elastic):
     failure_strain: float | None = quantity("1", "e at which a layer fails", default=None, gt=0)
 
 
-PARAMETERS = HISTORY = OUTPUT = Record()
+PARAMETERS = _von_mises.PARAMETERS + Record(
+    yield_stress=("Pa", "A"),
+    power=("Pa", "B"),
+    exponent=("1", "n"),
+    rate_C=("1", "C"),
+    rate_0=("1/s", "rate above which C counts"),
+    softening=("1", "m"),
+)
+LAYER, FIBRE = _von_mises.LAYER, _von_mises.HEATED_FIBRE
+VON_MISES = DISSIPATES = SMOOTH = HEATS = True
+LARGE_STRAIN = False
+# share of its strength that a molten layer keeps
+MOLTEN = 1e-6
 
 
 def build(card: JohnsonCook, scene: Any) -> dict[str, Any]:
     heated = card.heat_share / (card.density * card.melting_heat) if card.melting_heat else 0.0
-    return elastic.build(card, scene) | {
-        "plastic": 1,
+    return _von_mises.build(card, scene, 0.0, card.rate > 0.0, heated) | {
         "yield_stress": card.yield_stress,
         "power": card.hardening,
         "exponent": card.exponent,
         "rate_C": card.rate,
         "rate_0": card.reference_rate,
-        "heating": heated,
         "softening": card.softening,
-        "failure": card.failure_strain or 0.0,
     }
+
+
+def layer_rows(card: JohnsonCook) -> int:
+    return int(LAYER.alpha) + (card.melting_heat is not None)
+
+
+def initial_layer(card: JohnsonCook, scene: Any) -> np.ndarray:
+    return np.zeros(layer_rows(card))
+
+
+stored, plastic_strain = elastic.stored, _von_mises.plastic_strain
+update, energy = elastic.update, elastic.energy
+
+
+@inlined
+def flow(m, e, curves):
+    # the slope of the power at no strain has no bound
+    rises = m.power * e**m.exponent
+    return m.yield_stress + rises, m.exponent * rises / max(e, 1e-300)
+
+
+@inlined
+def strain_of_rise(m, rise):
+    return (rise / m.power) ** (1.0 / m.exponent)
+
+
+@inlined
+def rate_factor(m, rate):
+    return 1.0 + m.rate_C * log(max(rate / m.rate_0, 1.0))
+
+
+@inlined
+def rate_slope(m, rate, factor):
+    # below the rate of reference there is no factor of rate
+    logs = log(max(rate / m.rate_0, 1.0))
+    return factor / (1.0 + m.rate_C * logs) * m.rate_C / rate if logs > 0.0 else 0.0
+
+
+@inlined
+def heat_factor(m, temperature):
+    return max(1.0 - min(temperature, 1.0) ** m.softening, MOLTEN)

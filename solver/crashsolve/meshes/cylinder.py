@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import Card, Vec3, quantity, word
-from crashsolve.foundation.posture import perpendicular
+from crashsolve.foundation.orientation import perpendicular
 from crashsolve.meshes._mesh import Mesh, net
 
 

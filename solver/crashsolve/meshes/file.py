@@ -2,7 +2,7 @@
 
 Nodes, elements and sets are read, and the rest is passed over with a warning. What would move or
 make nodes and elements there, or what cannot be understood, is refused with its line
-(foundation/mesh_file.py). Consequence to test: a mesh written and read is the same.
+(foundation/mesh_files/reading.py). Consequence to test: a mesh written and read is the same.
 """
 
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import Card, FileName, SetName, quantity, word
-from crashsolve.foundation.mesh_file import (
+from crashsolve.foundation.mesh_files.reading import (
     OUTLINES,
     SIDES,
     MeshFile,

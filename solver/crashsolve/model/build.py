@@ -8,37 +8,38 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.compiler.machine import runs_plain
 from crashsolve.deck.family import families
-from crashsolve.deck.sections import SECTIONS
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.foundation.machine import runs_plain
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
-from crashsolve.model import touch, welds
-from crashsolve.model.assembly import embody
-from crashsolve.model.choice import choose
+from crashsolve.model import attachments
+from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
+from crashsolve.model.checks.gyration import gyration_warnings
+from crashsolve.model.checks.statics import goes_by_steps, refuse_motion
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
-from crashsolve.model.contacts import build_contacts
+from crashsolve.model.contact import records
+from crashsolve.model.contact.build import build_contacts
+from crashsolve.model.contact.node_to_surface import loads_of_points
 from crashsolve.model.elements import (
     build_elements,
     initial_blocks,
     initial_points,
     tables_of_elements,
 )
-from crashsolve.model.finite import BEYOND_NUMBERS, of_model, refuse_beyond
-from crashsolve.model.gyration import gyration_warnings
-from crashsolve.model.halves import halve
+from crashsolve.model.implicit.assembly import embody
+from crashsolve.model.integrator_selection import choose
 from crashsolve.model.ledger import ENTRIES
+from crashsolve.model.materials import fill, laws_of, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
-from crashsolve.model.nodal import loads_of_points
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
+from crashsolve.model.partition import halve
 from crashsolve.model.scene import Scene
-from crashsolve.model.statics import goes_by_steps, refuse_motion
 
 if TYPE_CHECKING:
-    from crashsolve.deck.read import Deck, Entry
+    from crashsolve.deck.reading.deck import Deck, Entry
 
 # every law that stores or loses energy has these beside its own columns
 FORCE_HISTORY = Record(dissipated=("J", "energy lost so far"), power=("W", "its present rate"))
@@ -70,6 +71,7 @@ def build(deck: Deck) -> tuple[Model, State]:
 
 def _build(deck: Deck) -> tuple[Model, State]:
     scene = Scene(deck)
+    scene.refuse_methods()
     curves = _build_curves(deck, scene)
     # what follows stands on sound bodies and curves
     scene.raise_errors()
@@ -78,9 +80,9 @@ def _build(deck: Deck) -> tuple[Model, State]:
     scene.joints = {joint.name: joint for joint in joints}
     scene.size = max(scene.size, longest_arm(joints))
     for entries in _by_type(deck.entries["parts"]).values():
-        is_lean = hasattr(_module(entries[0]), "deform")
+        is_lean = hasattr(_module(entries[0]), "KINDS")
         groups.append((build_elements if is_lean else _build_parts)(entries, scene))
-    for keyword in _families(with_rows=False):
+    for keyword in _sections(with_rows=False):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
     contact_groups, nodal_groups = build_contacts(deck, scene)
@@ -93,7 +95,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         title=deck.title,
         bodies=scene.names,
         mass=np.where(np.isin(np.arange(len(scene.mass)), list(scene.welded)), 0.0, scene.mass),
-        slaves=welds.table(scene),
+        attached_nodes=attachments.table(scene),
         size=scene.size,
         integrator=deck.control.integrator,
         choice="",
@@ -112,7 +114,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         nodal_groups=nodal_groups,
     )
     if deck.control.solution == "quasi_static" and goes_by_steps(groups):
-        # by steps from rest (system/rest.py)
+        # by steps from rest (system/static/pseudo_transient.py)
         model.integrator = "newton"
     state = _state(model, scene)
     if nodal_groups:
@@ -169,7 +171,7 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
 
 def _modules(groups: list[Group], contact_groups: list[Any]) -> list[Any]:
     """Modules of all laws in use, and of the integrator."""
-    laws = [g.module for g in groups]
+    laws = [module for g in groups for module in (g.module, *(law for _, law in g.materials))]
     for c in contact_groups:
         laws += [c.narrow, c.normal, getattr(c, "friction", None)]
     return [*laws, import_module("crashsolve.system.kinetics")]
@@ -186,20 +188,22 @@ def _by_type(entries: dict[str, Entry]) -> dict[str, list[Entry]]:
     return found
 
 
-def _families(with_rows: bool) -> list[str]:
-    """Sections of families whose laws bring constraint rows, or of those whose laws do not."""
-    known = families()
-    return [n for n in SECTIONS if n in known and known[n].has_rows == with_rows]
+def _sections(with_rows: bool) -> list[str]:
+    """Sections of families whose laws bring constraint rows, or forces or readings alone."""
+    return [
+        name
+        for name, family in families().items()
+        if family.acts and family.has_rows == with_rows and family.entry is not None
+    ]
 
 
 def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
     """Joint groups with their rows, in the order of the groups."""
     joints = []
     row = 0
-    kinds = [(k, e) for k in _families(with_rows=True) for e in _by_type(deck.entries[k]).values()]
-    for name in deck.entries["joints"].keys() & deck.entries["hinges"].keys():
-        entry = deck.entries["hinges"][name]
-        scene.errors.append(deck.error(entry, None, "a joint has that name; a hinge is a joint"))
+    sections = _sections(with_rows=True)
+    kinds = [(k, e) for k in sections for e in _by_type(deck.entries[k]).values()]
+    _refuse_doubles(deck, sections, scene)
     for keyword, entries in kinds:
         group = _build_group(keyword, entries, scene)
         groups.append(group)
@@ -213,6 +217,18 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
             p["first_row"] = row
             row += rows * len(nodes) // 2
     return joints
+
+
+def _refuse_doubles(deck: Deck, sections: list[str], scene: Scene) -> None:
+    """Names that joints of two sections bear. Writes: scene.errors."""
+    names: dict[str, str] = {}
+    for keyword in sections:
+        word = families()[keyword].entry
+        for name, entry in deck.entries[keyword].items():
+            first = names.setdefault(name, word)
+            if first != word:
+                message = f"a {first} has that name; a {word} is a joint"
+                scene.errors.append(deck.error(entry, None, message))
 
 
 def longest_arm(joints: list[Joint]) -> float:
@@ -237,7 +253,6 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     for i, entry in enumerate(entries):
         with scene.building(entry):
             scene.refuse_stepwise(module)
-            scene.refuse_method(keyword)
             fill(table[i], module.build(entry.card, scene))
             if hasattr(module, "initial_history"):
                 for side in (0, 1):
@@ -262,24 +277,31 @@ def _members(module: Any, entries: list[Entry], table: np.ndarray, scene: Scene)
 def _build_parts(entries: list[Entry], scene: Scene) -> Group:
     """The elements of all parts of one type, named after their part and counted from 1."""
     module, names, rows = _module(entries[0]), [], []
+    laws = laws_of(entries, scene) if hasattr(module, "CALLS_MATERIAL") else []
     for entry in entries:
         with scene.building(entry):
             scene.refuse_stepwise(module)
             own = module.elements(entry.card, scene.part_nodes[entry.name], scene)
+            if laws:
+                law = {"law": laws.index(scene.law("materials", entry.card.material)[0])}
+                own = [row | law for row in own]
             names += entry.card.element_names(entry.name)
             rows += own
-    table = np.zeros(len(rows), module.PARAMETERS.dtype)
+    columns, history = module.PARAMETERS.dtype, module.HISTORY
+    if laws and not scene.errors:
+        columns = with_constants(module.PARAMETERS, laws)
+        history = with_memory(history, laws, module.MOST_FIBRES)
+    elif laws:
+        # of a deck with mistakes nothing will run, and the material has no columns
+        rows = [{name: row[name] for name in row if name != "material"} for row in rows]
+    table = np.zeros(len(rows), columns)
     for record, row in zip(table, rows, strict=True):
         fill(record, row)
-    rest = np.zeros((2, len(rows)), (module.HISTORY + FORCE_HISTORY).dtype)
+    rest = np.zeros((2, len(rows)), (history + FORCE_HISTORY).dtype)
     result = np.zeros(len(rows), (module.OUTPUT + FORCE_OUTPUT).dtype)
-    return Group("parts", entries[0].type, module, names, table, rest, result)
-
-
-def fill(record: Any, values: dict[str, Any]) -> None:
-    """Write values into a record; an unknown or a missing column is a programming error."""
-    for name, value in values.items():
-        record[name] = value
+    numbered = tuple(enumerate(laws))
+    word = entries[0].type
+    return Group("parts", word, module, names, table, rest, result, materials=numbered)
 
 
 def _control(deck: Deck, scene: Scene) -> np.ndarray:
@@ -308,7 +330,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
 def _state(model: Model, scene: Scene) -> State:
     clock = np.zeros(1, CLOCK.dtype)
     clock[0]["time"] = start = scene.deck.control.start_time
-    card_history = np.zeros((2, len(model.contacts)), touch.CARD_HISTORY.dtype)
+    card_history = np.zeros((2, len(model.contacts)), records.CARD_HISTORY.dtype)
     card_history["first_touch"] = card_history["last_release"] = start - 1.0
     nodes = initial_nodes(scene)
     # the ground never moves
@@ -317,7 +339,7 @@ def _state(model: Model, scene: Scene) -> State:
         clock=clock,
         nodes=nodes,
         rows=initial_rows(model),
-        cards=np.zeros(len(model.contacts), touch.CARD_OUTPUT.dtype),
+        cards=np.zeros(len(model.contacts), records.CARD_OUTPUT.dtype),
         card_history=card_history,
         ledger=np.zeros(len(ENTRIES)),
         points=initial_points(model, scene.deck, scene),
@@ -351,7 +373,7 @@ def initial_nodes(scene: Scene) -> np.ndarray:
     nodes["L"] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, scene.w)
     nodes["mass_inv"][1:] = 1.0 / scene.mass[1:]
     nodes["J_inv"][1:] = np.linalg.inv(J[1:]).reshape(-1, 9)
-    welds.unload(nodes, welds.table(scene))
+    attachments.unload(nodes, attachments.table(scene))
     return nodes
 
 

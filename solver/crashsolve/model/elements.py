@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.foundation.point import LANES, MOTION, POINT, RIDER
+from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
+from crashsolve.model.materials import fill, laws_of, with_constants
 from crashsolve.model.model import Elements, Group, Model
-from crashsolve.parts._cut import CUT, TAP
+from crashsolve.parts.shells.section_cut import CUT, TAP
 
 if TYPE_CHECKING:
-    from crashsolve.deck.read import Deck, Entry
+    from crashsolve.deck.reading.deck import Deck, Entry
     from crashsolve.model.scene import Scene
 
 
@@ -22,43 +23,47 @@ CACHE_LINE = 64  # bytes
 def build_elements(entries: list[Entry], scene: Scene) -> Group:
     """All parts of one type, a row each."""
     module = import_module(entries[0].module_name)
-    table = np.zeros(len(entries), module.PARAMETERS.dtype)
+    laws = laws_of(entries, scene)
+    table = np.zeros(len(entries), with_constants(module.PARAMETERS, laws))
     for row, entry in zip(table, entries, strict=True):
         with scene.building(entry):
             scene.refuse_stepwise(module)
-            for name, value in module.parameters(entry.card, scene).items():
-                row[name] = value
+            fill(row, module.parameters(entry.card, scene))
+            row["law"] = laws.index(scene.law("materials", entry.card.material)[0])
     names = [entry.name for entry in entries]
     history = np.zeros((2, len(entries)), module.HISTORY.dtype)
     output = np.zeros(len(entries), module.OUTPUT.dtype)
-    return Group("parts", entries[0].type, module, names, table, history, output)
+    word, numbered = entries[0].type, tuple(enumerate(laws))
+    return Group("parts", word, module, names, table, history, output, materials=numbered)
 
 
 def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Elements | None:
-    """Corners and riders of all parts; their places go to the parts' rows. Writes: groups."""
+    """Corners, attached points of all parts; their places go to the parts' rows. Writes: groups."""
     corners: list[np.ndarray] = []
-    riders: list[np.ndarray] = []
+    attached_points: list[np.ndarray] = []
     parts: dict[str, Any] = {}
     points = first = count = 0
     mass = 0.0
-    for group in (g for g in groups if hasattr(g.module, "deform")):
+    for group in (g for g in groups if hasattr(g.module, "KINDS")):
         for name, row in zip(group.names, group.parameters, strict=True):
-            laid = parts[name] = scene.laid(deck.entries["parts"][name].card)
-            row["first_point"], row["point_count"] = points, len(laid.mass)
-            row["first"], row["stride"] = first, laid.stride
+            meshed = parts[name] = scene.meshed(deck.entries["parts"][name].card)
+            row["first_point"], row["point_count"] = points, len(meshed.mass)
+            row["first"], row["stride"] = first, meshed.stride
             row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
-            row["element_count"] = len(laid.area)
-            corners.append((laid.corners() + points).astype(np.int32).ravel())
-            riders.append(_riders(laid, scene.part_nodes[name], scene.rides[name], points, scene))
-            mass += laid.mass.sum() - laid.mass[riders[-1]["point"] - points].sum()
-            points, first = points + len(laid.mass), first + laid.size
-            count += len(laid.area)
+            row["element_count"] = len(meshed.area)
+            corners.append((meshed.corners() + points).astype(np.int32).ravel())
+            attached_points.append(
+                _riders(meshed, scene.part_nodes[name], scene.rides[name], points, scene)
+            )
+            mass += meshed.mass.sum() - meshed.mass[attached_points[-1]["point"] - points].sum()
+            points, first = points + len(meshed.mass), first + meshed.size
+            count += len(meshed.area)
     if not corners:
         return None
-    rows = max(g.module.ROWS for g in groups if hasattr(g.module, "deform"))
+    rows = max(g.module.ROWS for g in groups if hasattr(g.module, "KINDS"))
     work = line_up(rows * LANES)
     taps, cuts = _cuts(groups, parts)
-    tables = np.concatenate(corners), np.concatenate(riders), work, parts, mass, taps, cuts
+    tables = np.concatenate(corners), np.concatenate(attached_points), work, parts, mass, taps, cuts
     return Elements(*tables, motion=np.zeros(1, MOTION.dtype))
 
 
@@ -66,11 +71,11 @@ def _cuts(groups: list[Group], parts: dict[str, Any]) -> tuple[np.ndarray, np.nd
     """Elements of all sections, those of a block together, and the sections."""
     found: list[tuple[Any, ...]] = []
     count = 0
-    for group in (g for g in groups if hasattr(g.module, "deform")):
+    for group in (g for g in groups if hasattr(g.module, "KINDS")):
         for i, (name, row) in enumerate(zip(group.names, group.parameters, strict=True)):
             for front in parts[name].cuts:
                 for e in np.flatnonzero(front.any(axis=1)):
-                    kind, block, corner, lane = parts[name].seat(int(e))
+                    kind, block, corner, lane = parts[name].address(int(e))
                     at = (int(row["first"]) + block, int(row["first_corner"]) + corner)
                     found.append((i, kind, *at, lane, count, front[e]))
                 count += 1
@@ -86,44 +91,44 @@ def line_up(count: int) -> np.ndarray:
 
 
 def _riders(
-    laid: Any, named: list[int], rides: list[tuple[int, int]], first: int, scene: Scene
+    meshed: Any, named: list[int], rides: list[tuple[int, int]], first: int, scene: Scene
 ) -> np.ndarray:
     """Points of a part that ride on bodies: those of its named nodes, and welded ones."""
-    pairs = [*zip(laid.named, named, strict=True), *rides]
-    rows = np.zeros(len(pairs), RIDER.dtype)
+    pairs = [*zip(meshed.named, named, strict=True), *rides]
+    rows = np.zeros(len(pairs), ATTACHED_POINT.dtype)
     for row, (point, node) in zip(rows, pairs, strict=True):
         row["point"], row["node"] = point + first, node
-        row["spot"] = scene.to_body(node, laid.mesh.points[point])
+        row["spot"] = scene.to_body(node, meshed.mesh.points[point])
     return rows
 
 
 def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     """All points at the start."""
-    parts = _laid(model, deck, scene)
-    table = np.zeros(sum(len(laid.mass) for laid in parts), POINT.dtype)
+    parts = _meshed(model, deck, scene)
+    table = np.zeros(sum(len(meshed.mass) for meshed in parts), POINT.dtype)
     first = 0
-    for laid in parts:
+    for meshed in parts:
         # in place: a copy of 10^5 elements is what memory peaks at
-        laid.write_points(table[first : first + len(laid.mass)])
-        first += len(laid.mass)
+        meshed.write_points(table[first : first + len(meshed.mass)])
+        first += len(meshed.mass)
     return table
 
 
 def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     """What all elements keep, at the start."""
-    parts = _laid(model, deck, scene)
+    parts = _meshed(model, deck, scene)
     names = [name for g in model.element_groups() for name in g.names]
-    sizes = [laid.size for laid in parts]
+    sizes = [meshed.size for meshed in parts]
     numbers, first = line_up(sum(sizes)), 0
-    for name, laid, size in zip(names, parts, sizes, strict=True):
+    for name, meshed, size in zip(names, parts, sizes, strict=True):
         with scene.building(deck.entries["parts"][name]):
-            laid.write_blocks(numbers[first : first + size], scene)
+            meshed.write_blocks(numbers[first : first + size], scene)
         first += size
     scene.raise_errors()
     return numbers
 
 
-def _laid(model: Model, deck: Deck, scene: Scene) -> list[Any]:
+def _meshed(model: Model, deck: Deck, scene: Scene) -> list[Any]:
     """Parts with points in place, in the order of their tables."""
     names = (name for g in model.element_groups() for name in g.names)
-    return [scene.laid(deck.entries["parts"][name].card) for name in names]
+    return [scene.meshed(deck.entries["parts"][name].card) for name in names]

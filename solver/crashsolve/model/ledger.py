@@ -8,22 +8,17 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.family import families
-from crashsolve.deck.sections import SECTIONS
 
-
-def energies_of(section: str) -> tuple[str, ...]:
-    """Words under which the laws of a section book energy, the default first."""
-    return families()[section].energy if section in families() else ("part",)
-
-
-# entries that no family brings, by the word that it, or one of its laws, books under
-OUTSIDE: dict[str, tuple[str, str | None]] = {
+# words whose entries are told otherwise than NAME_stored and NAME_dissipated
+OTHERWISE: dict[str, tuple[str, str | None]] = {
     "external": ("potential", "external_work"),
     "potential": ("potential", None),
     "part": ("elastic", "part_damping"),
 }
 # words under which laws of families book what they store and lose, in the order of the ledger
-WORDS = tuple(dict.fromkeys(w for name in SECTIONS for w in energies_of(name) if w not in OUTSIDE))
+WORDS = tuple(
+    dict.fromkeys(w for family in families().values() for w in family.energy if w not in OTHERWISE)
+)
 ENTRIES = (
     "kinetic",
     "potential",
@@ -34,10 +29,6 @@ ENTRIES = (
     "part_damping",
     "eroded",
     *(f"{word}_{end}" for word in WORDS for end in ("stored", "dissipated")),
-    "contact_stored",
-    "contact_dissipated",
-    "friction_stored",
-    "friction_dissipated",
     "external_work",
     "driver_work",
     "initial",
@@ -62,8 +53,6 @@ MECHANICAL = (
     HOURGLASS,
     DRILLING,
     *(PLACE[f"{word}_stored"] for word in WORDS),
-    CONTACT_STORED,
-    FRICTION_STORED,
 )
 # a step far too long makes so many times the energy there should be, within a few steps
 OUT_OF_NOTHING = 10.0
@@ -75,11 +64,11 @@ def entries_of(group: Any) -> tuple[int, int | None]:
     A law may name another word of its family (LEDGER) than the first. Raises: KeyError for a word
     that the family does not declare.
     """
-    words = energies_of(group.keyword)
+    words = families()[group.keyword].energy
     word = getattr(group.module, "LEDGER", words[0])
     if word not in words:
         raise KeyError(f"LEDGER of {group.module.__name__} must be one of {', '.join(words)}")
-    stored, lost = OUTSIDE.get(word, (f"{word}_stored", f"{word}_dissipated"))
+    stored, lost = OTHERWISE.get(word, (f"{word}_stored", f"{word}_dissipated"))
     return PLACE[stored], None if lost is None else PLACE[lost]
 
 

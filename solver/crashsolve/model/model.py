@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from crashsolve.deck.roles import FibreLaw, NormalLaw, StepFriction, StepGap, StepLaw
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.model import ledger
 
@@ -29,6 +30,7 @@ class Group:
     output: np.ndarray
     members: np.ndarray | None = None  # points that its entries act on, one after the other
     share: Any = None  # parameters of what the first of two threads does
+    materials: tuple[tuple[int, Any], ...] = ()  # laws that its kernels call, by p.law
     powers: Any = None  # of all stages of a step with dense output, entry by entry
 
     @property
@@ -41,9 +43,16 @@ class Group:
         return present_tables(self)
 
     @property
-    def law(self) -> Any:
+    def law(self) -> StepLaw:
         """Module of its kernels."""
-        return self.module
+        law: StepLaw = self.module
+        return law
+
+    @property
+    def fibre_law(self) -> FibreLaw:
+        """The same, where they call the laws of `materials`."""
+        law: FibreLaw = self.module
+        return law
 
     @property
     def kinds(self) -> tuple[Any, ...]:
@@ -54,7 +63,7 @@ class Group:
     def numbered_kinds(self) -> tuple[tuple[int, Any], ...]:
         """The same with their places among all kinds."""
         return tuple(
-            (number, self._beside(name))
+            (number, self._beside(f"{self.module.KERNELS}.{name}"))
             for number, (column, name) in enumerate(self.module.KINDS.items())
             if self.parameters[column].any()
         )
@@ -62,8 +71,8 @@ class Group:
     @property
     def tangent_kinds(self) -> tuple[Any, ...]:
         """Modules with the tangents of those kinds."""
-        leaves = (kind.__name__.rpartition(".")[2].lstrip("_") for kind in self.kinds)
-        return tuple(self._beside(f"_{leaf}_tangent") for leaf in leaves)
+        leaves = (kind.__name__.rpartition(".")[2] for kind in self.kinds)
+        return tuple(self._beside(f"{self.module.SLOPES}.{leaf}") for leaf in leaves)
 
     def _beside(self, name: str) -> Any:
         """A module in the folder of the group's own."""
@@ -95,9 +104,9 @@ class ContactGroup:
     )
 
     word: str
-    narrow: Any
-    normal: Any
-    friction: Any  # None without
+    narrow: StepGap
+    normal: NormalLaw
+    friction: StepFriction | None
     elements_a: np.ndarray
     elements_b: np.ndarray
     data: tuple[Any, ...]
@@ -107,7 +116,7 @@ class ContactGroup:
     search: Any | None  # of the near pairs; None when all pairs are kept
 
     @property
-    def captures(self) -> bool:
+    def is_unilateral(self) -> bool:
         """Whether its law is a constraint instead of a force."""
         return not hasattr(self.normal, "normal_force")
 
@@ -140,6 +149,11 @@ class ContactGroup:
     def has_ends(self) -> bool:
         """Whether pairs remember their way out."""
         return "passed" in (self.history.dtype.names or ())
+
+    @property
+    def rests(self) -> bool:
+        """Whether a pair is left alone until it may have moved as far as it was apart."""
+        return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
 
     @property
     def keeps_faces(self) -> bool:
@@ -187,20 +201,30 @@ class NodalGroup:
 
     word: str
     card: str
-    narrow: Any | None  # gap routine of a shape; None for faces
-    normal: Any
-    friction: Any | None
-    arrays: dict[str, np.ndarray]  # see model/nodal.py
+    narrow: StepGap | None  # gap routine of a shape; None for faces
+    normal: NormalLaw
+    friction: StepFriction | None
+    arrays: dict[str, np.ndarray]  # see model/contact/node_to_surface.py
     is_smooth: bool = False  # normals of faces from a continuous field
     can_fail: bool = False  # whether faces may vanish
 
     # what a run writes, and what grows with it
-    CHANGING: ClassVar = ("p", "slots", "turns", "tally", "due", "first", "near", "wait", "gone")
+    CHANGING: ClassVar = (
+        "p",
+        "probe_states",
+        "turns",
+        "totals",
+        "due",
+        "first",
+        "near",
+        "wait",
+        "gone",
+    )
 
     @property
     def has_ends(self) -> bool:
         """Whether nodes press on shapes that they may pass the middle of."""
-        return "passed" in (self.arrays["slots"].dtype.names or ())
+        return "passed" in (self.arrays["probe_states"].dtype.names or ())
 
     @property
     def is_round(self) -> bool:
@@ -287,17 +311,17 @@ class Joint:
 
 @dataclass
 class Elements:
-    """Where the elements of parts with points are: corners, riders, room between loops."""
+    """Where the elements of parts with points are: corners, attached points, room between loops."""
 
     corners: np.ndarray
-    riders: np.ndarray
+    attached_points: np.ndarray
     work: np.ndarray
     parts: dict[str, Any]  # in place, by name
     point_mass: float  # of the points that ride on no body of the deck
-    taps: np.ndarray  # elements of sections, block by block, see parts/_cut.py
+    taps: np.ndarray  # elements of sections, block by block, see parts/shells/section_cut.py
     cuts: np.ndarray
     motion: np.ndarray  # momenta of the points at the last sample
-    halves: Any = None  # for two threads, see model/halves.py
+    halves: Any = None  # for two threads, see model/partition.py
     # points with bodies behind those that have names, for implicit integrators
     embodied: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
@@ -309,7 +333,7 @@ class Model:
     title: str
     bodies: list[str]  # node names; the first is the ground
     mass: np.ndarray
-    slaves: np.ndarray  # nodes welded to rigid bodies
+    attached_nodes: np.ndarray  # nodes welded to rigid bodies
     size: float  # model length for tolerances [m]
     integrator: str
     choice: str  # why that one, where the deck leaves it open
@@ -349,7 +373,7 @@ class Model:
 
     def element_groups(self) -> list[Group]:
         """Parts whose elements are kept in blocks."""
-        return [g for g in self.groups if hasattr(g.module, "deform")]
+        return [g for g in self.groups if hasattr(g.module, "KINDS")]
 
     def element_name(self, number: int) -> str:
         """Name of an element: of its part, and counted there from 1."""
@@ -360,9 +384,9 @@ class Model:
         """Name of an element, and that of its nodes with the least mass."""
         name, row = self._last_part("first_element", number)
         assert self.elements is not None
-        laid = self.elements.parts[name]
-        corners = laid.mesh.quads[number - row["first_element"]]
-        lightest = corners[np.argmin(laid.mass[corners])]
+        meshed = self.elements.parts[name]
+        corners = meshed.mesh.quads[number - row["first_element"]]
+        lightest = corners[np.argmin(meshed.mass[corners])]
         return f"{self.element_name(number)}, node {lightest + 1}"
 
     def node_with_element(self, node: int) -> str:

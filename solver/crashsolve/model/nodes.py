@@ -12,7 +12,7 @@ NODE = Record(
     v=("m/s", 3, "velocity of the mass centre"),
     L=("kg m^2/s", 3, "angular momentum about the mass centre"),
     w=("rad/s", 3, "angular velocity"),
-    W=("1/(kg m^2)", 9, "inverse inertia at the present posture"),
+    W=("1/(kg m^2)", 9, "inverse inertia at the present orientation"),
     mass_inv=("1/kg", "inverse mass; 0 for the ground"),
     J=("kg m^2", 9, "inertia, body axes"),
     J_inv=("1/(kg m^2)", 9, "inverse inertia, body axes"),
@@ -36,6 +36,8 @@ NODE = Record(
     start_L=("kg m^2/s", 3, "at the start of the step"),
     v_half=("m/s", 3, "velocity during the drift"),
     L_half=("kg m^2/s", 3, "angular momentum during the drift"),
+    moved=("m", "way of the mass centre in the step, where gaps are bounded by it"),
+    turned=("rad", "turn in the step, not below it, where gaps are bounded by it"),
 )
 
 STAGE = Record(
@@ -70,7 +72,7 @@ IMPLICIT_STAGE = STAGE + Record(
 
 ESTIMATE = Record(
     r=("m", 3, "estimated error of a step: position of the mass centre"),
-    turn=("rad", 3, "posture, as a turn"),
+    turn=("rad", 3, "configuration, as a turn"),
     v=("m/s", 3, "velocity of the mass centre"),
     w=("rad/s", 3, "angular velocity"),
 )

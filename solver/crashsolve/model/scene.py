@@ -14,16 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.deck.family import ANY, families
+from crashsolve.deck.card import Card
+from crashsolve.deck.family import ANY, Family, families
 from crashsolve.deck.laws import law_class, types_in
 from crashsolve.foundation.errors import DeckError, DeckErrors
-from crashsolve.foundation.posture import matrix, perpendicular
-from crashsolve.model import welds
-from crashsolve.model.finite import BEYOND, BEYOND_NUMBERS
-from crashsolve.model.soundness import faults
+from crashsolve.foundation.orientation import matrix, perpendicular
+from crashsolve.model import attachments as welds
+from crashsolve.model.checks.finite import BEYOND, BEYOND_NUMBERS
+from crashsolve.model.checks.mesh_check import faults
 
 if TYPE_CHECKING:
-    from crashsolve.deck.read import Deck, Entry
+    from crashsolve.deck.reading.deck import Deck, Entry
 
 Vector = np.ndarray
 # velocities of a node and of its place on a body that differ by less than this share are the same
@@ -40,7 +41,7 @@ class CardProblem(ValueError):
 
 
 class Scene:
-    """Names, postures and helpers during the build of one deck."""
+    """Names, configurations and helpers during the build of one deck."""
 
     def __init__(self, deck: Deck) -> None:
         self.deck = deck
@@ -70,7 +71,7 @@ class Scene:
         for i, entry in enumerate(deck.entries["bodies"].values(), start=1):
             with self.building(entry):
                 self._place_body(i, import_module(entry.module_name).build(entry.card, self))
-        self._laid: dict[int, Any] = {}  # parts with points, by card
+        self._meshed: dict[int, Any] = {}  # parts with points, by card
         for part in deck.entries["parts"].values():
             with self.building(part):
                 nodes = import_module(part.module_name).build(part.card, self)
@@ -98,7 +99,7 @@ class Scene:
         self.v[i] = np.asarray(body["velocity"]) + np.cross(self.w[i], arm)
 
     def _weld(self, entry: Entry) -> None:
-        """Nodes welded to a body become its slaves."""
+        """Nodes welded to a body become its attached nodes."""
         body, nodes = self._index[entry.name], [self._index[name] for name in entry.card.welded]
         flexible = {node for some in self.part_nodes.values() for node in some}
         if nodes and self.deck.control.integrator in IMPLICIT:
@@ -124,19 +125,19 @@ class Scene:
         if self.errors:
             return pairs
         for k, weld in enumerate(getattr(part.card, "welded", ())):
-            laid = self.laid(part.card)
-            points = laid.mesh.sets[weld.nodes]
+            meshed = self.meshed(part.card)
+            points = meshed.mesh.sets[weld.nodes]
             others = self._weld_targets(weld, part, f"welded.{k}")
-            x = laid.mesh.points[points]
+            x = meshed.mesh.points[points]
             gaps = np.linalg.norm(x[:, None] - self.r[None, others], axis=2)
             if weld.part:
-                self._check_reach(weld, laid, points, gaps.min(axis=1), f"welded.{k}")
+                self._check_reach(weld, meshed, points, gaps.min(axis=1), f"welded.{k}")
             nearest = np.asarray(others)[np.argmin(gaps, axis=1)]
             for body in np.unique(nearest):
                 own = points[nearest == body]
-                self._check_ride(laid, own, int(body), f"welded.{k}")
-                places = laid.mesh.points[own]
-                welds.lump_points(int(body), places, laid.mass[own], laid.J[own], self)
+                self._check_ride(meshed, own, int(body), f"welded.{k}")
+                places = meshed.mesh.points[own]
+                welds.lump_points(int(body), places, meshed.mass[own], meshed.J[own], self)
                 pairs += [(int(point), int(body)) for point in own]
         return pairs
 
@@ -150,7 +151,7 @@ class Scene:
         return [self.welded.get(node, node) for node in some]
 
     def _check_reach(
-        self, weld: Any, laid: Any, points: np.ndarray, gaps: np.ndarray, field: str
+        self, weld: Any, meshed: Any, points: np.ndarray, gaps: np.ndarray, field: str
     ) -> None:
         """No node may be welded to one that is farther away than `within`.
 
@@ -158,12 +159,12 @@ class Scene:
         each other the distance is an offset of the axis or the thickness, and with a mesh that is
         twice as coarse half of its elements.
         """
-        x = laid.mesh.points[laid.mesh.quads[np.isin(laid.mesh.quads, points).any(axis=1)]]
+        x = meshed.mesh.points[meshed.mesh.quads[np.isin(meshed.mesh.quads, points).any(axis=1)]]
         longest = float(np.linalg.norm(x - np.roll(x, -1, axis=1), axis=2).max())
         limit = longest if weld.within is None else weld.within
         worst = int(np.argmax(gaps))
         if gaps[worst] > limit * (1.0 + SAME):
-            place = ", ".join(f"{value:.6g}" for value in laid.mesh.points[points[worst]])
+            place = ", ".join(f"{value:.6g}" for value in meshed.mesh.points[points[worst]])
             told = "the longest side of its elements" if weld.within is None else "within"
             message = (
                 f"the node at ({place}) m is {gaps[worst]:.3g} m from the nearest node of "
@@ -172,12 +173,12 @@ class Scene:
             advice = "move one of the parts, or allow the distance by within"
             raise self.fail(f"{message}; {advice}", field)
 
-    def _check_ride(self, laid: Any, points: np.ndarray, body: int, field: str) -> None:
+    def _check_ride(self, meshed: Any, points: np.ndarray, body: int, field: str) -> None:
         """The points must begin with the motion of their places on the body."""
-        way = laid.mesh.points[points] - self.r[body]
+        way = meshed.mesh.points[points] - self.r[body]
         there = self.v[body] + np.cross(self.w[body], way)
-        apart = float(np.linalg.norm(laid.velocities()[points] - there, axis=1).max(initial=0.0))
-        spin = float(np.linalg.norm(laid.spin[points] - self.w[body], axis=1).max(initial=0.0))
+        apart = float(np.linalg.norm(meshed.velocities()[points] - there, axis=1).max(initial=0.0))
+        spin = float(np.linalg.norm(meshed.spin[points] - self.w[body], axis=1).max(initial=0.0))
         speed = float(np.linalg.norm(there, axis=1).max(initial=0.0))
         if apart > SAME * (speed + 1.0) or spin > SAME * (1.0 + np.linalg.norm(self.w[body])):
             message = f"nodes begin {apart:.3g} m/s faster than their places on the body"
@@ -186,9 +187,9 @@ class Scene:
     def _model_size(self) -> float:
         """Extent of the bodies with their radii of gyration [m]."""
         # bodies that cannot be built have no size; they are refused before anyone asks for it
-        if (len(self.names) < 2 and not self._laid) or self.errors:
+        if (len(self.names) < 2 and not self._meshed) or self.errors:
             return 1.0
-        places = [self.r[1:], *(laid.mesh.points for laid in self._laid.values())]
+        places = [self.r[1:], *(meshed.mesh.points for meshed in self._meshed.values())]
         spread = np.ptp(np.concatenate(places), axis=0).max()
         if len(self.names) < 2:
             return float(spread)
@@ -225,37 +226,53 @@ class Scene:
             known = " or ".join(["rattle", *others])
             raise self.fail(f"{message}; say integrator: {known}", field)
 
-    def refuse_method(self, section: str) -> None:
-        """A family of laws that the integrator of the deck cannot step. Writes: methods."""
-        family, method = families()[section], self.deck.control.integrator
-        if family.integrators == ANY:
-            return
-        known = " or ".join(family.integrators)
+    def refuse_methods(self) -> None:
+        """Families of laws that the integrator of the deck cannot step. Writes: errors, methods."""
+        choosy = {f.folder: f for f in families().values() if f.integrators != ANY}
+        entries = (
+            [e for some in self.deck.entries.values() for e in some.values()] if choosy else []
+        )
+        for entry in entries:
+            with self.building(entry):
+                for folder in _folders(entry.card):
+                    if folder in choosy:
+                        self._refuse_method(choosy[folder])
+
+    def _refuse_method(self, family: Family) -> None:
+        method, known = self.deck.control.integrator, " or ".join(family.integrators)
         if method != "auto" and not family.supports(method):
-            raise self.fail(f"{section} cannot be stepped by {method}; say integrator: {known}")
+            message = f"{family.name} cannot be stepped by {method}"
+            raise self.fail(f"{message}; say integrator: {known}")
         self.methods = [m for m in self.methods or family.integrators if family.supports(m)]
         if not self.methods:
-            raise self.fail(f"no integrator can step {section}, known to {known}, with the others")
+            message = f"no integrator can step {family.name}, known to {known}, with the others"
+            raise self.fail(message)
+
+    def joint_entry(self, name: str) -> Entry:
+        """Entry of a joint that another card names, of whichever family."""
+        known = (self.deck.entries[n] for n, family in families().items() if family.has_rows)
+        return next(entries[name] for entries in known if name in entries)
 
     def refuse_joint(self, name: str, motions: tuple[str, ...], field: str) -> None:
         """A named joint without any of some motions: an `angle`, a `travel`, turns of a `ball`.
 
-        The file of a joint says in MOTIONS which it has.
+        The file of a joint says in FREE which it leaves.
         """
-        entry = self.deck.entries["joints"][name]
-        has = getattr(import_module(entry.module_name), "MOTIONS", ())
-        if set(has) & set(motions):
+        entry = self.joint_entry(name)
+        if set(getattr(import_module(entry.module_name), "FREE", ())) & set(motions):
+            if getattr(entry.card, "may_open", False):
+                message = f"'{name}' comes apart when it fails, and this would still act"
+                raise self.fail(f"{message}; give it after_failure: loose", field)
             return
-        known = {word: law_class("joints", word).__module__ for word in types_in("joints")}
-        all_motions = {w: getattr(import_module(m), "MOTIONS", ()) for w, m in known.items()}
-        wanted = [
-            word
-            for motion in motions
-            for word in sorted(known, key=lambda word: len(all_motions[word]))
-            if motion in all_motions[word]
-        ]
-        told = f"'{name}' is a {entry.type} joint; name a {' or '.join(wanted)} joint"
-        raise self.fail(told, field)
+        known = {
+            word: getattr(import_module(law_class(family.folder, word).__module__), "FREE", ())
+            for family in families().values()
+            if family.has_rows
+            for word in types_in(family.folder)
+        }
+        fit = [word for word in known if set(known[word]) & set(motions)]
+        told = f"'{name}' is of type {entry.type} and has no {' or '.join(motions)}"
+        raise self.fail(f"{told}; name one of type {', '.join(fit)}", field)
 
     def warn(self, message: str) -> None:
         if message not in self.warnings:
@@ -270,7 +287,7 @@ class Scene:
         return i
 
     def placed_nodes(self) -> dict[str, np.ndarray]:
-        """Positions and postures at the start, as the node table names them."""
+        """Positions and configurations at the start, as the node table names them."""
         return {"r": self.r, "A": self.A}
 
     def law(self, keyword: str, name: str) -> tuple[Any, Any]:
@@ -290,49 +307,49 @@ class Scene:
             raise self.fail(wrong, "mesh")
         return mesh
 
-    def laid(self, card: Any) -> Any:
+    def meshed(self, card: Any) -> Any:
         """A part with points in place; once for every card."""
-        if id(card) not in self._laid:
-            self._laid[id(card)] = import_module(type(card).__module__).lay(card, self)
-        return self._laid[id(card)]
+        if id(card) not in self._meshed:
+            self._meshed[id(card)] = import_module(type(card).__module__).discretise(card, self)
+        return self._meshed[id(card)]
 
     def _with_points(self) -> list[Any]:
         """Cards of the parts with points, type by type as the model has them."""
-        entries = [e for e in self.deck.entries["parts"].values() if id(e.card) in self._laid]
+        entries = [e for e in self.deck.entries["parts"].values() if id(e.card) in self._meshed]
         types = list(dict.fromkeys(entry.type for entry in entries))
         return [e.card for e in sorted(entries, key=lambda entry: types.index(entry.type))]
 
     def has_points(self, part: str) -> bool:
         """Whether the nodes of a part are points."""
-        return id(self.deck.entries["parts"][part].card) in self._laid
+        return id(self.deck.entries["parts"][part].card) in self._meshed
 
     def skin(self, part: str, field: str) -> tuple[Any, int, int]:
         """A part with points in place, its first corner and its first point."""
         entry = self.deck.entries["parts"][part]
         corner = point = 0
         for card in self._with_points():
-            laid = self.laid(card)
+            meshed = self.meshed(card)
             if card is entry.card:
-                return laid, corner, point
-            corner += laid.corners().size
-            point += len(laid.mass)
+                return meshed, corner, point
+            corner += meshed.corners().size
+            point += len(meshed.mass)
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
 
     def first_number(self, part: str) -> int:
         """Where the numbers of a part with points begin in blocks."""
         card, cards = self.deck.entries["parts"][part].card, self._with_points()
         before = takewhile(lambda own: own is not card, cards)
-        return int(sum(self.laid(own).size for own in before))
+        return int(sum(self.meshed(own).size for own in before))
 
     def can_fail(self, part: str) -> bool:
         """Whether elements of a part may be deleted."""
         card = self.deck.entries["parts"][part].card
-        return any(own is card for own in self._with_points()) and self.laid(card).can_fail
+        return any(own is card for own in self._with_points()) and self.meshed(card).can_fail
 
     def faces(self, part: str, field: str) -> tuple[int, int, int]:
         """First corner of a part with points, its quadrilaterals and its triangles."""
-        laid, corner, _ = self.skin(part, field)
-        return corner, laid.quad_count, len(laid.area) - laid.quad_count
+        meshed, corner, _ = self.skin(part, field)
+        return corner, meshed.quad_count, len(meshed.area) - meshed.quad_count
 
     def curve(self, name: str) -> int:
         return self.curves[name]
@@ -420,3 +437,13 @@ class Scene:
             frame[f"{name}_a"] = self.turn_to_body(a, u)
             frame[f"{name}_b"] = self.turn_to_body(b, u)
         return frame
+
+
+def _folders(card: Any) -> Iterator[str]:
+    """Folders of the families of a card and of the laws within it."""
+    yield type(card).__module__.partition(".")[2].rpartition(".")[0].replace(".", "/")
+    for name in type(card).model_fields:
+        value = getattr(card, name)
+        for part in value if isinstance(value, tuple) else (value,):
+            if isinstance(part, Card):
+                yield from _folders(part)

@@ -10,18 +10,9 @@ from dataclasses import dataclass
 
 from crashsolve.deck.family import families
 
-FAMILIES = {
-    "glstat": "energies, momenta and time step of the whole model",
-    "matsum": "energies and momenta by part",
-    "rbdout": "motion of rigid bodies and of nodes of parts",
-    "jntforc": "joint reactions and joint motion",
-    "elout": "forces, moments and strains of elements",
-    "rcforc": "contact forces",
-    "secforc": "forces through a section",
-    "disbout": "relative displacement of two points",
-    "sleout": "contact energies",
-    **dict(family.channels for family in families().values() if family.channels),
-}
+FAMILIES = {"glstat": "energies, momenta and time step of the whole model"}
+for _family in families().values():
+    FAMILIES |= _family.channels or {}
 
 
 @dataclass(frozen=True)

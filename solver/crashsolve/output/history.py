@@ -1,8 +1,9 @@
-"""Writes history.h5: rows gathered in memory, appended in place, whole whatever happens.
+"""Writes history.h5: blocks of rows gathered in memory, appended in place, whole at any moment.
 
-Appending costs time in proportion to the new rows. When the reserved rows are used up the file is
-copied to one of twice the size, which takes its place by a rename, and on closing to one that fits:
-all copies together write less than three times the final size.
+Appending costs time in proportion to the new rows. Rows are reserved as many as are expected,
+within limits. When they are used up the file is copied to one of twice the size, which takes its
+place by a rename, and on closing to one that fits: all copies together write less than three times
+the final size.
 """
 
 import os
@@ -21,6 +22,8 @@ from crashsolve.output.files import replacing_hdf5, reported, write_metadata
 from crashsolve.output.peaks import Extremes
 
 FIRST_CAPACITY = 1024
+# reserved at most for what is expected: a run may be told to go on for ever, and be stopped
+MOST_RESERVED_BYTES = 1 << 26
 MOST_BUFFERED_ROWS = 1024
 
 
@@ -38,6 +41,7 @@ class HistoryWriter:
         metadata: dict[str, Any],
         resume_time: float | None = None,
         *,
+        expected_rows: int = 0,
         flush_seconds: float = 5.0,
         buffer_bytes: int = 1 << 22,
     ) -> None:
@@ -51,46 +55,60 @@ class HistoryWriter:
         self._flush_seconds = flush_seconds
         self._file: FileIO | None = None
         self._rows = 0
-        self._waiting = 0
+        # times, and values (k, n_id, n_column) of every family
+        self._waiting: list[tuple[np.ndarray, list[np.ndarray]]] = []
         self._last_time = -np.inf
         self._flushed_at = clock.monotonic()
-        self._make_buffers(buffer_bytes)
+        doubles = sum(len(family.ids) * len(family.columns) for family in self.families)
+        self._most_waiting = min(max(1, buffer_bytes // (8 * doubles)), MOST_BUFFERED_ROWS)
         if resume_time is not None:
             self._read_kept_rows(resume_time)
-        self._rebuild(max(FIRST_CAPACITY, 2 * self._rows))
+        expected = min(expected_rows or FIRST_CAPACITY, MOST_RESERVED_BYTES // (8 * doubles + 8))
+        self._rebuild(max(expected, 2 * self._rows))
 
-    def append(self, time: float, values: dict[str, np.ndarray]) -> None:
-        """Add one row: for each family an array (n_id, n_column); flushes when it is time to."""
-        blocks = [self._checked(time, family, values[family.name]) for family in self.families]
-        if not self._last_time < time < np.inf:
-            raise OutputError(self.path, f"row at t = {time!r} s follows t = {self._last_time!r} s")
-        for buffer, block in zip(self._buffers, blocks, strict=True):
-            buffer[:, self._waiting] = block.T
-        self._times[self._waiting] = self._last_time = time
-        self._waiting += 1
-        waited = clock.monotonic() - self._flushed_at
-        if self._waiting == len(self._times) or waited >= self._flush_seconds:
+    def append(self, times: np.ndarray, values: dict[str, np.ndarray]) -> None:
+        """Add rows: times (k,), and for each family an array (k, n_id, n_column).
+
+        Flushes when it is time to. Of rows that are refused, those before are kept.
+        """
+        blocks = [values[family.name] for family in self.families]
+        for family, block in zip(self.families, blocks, strict=True):
+            if block.shape != (len(times), len(family.ids), len(family.columns)):
+                raise ValueError(f"family '{family.name}': values of shape {block.shape}")
+        sound, error = self._judge(times, blocks)
+        if sound:
+            self._waiting.append((times[:sound], [block[:sound] for block in blocks]))
+            self._last_time = float(times[sound - 1])
+        if error is not None:
+            raise error
+        if self._count() >= self._most_waiting or self.is_due():
             self.flush()
+
+    def is_due(self) -> bool:
+        """Whether rows should not wait any longer."""
+        return clock.monotonic() - self._flushed_at >= self._flush_seconds
 
     def flush(self) -> None:
         """Write the gathered rows: values, wait for the disk, then the times that validate them."""
         if self._waiting:
-            if self._rows + self._waiting > self._capacity:
-                self._rebuild(2 * (self._rows + self._waiting))
+            count = self._count()
+            if self._rows + count > self._capacity:
+                self._rebuild(2 * (self._rows + count))
+            times, blocks = self._gathered()
             with reported(self.path):
-                self._write_rows()
-            for number, buffer in enumerate(self._buffers):
-                fresh = slice(0, self._waiting)
-                self.extremes.update(number, self._times[fresh], buffer[:, fresh])
-            self._rows += self._waiting
-            self._waiting = 0
+                self._write_rows(times, blocks)
+            for number, block in enumerate(blocks):
+                self.extremes.update(number, times, block)
+            self._rows += count
+            self._waiting.clear()
         self._flushed_at = clock.monotonic()
 
     def close(self) -> None:
         """Flush and give back the reserved rows; a second call does nothing."""
         if self._file is not None:
             self.flush()
-            self._rebuild(self._rows)
+            if self._rows < self._capacity:
+                self._rebuild(self._rows)
             self._close_file()
 
     def __enter__(self) -> Self:
@@ -107,26 +125,35 @@ class HistoryWriter:
         else:
             self.close()
 
-    def _make_buffers(self, buffer_bytes: int) -> None:
-        """Reserve memory for rows in waiting, (n_column, rows, n_id) for each family."""
-        doubles = sum(len(family.ids) * len(family.columns) for family in self.families)
-        rows = min(max(1, buffer_bytes // (8 * doubles)), MOST_BUFFERED_ROWS)
-        self._times = np.empty(rows)
-        self._buffers = [
-            np.empty((len(family.columns), rows, len(family.ids))) for family in self.families
-        ]
+    def _count(self) -> int:
+        """Rows in waiting."""
+        return sum(len(times) for times, _ in self._waiting)
 
-    def _checked(self, time: float, family: Family, block: np.ndarray) -> np.ndarray:
-        """Return a block that has the right shape and only finite values."""
-        if block.shape != (len(family.ids), len(family.columns)):
-            raise ValueError(f"family '{family.name}': values of shape {block.shape}")
-        if not np.isfinite(block).all():
-            entity, column = np.argwhere(~np.isfinite(block))[0]
-            name = family.channel(entity, column)
-            told = f"{name} is {block[entity, column]} at t = {time:.9g} s"
-            advice = "look for numbers of the deck that are far too large or too small"
-            raise OutputError(self.path, f"{told}; {advice}")
-        return block
+    def _gathered(self) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Times and values (n_column, k, n_id) of the rows in waiting."""
+        times = np.concatenate([times for times, _ in self._waiting])
+        columns = [
+            np.concatenate(some) for some in zip(*(b for _, b in self._waiting), strict=True)
+        ]
+        return times, [np.ascontiguousarray(np.moveaxis(block, 2, 0)) for block in columns]
+
+    def _judge(self, times: np.ndarray, blocks: list[np.ndarray]) -> tuple[int, OutputError | None]:
+        """How many rows are sound, and what is wrong with the next: its time, or a number."""
+        before = np.concatenate([[self._last_time], times[:-1]])
+        wrong = np.flatnonzero(~((before < times) & (times < np.inf)))
+        sound, error = len(times), None
+        if len(wrong):
+            sound = int(wrong[0])
+            told = f"row at t = {times[sound]:.17g} s follows t = {before[sound]:.17g} s"
+            error = OutputError(self.path, told)
+        for family, block in zip(self.families, blocks, strict=True):
+            if not np.isfinite(block[:sound]).all():
+                row, entity, column = np.argwhere(~np.isfinite(block[:sound]))[0]
+                name, sound = family.channel(entity, column), int(row)
+                told = f"{name} is {block[row, entity, column]} at t = {times[row]:.9g} s"
+                advice = "look for numbers of the deck that are far too large or too small"
+                error = OutputError(self.path, f"{told}; {advice}")
+        return sound, error
 
     def _read_kept_rows(self, resume_time: float) -> None:
         """Count the rows to keep and recall their extremes."""
@@ -148,16 +175,16 @@ class HistoryWriter:
             self._file = FileIO(self.path, "r+")
         self._capacity = capacity
 
-    def _write_rows(self) -> None:
-        """Append the waiting rows to every dataset."""
-        for family, buffer in zip(self.families, self._buffers, strict=True):
+    def _write_rows(self, times: np.ndarray, blocks: list[np.ndarray]) -> None:
+        """Append rows to every dataset: times, and values (n_column, k, n_id) of each family."""
+        for family, block in zip(self.families, blocks, strict=True):
             row_bytes = 8 * len(family.ids)
-            for column, block in zip(family.columns, buffer, strict=True):
+            for column, values in zip(family.columns, block, strict=True):
                 offset = self._offsets[f"{family.name}/{column.path}"] + self._rows * row_bytes
-                self._write_at(offset, block[: self._waiting])
+                self._write_at(offset, values)
         assert self._file is not None
         os.fdatasync(self._file.fileno())
-        self._write_at(self._offsets["time"] + self._rows * 8, self._times[: self._waiting])
+        self._write_at(self._offsets["time"] + self._rows * 8, times)
 
     def _write_at(self, offset: int, block: np.ndarray) -> None:
         """Write doubles at a byte offset; the system may take a long block in several bites."""

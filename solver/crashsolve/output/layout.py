@@ -36,13 +36,13 @@ def create(file: "h5py.File", families: tuple[Family, ...], capacity: int) -> Of
         group.create_dataset("ids", data=family.ids, dtype=h5py.string_dtype())
         # all families share one time axis: one dataset under several names
         if time is None:
-            time = _reserve(group, "time", (capacity,), fill_time="ifset", fillvalue=np.nan)
+            time = reserve(group, "time", (capacity,), fill_time="ifset", fillvalue=np.nan)
             _describe(time, "s", "sample times, the same in every family")
             offsets["time"] = _offset(time)
         else:
             group["time"] = time
         for column in family.columns:
-            data = _reserve(group, column.path, (capacity, len(family.ids)), fill_time="never")
+            data = reserve(group, column.path, (capacity, len(family.ids)), fill_time="never")
             _describe(data, column.unit, column.meaning)
             offsets[f"{family.name}/{column.path}"] = _offset(data)
     return offsets
@@ -95,13 +95,15 @@ def rows_until(path: Path, families: tuple[Family, ...], last_time: float) -> in
         return int(np.count_nonzero(file[families[0].name]["time"][:] <= last_time))
 
 
-def _reserve(group: "h5py.Group", name: str, shape: tuple[int, ...], **fill: Any) -> "h5py.Dataset":
-    """Create a contiguous float64 dataset whose place in the file is fixed at once."""
+def reserve(
+    group: "h5py.Group", name: str, shape: tuple[int, ...], kind: str = "<f8", **fill: Any
+) -> "h5py.Dataset":
+    """Create a contiguous dataset whose place in the file is fixed at once."""
     from h5py import h5d, h5p
 
     properties = h5p.create(h5p.DATASET_CREATE)
     properties.set_alloc_time(h5d.ALLOC_TIME_EARLY)
-    return group.create_dataset(name, shape, "<f8", dcpl=properties, **fill)
+    return group.create_dataset(name, shape, kind, dcpl=properties, **fill)
 
 
 def _describe(dataset: "h5py.Dataset", unit: str, meaning: str) -> None:

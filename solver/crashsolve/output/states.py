@@ -14,6 +14,7 @@ from crashsolve.output import paraview, xdmf
 from crashsolve.output.blocks import Block
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import replace_text, replacing_hdf5, reported, write_metadata
+from crashsolve.output.template import Template
 
 FORMAT = "crashsolve states"
 FORMAT_VERSION = 3
@@ -48,20 +49,12 @@ class StateWriter:
             for path in reversed(later):
                 path.unlink()
         self._write_mesh(metadata)
+        self._template = Template(blocks)
         replace_text(self.folder / paraview.NAME, paraview.script(blocks, metadata))
 
     def write(self, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:
         """Add one state: block name -> field name -> array, displacement (n, 3) among them."""
-        with replacing_hdf5(self.folder / _state_file(len(self.times))) as file:
-            file.attrs["time"] = time
-            for block in self.blocks:
-                for field in block.all_fields:
-                    array = np.asarray(values[block.name][field.name])
-                    if array.shape != block.shape(field):
-                        raise ValueError(f"{block.name}, {field.name}: shape {array.shape}")
-                    name = f"{block.name}/{field.name}"
-                    file.create_dataset(name, data=array, dtype=field.dtype)
-                    file[name].attrs["unit"] = field.unit
+        self._template.write(self.folder / _state_file(len(self.times)), time, values)
         self._add_to_index(time)
         if clock.monotonic() >= self._index_due:
             self._write_index()

@@ -1,1 +1,25 @@
 """Parts: deformable bodies made of nodes and elements."""
+
+from typing import Protocol
+
+from crashsolve.deck.family import ANY, ELEMENTS, Family
+from crashsolve.deck.roles import Built
+
+
+class PartLaw(Built, Protocol):
+    """What the file of a part provides beside its card."""
+
+
+FAMILY = Family(
+    entry="part",
+    follows="bodies",
+    law=PartLaw,
+    energy=("part",),
+    channels={
+        "elout": "forces, moments and strains of elements",
+        "matsum": "energies and momenta by part",
+    },
+    picture=ELEMENTS,
+    uses=("materials",),
+    integrators=ANY,
+)

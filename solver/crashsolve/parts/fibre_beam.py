@@ -1,17 +1,17 @@
 """Fibre beam: the beam whose section yields, fibre by fibre.
 
-    N, M_y, M_z from fibres (_fibres.py) with eps_0 = e / l, kappa = theta / l
+    N, M_y, M_z from fibres (beams/fibres.py) with eps_0 = e / l, kappa = theta / l
     V_y = k_y u_y,   V_z = k_z u_z,   M_x = G J theta_x / l
 
 at the one point of an element, its middle. Shear and torsion are elastic, and torsion is free of
 warping; so is what varies along the element (the term l^3 / 12 E I of the beam). A hinge forms in
 the middle of an element: a cantilever of length L bears M_p / (L - l / 2) at its end. Elastic, it
 is the beam. Implicit steps have the tangent of the step as it is computed: the beam's, with the
-forces that there are, and what the fibres change it by (_beam_turn.py). Consequence to test: the
+forces that there are, and what the fibres change it by (beams/tangent.py). Consequence to test: the
 limit moment of a rectangle is Y b h^2 / 4, and its moment beyond yield 1 - (kappa_Y / kappa)^2 / 3
 of it.
 
-References: those of the beam and of _fibres.py.
+References: those of the beam and of beams/fibres.py.
 """
 
 from typing import Any
@@ -19,44 +19,37 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub
-from crashsolve.parts import _fibres, beam
-from crashsolve.parts._beam_turn import bend_blocks
-from crashsolve.parts._halfway import half_angle_over_sine, halfway, swing_of, turned_rate
+from crashsolve.parts import beam
+from crashsolve.parts.beams import element, fibres, properties
+from crashsolve.parts.beams.corotational import half_angle_over_sine, halfway, swing_of, turned_rate
+from crashsolve.parts.beams.tangent import bend_blocks
 
-STEPWISE = True
+STEPWISE = CALLS_MATERIAL = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 # a row each for what the rates of N, M_y and M_z resist
 RATES = 3
-TANGENTS = beam.TANGENTS + RATES
+MOST_FIBRES = fibres.MOST_FIBRES
+TANGENTS = element.TANGENTS + RATES
 ORDER, DESCRIPTIONS = 1, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(
     count=("count", "fibres"),
-    y=("m", _fibres.MOST_FIBRES, "places along y of the section"),
-    z=("m", _fibres.MOST_FIBRES, "places along z of the section"),
-    area=("m^2", _fibres.MOST_FIBRES, "areas"),
-    young=("Pa", "E"),
-    yield_stress=("Pa", "Y_0"),
-    isotropic=("Pa", "(1 - beta) H"),
-    kinematic=("Pa", "beta H"),
-    curve=("index", "Y over plastic strain; 0 for none"),
-    rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
-    rate_q=("1", "q of Cowper and Symonds"),
+    y=("m", fibres.MOST_FIBRES, "places along y of the section"),
+    z=("m", fibres.MOST_FIBRES, "places along z of the section"),
+    area=("m^2", fibres.MOST_FIBRES, "areas"),
+    law=("index", "of the material's law among those of the group"),
 )
 HISTORY = Record(
-    stress=("Pa", _fibres.MOST_FIBRES, "of the fibres"),
-    plastic=("1", _fibres.MOST_FIBRES, "plastic strain"),
-    hardening=("1", _fibres.MOST_FIBRES, "e, sum of the sizes of its steps"),
+    stress=("Pa", fibres.MOST_FIBRES, "of the fibres; what else they remember says the material"),
     work=("J", "plastic work"),
 )
 OUTPUT = beam.OUTPUT + Record(
     plastic_strain=("1", "largest e of the fibres"),
     plastic_work=("J", "of the element"),
 )
-COLUMNS = ("yield_stress", "isotropic", "kinematic", "curve", "rate_D", "rate_q", "young")
 
 
 class FibreBeam(beam.Beam):
@@ -76,12 +69,12 @@ def build(card: FibreBeam, scene: Any) -> list[dict[str, Any]]:
 
 def elements(card: FibreBeam, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     """The elements between neighbours."""
-    section, _ = beam.laws(card, scene)
+    section, _ = properties.laws(card, scene)
     law, material_card = scene.law("materials", card.material)
     material = law.build(material_card, scene)
-    y, z, area = _fibres.fit(_table(card, scene), section)
-    room = np.zeros(_fibres.MOST_FIBRES - len(y))
-    own = {name: material[name] for name in COLUMNS} | {"count": len(y)}
+    y, z, area = fibres.fit(_table(card, scene), section)
+    room = np.zeros(fibres.MOST_FIBRES - len(y))
+    own: dict[str, Any] = {"count": len(y), "material": material}
     own |= {"y": np.append(y, room), "z": np.append(z, room), "area": np.append(area, room)}
     return [row | own for row in beam.elements(card, nodes, scene)]
 
@@ -93,12 +86,12 @@ def _table(card: FibreBeam, scene: Any) -> np.ndarray:
         raise scene.fail("this section has no fibres; give its shape, or type: fibres", "section")
     if min(card.fibres) < 1:
         raise scene.fail("needs numbers of 1 at least", "fibres")
-    if max(card.fibres) > _fibres.MOST_FIBRES:
-        raise scene.fail(f"at most {_fibres.MOST_FIBRES} fibres in all", "fibres")
+    if max(card.fibres) > fibres.MOST_FIBRES:
+        raise scene.fail(f"at most {fibres.MOST_FIBRES} fibres in all", "fibres")
     table: np.ndarray = law.fibres(section, card.fibres)
     y, z, A = table.T
-    if len(table) > _fibres.MOST_FIBRES:
-        message = f"makes {len(table)} fibres of this section; at most {_fibres.MOST_FIBRES}"
+    if len(table) > fibres.MOST_FIBRES:
+        message = f"makes {len(table)} fibres of this section; at most {fibres.MOST_FIBRES}"
         raise scene.fail(message, "fibres")
     if not ((y * y) @ A > 0.0 and (z * z) @ A > 0.0):
         raise scene.fail("fibres on one line do not resist bending; give 2 at least", "fibres")
@@ -106,14 +99,14 @@ def _table(card: FibreBeam, scene: Any) -> np.ndarray:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p, old, new, out, t, h, nodes, rows, curves, material):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
-    strained = beam.deformation(p, a, b, R, v, w)
+    strained = element.deformation(p, a, b, R, v, w)
     _, u, theta, u_dot, theta_dot, _, _ = strained
     strain, rate = at_section(p, strained)
-    N, M_y, M_z, stored, lost = _fibres.resultants(p, old, new, h, curves, strain, rate)
+    N, M_y, M_z, stored, lost = fibres.resultants(p, old, new, h, curves, strain, rate, material)
     k, k_r = p.stiffness, p.turning_stiffness
     f, m = (N, k[1] * u[1], k[2] * u[2]), (k_r[0] * theta[0], M_y, M_z)
     elastic = k[1] * u[1] * u[1] + k[2] * u[2] * u[2] + k_r[0] * theta[0] * theta[0]
@@ -128,16 +121,17 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.power = dot(lag, u_dot) + dot(turn, theta_dot)
     out.loss = lost * p.length
     new.work = old.work + out.loss
-    beam.act(p, out, a, b, R, v, w, strained, add(f, lag), add(m, turn), slow)
-    beam.drag(p, out, nodes)
+    element.act(p, out, a, b, R, v, w, strained, add(f, lag), add(m, turn), slow)
+    element.drag(p, out, nodes)
     out.plastic_work, out.plastic_strain = new.work, 0.0
-    for i in range(p.count):
-        out.plastic_strain = max(out.plastic_strain, new.hardening[i])
+    if material.VON_MISES:
+        for i in range(p.count):
+            out.plastic_strain = max(out.plastic_strain, new.hardening[i])
 
 
 @kernel
 def at_section(p, strained):
-    """Stretch and bending of the section, and their rates; of what beam.deformation tells."""
+    """Stretch and bending of the section, and their rates; of what element.deformation tells."""
     _, u, theta, u_dot, theta_dot, _, _ = strained
     per = 1.0 / p.length
     strain = (per * u[0], per * theta[1], per * theta[2])
@@ -145,40 +139,41 @@ def at_section(p, strained):
 
 
 @kernel
-def yielding(p, old, curves, strained):
+def yielding(p, old, curves, strained, material):
     """What fibres have besides K: N, M_y, M_z, and derivatives by e, theta_y, theta_z (6 each).
 
     Those by the rates of these follow.
     """
-    lack, by_strain, by_rate = _fibres.moduli(p, old, curves, *at_section(p, strained))
+    strain, rate = at_section(p, strained)
+    lack, by_strain, by_rate = fibres.moduli(p, old, curves, strain, rate, material)
     per = 1.0 / p.length
-    return lack, _fibres.scaled(per, by_strain), _fibres.scaled(per, by_rate)
+    return lack, fibres.scaled(per, by_strain), fibres.scaled(per, by_rate)
 
 
 @kernel
-def bend(p, state, nodes, curves, place, blocks):
+def bend(p, state, nodes, curves, place, blocks, material):
     """Tangent by the places. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
-    strained = beam.deformation(p, a, b, R, v, w)
-    section = yielding(p, state, curves, strained)
+    strained = element.deformation(p, a, b, R, v, w)
+    section = yielding(p, state, curves, strained, material)
     bend_blocks(p, section, a, b, R, v, w, strained, place, blocks)
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p, state, nodes, curves, rows, first, material):
     """By the velocities; by the places see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway(a, b)
-    beam.yield_rows(p, a, b, R, v, w, rows, first)
-    first += beam.TANGENTS
+    element.yield_rows(p, a, b, R, v, w, rows, first)
+    first += element.TANGENTS
     for k in range(RATES):
         no_tangent(rows[first + k])
-    if p.rate_D == 0.0:
+    if material.VON_MISES and p.material.rated == 0:
         return
-    strained = beam.deformation(p, a, b, R, v, w)
-    _, _, by_rate = yielding(p, state, curves, strained)
-    weight, side = _fibres.squares(by_rate)
+    strained = element.deformation(p, a, b, R, v, w)
+    _, _, by_rate = yielding(p, state, curves, strained, material)
+    weight, side = fibres.squares(by_rate)
     resist_rate(rows[first], R, v, w, strained, (1.0, side[0], side[1]), weight[0])
     resist_rate(rows[first + 1], R, v, w, strained, (0.0, 1.0, side[2]), weight[1])
     resist_rate(rows[first + 2], R, v, w, strained, (0.0, 0.0, 1.0), weight[2])
@@ -191,4 +186,4 @@ def resist_rate(row, R, v, w, strained, flow, damping):
     f, m = scale(flow[0], bent[3]), add_scaled((0.0, flow[1], flow[2]), flow[0], bent[4])
     c = scale(0.5, cross(f, strained[0]))
     m = add(turned_rate(half_angle_over_sine(v, w), v, m), scale(2.0, swing_of(v, w, c)))
-    beam.damp(row, R, f, sub(m, c), add(m, c), damping)
+    element.damp(row, R, f, sub(m, c), add(m, c), damping)

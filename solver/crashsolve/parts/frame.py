@@ -15,17 +15,18 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
-from crashsolve.foundation.posture import products, quaternion_of
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.orientation import products, quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
 from crashsolve.foundation.vec3 import ZERO
-from crashsolve.parts import _beam_tangent, _ends, beam
-from crashsolve.parts._beam_turn import bend_blocks
+from crashsolve.parts import beam
 from crashsolve.parts._damping import Damped, report_added
-from crashsolve.parts._halfway import halfway_of
+from crashsolve.parts.beams import element, properties, releases, static_tangent
+from crashsolve.parts.beams.corotational import halfway_of
+from crashsolve.parts.beams.tangent import bend_blocks
 
-HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, beam.TANGENTS
+HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, element.TANGENTS
 ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(turn=("1", 4, "unit quaternion Q, element to nodes"))
 
@@ -38,7 +39,7 @@ class Frame(Damped):
         "pairs of points by their number from 1; nodes within bar k: P_bark_1, P_bark_2, ..."
     )
     elements: int = word("number of elements of each bar", ge=1)
-    ends: tuple[_ends.End, ...] = word("ends of bars hinged to their point, or beside it", ())
+    ends: tuple[releases.End, ...] = word("ends of bars hinged to their point, or beside it", ())
     section: SectionName = word("cross section")
     material: MaterialName = word("what it is made of")
     side: Vec3 | None = word(
@@ -51,7 +52,7 @@ class Frame(Damped):
         """Names of the nodes of a part of this name."""
         inner = [f"bar{k + 1}_{j}" for k in range(len(self.bars)) for j in range(1, self.elements)]
         own = [f"{part}_{word}" for word in (*range(1, len(self.points) + 1), *inner)]
-        return own + _ends.names(self, part)
+        return own + releases.names(self, part)
 
     @property
     def beams(self) -> int:
@@ -60,7 +61,7 @@ class Frame(Damped):
 
     def joints(self, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
         """Joints that its ends bring: type and words by name."""
-        return _ends.joints(self, part)
+        return releases.joints(self, part)
 
     def element_names(self, part: str) -> list[str]:
         """Names of its elements, bar after bar."""
@@ -70,18 +71,18 @@ class Frame(Damped):
 def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
     """The nodes as bodies."""
     _check(card, scene)
-    section, material = beam.laws(card, scene)
+    section, material = properties.laws(card, scene)
     places, chains = _mesh(card)
     mass, J, lengths = np.zeros(len(places)), np.zeros((len(places), 3, 3)), []
     for a, b in chains:
         length = float(np.linalg.norm(places[b] - places[a]))
-        T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
-        half, inertia = beam.halves(card, section, material, length, scene)
+        T = properties.axes_of(card, (places[b] - places[a]) / length, section, scene)
+        half, inertia = properties.halves(card, section, material, length, scene)
         lengths.append(length)
         for node in (a, b):
             mass[node] += half
             J[node] += T @ inertia @ T.T
-    heaviness = beam.scaled(card, section, material, np.array(lengths), scene)
+    heaviness = properties.scaled(card, section, material, np.array(lengths), scene)
     report_added(card, *heaviness, scene)
     return [
         {
@@ -99,15 +100,15 @@ def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
 
 def elements(card: Frame, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     """The elements, bar after bar."""
-    section, material = beam.laws(card, scene)
+    section, material = properties.laws(card, scene)
     places, chains = _mesh(card)
-    damped, rows = beam.damping_row(card, section, material, scene), []
+    damped, rows = properties.damping_row(card, section, material, scene), []
     for a, b in chains:
         length = float(np.linalg.norm(places[b] - places[a]))
-        T = beam.axes_of(card, (places[b] - places[a]) / length, section, scene)
-        row = beam.stiffness_row(section, material, length) | damped
-        half, _ = beam.halves(card, section, material, length, scene)
-        ends = beam.ends_row(card, row, (nodes[a], nodes[b]), scene, T, half)
+        T = properties.axes_of(card, (places[b] - places[a]) / length, section, scene)
+        row = properties.stiffness_row(section, material, length) | damped
+        half, _ = properties.halves(card, section, material, length, scene)
+        ends = properties.ends_row(card, row, (nodes[a], nodes[b]), scene, T, half)
         rows.append(row | ends | {"turn": quaternion_of(T)})
     return rows
 
@@ -118,15 +119,15 @@ def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
     first_end = len(places) + len(card.bars) * (card.elements - 1)
     own = {(end.bar, end.point): first_end + k for k, end in enumerate(card.ends)}
     for k, (first, last) in enumerate(card.bars, start=1):
-        way = _ends.along(card, k)
+        way = releases.along(card, k)
         chain = [own.get((k, first), first - 1)]
-        start = _ends.start(card, k)
+        start = releases.start(card, k)
         for j in range(1, card.elements):
             chain.append(len(places))
             places.append(start + way * (j / card.elements))
         chain.append(own.get((k, last), last - 1))
         chains += list(zip(chain[:-1], chain[1:], strict=True))
-    places += [_ends.place(card, end) for end in card.ends]
+    places += [releases.place(card, end) for end in card.ends]
     return np.array(places), chains
 
 
@@ -136,12 +137,12 @@ def _check(card: Frame, scene: Any) -> None:
     for k, bar in enumerate(card.bars, start=1):
         if not all(1 <= end <= count for end in bar):
             raise scene.fail(f"bar {k} joins {list(bar)}, but points are 1 to {count}", "bars")
-        if not np.linalg.norm(_ends.along(card, k)) > 0.0:
+        if not np.linalg.norm(releases.along(card, k)) > 0.0:
             raise scene.fail(f"bar {k} begins and ends in one point", "bars")
         if frozenset(bar) in seen:
             raise scene.fail(f"bar {k} is given twice", "bars")
         seen.add(frozenset(bar))
-    wrong = _ends.fault(card)
+    wrong = releases.fault(card)
     if wrong:
         raise scene.fail(wrong, "ends")
     loose = sorted(set(range(1, count + 1)) - {end for bar in card.bars for end in bar})
@@ -153,12 +154,12 @@ def forces_by_motions(p: Any, nodes: Any) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     q_a, q_b = products(a["q"], p["turn"]), products(b["q"], p["turn"])
-    return _beam_tangent.forces_by_motions(p, q_a, q_b, b["r"] - a["r"])
+    return static_tangent.forces_by_motions(p, q_a, q_b, b["r"] - a["r"])
 
 
 @kernel
 def turned(body, turn):
-    """Posture of an element's end: unit quaternion q Q."""
+    """Orientation of an element's end: unit quaternion q Q."""
     q = (body.q[0], body.q[1], body.q[2], body.q[3])
     return times(q, (turn[0], turn[1], turn[2], turn[3]))
 
@@ -168,8 +169,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
-    beam.pull(p, out, a, b, R, v, w)
-    beam.drag(p, out, nodes)
+    element.pull(p, out, a, b, R, v, w)
+    element.drag(p, out, nodes)
 
 
 @kernel
@@ -177,7 +178,7 @@ def bend(p, state, nodes, curves, place, blocks):
     """Tangent by the places. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
-    strained = beam.deformation(p, a, b, R, v, w)
+    strained = element.deformation(p, a, b, R, v, w)
     bend_blocks(p, None, a, b, R, v, w, strained, place, blocks)
 
 
@@ -186,4 +187,4 @@ def tangent(p, state, nodes, curves, rows, first):
     """By the velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
-    beam.yield_rows(p, a, b, R, v, w, rows, first)
+    element.yield_rows(p, a, b, R, v, w, rows, first)

@@ -1,1 +1,24 @@
 """Cross sections of beams: areas, second moments, torsion and shear."""
+
+from typing import Any, Protocol
+
+from crashsolve.deck.family import ANY, Family
+
+
+class SectionLaw(Protocol):
+    """What the file of a cross section provides beside its card."""
+
+    def build(self, card: Any, poisson: float) -> Any:
+        """Area, `second` (I_y, I_z), `torsion` and `shear` (kappa_y, kappa_z)."""
+
+
+FAMILY = Family(
+    entry="section",
+    follows="materials",
+    law=SectionLaw,
+    energy=(),
+    channels=None,
+    picture=None,
+    uses=(),
+    integrators=ANY,
+)

@@ -1,18 +1,13 @@
 """Sensors: what is measured, not what acts."""
 
-from typing import Any, Protocol
+from typing import Protocol
 
 from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.roles import Built, Reading
 
 
-class SensorLaw(Protocol):
+class SensorLaw(Built, Reading, Protocol):
     """What the file of a sensor provides beside its card."""
-
-    def build(self, card: Any, scene: Any) -> Any:
-        """Words into symbols: one row of PARAMETERS."""
-
-    def measure(self, p, out, t, nodes, rows, curves):
-        """Readings at a sample. Writes: out."""
 
 
 FAMILY = Family(
@@ -20,7 +15,11 @@ FAMILY = Family(
     follows="loads",
     law=SensorLaw,
     energy=(),
-    channels=("nodout", "motion of nodes and accelerometers"),
+    channels={
+        "nodout": "motion of nodes and accelerometers",
+        "disbout": "relative displacement of two points",
+        "secforc": "forces through a section",
+    },
     picture=None,
     uses=(),
     integrators=ANY,

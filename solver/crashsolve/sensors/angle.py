@@ -9,7 +9,7 @@ at w for a time t shows w t, however many turns that is.
 from typing import Any
 
 from crashsolve.deck.card import BodyName, Card, Vec3, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import angle_about, angle_rate, counted
 

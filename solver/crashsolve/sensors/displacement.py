@@ -8,7 +8,7 @@ Consequence to test: a point fixed in b beside a turning a has, in the axes of a
 from typing import Any, Literal
 
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, matvec_t, norm, put, sub, vec

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import BodyName, Card, JointName, Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, matvec_t, put, sub, vec

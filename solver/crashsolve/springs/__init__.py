@@ -1,18 +1,13 @@
 """Springs: forces between two bodies that follow from their relative motion."""
 
-from typing import Any, Protocol
+from typing import Protocol
 
 from crashsolve.deck.family import ANY, LINE, Family
+from crashsolve.deck.roles import Built, Force
 
 
-class SpringLaw(Protocol):
+class SpringLaw(Built, Force, Protocol):
     """What the file of a spring provides beside its card."""
-
-    def build(self, card: Any, scene: Any) -> Any:
-        """Words into symbols: one row of PARAMETERS."""
-
-    def force(self, p, old, new, out, t, h, nodes, rows, curves):
-        """Forces on both bodies, energy stored and power lost. Writes: nodes, out, new."""
 
 
 FAMILY = Family(
@@ -20,8 +15,8 @@ FAMILY = Family(
     follows="joints",
     law=SpringLaw,
     energy=("spring", "joint", "brake"),
-    channels=("deforc", "spring, damper and bushing forces"),
+    channels={"deforc": "spring, damper and bushing forces"},
     picture=LINE,
-    uses=(),
+    uses=("parts", "sections"),
     integrators=ANY,
 )

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
     apply_torque,

@@ -9,7 +9,7 @@ bristle is stretched to its limit within one step.
 
 from math import sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, sub
 

@@ -15,7 +15,7 @@ class PointSpringCard(Card):
 
 
 class AxisSpringCard(Card):
-    """Two bodies and an axis of the first; angles are measured from the posture at the start."""
+    """Two bodies and an axis of the first; angles are measured from the one at the start."""
 
     a: BodyName = word("first body; it carries the axis", default="ground")
     b: BodyName = word("second body")

@@ -5,8 +5,8 @@ from typing import Any
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, CurveName, JointName, word
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_area, curve_value
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.springs._resistance import steepest
 

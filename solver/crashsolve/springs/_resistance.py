@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_area, curve_value, segment
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 SAME, SET, BETWEEN = 0, 1, 2

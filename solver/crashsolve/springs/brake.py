@@ -17,9 +17,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from crashsolve.deck.card import CurveName, Vec3, quantity, word
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_value
-from crashsolve.foundation.posture import perpendicular
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.orientation import perpendicular
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along

@@ -5,9 +5,9 @@
     theta_dot = T w,   T = I - theta~ / 2 + c theta~ theta~,   c = 1 / phi^2 - cot(phi / 2) / 2 phi
 
 w is the spin of b over a in axes of a, phi = |theta|. The torque on b is -T^T m, so that power and
-energy agree in every posture; about one axis it is stiffness times angle. theta is defined up to
-half a turn. The force of both bodies acts in the point of b. Consequence to test: stored energy is
-(x K x + theta K_r theta) / 2 and its gradient the force, in any posture.
+energy agree in every configuration; about one axis it is stiffness times angle. theta is defined up
+to half a turn. The force of both bodies acts in the point of b. Consequence to test: stored energy
+is (x K x + theta K_r theta) / 2 and its gradient the force, in any configuration.
 
 Reference: Bauchau and Trainelli (2003), The vectorial parameterization of rotation, Nonlinear
 Dynamics 32, 71-92.
@@ -17,7 +17,7 @@ from math import sqrt
 from typing import Any
 
 from crashsolve.deck.card import Vec3, quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_torque,
     arm,
@@ -26,7 +26,7 @@ from crashsolve.foundation.motion import (
     stiffen,
     turn_tangent,
 )
-from crashsolve.foundation.posture import relative
+from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.vec3 import ZERO, dot, matvec_t, scale, sub, vec

@@ -9,7 +9,7 @@ x - f(x) / k, and the spring has absorbed int f dx, of which f^2 / 2k returns.
 from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length

@@ -8,7 +8,7 @@ Consequence to test: with `unloading_stiffness` k a turn theta leaves the set th
 from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist

@@ -14,7 +14,7 @@ Reference: Simo and Hughes (1998), Computational Inelasticity, 1.2 to 1.6.
 from typing import Any, Literal
 
 from crashsolve.deck.card import quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length

@@ -9,7 +9,7 @@ dissipated power c l_dot^2.
 from typing import Any
 
 from crashsolve.deck.card import quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length

@@ -17,7 +17,7 @@ from typing import Any
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, JointName, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
@@ -30,7 +30,7 @@ LEDGER = "joint"
 class SlideFriction(Card):
     """Friction against the travel of a joint: constant, a share of the reaction, or both."""
 
-    joint: JointName = word("prismatic or cylindrical joint")
+    joint: JointName = word("joint that has a travel: prismatic, cylindrical, ...")
     force: float = quantity("N", "constant part of the limit", default=0.0, ge=0)
     coefficient: float = quantity("1", "mu, of the force across the axis", default=0.0, ge=0)
     stiffness: float = quantity("N/m", "K, of the bristle that holds", gt=0)

@@ -1,4 +1,4 @@
-"""Stops of the travel of a prismatic or cylindrical joint, beyond which a spring and damper act.
+"""Stops of the travel of a joint that has one, beyond which a spring and damper act.
 
     F = k e + c e_dot >= 0,   e = x - upper, or lower - x,   or F = f(e) + c e_dot
 
@@ -9,7 +9,7 @@ pi sqrt(m / k); with the damping ratio zeta it rebounds with the restitution exp
 from typing import Any, ClassVar
 
 from crashsolve.deck.card import quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, axis_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec

@@ -10,7 +10,7 @@ with omega^2 = k / J; stored energy k (theta - theta_0)^2 / 2.
 from typing import Any
 
 from crashsolve.deck.card import quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, JointName, quantity, word
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import posture_in, turn_between
@@ -33,7 +33,7 @@ LEDGER = "joint"
 class TurnFriction(Card):
     """Friction against the turn of a joint: constant, a share of the reaction, or both."""
 
-    joint: JointName = word("revolute, cylindrical or spherical joint")
+    joint: JointName = word("joint that has an angle, such as a revolute one, or a spherical joint")
     torque: float = quantity("N m", "constant part of the limit", default=0.0, ge=0)
     coefficient: float = quantity("1", "mu, of the force that presses the joint", default=0.0, ge=0)
     radius: float | None = quantity("m", "R of pin or ball; with coefficient", default=None, gt=0)
@@ -57,7 +57,7 @@ PARAMETERS = BRISTLE + Record(
     axis_a=("1", 3, "joint axis, axes of a; 0 for a ball"),
 )
 HISTORY = PRESSING + Record(
-    posture=("1", 4, "quaternion of b in a"),
+    configuration=("1", 4, "quaternion of b in a"),
     bristle=("rad", 3, "z, axes of a"),
     torque=("N m", 3, "M, axes of a"),
     slid=("rad", "angle slid"),
@@ -87,7 +87,7 @@ def build(card: TurnFriction, scene: Any) -> dict[str, Any]:
 def initial_history(card: TurnFriction, p: Any, scene: Any) -> dict[str, Any]:
     w, x, y, z = scene.q[p["node_a"]]
     a = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
-    return {"posture": a @ scene.q[p["node_b"]]}
+    return {"configuration": a @ scene.q[p["node_b"]]}
 
 
 @kernel
@@ -95,7 +95,12 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     now = posture_in(a, b)
-    before = (old.posture[0], old.posture[1], old.posture[2], old.posture[3])
+    before = (
+        old.configuration[0],
+        old.configuration[1],
+        old.configuration[2],
+        old.configuration[3],
+    )
     turn = turn_between(before, now)
     trial = add(vec(old.bristle), turn)
     limit = friction_limit(p, old, new, h, rows)
@@ -120,10 +125,10 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def keep(new, posture, z, torque, slid):
+def keep(new, configuration, z, torque, slid):
     """Writes: new."""
     for k in range(4):
-        new.posture[k] = posture[k]
+        new.configuration[k] = configuration[k]
     put(new.bristle, z)
     put(new.torque, torque)
     new.slid = slid

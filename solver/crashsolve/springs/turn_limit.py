@@ -1,4 +1,4 @@
-"""Stops of the angle of a revolute or cylindrical joint, beyond which a spring and damper act.
+"""Stops of the angle of a joint that has one, beyond which a spring and damper act.
 
     M = k e + c e_dot >= 0,   e = theta - upper, or lower - theta,   or M = f(e) + c e_dot
 
@@ -9,7 +9,7 @@ pi sqrt(J / k); with the damping ratio zeta it rebounds with the restitution exp
 from typing import Any, ClassVar
 
 from crashsolve.deck.card import quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import TURN, turned, twist
@@ -28,7 +28,7 @@ LEDGER = "joint"
 
 
 class TurnLimit(StopCard):
-    """Stops of the angle of a joint, counted from its posture at the start."""
+    """Stops of the angle of a joint, counted from its configuration at the start."""
 
     curve_axes: ClassVar = {"curve": ("rad", "N m")}
 

@@ -6,16 +6,17 @@ from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
 
-from crashsolve.apart import cores
-from crashsolve.deck.read import Deck, read_deck
+from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import DeckError, ExitCode
 from crashsolve.foundation.streams import printable, say
 from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import Lock
+from crashsolve.study.child_runs import cores
 from crashsolve.study.convergence import NEAR
 from crashsolve.study.findings import Finding, cheapest, find, worst
 from crashsolve.study.plot import draw
 from crashsolve.study.settings import (
+    AUTO,
     MESHES,
     descriptions,
     divisible,
@@ -45,6 +46,7 @@ class Request:
     tolerances: str | None = None
     channels: Sequence[str] = ()
     meshes: str | None = None
+    vary: str | None = None
     reference: Path | None = None
     target: float | None = None
     jobs: int | None = None
@@ -56,11 +58,17 @@ def study(request: Request) -> int:
     Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
     """
     deck = read_deck(request.deck, request.overrides)
-    methods, notes = suited(deck)
-    if request.methods:
-        methods, notes = [resolved(deck, method) for method in request.methods], []
-    meshes = request.meshes or (MESHES if divisible(deck) else "1")
-    grid = settings(deck, list(dict.fromkeys(methods)), request.steps, request.tolerances, meshes)
+    own = [deck.control.integrator] if request.vary else []
+    if request.methods or own:
+        methods = [resolved(deck, method) for method in request.methods or own]
+        notes: list[str] = []
+    else:
+        methods, notes = suited(deck)
+    meshes = request.meshes or (MESHES if divisible(deck) and not request.vary else "1")
+    grid = settings(
+        deck, list(dict.fromkeys(methods)), _steps(request, deck), request.tolerances, meshes,
+        request.vary,
+    )  # fmt: skip
     watches = watched(deck, request.channels)
     # where a path does not converge, these may
     more = [watch for watch in overall(deck) if watch not in watches]
@@ -79,7 +87,8 @@ def study(request: Request) -> int:
             answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), good)
             for trial, answer in zip(good, answers, strict=True):
                 trial.step, trial.answers = span / max(trial.cycles, 1), answer
-        order = order_of_mesh(deck)
+        order = None if request.vary else order_of_mesh(deck)
+        known = known or _dearest(request, good)
         findings = [
             find(watch, at, trials, known[at] if known else None, order)
             for at, watch in enumerate(watches)
@@ -87,6 +96,25 @@ def study(request: Request) -> int:
         extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
         _report(request, deck, trials, findings, extra)
         return ExitCode.NORMAL if good else max(trial.code for trial in trials)
+
+
+def _steps(request: Request, deck: Deck) -> str | None:
+    """Steps that are asked for; where values of a field are compared, the deck's own."""
+    if request.steps or request.tolerances or not request.vary:
+        return request.steps
+    return AUTO if deck.control.step == AUTO else repr(float(deck.control.step))
+
+
+def _dearest(request: Request, good: list[Trial]) -> list[dict[str, object]] | None:
+    """Answers of the dearest run, which others are compared with where a field is varied.
+
+    Different models do not tend to each other, so that nothing can be extrapolated.
+    """
+    if not request.vary or not good:
+        return None
+    best = max(good, key=lambda trial: trial.cpu_steps)
+    say(f"errors are differences from {best.setting.name}, the dearest run; see --reference")
+    return best.answers
 
 
 def _axes(deck: Deck, methods: Sequence[str], meshes: str) -> list[str]:

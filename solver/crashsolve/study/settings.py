@@ -1,8 +1,9 @@
-"""The settings of a study: integrators x steps or tolerances x meshes x descriptions.
+"""The settings of a study: integrators x steps or tolerances x meshes x descriptions x a field.
 
 Tolerances where the method chooses its step. The automatic step of others is made longer and
 shorter by its two bounds, the share of the critical step and the longest step. Meshes divide the
-elements of all parts; descriptions are those of deformation that the types of parts know.
+elements of all parts; descriptions are those of deformation that the types of parts know. A field
+may be any whose values are compared, as different models of one thing.
 """
 
 import importlib
@@ -10,10 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from types import ModuleType
-from typing import NamedTuple, get_args
+from typing import Any, NamedTuple, get_args
 
-from crashsolve.deck.control import Control
-from crashsolve.deck.read import Deck, Entry
+from crashsolve.deck.card import Card
+from crashsolve.deck.fields import deck_words, declared
+from crashsolve.deck.reading.deck import Deck, Entry
+from crashsolve.deck.run_cards.control import Control
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.build import build
 
@@ -69,21 +72,60 @@ class Setting:
 
 
 def settings(
-    deck: Deck, methods: Sequence[str], steps: str | None, tolerances: str | None, meshes: str = "1"
+    deck: Deck,
+    methods: Sequence[str],
+    steps: str | None,
+    tolerances: str | None,
+    meshes: str = "1",
+    vary: str | None = None,
 ) -> list[Setting]:
     """All settings, of each series from the longest step on. Raises DeckError for a wrong word."""
     found = []
-    for method in methods or [deck.control.integrator]:
+    field, values = varied(deck, vary) if vary else ("", [""])
+    for method, value in product(methods or [deck.control.integrator], values):
         for mesh, description in product(_meshes(deck, meshes), descriptions(deck) or [""]):
             # where there is no choice the deck has no word for it
             chosen = description if len(descriptions(deck)) > 1 else ""
-            series = Series(method, mesh, chosen)
+            series = Series(method, mesh, ", ".join(filter(None, (chosen, value))))
             given = {"control.integrator": method} | _of_parts(deck, mesh, chosen)
+            given |= {field: value} if value else {}
             found += [
                 Setting(series, label, ALONE | given | overrides, factor)
                 for label, overrides, factor in _of_method(deck, method, steps, tolerances)
             ]
     return found
+
+
+def varied(deck: Deck, text: str) -> tuple[str, list[str]]:
+    """A field and its values, of PATH=A,B,... or of PATH alone for a choice of words.
+
+    Raises DeckError.
+    """
+    path, _, listed = text.partition("=")
+    values = [value.strip() for value in listed.split(",") if value.strip()]
+    values = values or _words(deck, path.split("."))
+    if not values:
+        message = f"'{path}' is no choice of words whose values are known"
+        advice = f"write --vary {path}=A,B,... with the values to compare"
+        raise DeckError(f"--vary {text}", None, None, "", message, advice)
+    return path, list(dict.fromkeys(values))
+
+
+def _words(deck: Deck, path: list[str]) -> list[str]:
+    """The words among which a field of a card, at a path of the deck, chooses."""
+    if path[0] == "control":
+        cards: list[Any] = [deck.control]
+        names = path[1:]
+    else:
+        entries = [*deck.entries.get(path[0], {}).values(), *deck.written_out]
+        known = [e for e in entries if [e.item.keyword, e.name] == path[:2] and not e.item.owner]
+        cards, names = [entry.card for entry in known], path[2:]
+    for card in cards:
+        for name in names[:-1]:
+            card = getattr(card, name, None)
+        if isinstance(card, Card) and names and names[-1] in deck_words(type(card)):
+            return list(declared(type(card), deck_words(type(card))[names[-1]]).words)
+    return []
 
 
 def _meshes(deck: Deck, text: str) -> list[int]:

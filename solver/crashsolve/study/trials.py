@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import crashsolve
-from crashsolve.apart import reason, start, status_of
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
+from crashsolve.study.child_runs import reason, start, status_of
 from crashsolve.study.settings import Series, Setting
 
 # runs that would end the same way once more

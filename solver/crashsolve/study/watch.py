@@ -16,12 +16,12 @@ from typing import Any
 from crashsolve.channels.errors import ChannelError
 from crashsolve.channels.series import Window
 from crashsolve.channels.statistic import check, moment_asked, unit_of, words
-from crashsolve.deck.expect import Expect
 from crashsolve.deck.laws import choices
-from crashsolve.deck.read import Deck
-from crashsolve.deck.statistic import PATH
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.deck.run_cards.expect import Expect
+from crashsolve.deck.run_cards.statistic import PATH
 from crashsolve.foundation.errors import DeckError
-from crashsolve.sampling import Schedule
+from crashsolve.recording.sampling import Schedule
 
 KNOWN = ("exact", "published")
 _COMPONENT = re.compile(r"[\w.-]+\.[xyz]")

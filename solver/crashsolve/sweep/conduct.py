@@ -10,15 +10,15 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from crashsolve.apart import cores
-from crashsolve.deck.read import read_deck
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
 from crashsolve.foundation.streams import printable, say
 from crashsolve.model.build import build
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.lock import Lock
-from crashsolve.pulse import Pulse
+from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.study.child_runs import cores
 from crashsolve.sweep.axis import as_text
 from crashsolve.sweep.design import Point, points_of
 from crashsolve.sweep.folder import Look, Run, look, mark_of, read_sweep, write_sweep

@@ -16,14 +16,14 @@ from pathlib import Path
 from typing import Any
 
 import crashsolve
-from crashsolve.apart import status_of, table_in
 from crashsolve.deck.card import Card
 from crashsolve.deck.laws import package_folder
-from crashsolve.deck.read import Deck
+from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import DeckError, ExitCode
 from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import NAME as LOCK
 from crashsolve.output.lock import is_held
+from crashsolve.study.child_runs import status_of, table_in
 from crashsolve.sweep.axis import Axis
 from crashsolve.sweep.design import Point
 from crashsolve.sweep.plan import Plan

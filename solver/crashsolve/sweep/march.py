@@ -14,11 +14,11 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from crashsolve.apart import reason, start, status_of
 from crashsolve.foundation.errors import ExitCode
 from crashsolve.foundation.streams import give_up, printable, say
 from crashsolve.output.files import reported
 from crashsolve.output.lock import is_held
+from crashsolve.study.child_runs import reason, start, status_of
 from crashsolve.sweep.folder import ERRORS, Look, Run, clear, look, note
 
 # [s] between two looks, and between two lines where standard output is no terminal

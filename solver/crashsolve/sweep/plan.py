@@ -24,9 +24,9 @@ from crashsolve.channels.units import UnitError
 from crashsolve.deck.card import Card, FileName, quantity, word
 from crashsolve.deck.mistakes import Mistake, mistakes_of, refuse, shown
 from crashsolve.deck.numbers import Context
-from crashsolve.deck.overrides import PARAMETERS
+from crashsolve.deck.reading.overrides import PARAMETERS
+from crashsolve.deck.run_cards.statistic import check_window, known_statistic, words_told
 from crashsolve.deck.source import BROKEN, Position, Table, locate, read_yaml
-from crashsolve.deck.statistic import check_window, known_statistic, words_told
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.sweep.axis import Axis
 

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.sections import SECTIONS
+from crashsolve.deck.keywords import SECTIONS
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.system.diagnosis import chooses_step, limiter
 from crashsolve.system.engine import Engine
-from crashsolve.system.scene import group_arrays
+from crashsolve.system.placeholders import group_arrays
 
 # more of one group on one body are looked at together
 MOST = 32
@@ -141,7 +141,7 @@ def _actors(engine: Engine, at: int) -> list[Actor]:
             more = f" and {len(rows) - 3} more" if len(rows) > 3 else ""
             found.append(Actor(f"{word} {names}{more}", _only(g, rows)))
     for c in model.contact_groups:
-        if c.captures:
+        if c.is_unilateral:
             continue
         p, old = c.parameters, c.history[current]
         sides = c.elements_a["node"][p["a"]], c.elements_b["node"][p["b"]]
@@ -177,7 +177,7 @@ def _alone(
     nobody = np.zeros(0, int)
     given = dict(arrays)
     for group in (*engine.model.force_groups(), *engine.model.contact_groups):
-        if not getattr(group, "captures", False):
+        if not getattr(group, "is_unilateral", False):
             given |= _only(group, nobody)
     nodes, rows, clock = (arrays[name].copy() for name in ("nodes", "rows", "clock"))
     if not turns:

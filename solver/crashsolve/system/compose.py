@@ -8,18 +8,18 @@ scene lacks appears in it. `crashsolve explain` prints it.
 import hashlib
 from typing import Any
 
-from crashsolve.foundation.cache import read_own, write_whole
-from crashsolve.foundation.compile import cache_folder
-from crashsolve.foundation.machine import Function, machine_code, machine_codes, runs_plain
-from crashsolve.foundation.program import Program
-from crashsolve.foundation.table import Tables
+from crashsolve.compiler.cache import cache_folder, read_own, write_whole
+from crashsolve.compiler.machine import Function, machine_code, machine_codes, runs_plain
+from crashsolve.compiler.program import Program
+from crashsolve.compiler.table import Tables
 from crashsolve.model.clock import NOT_FINITE
-from crashsolve.system import sharing
-from crashsolve.system.scene import is_assembled, is_halved, method, placeholders
+from crashsolve.system.placeholders import is_assembled, is_halved, method, placeholders
+from crashsolve.system.threads import sharing
 
 INTEGRATORS = "crashsolve.integrators"
 LOOPS = "crashsolve.system.loops"
-SCENE = "crashsolve.system.scene"
+IMPLICIT = "crashsolve.system.implicit"
+SCENE = "crashsolve.system.placeholders"
 TABLEAUX = ("dormand_prince_5", "radau_iia_5")  # those that integrators name as examples
 
 
@@ -37,8 +37,8 @@ def compose(model: Any) -> str:
     if model.elements:
         replaced["crashsolve.system.timestep"] = "crashsolve.system.element_step"
     if is_assembled(model):
-        solvers = ("alpha", "collocation", "compliance")
-        replaced |= {f"crashsolve.system.{n}": "crashsolve.system.assembled" for n in solvers}
+        solvers = ("generalized_alpha", "collocation", "compliance")
+        replaced |= {f"{IMPLICIT}.{name}": f"{IMPLICIT}.global_matrix" for name in solvers}
 
     def is_copied(module: str) -> bool:
         return module.startswith((f"{INTEGRATORS}._", f"{LOOPS}.")) or module == main

@@ -7,7 +7,7 @@ Sign: D^T lambda is the force of the constraint on the bodies (Ambrosio (2003), 
 Eq. 5 prints the opposite sign of lambda).
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.saddle import factorise
 from crashsolve.foundation.vec3 import (
     add_scaled,

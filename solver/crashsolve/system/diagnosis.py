@@ -39,7 +39,8 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
         cause = f"no step is short enough for its equations to be solved (the next: {step:.3g} s)"
         found = "the model", cause, pass_it(model, state)
     elif status == UNHELD:
-        cause = f"captured nodes cannot be kept on their surface (by {float(clock['value']):.3g} m)"
+        lack = f"{float(clock['value']):.3g} m"
+        cause = f"nodes held by unilateral constraints cannot be kept on their surface (by {lack})"
         found = "a unilateral contact", cause, closer(model, state)
     elif status == STEP_TOO_SMALL:
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
@@ -90,10 +91,13 @@ def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
     for group in model.nodal_groups:
         place = f"contact '{group.card}'"
         if group.narrow is None:
-            times, what = group.arrays["tally"]["passed"], "a node or ball has passed through faces"
+            times, what = (
+                group.arrays["totals"]["passed"],
+                "a node or ball has passed through faces",
+            )
         elif group.has_ends:
             what = "a node has passed the middle of what it strikes"
-            times = group.arrays["slots"]["passed"]
+            times = group.arrays["probe_states"]["passed"]
         else:
             continue
         if times.any():
@@ -110,7 +114,7 @@ def closer(model: Model, state: State) -> str:
 
 def pass_it(model: Model, state: State) -> str:
     """What to do where a method gets stuck."""
-    look = "look for a singular posture, a jump in a curve or in a law; integrator: rattle passes"
+    look = "look for a singular configuration, a jump in a curve or law; integrator: rattle passes"
     if chooses_step(model, state):
         return f"{look} them, a larger control.tolerance may"
     return f"{look} them; or {closer(model, state)}"
@@ -136,9 +140,9 @@ def broken_velocities(model: Model, state: State) -> Diagnosis:
     speed = velocity_error(model, state) / state.rows["scale"]
     cause = (
         f"the velocities do not fit the joints (error {speed.max():.3g} of the model's size in a "
-        "second): they contradict each other, or the posture is singular"
+        "second): they contradict each other, or the configuration is singular"
     )
-    advice = "remove a joint or a driver; integrator: rattle passes singular postures"
+    advice = "remove a joint or a driver; integrator: rattle passes singular configurations"
     return f"joint '{joint_of(model, int(speed.argmax()))}'", cause, advice
 
 

@@ -6,7 +6,7 @@ Every law states its stored energy and the power it dissipates from its own form
 is therefore a measure of the integration error and of any law that breaks its promise.
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.model.clock import ENERGY, NOT_FINITE
 from crashsolve.model.ledger import (
     DRIVER_WORK,

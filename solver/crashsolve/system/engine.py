@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.machine import runs_plain
-from crashsolve.foundation.table import Tables
+from crashsolve.compiler.machine import runs_plain
+from crashsolve.compiler.table import Tables
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
     CORNER,
@@ -20,16 +20,16 @@ from crashsolve.model.clock import (
     REACHED,
     REBUILD,
 )
-from crashsolve.model.compliance import compliance
+from crashsolve.model.contact.node_to_surface import give_room
+from crashsolve.model.contact.pairs import renew
 from crashsolve.model.corners import corners_in_time
+from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
-from crashsolve.model.nodal import give_room
 from crashsolve.model.nodes import ESTIMATE
-from crashsolve.model.pairs import renew
 from crashsolve.system.compose import compose, load
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
-from crashsolve.system.scene import group_arrays, is_halved, samples_within_steps
-from crashsolve.system.sharing import arrays_of_second
+from crashsolve.system.placeholders import group_arrays, is_halved, samples_within_steps
+from crashsolve.system.threads.sharing import arrays_of_second
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -58,7 +58,7 @@ class Engine:
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
-        self.ledger, self._clock = state.ledger.copy(), state.clock.copy()
+        self.ledger, self.sample_clock = state.ledger.copy(), state.clock.copy()
         self._limit = float(model.control[0]["energy_limit"])
         self._corners = corners_in_time(model)
         # of motion: an equilibrium has none
@@ -70,24 +70,34 @@ class Engine:
         # a sample within a step begins from the histories of the step's start
         kept = model.groups if self.is_dense else []
         self._histories = {f"{g.word}_history": (g.history, g.history.copy()) for g in kept}
+        self._copied = self._in_bytes()
         self.bind()
         self._advance = load(compose(model), self._present)
         # asked now and then between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
 
+    def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """What a sample copies, from and to: in bytes, as numpy takes columns one by one."""
+        s = self.state
+        pairs = [(s.nodes, self.nodes), (s.rows, self.rows), (s.clock, self.sample_clock)]
+        pairs += [(s.ledger, self.ledger), *self._histories.values()]
+        return [
+            (old.reshape(-1).view(np.uint8), new.reshape(-1).view(np.uint8)) for old, new in pairs
+        ]
+
     def bind(self) -> None:
         """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
         m, s = self.model, self.state
         # time, step, cycle and totals: at present, and of the last sample
         self.clock: Any = s.clock.view(np.recarray)[0]
-        self.sampled: Any = self._clock.view(np.recarray)[0]
+        self.sampled: Any = self.sample_clock.view(np.recarray)[0]
         shared = (
             group_arrays(m, s) | m.saddle._asdict() | {"control": m.control, "curves": m.curves}
         )
         shared |= self.tableau | self.stages
         state = {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": s.ledger}
-        copies = zip(state, (self._clock, self.nodes, self.rows, self.ledger), strict=True)
+        copies = zip(state, (self.sample_clock, self.nodes, self.rows, self.ledger), strict=True)
         self._present, self._sampled = (
             Tables(shared | state),
             Tables(
@@ -217,11 +227,9 @@ class Engine:
 
         Raises SolverError, after a few steps already where energy comes out of nothing.
         """
-        self.nodes[:], self.rows[:] = self.state.nodes, self.state.rows
-        self.ledger[:], self._clock[:] = self.state.ledger, self.state.clock
-        clock = self._clock[0]
-        for history, copy in self._histories.values():
-            copy[...] = history
+        for now, copy in self._copied:
+            copy[:] = now
+        clock = self.sample_clock[0]
         points = self.state.points
         # dampers push by a foretold velocity in a step, by the present one in a sample
         names = ("force", "torque") if self.model.nodal_groups else ()
@@ -267,9 +275,9 @@ class Engine:
                 listed = group.search.cards() if group.search else []
                 found |= {(card, text) for card in listed if left[card]}
         for nodal in self.model.nodal_groups:
-            slots, card = nodal.arrays["slots"], int(nodal.arrays["p"]["card"][0])
+            probe_states, card = nodal.arrays["probe_states"], int(nodal.arrays["p"]["card"][0])
             for name, text in getattr(nodal.normal, "WARNINGS", {}).items():
-                found |= {(card, text)} if slots[name].any() else set()
+                found |= {(card, text)} if probe_states[name].any() else set()
         return [f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)]
 
     def step_warnings(self) -> list[str]:
@@ -297,7 +305,7 @@ class Engine:
         ]
 
     def assembly_errors(self) -> list[tuple[str, str]]:
-        """Joints that do not fit the initial posture or velocity: (joint, what is wrong)."""
+        """Joints that do not fit the initial configuration or velocity: (joint, what is wrong)."""
         rows, found = self.state.rows, []
         gap = np.abs(rows["phi"]) / rows["scale"]
         speed = velocity_error(self.model, self.state)
@@ -330,18 +338,18 @@ class Engine:
         for group in self.model.contact_groups:
             depth, thick = group.history["depth"][current], group.parameters["thick"]
             # a constraint has no depth: what it is to hold begins apart, or touching
-            limit = ONTO * self.model.size if group.captures else 0.5 * thick
+            limit = ONTO * self.model.size if group.is_unilateral else 0.5 * thick
             for i in np.flatnonzero(depth > limit):
                 why = (
                     "nodes that are held must not begin inside"
-                    if group.captures
+                    if group.is_unilateral
                     else f"over half of the {thick[i]:.3g} m from the middle of one side "
                     "to that of the other"
                 )
                 card = self.model.contacts[group.parameters["card"][i]]
                 found[card] = f"begins {depth[i]:.3g} m deep, {why}"
         for nodal in self.model.nodal_groups:
-            depth = nodal.arrays["tally"]["depth"][0]
+            depth = nodal.arrays["totals"]["depth"][0]
             if nodal.narrow is None and depth > ONTO * self.model.size:
                 found[nodal.card] = (
                     f"begins {depth:.3g} m deep: nodes are nearer to faces than both are thick; "

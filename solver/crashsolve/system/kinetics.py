@@ -11,7 +11,7 @@ References: Simo and Wong (1991), Int. J. Num. Meth. Eng. 31, 19-52; Krysl and E
 
 from math import sqrt
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.rotation import (
     midpoint_spin,
     rotate_by_cayley,
@@ -68,6 +68,13 @@ def drift(nodes, h):
 def drift_body(b, h):
     """The same of one body. Writes: b.r, q, A."""
     put(b.r, add_scaled(vec(b.start_r), h, vec(b.v_half)))
+    if b.L_half[0] == 0.0 and b.L_half[1] == 0.0 and b.L_half[2] == 0.0:
+        # what does not turn keeps its configuration to the bit
+        for k in range(4):
+            b.q[k] = b.start_q[k]
+        for k in range(9):
+            b.A[k] = b.start_A[k]
+        return
     omega = midpoint_spin(b.J, b.J_inv, matvec_t(b.start_A, vec(b.L_half)), h)
     rotate_by_cayley(b.start_q, scale(0.5 * h, omega), b.q)
     write_matrix(b.q, b.A)
@@ -85,7 +92,7 @@ def predict(nodes, h):
 
 @kernel
 def refresh(nodes):
-    """Inverse inertia and angular velocity at the present posture. Writes: nodes.W, w."""
+    """Inverse inertia and angular velocity at the present configuration. Writes: nodes.W, w."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
         write_world_tensor(b.A, b.J_inv, b.W)

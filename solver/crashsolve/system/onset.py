@@ -7,7 +7,7 @@ onset, their gaps, what may be passed, and how many ends have been tried. Conseq
 impact latches the speed of its onset, whatever the step.
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 
 PASSED = 1e-9
 
@@ -36,7 +36,8 @@ def seek(bracket, h, trial, gap):
     h is the length of the whole step.
     """
     early, late, gap_early, gap_late, allowed, count = bracket
-    if gap >= 0.0 or count == 0:
+    # touching sides with nothing between them are not yet in contact: 0 is before the onset
+    if gap > 0.0 or count == 0:
         late, gap_late = trial, gap
     else:
         early, gap_early = trial, gap

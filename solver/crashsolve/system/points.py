@@ -1,4 +1,4 @@
-"""Motion of points: kick and drift at the start of a step, kick at its end, riders on bodies.
+"""Motion of points: kick and drift at the start of a step, kick at its end, points on bodies.
 
     v_half = (v + h/2 f / m) / (1 + alpha h/2),   r += h v_half
     v      = v_half + h/2 (f_new / m - alpha v_half)
@@ -7,7 +7,7 @@ alpha is a drag proportional to mass. A step of no length leaves everything as i
 to test: the drag takes alpha m v_half^2 h, and nothing else is lost.
 """
 
-from crashsolve.foundation.compile import inlined, kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.vec3 import (
     add,
@@ -55,18 +55,18 @@ def brake(clock, share, b):
 
 
 @kernel
-def carry(h, nodes, points, riders):
-    """Riders follow their bodies; velocities are those of the step, as points have them.
+def carry(h, nodes, points, attached_points):
+    """Attached points follow their bodies; velocities are those of the step, as points have them.
 
     Writes: points.
     """
-    for i in range(riders.shape[0]):
-        rider = riders[i]
-        b, body = points[rider.point], nodes[rider.node]
-        d = matvec(body.A, vec(rider.spot))
+    for i in range(attached_points.shape[0]):
+        attached_point = attached_points[i]
+        b, body = points[attached_point.point], nodes[attached_point.node]
+        d = matvec(body.A, vec(attached_point.spot))
         place = add(vec(body.r), d)
         if h > 0.0:
-            before = add(vec(body.start_r), matvec(body.start_A, vec(rider.spot)))
+            before = add(vec(body.start_r), matvec(body.start_A, vec(attached_point.spot)))
             put(b.v, scale(1.0 / h, sub(place, before)))
             put(b.w, scale(2.0 / h, half_turn(body.start_q, body.q)))
         else:
@@ -145,15 +145,15 @@ def hold_riders(nodes, points):
 
 
 @kernel
-def unload(clock, nodes, points, riders):
-    """Forces on riders go to their bodies, their bound of frequency to the others'.
+def unload(clock, nodes, points, attached_points):
+    """Forces on attached points go to their bodies, their bound of frequency to the others'.
 
     Writes: nodes, points, clock.
     """
-    for i in range(riders.shape[0]):
-        rider = riders[i]
-        b, body = points[rider.point], nodes[rider.node]
-        d, f = matvec(body.A, vec(rider.spot)), vec(b.force)
+    for i in range(attached_points.shape[0]):
+        attached_point = attached_points[i]
+        b, body = points[attached_point.point], nodes[attached_point.node]
+        d, f = matvec(body.A, vec(attached_point.spot)), vec(b.force)
         add_to(body.force, f)
         add_to(body.torque, add(vec(b.torque), cross(d, f)))
         put(b.force, (0.0, 0.0, 0.0))

@@ -12,7 +12,7 @@ Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Element
 
 from math import ceil, sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.system.kinetics import fastest_turn
 
 

@@ -56,6 +56,13 @@ def _grid(time: np.ndarray, cfc: int) -> np.ndarray | None:
     """Equal intervals that cover unequal ones; None for equal ones; raises ChannelError."""
     if len(time) < LEAST:
         raise TooShort(f"cfc() needs {LEAST} samples or more, not {len(time)}")
+    period = 1.0 / (CORNER * cfc)
+    if time[-1] - time[0] < period:
+        # its padding would rule the answer
+        raise TooShort(
+            f"cfc(..., {cfc}) needs a history of {1e3 * period:.4g} ms or more, a period of its "
+            f"corner, not of {1e3 * float(time[-1] - time[0]):.4g} ms"
+        )
     steps = np.diff(time)
     longest, wanted = float(np.max(steps)), 1.0 / (RATE * cfc)
     if longest > wanted * (1.0 + EQUAL):

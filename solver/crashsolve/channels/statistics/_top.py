@@ -46,7 +46,7 @@ def plateau(values: np.ndarray, at: int) -> int:
     return at + int(after[0]) - 1 if len(after) else len(values) - 1
 
 
-def lonely(series: Series) -> float:
+def isolated(series: Series) -> float:
     """What the greatest value may lack when a single sample has caught it; else 0."""
     values = series.values
     at = int(np.argmax(values))

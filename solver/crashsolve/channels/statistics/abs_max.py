@@ -3,7 +3,7 @@
 import numpy as np
 
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistics._top import lonely, magnitude, top
+from crashsolve.channels.statistics._top import isolated, magnitude, top
 
 
 def value(series: Series) -> float:
@@ -18,4 +18,4 @@ def refined(series: Series) -> float:
 
 def unresolved(series: Series) -> float:
     """What a single sample has caught."""
-    return lonely(magnitude(series))
+    return isolated(magnitude(series))

@@ -3,9 +3,9 @@
 import numpy as np
 
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistics._top import lonely, top
+from crashsolve.channels.statistics._top import isolated, top
 
-unresolved = lonely
+unresolved = isolated
 
 
 def value(series: Series) -> float:

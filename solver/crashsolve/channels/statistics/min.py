@@ -3,7 +3,7 @@
 import numpy as np
 
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistics._top import lonely, negative, top
+from crashsolve.channels.statistics._top import isolated, negative, top
 
 
 def value(series: Series) -> float:
@@ -18,4 +18,4 @@ def refined(series: Series) -> float:
 
 def unresolved(series: Series) -> float:
     """What a single sample has caught."""
-    return lonely(negative(series))
+    return isolated(negative(series))

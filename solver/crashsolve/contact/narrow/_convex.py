@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import (
@@ -32,6 +32,8 @@ from crashsolve.foundation.vec3 import (
     vec,
 )
 
+# the gap is a distance: see system/contact/resting.py
+IS_DISTANCE = True
 PARAMETERS = Record(
     node=("index", "body"),
     point=("m", 3, "centre from the mass centre, body axes"),

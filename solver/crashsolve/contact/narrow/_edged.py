@@ -18,7 +18,7 @@ import numpy as np
 
 from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ROUND_OFF, tangents
 from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
@@ -27,6 +27,8 @@ __all__ = ["PARAMETERS", "bound", "data", "expand", "gap", "patch"]
 
 # what the manual tells of pairs with this gap
 POINTS = "one, or where sides lie flat up to eight (twelve with a cap) that share the force"
+# the gap is a distance: see system/contact/resting.py
+IS_DISTANCE = True
 PARAMETERS = Record(
     node=("index", "body"),
     point=("m", 3, "centre from the mass centre, body axes"),

@@ -20,7 +20,7 @@ from math import sqrt
 from crashsolve.contact.narrow._convex import tangents
 from crashsolve.contact.narrow._face import nearest_on_face, over_corners, point_of
 from crashsolve.contact.narrow.sphere_ellipsoid import from_ellipsoid
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub
 
 ITERATIONS = 60  # four to eight do

@@ -10,7 +10,7 @@ face is nearer, and N_k >= 0 add up to 1.
 Reference: Ericson (2005), Real-Time Collision Detection, 5.1.5.
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, sub
 
 # where on a face: within it, on the side after corner k (EDGE + k), at corner k (CORNER + k)

@@ -1,6 +1,6 @@
 """Directions between the world and the axes of a shape within a body."""
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.vec3 import matvec, matvec_t, sub, vec
 

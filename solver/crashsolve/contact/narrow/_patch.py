@@ -16,7 +16,7 @@ Consequence to test: r of discs, squares and lines; shares add up to 1, their mo
 from math import log, sqrt
 
 from crashsolve.contact.narrow._convex import tangents
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, dot, matvec, matvec_t, norm, scale, sub, vec

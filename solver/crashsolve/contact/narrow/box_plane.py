@@ -7,11 +7,13 @@ so that a box that lies on four corners sinks as deep as one point would under t
 
 from crashsolve.contact.narrow import sphere_plane
 from crashsolve.contact.shape import box, sphere
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 # what the manual tells
 POINTS = "one for each of the eight corners, with a quarter of the force: a lone corner has K/4"
+# the gap is a distance: see system/contact/resting.py
+IS_DISTANCE = True
 PARAMETERS_A = sphere.PARAMETERS + Record(share=("1", "of the force of the law"))
 
 

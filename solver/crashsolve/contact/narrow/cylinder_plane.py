@@ -12,7 +12,7 @@ Consequence to test: mu 0.4 stops a disc of 0.1 m at 6 rad/s in 0.115 s.
 
 from math import sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, place
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, scale, sub, vec

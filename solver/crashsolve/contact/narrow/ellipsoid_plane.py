@@ -8,7 +8,7 @@ Point of contact: the deepest of the ellipsoid, c - E n / sqrt(n^T E n).
 from math import sqrt
 
 from crashsolve.contact.narrow._frame import into, out_of
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, place
 from crashsolve.foundation.vec3 import add_scaled, dot, sub, vec
 

@@ -9,7 +9,7 @@ Point of contact: the deepest of the sphere, c - r n.
 from math import copysign
 
 from crashsolve.contact.narrow._frame import into, out_of, seen_from
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.vec3 import add_scaled, norm, scale, unit, vec
 

@@ -12,10 +12,12 @@ References: Eberly (2013), Distance from a point to an ellipse, an ellipsoid, or
 from math import copysign
 
 from crashsolve.contact.narrow._frame import out_of, seen_from
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 
+# the gap is a distance: see system/contact/resting.py
+IS_DISTANCE = True
 # a coordinate of 0 is moved by this share of its semi-axis: the nearest point is then unique
 NUDGE = 1e-14
 ITERATIONS = 60  # six do in most places

@@ -23,7 +23,7 @@ from math import sqrt
 
 from crashsolve.contact.narrow import _tree
 from crashsolve.contact.narrow._frame import into, out_of, seen_from
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, scale, sub, vec
 

@@ -5,7 +5,7 @@
 Point of contact: the deepest of the sphere, c - r n.
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, place
 from crashsolve.foundation.vec3 import add_scaled, dot, sub, vec
 

@@ -5,7 +5,7 @@
 Point of contact: midway between the deepest points of both.
 """
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.vec3 import add_scaled, norm, scale, sub, vec
 

@@ -19,7 +19,7 @@ from typing import Any
 from crashsolve.contact.normal._restitution import returned, speed_through
 from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
 from crashsolve.deck.card import quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 # how far, in shares of the restitution asked for, the one returned may be off without a warning
@@ -46,15 +46,25 @@ class PowerCard(Materials):
     exponent: float = quantity("1", "n of the penetration; 1.5 for Hertz", 1.5, ge=1)
     stiffness: float | None = quantity("N/m^{exponent}", "K; or give the materials", None, gt=0)
 
+    def chi(self) -> float:
+        """Damping factor of the law; infinite where it has none."""
+        return 0.0
+
 
 class DampedPowerCard(PowerCard):
-    """Stiffness and coefficient of restitution."""
+    """Stiffness and coefficient of restitution; the file of the law adds chi(e)."""
 
     restitution: float = quantity("1", "coefficient of restitution e", ge=0, le=1)
 
 
-def power_law(card: PowerCard, scene: Any, pair: Any, chi: float) -> dict[str, Any]:
-    """Parameters of the shared force; refuses two sources of stiffness."""
+def build(card: PowerCard, scene: Any, pair: Any) -> dict[str, Any]:
+    """Parameters of the force; warns where it returns another restitution than asked.
+
+    Refuses two sources of stiffness.
+    """
+    chi = card.chi()
+    if isinstance(card, DampedPowerCard):
+        _check_restitution(card, scene, pair, chi)
     given = card.stiffness is not None
     if given and (card.compliance() > 0.0 or card.radius is not None):
         raise scene.fail(f"stiffness is given twice: give {SOURCES}", "normal.stiffness")
@@ -69,8 +79,7 @@ def power_law(card: PowerCard, scene: Any, pair: Any, chi: float) -> dict[str, A
     }
 
 
-def damped_law(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> dict[str, Any]:
-    """Parameters of a law of restitution; warns where it returns another one than asked."""
+def _check_restitution(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> None:
     if chi == inf:
         raise scene.fail(
             "this law needs a restitution above 0: its damping grows without bound; give 0.01, "
@@ -84,7 +93,6 @@ def damped_law(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> dict
             f"contact '{pair.contact}': {law} with restitution {card.restitution:g} returns "
             f"{x:.3f} in a free impact; exact_restitution returns what is asked"
         )
-    return power_law(card, scene, pair, chi)
 
 
 @kernel
@@ -150,3 +158,7 @@ def normal_tangent(p, state, depth, rate, mass, curves):
     slope = p.stiffness * power_below(depth, n)
     damping = p.chi * slope * depth / v if v == kept else 0.0
     return n * slope * factor, damping
+
+
+# what the file of such a law is made of, beside its card
+LAW = PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release

@@ -14,7 +14,7 @@ from v_0. It goes as deep as s = 0 tells, and parts with x v_0, the root of G(-x
 from collections.abc import Callable
 from math import inf, log1p, sqrt
 
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 
 # below it G is its series, whose next term is below round-off
 SMALL = 1e-4

@@ -16,8 +16,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from crashsolve.deck.card import Card, CurveName, quantity, word
-from crashsolve.foundation.compile import kernel
 from crashsolve.foundation.curve import curve_area, curve_value
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 

@@ -10,20 +10,16 @@ implicit form before its approximation.
 """
 
 from math import inf
-from typing import Any
 
 from crashsolve.contact.normal import _damped_power as shared
 from crashsolve.contact.normal._restitution import damping_factor
 
-PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
-release = shared.release
+PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class ExactRestitution(shared.DampedPowerCard):
     """Damped power law that returns exactly the restitution asked for."""
 
-
-def build(card: ExactRestitution, scene: Any, pair: Any) -> dict[str, Any]:
-    e = card.restitution
-    return shared.damped_law(card, scene, pair, chi=damping_factor(e) if e > 0.0 else inf)
+    def chi(self) -> float:
+        e = self.restitution
+        return damping_factor(e) if e > 0.0 else inf

@@ -9,19 +9,15 @@ References: Flores, Machado, Silva and Martins (2011), Multibody Syst. Dyn. 25, 
 """
 
 from math import inf
-from typing import Any
 
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
-release = shared.release
+PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class Flores(shared.DampedPowerCard):
     """Flores force for soft materials (good for restitution above 0.5)."""
 
-
-def build(card: Flores, scene: Any, pair: Any) -> dict[str, Any]:
-    e = card.restitution
-    return shared.damped_law(card, scene, pair, chi=1.6 * (1.0 - e) / e if e > 0.0 else inf)
+    def chi(self) -> float:
+        e = self.restitution
+        return 1.6 * (1.0 - e) / e if e > 0.0 else inf

@@ -8,19 +8,14 @@ v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a 
 References: Herbert and McWhannell (1977), J. Eng. Ind. 99, 513-518.
 """
 
-from typing import Any
-
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
-release = shared.release
+PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class HerbertMcwhannell(shared.DampedPowerCard):
     """Herbert-McWhannell force (usable for restitution above 0.8)."""
 
-
-def build(card: HerbertMcwhannell, scene: Any, pair: Any) -> dict[str, Any]:
-    e = card.restitution
-    return shared.damped_law(card, scene, pair, chi=6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0))
+    def chi(self) -> float:
+        e = self.restitution
+        return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)

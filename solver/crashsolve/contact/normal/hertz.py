@@ -8,18 +8,10 @@ v_0^2 / (4 K))^(2/5) deep and returns all its energy.
 References: Ambrosio (2003), Eq. 19; Hertz (1881), J. reine angew. Math. 92, 156-171.
 """
 
-from typing import Any
-
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
-release = shared.release
+PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class Hertz(shared.PowerCard):
     """Elastic force of Hertz from the materials and radii of both sides, or from K."""
-
-
-def build(card: Hertz, scene: Any, pair: Any) -> dict[str, Any]:
-    return shared.power_law(card, scene, pair, chi=0.0)

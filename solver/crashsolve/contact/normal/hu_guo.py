@@ -9,19 +9,15 @@ References: Hu and Guo (2015), Multibody Syst. Dyn. 35, 131-151.
 """
 
 from math import inf
-from typing import Any
 
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
-release = shared.release
+PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class HuGuo(shared.DampedPowerCard):
     """Hu-Guo force (good for restitution above 0.4)."""
 
-
-def build(card: HuGuo, scene: Any, pair: Any) -> dict[str, Any]:
-    e = card.restitution
-    return shared.damped_law(card, scene, pair, chi=1.5 * (1.0 - e) / e if e > 0.0 else inf)
+    def chi(self) -> float:
+        e = self.restitution
+        return 1.5 * (1.0 - e) / e if e > 0.0 else inf

@@ -9,18 +9,13 @@ References: Ambrosio (2003), Eq. 17-20; Lankarani and Nikravesh (1990), J. Mech.
 369-376.
 """
 
-from typing import Any
-
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
-release = shared.release
+PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class LankaraniNikravesh(shared.DampedPowerCard):
     """Lankarani-Nikravesh force as printed in the chapter (usable for restitution above 0.9)."""
 
-
-def build(card: LankaraniNikravesh, scene: Any, pair: Any) -> dict[str, Any]:
-    return shared.damped_law(card, scene, pair, chi=0.75 * (1.0 - card.restitution**2))
+    def chi(self) -> float:
+        return 0.75 * (1.0 - self.restitution**2)

@@ -8,18 +8,13 @@ v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a 
 References: Lee and Wang (1983), J. Mech. Trans. Autom. Design 105, 534-540.
 """
 
-from typing import Any
-
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS = shared.PARAMETERS, shared.HISTORY, shared.WARNINGS
-normal_force, normal_tangent = shared.normal_force, shared.normal_tangent
-release = shared.release
+PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class LeeWang(shared.DampedPowerCard):
     """Lee-Wang force (usable for restitution above 0.9)."""
 
-
-def build(card: LeeWang, scene: Any, pair: Any) -> dict[str, Any]:
-    return shared.damped_law(card, scene, pair, chi=0.75 * (1.0 - card.restitution))
+    def chi(self) -> float:
+        return 0.75 * (1.0 - self.restitution)

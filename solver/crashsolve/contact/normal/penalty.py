@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity
-from crashsolve.foundation.compile import kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 SHARE = 0.5

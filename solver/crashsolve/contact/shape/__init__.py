@@ -1,1 +1,16 @@
 """Shapes a surface may have."""
+
+from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.roles import Shape
+
+FAMILY = Family(
+    entry="surface",
+    follows="parts",
+    law=Shape,
+    energy=(),
+    channels=None,
+    picture=None,
+    uses=(),
+    integrators=ANY,
+    section="surfaces",
+)

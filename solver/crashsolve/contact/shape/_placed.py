@@ -5,15 +5,15 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
-from crashsolve.foundation.posture import matrix
+from crashsolve.foundation.orientation import matrix
 
 
 class PlacedCard(Card):
-    """Body, centre and posture of a shape."""
+    """Body, centre and orientation of a shape."""
 
     body: BodyName = word("body the shape is fixed in", "ground")
     at: Vec3 = quantity("m", "centre, body axes", (0.0, 0.0, 0.0))
-    rotation: Rotation | None = word("posture of the shape in the body", None)
+    rotation: Rotation | None = word("orientation of the shape in the body", None)
 
 
 PLACED: dict[str, tuple[Any, ...]] = {

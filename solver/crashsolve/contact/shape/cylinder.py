@@ -7,7 +7,7 @@ import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
-from crashsolve.foundation.posture import perpendicular
+from crashsolve.foundation.orientation import perpendicular
 from crashsolve.foundation.record import Record
 
 # rounding of the rims, in shares of the lesser half size

@@ -12,7 +12,7 @@ from pydantic import model_validator
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
 from crashsolve.deck.card import FileName, Vec3, quantity, word
-from crashsolve.foundation.mesh_file import OUTLINES, MeshFileError, read_mesh_file
+from crashsolve.foundation.mesh_files.reading import OUTLINES, MeshFileError, read_mesh_file
 from crashsolve.foundation.record import Record
 
 

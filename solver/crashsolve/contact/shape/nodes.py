@@ -1,6 +1,7 @@
 """Nodes of a flexible part as points or as spheres: all but those welded to rigid bodies.
 
-Those of a shell are points of their own (`foundation/point.py`), met by `system/nodal.py`.
+Those of a shell are points of their own (`foundation/point.py`), met by
+`system/contact/node_contact.py`.
 """
 
 from typing import Any

@@ -4,9 +4,9 @@ In steps of kicks what is a damper near rest stops a slip at most, and is no sti
 length of the step; any other friction is.
 """
 
-from crashsolve.foundation.compile import stage
-from crashsolve.system import areas, contacts, work
-from crashsolve.system.scene import KICK_DRIFT_KICK
+from crashsolve.foundation.kernels import stage
+from crashsolve.system.contact import areas, touches, work
+from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
 @stage
@@ -15,17 +15,17 @@ def friction_in_point(group, clock, h, p, old, new, out, sides, n, slip, f, mass
     m, w, d_a, d_b = sides
     ease = 0.0
     if KICK_DRIFT_KICK and group.friction_damps:
-        u = contacts.ahead(old, slip, n)
-        mob_t, mob_u = contacts.pair_mobility(m, w, d_a, d_b, u)
-        ease = contacts.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
+        u = touches.ahead(old, slip, n)
+        mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
+        ease = touches.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
     slid = work.along_plane(way, n) if KICK_DRIFT_KICK else None
     t, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, f, slip, slid, n, mass, ease, curves
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
-        u = contacts.along(t, slip, n)
-        mob_t, mob_u = contacts.pair_mobility(m, w, d_a, d_b, u)
-        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)
+        u = touches.along(t, slip, n)
+        mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
+        touches.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)
     return t, power, loss
 
 
@@ -39,14 +39,14 @@ def friction_in_area(
     ease = 0.0
     glide = areas.way_of_sliding(motion, way, n, radius) if KICK_DRIFT_KICK else None
     if KICK_DRIFT_KICK and group.friction_damps:
-        u = contacts.ahead(old, slip, n)
+        u = touches.ahead(old, slip, n)
         mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
-        ease = contacts.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
+        ease = touches.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
     rub, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, f, slip, glide, areas.NO_TURN, mass, ease, curves
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
-        u = contacts.along(rub, slip, n)
+        u = touches.along(rub, slip, n)
         mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
-        contacts.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)
+        touches.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)
     return rub, glide, power, loss

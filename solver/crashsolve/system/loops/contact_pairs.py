@@ -1,14 +1,15 @@
 """Contact pairs of one group: gap, normal force and friction, on both bodies.
 
 Sides that lie on each other over an area press in its points, each with its own closing speed, and
-friction may resist a spin (system/areas.py). A pair may go on by another face than the nearest
-(system/passing.py).
+friction may resist a spin (system/contact/areas.py). A pair may go on by another face than the
+nearest (system/contact/passing.py), and one that cannot have met is left alone
+(system/contact/resting.py).
 """
 
-from crashsolve.foundation.compile import kernel, stage
-from crashsolve.system import areas, contacts, passing, work
+from crashsolve.foundation.kernels import kernel, stage
+from crashsolve.system.contact import areas, passing, resting, touches, work
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
-from crashsolve.system.scene import KICK_DRIFT_KICK
+from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
 @kernel
@@ -20,13 +21,14 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
         p, out = params[i], output[i]
         old, new = history[clock.current, i], history[1 - clock.current, i]
         a, b = group.elements_a[p.a], group.elements_b[p.b]
-        if hasattr(group.narrow, "bound"):
-            # where another pair of the card is deeper anyway, what the gap does not exceed
-            depth, n, x = group.narrow.bound(a, b, nodes, group.data), areas.NO_TURN, areas.NO_TURN
-            if depth > min(0.0, scene.cards[p.card].depth):
-                depth, n, x = group.narrow.gap(a, b, nodes, group.data)
-        else:
-            depth, n, x = group.narrow.gap(a, b, nodes, group.data)
+        m, w = nodes[a.node], nodes[b.node]
+        if KICK_DRIFT_KICK and group.rests:
+            way = resting.way_gone(p, m, w)
+            if resting.rests(h, old, new, way, scene.cards[p.card].depth):
+                new.depth = old.depth + way
+                touches.sum_losses(scene.cards[p.card], new)
+                continue
+        depth, n, x = gap(group, p, old, a, b, nodes, scene)
         if group.keeps_faces:
             held, over, stored = False, -1.0, out.stored
             if passing.is_another_face(old, depth, n, a.radius):
@@ -41,24 +43,23 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
             passing.note_face(clock, h, p, old, new, held, over, depth, n)
         elif group.has_ends:
             passing.note_way(clock, h, p, old, new, depth, n)
-        m, w = nodes[a.node], nodes[b.node]
         motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
         if KICK_DRIFT_KICK and group.resists_spin:
-            rubbed = areas.end_first_half(h, old, motion, m, counts[p.card])
+            friction_loss = areas.end_first_half(h, old, motion, m, counts[p.card])
         elif KICK_DRIFT_KICK and group.friction:
-            rubbed = work.end_first_half(h, old, motion, m, counts[p.card])
+            friction_loss = work.end_first_half(h, old, motion, m, counts[p.card])
         elif KICK_DRIFT_KICK:
             work.end_push(h, old, motion, m, counts[p.card])
         if depth <= 0.0:
-            contacts.separate(clock, old, new, out, depth, x)
+            touches.separate(clock, old, new, out, depth, x)
             group.normal.release(p, old, new)
             if group.keeps_faces:
                 new.dissipated += passing.given_up(clock, h, old, n, stored)
             if group.friction:
                 group.friction.release(p, old, new)
             if group.friction and KICK_DRIFT_KICK:
-                work.part_pair(old, new, rubbed)
-            contacts.sum_losses(scene.cards[p.card], new)
+                work.part_pair(old, new, friction_loss)
+            touches.sum_losses(scene.cards[p.card], new)
             continue
         press(
             group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, nodes, curves, scene
@@ -66,16 +67,31 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
         if group.keeps_faces and old.held == 1 and not held:
             # it leaves its own face sideways, deep within
             new.dissipated += max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)
-        contacts.sum_losses(scene.cards[p.card], new)
+        touches.sum_losses(scene.cards[p.card], new)
+
+
+@stage
+def gap(group, p, old, a, b, nodes, scene):
+    """Depth, normal and place of a pair.
+
+    Of one apart, where another of the card is deeper anyway, only what the depth does not exceed.
+    """
+    if hasattr(group.narrow, "bound") and old.active == 0:
+        depth = group.narrow.bound(a, b, nodes, group.data)
+        if depth <= min(0.0, scene.cards[p.card].depth):
+            return depth, areas.NO_TURN, areas.NO_TURN
+    return group.narrow.gap(a, b, nodes, group.data)
 
 
 @stage
 def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, nodes, curves, scene):
     """Forces of one pair in touch. Writes: nodes, scene.cards, output, new history."""
     counts = scene.card_history[1 - clock.current]
-    rate, slip, d_a, d_b = contacts.closing(m, w, x, n)
-    contacts.latch(p, old, new, depth, rate, counts)
-    mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)
+    rate, slip, d_a, d_b = touches.closing(m, w, x, n)
+    touches.latch(p, old, new, depth, rate, counts)
+    if group.has_ends and not group.keeps_faces:
+        counts[p.card].peak_share = max(counts[p.card].peak_share, depth / p.thick)
+    mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
     mass = 1.0 / (mob_a + mob_b)
     if group.is_flat:
         count, radius = group.narrow.patch(a, b, nodes, group.data, n, x)
@@ -93,7 +109,7 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
         spots = group.data[0]
         f, more, x = areas.press(m, w, spots, count, n, x, felt, f, rate, c_now, k, c)
         power += more
-        _, slip, d_a, d_b = contacts.closing(m, w, x, n)
+        _, slip, d_a, d_b = touches.closing(m, w, x, n)
     elif group.has_shares:
         # what the law returns is for the whole surface, of which this is one element
         f, out.stored, power = a.share * f, a.share * out.stored, a.share * power
@@ -112,16 +128,16 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
             group, clock, h, p, old, new, out, sides, n, slip, f, mass, way, curves
         )
     if group.is_flat:
-        contacts.touch(m, w, d_a, d_b, felt, 0.0, t, n, x, out)
+        touches.touch(m, w, d_a, d_b, felt, 0.0, t, n, x, out)
         areas.add_pressure(f, n, out)
     else:
         felt = share_of_step(clock, h, old, depth, rate)
-        contacts.touch(m, w, d_a, d_b, felt, f, t, n, x, out)
-        contacts.count_stiffness(m, w, mob_a, mob_b, k, c)
+        touches.touch(m, w, d_a, d_b, felt, f, t, n, x, out)
+        touches.count_stiffness(m, w, mob_a, mob_b, k, c)
     if group.resists_spin:
         areas.twist(m, w, rub, n, radius, felt)
-    contacts.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)
-    contacts.sum_card(scene.cards[p.card], counts[p.card], p.order, felt, f, t, new, out)
+    touches.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)
+    touches.sum_card(scene.cards[p.card], counts[p.card], p.order, felt, f, t, new, out)
     if KICK_DRIFT_KICK and group.resists_spin:
         areas.begin_second_half(felt, way, glide, f, rub, n, x, radius, out, new, counts[p.card])
     elif KICK_DRIFT_KICK and group.friction:
@@ -134,5 +150,5 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
 def share_of_step(clock, h, old, depth, rate):
     """How much of the force of a pair counts in the step in which it begins to touch."""
     if KICK_DRIFT_KICK:
-        return contacts.share_felt(old, depth, rate, h)
-    return contacts.begun_before(clock, old, h)
+        return touches.share_felt(old, depth, rate, h)
+    return touches.begun_before(clock, old, h)

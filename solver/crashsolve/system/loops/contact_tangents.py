@@ -1,9 +1,9 @@
 """Tangents of the contact pairs of one group: of the normal force, of tilting, of friction."""
 
-from crashsolve.foundation.compile import stage
+from crashsolve.foundation.kernels import stage
 from crashsolve.foundation.motion import no_tangent, point_tangent
 from crashsolve.foundation.vec3 import cross
-from crashsolve.system import areas, contacts
+from crashsolve.system.contact import areas, touches
 
 
 @stage
@@ -22,8 +22,8 @@ def contact_tangents(group, first, clock, nodes, curves, compliant, scene):
             depth, n, x, _ = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
         depth = max(depth, 0.0)
         m, w = nodes[a.node], nodes[b.node]
-        rate, slip, d_a, d_b = contacts.closing(m, w, x, n)
-        mob_a, mob_b = contacts.pair_mobility(m, w, d_a, d_b, n)
+        rate, slip, d_a, d_b = touches.closing(m, w, x, n)
+        mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
         mass = 1.0 / (mob_a + mob_b)
         k, c = group.normal.normal_tangent(p, old, depth, rate, mass, curves)
         if group.has_shares:
@@ -49,13 +49,13 @@ def contact_tangents(group, first, clock, nodes, curves, compliant, scene):
             row = at + 3 if group.is_flat else at + 1
             slip = areas.sliding(m, w, slip, n, radius)
             c, c_across = group.friction.friction_tangent(p, f, slip)
-            u = contacts.along((0.0, 0.0, 0.0), slip, n)
+            u = touches.along((0.0, 0.0, 0.0), slip, n)
             u_1, u_2 = areas.tangents(u)
             areas.rub_tangent(compliant[row], u, n, radius, d_a, d_b, c)
             areas.rub_tangent(compliant[row + 1], u_1, n, radius, d_a, d_b, c_across)
             areas.rub_tangent(compliant[row + 2], u_2, n, radius, d_a, d_b, c_across)
         elif group.friction:
             c, c_across = group.friction.friction_tangent(p, f, slip)
-            u = contacts.along((0.0, 0.0, 0.0), slip, n)
+            u = touches.along((0.0, 0.0, 0.0), slip, n)
             point_tangent(compliant[at + 1], u, d_a, d_b, 0.0, c)
             point_tangent(compliant[at + 2], cross(n, u), d_a, d_b, 0.0, c_across)

@@ -3,30 +3,32 @@
 Implicit methods move points with the nodes, and ask for forces and tangents alone.
 """
 
-from crashsolve.foundation.compile import entry, kernel, stage
-from crashsolve.system import crew, points, stiffness
-from crashsolve.system.scene import ASSEMBLED, ELEMENT_LOADS, ELEMENTS, TWO_THREADS
+from crashsolve.foundation.kernels import entry, kernel, stage
+from crashsolve.system import points
+from crashsolve.system.implicit import stiffness
+from crashsolve.system.placeholders import ASSEMBLED, ELEMENT_LOADS, ELEMENTS, TWO_THREADS
+from crashsolve.system.threads import worker
 
 
 @stage
 def move_elements(clock, h, nodes, scene):
     """Motion of the points, and forces of the elements between them. Writes: scene.points."""
     if ASSEMBLED:
-        points.carry(h, nodes, scene.points, scene.riders)
+        points.carry(h, nodes, scene.points, scene.attached_points)
         elements(clock, h, scene)
     elif TWO_THREADS:
-        crew.call(crew.OPEN, h, scene)
+        worker.call(worker.OPEN, h, scene)
         open_share(clock, h, scene)
-        crew.wait_for_second(scene)
-        points.carry(h, nodes, scene.points, scene.riders)
+        worker.wait_for_second(scene)
+        points.carry(h, nodes, scene.points, scene.attached_points)
         clock.element_rate = 0.0
-        crew.call(crew.DEFORM, h, scene)
+        worker.call(worker.DEFORM, h, scene)
         deform_share(clock, h, scene)
-        crew.wait_for_second(scene)
-        crew.take_back(clock, scene)
+        worker.wait_for_second(scene)
+        worker.take_back(clock, scene)
     else:
         open_points(clock, h, scene)
-        points.carry(h, nodes, scene.points, scene.riders)
+        points.carry(h, nodes, scene.points, scene.attached_points)
         clock.element_rate = 0.0
         deform(clock, h, scene)
 
@@ -36,16 +38,16 @@ def move_points(clock, h, nodes, scene):
     """What the points end a force pass with. Writes: scene.points, nodes."""
     if ASSEMBLED:
         points.hold_riders(nodes, scene.points)
-        points.unload(clock, nodes, scene.points, scene.riders)
+        points.unload(clock, nodes, scene.points, scene.attached_points)
     elif TWO_THREADS:
-        points.unload(clock, nodes, scene.points, scene.riders)
-        crew.hold_all(nodes, scene)
-        crew.call(crew.CLOSE, h, scene)
+        points.unload(clock, nodes, scene.points, scene.attached_points)
+        worker.hold_all(nodes, scene)
+        worker.call(worker.CLOSE, h, scene)
         close_share(clock, h, nodes, scene)
-        crew.wait_for_second(scene)
-        crew.keep_faster(clock, scene)
+        worker.wait_for_second(scene)
+        worker.keep_faster(clock, scene)
     else:
-        points.unload(clock, nodes, scene.points, scene.riders)
+        points.unload(clock, nodes, scene.points, scene.attached_points)
         close_points(clock, h, nodes, scene)
 
 
@@ -79,8 +81,10 @@ def deform(clock, h, scene):
     for group in ELEMENTS:
         p = group.share if TWO_THREADS else group.parameters
         for i in range(p.shape[0]):
-            for kind in group.kinds:
-                kind.deform(p[i], clock, h, scene)
+            for number, material in group.materials:
+                if p[i].law == number:
+                    for kind in group.kinds:
+                        kind.deform(p[i], clock, h, scene, material)
 
 
 @stage
@@ -124,20 +128,20 @@ def assist(until, sampling, scene):
     """Loop of the second thread: the jobs that the first calls it for."""
     clock, nodes, called = scene.clock[0], scene.nodes, 0
     while True:
-        called = crew.wait(scene.turns, crew.CALLED, called)
-        if called == crew.HOME:
+        called = worker.wait(scene.turns, worker.CALLED, called)
+        if called == worker.HOME:
             return
         job = scene.job[0]
-        if job.number == crew.OPEN:
+        if job.number == worker.OPEN:
             open_share(clock, job.h, scene)
-        elif ELEMENT_LOADS and job.number == crew.LOAD:
-            crew.lend(scene)
+        elif ELEMENT_LOADS and job.number == worker.LOAD:
+            worker.lend(scene)
             load_share(job, scene)
-        elif job.number == crew.DEFORM:
+        elif job.number == worker.DEFORM:
             clock.element_rate = 0.0
-            crew.lend(scene)
+            worker.lend(scene)
             deform_share(clock, job.h, scene)
         else:
             clock.element_rate = 0.0
             close_share(clock, job.h, nodes, scene)
-        crew.store_release(scene.turns, crew.DONE, called)
+        worker.store_release(scene.turns, worker.DONE, called)

@@ -1,6 +1,6 @@
 """Energies of the present state, entry by entry of the ledger (model/ledger.py)."""
 
-from crashsolve.foundation.compile import kernel, stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.model.ledger import (
     CONTACT_DISSIPATED,
     CONTACT_STORED,
@@ -18,7 +18,7 @@ from crashsolve.model.ledger import (
 from crashsolve.system import points
 from crashsolve.system.energy import clear_ledger, close_ledger
 from crashsolve.system.kinetics import kinetic_energy
-from crashsolve.system.scene import (
+from crashsolve.system.placeholders import (
     ASSEMBLED,
     CONTACTS,
     DENSE,
@@ -68,8 +68,10 @@ def add_elements(clock, scene, ledger):
         for i in range(group.output.shape[0]):
             o, new = group.output[i], group.history[clock.current, i]
             group.law.energies(group.parameters[i], new, o, scene)
-            for kind in group.kinds:
-                kind.add_energies(group.parameters[i], o, scene)
+            for number, material in group.materials:
+                if group.parameters[i].law == number:
+                    for kind in group.kinds:
+                        kind.add_energies(group.parameters[i], o, scene, material)
             if not ASSEMBLED:
                 # points of implicit steps are bodies
                 ledger[KINETIC] += o.kinetic
@@ -102,11 +104,11 @@ def add_contacts(clock, scene, ledger):
 def add_nodal_contacts(scene, ledger):
     """What contacts of the nodes of shells hold, and have lost. Writes: ledger."""
     for group in NODAL:
-        ledger[CONTACT_STORED] += group.tally[0].stored
-        ledger[CONTACT_DISSIPATED] += group.tally[0].dissipated
+        ledger[CONTACT_STORED] += group.totals[0].stored
+        ledger[CONTACT_DISSIPATED] += group.totals[0].dissipated
         if group.friction:
-            ledger[FRICTION_STORED] += group.tally[0].bristled
-            ledger[FRICTION_DISSIPATED] += group.tally[0].rubbed
+            ledger[FRICTION_STORED] += group.totals[0].bristled
+            ledger[FRICTION_DISSIPATED] += group.totals[0].friction_loss
 
 
 @kernel

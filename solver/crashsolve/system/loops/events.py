@@ -1,15 +1,16 @@
 """What begins within a step: onsets of contact, branches of laws, lists of pairs to renew."""
 
-from crashsolve.foundation.compile import kernel
-from crashsolve.system import areas, contacts, faces, nodal
-from crashsolve.system.scene import BRANCHES, CONTACTS, KICK_DRIFT_KICK, NODAL, SLIDING
+from crashsolve.foundation.kernels import kernel, stage
+from crashsolve.system.contact import areas, node_contact, projection, resting, touches
+from crashsolve.system.placeholders import BRANCHES, CONTACTS, KICK_DRIFT_KICK, NODAL, SLIDING
 
 
 @kernel
-def approach(current, nodes, scene):
+def approach(current, nodes, scene, floor):
     """Largest depth of what did not touch at the start of the step [m]; negative is a gap.
 
-    Where ends of contacts are located too: and largest gap of what did touch.
+    Where ends of contacts are located too: and largest gap of what did touch. What is not above
+    `floor` need not be known.
     """
     deepest = -1e300
     for group in CONTACTS:
@@ -22,8 +23,12 @@ def approach(current, nodes, scene):
                 deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
             elif history[current, i].active == 0:
                 a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
+                if group.rests:
+                    way = resting.way_gone(params[i], nodes[a.node], nodes[b.node])
+                    if history[current, i].depth + way <= max(deepest, floor):
+                        continue
                 if hasattr(group.narrow, "bound"):
-                    if group.narrow.bound(a, b, nodes, group.data) > deepest:
+                    if group.narrow.bound(a, b, nodes, group.data) > max(deepest, floor):
                         depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
                         deepest = max(deepest, depth)
                 else:
@@ -66,7 +71,7 @@ def beyond(current, h, nodes, curves, scene):
                 if pairs.keeps_faces and old.held == 1:
                     depth, n, x, _ = pairs.narrow.gap_by(a, b, nodes, pairs.data, old.normal)
                 if depth > 0.0:
-                    _, slip, _, _ = contacts.closing(nodes[a.node], nodes[b.node], x, n)
+                    _, slip, _, _ = touches.closing(nodes[a.node], nodes[b.node], x, n)
                     if pairs.is_flat:
                         count, radius = pairs.narrow.patch(a, b, nodes, pairs.data, n, x)
                         if pairs.has_radius:
@@ -75,7 +80,7 @@ def beyond(current, h, nodes, curves, scene):
                         radius = p.torsion_radius
                     if pairs.resists_spin:
                         slip = areas.sliding(nodes[a.node], nodes[b.node], slip, n, radius)
-                    past = h * pairs.friction.regime_left(p, old, slip)
+                    past = h * pairs.friction.regime_left(p, old, slip)  # type: ignore[union-attr]
                     farthest = max(farthest, past)
     return farthest
 
@@ -85,20 +90,36 @@ def need_rebuild(clock, nodes, scene):
     """Whether the next step might touch a pair that is not in the list. Writes: clock.next_step."""
     stale = False
     for probes in NODAL:
-        nodal.hold_back(clock, probes.p[0], probes.tally[0])
+        node_contact.hold_back(clock, probes.p[0], probes.totals[0])
         if probes.narrow is None:
-            stale |= faces.is_crowded(probes.p[0], probes.tally[0])
+            stale |= projection.is_crowded(probes.p[0], probes.totals[0])
     for group in CONTACTS:
         if group.search is not None:
-            stale |= contacts.strayed(clock, group.elements_a, nodes, group.seen_a, group.slack[0])
-            stale |= contacts.strayed(clock, group.elements_b, nodes, group.seen_b, group.slack[0])
+            stale |= touches.strayed(clock, group.elements_a, nodes, group.seen_a, group.slack[0])
+            stale |= touches.strayed(clock, group.elements_b, nodes, group.seen_b, group.slack[0])
         elif group.looks_ahead:
-            contacts.hold_back(
-                clock,
-                group.parameters,
-                group.history,
-                group.elements_a,
-                group.elements_b,
-                nodes,
-            )
+            hold_back(group, clock, nodes, scene)
     return stale
+
+
+@stage
+def hold_back(group, clock, nodes, scene):
+    """Cut the next step so that no two sides pass through or by each other between two looks.
+
+    A step brings them at most a share of their thickness nearer than touching.
+    Writes: clock.next_step.
+    """
+    params, history = group.parameters, group.history
+    for i in range(params.shape[0]):
+        p, now = params[i], history[clock.current, i]
+        if now.active == 1:
+            continue
+        a, b = group.elements_a[p.a], group.elements_b[p.b]
+        speed = touches.closing_at_most(p, a, b, nodes)
+        way = touches.SEEN * p.thick - now.depth
+        if group.rests and speed * clock.next_step > way:
+            # what is kept is no more than a bound
+            depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+            way = touches.SEEN * p.thick - depth
+        if speed * clock.next_step > way:
+            clock.next_step = way / speed

@@ -3,15 +3,16 @@
 The order is fixed: what elements and nodes of shells do stands before what needs it.
 """
 
-from crashsolve.foundation.compile import kernel, stage
-from crashsolve.system import contact_times, contacts, crew, nodal, rubbing, slaves
+from crashsolve.foundation.kernels import kernel, stage
+from crashsolve.system import attachments
+from crashsolve.system.contact import node_contact, resting, surface_friction, times, touches
 from crashsolve.system.energy import lose
 from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
 from crashsolve.system.loops.node_to_shape import node_to_shape
 from crashsolve.system.loops.node_to_surface import node_to_surface
 from crashsolve.system.loops.unilateral import find_touching
-from crashsolve.system.scene import (
+from crashsolve.system.placeholders import (
     ASSEMBLED,
     ATTACHMENTS,
     CONTACTS,
@@ -23,15 +24,19 @@ from crashsolve.system.scene import (
     NODAL,
     NODAL_DAMPERS,
     PAIR_DAMPERS,
+    RESTING,
     TWO_THREADS,
 )
+from crashsolve.system.threads import worker
 
 
 @kernel
 def force_pass(clock, time, h, nodes, rows, curves, scene):
     """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
     if ATTACHMENTS:
-        slaves.carry(scene.slaves, nodes)
+        attachments.carry(scene.attached_nodes, nodes)
+        if RESTING and h > 0.0:
+            resting.note_motion(nodes)
     if ELEMENTS:
         move_elements(clock, h, nodes, scene)
     apply_laws(clock, time, h, nodes, rows, curves, scene)
@@ -43,9 +48,9 @@ def force_pass(clock, time, h, nodes, rows, curves, scene):
             clock.element_rate = 0.0
         move_points(clock, h, nodes, scene)
     if NODAL:
-        nodal.hasten(clock, scene)
+        node_contact.hasten(clock, scene)
     if ATTACHMENTS:
-        slaves.collect(scene.slaves, nodes)
+        attachments.collect(scene.attached_nodes, nodes)
 
 
 @stage
@@ -55,7 +60,14 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
         p, history, out = group.parameters, group.history, group.output
         for i in range(p.shape[0]):
             old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]
-            group.law.force(p[i], old, new, o, time, h, nodes, rows, curves)
+            if group.materials:
+                for number, material in group.materials:
+                    if p[i].law == number:
+                        group.fibre_law.force(
+                            p[i], old, new, o, time, h, nodes, rows, curves, material
+                        )
+            else:
+                group.law.force(p[i], old, new, o, time, h, nodes, rows, curves)
             if ELEMENTS and hasattr(group.law, "force_on_points"):
                 if group.members is None:
                     group.law.force_on_points(p[i], old, new, o, time, h, nodes, curves, scene)
@@ -65,10 +77,10 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                     )
             if hasattr(group.law, "load_half"):
                 if TWO_THREADS:
-                    crew.call_for_load(i, clock.current, h, scene)
+                    worker.call_for_load(i, clock.current, h, scene)
                     group.law.load_half(p[i], 0, old, o, h, scene)
-                    crew.wait_for_second(scene)
-                    crew.take_back(clock, scene)
+                    worker.wait_for_second(scene)
+                    worker.take_back(clock, scene)
                     group.law.add_up(o, h, nodes, scene.work)
                     group.law.add_up(o, h, nodes, scene.second_work)
                 else:
@@ -89,30 +101,30 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
 @stage
 def apply_contacts(clock, time, h, nodes, curves, scene):
     """Forces of all contacts. Writes: nodes, scene.cards, outputs, new histories."""
-    contacts.open_cards(scene.cards)
-    contacts.carry_onsets(clock.current, scene.card_history)
+    touches.open_cards(scene.cards)
+    touches.carry_onsets(clock.current, scene.card_history)
     if KICK_DRIFT_KICK and PAIR_DAMPERS:
-        contacts.open_rubbing(nodes)
+        touches.open_rubbing(nodes)
     for group in CONTACTS:
-        if group.captures:
+        if group.is_unilateral:
             find_touching(group, clock, h, nodes, scene)
         else:
             contact_pairs(group, clock, h, nodes, curves, scene)
     if NODAL:
         apply_nodal_contacts(clock, h, nodes, curves, scene)
-    contacts.close_cards(clock, scene.cards, scene.card_history)
-    contact_times.time_cards(time, h, clock, scene.cards, scene.card_history)
+    touches.close_cards(clock, scene.cards, scene.card_history)
+    times.time_cards(time, h, clock, scene.cards, scene.card_history)
 
 
 @stage
 def apply_nodal_contacts(clock, h, nodes, curves, scene):
     """Forces of contacts of the nodes of shells. Writes: as above, scene.points."""
     if NODAL_DAMPERS:
-        rubbing.open_rubbing(h, scene)
-    nodal.open_loads(scene)
+        surface_friction.open_rubbing(h, scene)
+    node_contact.open_loads(scene)
     for group in NODAL:
         if group.narrow is None:
             node_to_surface(group, clock, h, nodes, curves, scene)
         else:
             node_to_shape(group, clock, h, nodes, curves, scene)
-    nodal.close_loads(scene)
+    node_contact.close_loads(scene)

@@ -1,7 +1,7 @@
 """Constraints: residuals, Jacobians and convective terms of all joints."""
 
-from crashsolve.foundation.compile import kernel
-from crashsolve.system.scene import JOINTS
+from crashsolve.foundation.kernels import kernel
+from crashsolve.system.placeholders import JOINTS
 
 
 @kernel

@@ -1,15 +1,23 @@
 """Nodes of shells, balls and ellipsoids on the faces of a shell: the probes of one group."""
 
-from crashsolve.foundation.compile import kernel, stage
-from crashsolve.system import contacts, ellipsoids, faces, nodal, normals, rubbing, work
+from crashsolve.foundation.kernels import kernel, stage
+from crashsolve.system.contact import (
+    ellipsoids,
+    node_contact,
+    normals,
+    projection,
+    surface_friction,
+    touches,
+    work,
+)
 from crashsolve.system.loops.surface_friction import friction_on_face
 
 
 @kernel
 def node_to_surface(group, clock, h, nodes, curves, scene):
-    """Forces of all probes of a group. Writes: scene.points, cards, loads, slots, nodes."""
-    p, tally, probes = group.p[0], group.tally[0], group.probes
-    slots, turns, found = group.slots, group.turns, group.found
+    """Forces of all probes of a group. Writes: scene.points, cards, loads, probe_states, nodes."""
+    p, totals, probes = group.p[0], group.totals[0], group.probes
+    probe_states, turns, found = group.probe_states, group.turns, group.found
     points, corners, due = scene.points, scene.corners, group.due
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     count = counts[p.card]
@@ -18,27 +26,27 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
     gone = group.gone
     mesh = (points, corners, group.beside, group.around_first, group.around, gone)
     spared = (group.spared_first, group.spared)
-    faces.open_faces(h, p, tally, probes, nodes, scene, grid, lists, spared)
+    projection.open_faces(h, p, totals, probes, nodes, scene, grid, lists, spared)
     if group.can_fail:
-        faces.bury(p, scene.lanes, gone)
+        projection.bury(p, scene.lanes, gone)
     for i in range(probes.shape[0]):
-        if due[i] > tally.way:
+        if due[i] > totals.way:
             continue
         if group.is_round:
             probe, ellipsoid = group.balls[i], group.ellipsoids[i]
-            ellipsoids.look(i, p, tally, ellipsoid, nodes, slots, turns, mesh, lists, found)
+            ellipsoids.look(i, p, totals, ellipsoid, nodes, probe_states, turns, mesh, lists, found)
             if group.is_smooth:
                 x, pen = ellipsoids.pen_of(ellipsoid, nodes)
                 normals.smoothen(i, x, pen, p, mesh, spared, found)
         else:
             probe = probes[i]
-            x, v = nodal.where(probe, h, nodes, points)
-            faces.look(i, x, p, tally, slots, turns, mesh, lists, found)
+            x, v = node_contact.where(probe, h, nodes, points)
+            projection.look(i, x, p, totals, probe_states, turns, mesh, lists, found)
             if group.is_smooth:
                 normals.smoothen(i, x, None, p, mesh, spared, found)
         for s in range(2):
             j = 2 * i + s
-            hit, old, new = found[s], slots[turns[j], j], slots[1 - turns[j], j]
+            hit, old, new = found[s], probe_states[turns[j], j], probe_states[1 - turns[j], j]
             past = (0.0, 0.0, 0.0)
             if old.active == 1:
                 past = work.way_over_face(p, probe, old, True, h, nodes, points, corners)
@@ -50,49 +58,49 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
             if group.is_round:
                 v = ellipsoids.roll(probe, p, hit, nodes, points, corners)
             press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves, scene)
-            nodal.take_turn(h, turns, j)
-    nodal.close_pass(tally, card, count)
+            node_contact.take_turn(h, turns, j)
+    node_contact.close_pass(totals, card, count)
 
 
 @stage
 def leave_face(group, clock, h, j, old, new, past, mesh, count, scene):
-    """A probe leaves a face. Writes: tally, slots, count."""
-    p, tally = group.p[0], group.tally[0]
+    """A probe leaves a face. Writes: totals, probe_states, count."""
+    p, totals = group.p[0], group.totals[0]
     if group.can_fail:
-        faces.let_go(h, tally, old, 0.0, group.gone)
-    faces.note_lost(clock, h, p, tally, old, mesh)
-    nodal.leave(clock, h, tally, group.turns, j, old, new)
+        projection.let_go(h, totals, old, 0.0, group.gone)
+    projection.note_lost(clock, h, p, totals, old, mesh)
+    node_contact.leave(clock, h, totals, group.turns, j, old, new)
     group.normal.release(p, old, new)
     if group.friction:
-        rubbing.leave(h, tally, past, old, new, count)
+        surface_friction.leave(h, totals, past, old, new, count)
         group.friction.release(p, old, new)
 
 
 @stage
 def press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves, scene):
-    """Forces of one probe on one face. Writes: scene.points, cards, loads, slots, nodes."""
-    p, tally = group.p[0], group.tally[0]
+    """Forces of one probe on one face. Writes: scene.points, cards, loads, probe_states, nodes."""
+    p, totals = group.p[0], group.totals[0]
     points, corners = scene.points, scene.corners
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     count = counts[p.card]
-    mob = nodal.mobility_of(probe, hit, nodes, points)
-    mob_face, w = faces.face_mobility(p, hit, points, corners)
-    w += nodal.probe_foretells(probe, hit, points)
-    mass = 1.0 / max(mob + mob_face, nodal.STUCK)
-    u = faces.face_velocity(p, hit, h, points, corners)
-    rate = nodal.closing(v, u, hit, h, old, w)
-    contacts.latch(p, old, new, hit.depth, rate, counts)
+    mob = node_contact.mobility_of(probe, hit, nodes, points)
+    mob_face, w = projection.face_mobility(p, hit, points, corners)
+    w += node_contact.probe_foretells(probe, hit, points)
+    mass = 1.0 / max(mob + mob_face, node_contact.STUCK)
+    u = projection.face_velocity(p, hit, h, points, corners)
+    rate = node_contact.closing(v, u, hit, h, old, w)
+    touches.latch(p, old, new, hit.depth, rate, counts)
     f, stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, hit.depth, rate, mass, curves
     )
     way = work.way_over_face(p, probe, hit, False, h, nodes, points, corners)
     if group.can_fail:
-        faces.let_go(h, tally, old, stored, group.gone)
+        projection.let_go(h, totals, old, stored, group.gone)
     if group.friction:
         friction_on_face(
             group, clock, h, probe, v, old, new, hit, past, way, f, mass, nodes, curves, scene
         )
-    nodal.push_probe(probe, f, k, c, hit, nodes, scene)
-    faces.push_face(p, hit, f, k, c, scene)
-    nodal.note(clock, h, p, tally, card, f, stored, power, loss, old, new, hit)
+    node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
+    projection.push_face(p, hit, f, k, c, scene)
+    node_contact.note(clock, h, p, totals, card, f, stored, power, loss, old, new, hit)
     work.push_along(new, way, count)

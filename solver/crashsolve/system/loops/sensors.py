@@ -1,9 +1,9 @@
 """Readings of all sensors at a sample."""
 
-from crashsolve.foundation.compile import kernel, stage
-from crashsolve.parts import _cut
+from crashsolve.foundation.kernels import kernel, stage
+from crashsolve.parts.shells import section_cut
 from crashsolve.system import points
-from crashsolve.system.scene import CUTS, ELEMENTS, SENSORS
+from crashsolve.system.placeholders import CUTS, ELEMENTS, SENSORS
 
 
 @kernel
@@ -22,15 +22,18 @@ def measure(time, nodes, rows, curves, scene):
 @stage
 def cut_elements(scene):
     """Blocks of the elements of sections once more, one after the other. Writes: scene.cuts."""
-    _cut.open_cuts(scene)
+    section_cut.open_cuts(scene)
     before = -1
     for k in range(scene.taps.shape[0]):
         tap = scene.taps[k]
         if tap.first != before:
             for group in ELEMENTS:
-                for number, kind in group.numbered_kinds:
-                    if tap.kind == number:
-                        kind.respond(group.parameters[tap.part], 0.0, tap.first, tap.corner, scene)
+                p = group.parameters[tap.part]
+                for law, material in group.materials:
+                    if p.law == law:
+                        for number, kind in group.numbered_kinds:
+                            if tap.kind == number:
+                                kind.respond(p, 0.0, tap.first, tap.corner, scene, material)
         before = tap.first
-        _cut.add_tap(tap, scene)
-    _cut.close_cuts(scene)
+        section_cut.add_tap(tap, scene)
+    section_cut.close_cuts(scene)

@@ -1,9 +1,9 @@
 """Tangents of laws and elements, for implicit methods."""
 
-from crashsolve.foundation.compile import kernel, stage
-from crashsolve.system import assembled, stiffness
+from crashsolve.foundation.kernels import kernel, stage
+from crashsolve.system.implicit import global_matrix, stiffness
 from crashsolve.system.loops.contact_tangents import contact_tangents
-from crashsolve.system.scene import ELEMENTS, TANGENT_CONTACTS, TANGENTS
+from crashsolve.system.placeholders import ELEMENTS, TANGENT_CONTACTS, TANGENTS
 
 
 @kernel
@@ -14,7 +14,13 @@ def tangents(clock, nodes, curves, compliant, scene):
         first = scene.tangents[k].first
         for i in range(p.shape[0]):
             at = first + group.law.TANGENTS * i
-            group.law.tangent(p[i], history[clock.current, i], nodes, curves, compliant, at)
+            old = history[clock.current, i]
+            if group.materials:
+                for number, material in group.materials:
+                    if p[i].law == number:
+                        group.fibre_law.tangent(p[i], old, nodes, curves, compliant, at, material)
+            else:
+                group.law.tangent(p[i], old, nodes, curves, compliant, at)
     for k, pairs in enumerate(TANGENT_CONTACTS, len(TANGENTS)):
         first = scene.tangents[k].first
         contact_tangents(pairs, first, clock, nodes, curves, compliant, scene)
@@ -23,7 +29,7 @@ def tangents(clock, nodes, curves, compliant, scene):
 @kernel
 def bend(h, clock, nodes, curves, matrix, scene):
     """Tangents of shells after a step of h; what turns forces of beams, springs. Writes: matrix."""
-    assembled.open_blocks(nodes, matrix)
+    global_matrix.open_blocks(nodes, matrix)
     if ELEMENTS:
         stiffen_elements(h, nodes, matrix, scene)
     for k, group in enumerate(TANGENTS):
@@ -33,7 +39,14 @@ def bend(h, clock, nodes, curves, matrix, scene):
             for i in range(p.shape[0]):
                 place = matrix.pairs[first + group.law.TANGENTS * i]
                 old = history[clock.current, i]
-                group.law.bend(p[i], old, nodes, curves, place, matrix.blocks)
+                if group.materials:
+                    for number, material in group.materials:
+                        if p[i].law == number:
+                            group.fibre_law.bend(
+                                p[i], old, nodes, curves, place, matrix.blocks, material
+                            )
+                else:
+                    group.law.bend(p[i], old, nodes, curves, place, matrix.blocks)
         if hasattr(group.law, "turn_force"):
             p, out = group.parameters, group.output
             first = scene.tangents[k].first
@@ -50,8 +63,10 @@ def stiffen_elements(h, nodes, matrix, scene):
     for group in ELEMENTS:
         p = group.parameters
         for i in range(p.shape[0]):
-            for kind in group.tangent_kinds:
-                kind.tangent(p[i], h, scene, matrix)
+            for number, material in group.materials:
+                if p[i].law == number:
+                    for kind in group.tangent_kinds:
+                        kind.tangent(p[i], h, scene, matrix, material)
 
 
 @kernel
@@ -59,5 +74,5 @@ def renew(h, clock, nodes, rows, curves, compliant, matrix, t, tt, scene):
     """All tangents and the factor, at the present place. Writes: matrix, compliant."""
     tangents(clock, nodes, curves, compliant, scene)
     bend(h, clock, nodes, curves, matrix, scene)
-    assembled.linearise(rows, compliant, nodes, t, tt)
-    assembled.factor_compliant(matrix, compliant, rows.shape[0], tt, t)
+    global_matrix.linearise(rows, compliant, nodes, t, tt)
+    global_matrix.factor_compliant(matrix, compliant, rows.shape[0], tt, t)

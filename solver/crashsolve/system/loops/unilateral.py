@@ -1,9 +1,12 @@
-"""Unilateral constraints: impulses on what touches, in both halves of a step (captures.py)."""
+"""Unilateral constraints: impulses on what touches, in both halves of a step.
 
-from crashsolve.foundation.compile import kernel, stage
+See system/contact/unilateral.py.
+"""
+
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.model.clock import UNHELD
-from crashsolve.system import captures, contact_times
-from crashsolve.system.scene import UNILATERAL
+from crashsolve.system.contact import times, unilateral
+from crashsolve.system.placeholders import UNILATERAL
 
 
 @kernel
@@ -15,16 +18,16 @@ def find_touching(group, clock, h, nodes, scene):
         a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
         depth, n, x = group.narrow.gap(a, b, nodes, group.data)
         m, w = nodes[a.node], nodes[b.node]
-        captures.look(clock, h, old, new, output[i], m, w, depth, n, x)
+        unilateral.look(clock, h, old, new, output[i], m, w, depth, n, x)
 
 
 @stage
 def sweep(is_half, is_blow, clock, nodes, scene):
     """Sweeps over the pairs of all groups until their impulses agree. Writes: histories, nodes."""
-    for _ in range(captures.SWEEPS):
+    for _ in range(unilateral.SWEEPS):
         change, most = 0.0, 0.0
         for group in UNILATERAL:
-            change, most = captures.sweep(
+            change, most = unilateral.sweep(
                 is_half,
                 is_blow,
                 clock.current,
@@ -35,7 +38,7 @@ def sweep(is_half, is_blow, clock, nodes, scene):
                 change,
                 most,
             )
-        if change <= captures.SETTLED * most:
+        if change <= unilateral.SETTLED * most:
             break
 
 
@@ -43,28 +46,28 @@ def sweep(is_half, is_blow, clock, nodes, scene):
 def hold(h, clock, control, nodes, scene):
     """Impulses in the first half of a step on what is held. Writes: nodes, new histories."""
     for group in UNILATERAL:
-        captures.forget(clock.current, group.history)
+        unilateral.forget(clock.current, group.history)
     worst = 0.0
-    for _ in range(captures.PASSES):
+    for _ in range(unilateral.PASSES):
         sweep(True, False, clock, nodes, scene)
         worst = 0.0
         for group in UNILATERAL:
             params, history = group.parameters, group.history
             sides = (group.elements_a, group.elements_b)
-            captures.drift_held(clock.current, h, params, history, sides, nodes)
+            unilateral.drift_held(clock.current, h, params, history, sides, nodes)
             for i in range(params.shape[0]):
                 old, new = history[clock.current, i], history[1 - clock.current, i]
                 if old.active == 1:
                     a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
                     depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
-                    worst = max(worst, captures.aim(old, new, depth, h))
-        if worst <= captures.CLOSED * control.length:
+                    worst = max(worst, unilateral.aim(old, new, depth, h))
+        if worst <= unilateral.CLOSED * control.length:
             break
-    if not worst <= captures.CLOSED * control.length:
+    if not worst <= unilateral.CLOSED * control.length:
         clock.status, clock.value = UNHELD, worst
     for group in UNILATERAL:
         sides = (group.elements_a, group.elements_b)
-        captures.rub_open(clock.current, group.parameters, group.history, sides, nodes)
+        unilateral.rub_open(clock.current, group.parameters, group.history, sides, nodes)
 
 
 @kernel
@@ -76,18 +79,18 @@ def react(h, clock, nodes, scene):
         for group in UNILATERAL:
             params, history = group.parameters, group.history
             sides = (group.elements_a, group.elements_b)
-            fresh += captures.note_reactions(h, clock.current, params, history, sides, nodes)
+            fresh += unilateral.note_reactions(h, clock.current, params, history, sides, nodes)
         if fresh > 0:
             sweep(False, True, clock, nodes, scene)
         for group in UNILATERAL:
             params, history = group.parameters, group.history
             sides = (group.elements_a, group.elements_b)
-            captures.note_blows(clock.current, params, history, sides, nodes, scene.card_history)
+            unilateral.note_blows(clock.current, params, history, sides, nodes, scene.card_history)
     for group in UNILATERAL:
         params, history, output = group.parameters, group.history, group.output
         sides = (group.elements_a, group.elements_b)
-        captures.settle(
+        unilateral.settle(
             h, clock, params, history, output, sides, nodes, scene.cards, scene.card_history
         )
     time = clock.time + h
-    contact_times.time_cards(time, h, clock, scene.cards, scene.card_history)
+    times.time_cards(time, h, clock, scene.cards, scene.card_history)

@@ -1,0 +1,1 @@
+"""Commands of crashpost beyond questions about one result."""

@@ -1,0 +1,197 @@
+"""The commands `render`, `film` and `pack`: words turned into tasks for the studio."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from crashpost.errors import PostError
+from crashpost.renders.tasks import FPS
+from crashpost.results.text import printable
+
+if TYPE_CHECKING:
+    from crashpost.results.result import Result
+
+BAR = 40
+
+# the look of who says nothing of it
+UNSAID = {"view": "auto", "show": (), "color": "", "arrows": "", "follow": "", "ghost": True}
+
+Add = Callable[[str, Callable[[argparse.Namespace], int], str], argparse.ArgumentParser]
+
+
+def add_commands(add: Add) -> None:
+    """Put `render`, `film` and `pack` among the commands."""
+    sub = add("render", _render, "draw the run at some moments, side by side")
+    sub.add_argument(
+        "--at",
+        default="",
+        metavar="MOMENTS",
+        help="0,50ms,end,max:CHANNEL,min:CHANNEL,abs_max:CHANNEL; those of the deck when absent",
+    )
+    sub.add_argument("--title", help="above the pictures; the deck's when absent")
+    sub.add_argument("-o", "--output", type=Path, help="png, pdf or svg; default RESULT/strip.png")
+    _add_look(sub)
+    sub = add("film", _film, "film the run (mp4, gif), or write it as a page to turn it (html)")
+    sub.add_argument("--slow", type=float, metavar="N", help="N times slower than it was")
+    sub.add_argument("--fps", type=float, default=FPS, help=f"frames per second, {FPS:g}")
+    sub.add_argument("--from", dest="start", default="start", metavar="MOMENT", help="first moment")
+    sub.add_argument("--to", dest="end", default="end", metavar="MOMENT", help="last moment")
+    sub.add_argument("--title", help="above the film; the deck's when absent")
+    sub.add_argument("--size", default="960x540", metavar="WxH", help="of a frame, even numbers")
+    sub.add_argument("-o", "--output", type=Path, help="mp4, gif or html; default RESULT/film.mp4")
+    _add_look(sub)
+    _add_pack(add)
+
+
+def _add_pack(add: Add) -> None:
+    sub = add("pack", _pack, "merge the states into one VTKHDF file for ParaView (5.12 and later)")
+    sub.add_argument("-o", "--output", type=Path, help="default RESULT/states.vtkhdf")
+
+
+def _pack(options: argparse.Namespace) -> int:
+    from crashpost.exports.pack import pack
+    from crashpost.results.result import Result
+    from crashpost.results.states import States
+
+    folder = Result(options.result).folder
+    output = options.output or folder / "states.vtkhdf"
+    _known_ending(output, (".vtkhdf", ".hdf"))
+    print(printable(pack(States(folder), output, _bar(output.name))))
+    return 0
+
+
+def _add_look(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--view",
+        default="auto",
+        help="side, front, rear, top, bottom, iso, or towards the eye as --view=1,-1,0.5",
+    )
+    sub.add_argument("--show", default="", metavar="NAMES", help="bodies and parts, with globs")
+    sub.add_argument("--color", default="", metavar="FIELD", help="of the states: plastic_strain")
+    sub.add_argument(
+        "--arrows", default="", metavar="WHAT", help="rcforc, rcforc.CONTACT or velocity"
+    )
+    sub.add_argument(
+        "--follow", default="", metavar="NAME", help="body or part that stays in place"
+    )
+    sub.add_argument("--no-ghost", action="store_true", help="without a shade of the start")
+
+
+def _render(options: argparse.Namespace) -> int:
+    from crashpost.renders.studio import make
+    from crashpost.renders.tasks import strip_task
+    from crashpost.results.moments import split
+    from crashpost.results.result import Result
+
+    result = Result(options.result)
+    output = options.output or result.folder / "strip.png"
+    _known_ending(output, (".png", ".pdf", ".svg", ".jpg"))
+    at, look = split(options.at), _look(options)
+    if not at and look == UNSAID | {"ghost": look["ghost"]}:
+        at, look = _scene(result, look)
+    task = strip_task(result, output, at, _title(result, options), **look)
+    make(result.folder, [task], _bar(output.name), _tell)
+    print(printable(str(output)))
+    return 0
+
+
+def _film(options: argparse.Namespace) -> int:
+    from crashpost.results.result import Result
+
+    result = Result(options.result)
+    look = _look(options)
+    is_unsaid = look == UNSAID | {"ghost": look["ghost"]}
+    if is_unsaid:
+        _, look = _scene(result, look)
+    output = options.output or result.folder / "film.mp4"
+    _known_ending(output, (".mp4", ".gif", ".html"))
+    if output.suffix == ".html":
+        if is_unsaid:
+            # to be turned by hand: seen from a corner, however the pictures look at it
+            look["view"] = "auto"
+        from crashpost.renders.model_page import write_page
+
+        print(printable(write_page(result, output, **look)))
+        return 0
+    from crashpost.renders.film_file import can_write_mp4
+    from crashpost.renders.studio import make
+    from crashpost.renders.tasks import film_task
+
+    if output.suffix == ".mp4" and not can_write_mp4():
+        output = output.with_suffix(".gif")
+        _tell("a gif, for imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
+    task = film_task(
+        result,
+        output,
+        _title(result, options),
+        fps=options.fps,
+        slow=options.slow,
+        span=(options.start, options.end),
+        size=_size(options.size),
+        **look,
+    )
+    make(result.folder, [task], _bar(output.name), _tell)
+    print(printable(str(output)))
+    return 0
+
+
+def _scene(result: "Result", look: dict[str, Any]) -> tuple[list[str], dict[str, Any]]:
+    """Moments and look of the deck's first scene, or of the default one."""
+    from crashpost.reports import sights
+    from crashpost.results.states import States
+
+    asked = sights.scenes_of(result.stored_json("report", dict))
+    scene = asked[0] if asked else sights.default_scene(result, States(result.folder))
+    return [str(word) for word in scene.get("at", [])], look | sights.look(scene)
+
+
+def _look(options: argparse.Namespace) -> dict[str, Any]:
+    return {
+        "view": options.view,
+        "show": tuple(word.strip() for word in options.show.split(",") if word.strip()),
+        "color": options.color,
+        "arrows": options.arrows,
+        "follow": options.follow,
+        "ghost": not options.no_ghost,
+    }
+
+
+def _title(result: "Result", options: argparse.Namespace) -> str:
+    title: str | None = options.title
+    return result.title if title is None else title
+
+
+def _size(text: str) -> tuple[int, int]:
+    try:
+        width, height = map(int, text.lower().split("x"))
+    except ValueError:
+        raise PostError(f"--size takes WIDTHxHEIGHT in pixels, not '{text}'") from None
+    if not (480 <= width <= 3840 and 270 <= height <= 2160 and width % 2 == height % 2 == 0):
+        raise PostError(f"--size {text}: even numbers from 480x270 to 3840x2160")
+    return width, height
+
+
+def _known_ending(path: Path, endings: tuple[str, ...]) -> None:
+    if path.suffix not in endings:
+        raise PostError(f"{path}: must end in {', '.join(endings)}")
+    if not path.absolute().parent.is_dir():
+        raise PostError(f"{path}: no such folder")
+
+
+def _tell(text: str) -> None:
+    print(printable(f"crashpost: {text}"), file=sys.stderr)
+
+
+def _bar(name: str) -> Callable[[int, int], None]:
+    """A bar that grows on a terminal; nothing elsewhere."""
+
+    def grow(done: int, total: int) -> None:
+        if sys.stderr.isatty():
+            full = BAR * done // total
+            print(f"\r{name} |{'=' * full:{BAR}}| {done}/{total}", end="", file=sys.stderr)
+            if done == total:
+                print(file=sys.stderr)
+
+    return grow

@@ -1,0 +1,176 @@
+"""The table, ratings and page of `crashpost compare`."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from crashpost.compare.corridors import HEADER
+from crashpost.compare.difference import Compared, Difference
+from crashpost.compare.rating import rating
+from crashpost.errors import PostError
+from crashpost.figures.panels import Wish, panels
+from crashpost.results.choice import choices
+from crashpost.results.result import Result
+from crashpost.results.table import number, text_table
+from crashpost.values.measured import read_test
+from crashpost.values.units import Units
+from crashpost.values.words import title
+from crashsolve.channels.display import is_convertible
+
+MOST_ROWS, MOST_FIGURES = 60, 12
+RATINGS = ("result", "channel", "test", "rating", "", "corridor", "phase", "magnitude", "slope")
+
+
+def rows(found: Sequence[Difference], named: Sequence[str], tolerance: float) -> list[list[str]]:
+    """A row for each difference: verdict, channel, sizes, difference in % of the range, when."""
+    return [
+        [
+            "beyond" if one.is_beyond(tolerance) else "within",
+            one.channel,
+            named[one.run],
+            one.unit or "-",
+            *map(number, one.sizes),
+            f"{100 * one.largest:.3g}%",
+            f"{100 * one.rms:.3g}%",
+            number(one.time),
+        ]
+        for one in found
+    ]
+
+
+def header(named: Sequence[str]) -> tuple[str, ...]:
+    """The names of the columns of `rows`."""
+    sizes = (f"largest in {named[0]}", "in this result")
+    return ("", "channel", "result", "unit", *sizes, "difference", "rms", "at s")
+
+
+def differences_text(
+    found: Compared, named: Sequence[str], tolerance: float, *, everything: bool
+) -> str:
+    """What differs, or all channels, as text; "" where nothing was compared."""
+    if not found.differences and not found.remarks:
+        return ""
+    beyond = [one for one in found.differences if one.is_beyond(tolerance)]
+    shown = found.differences if everything else beyond[:MOST_ROWS]
+    parts = [text_table(header(named), rows(shown, named, tolerance))] if shown else []
+    if len(beyond) > MOST_ROWS and not everything:
+        parts.append(f"... and {len(beyond) - MOST_ROWS} more; --all lists them")
+    parts.append(summary(found, tolerance))
+    parts += [f"remark: {remark}" for remark in found.remarks]
+    return "\n".join(parts)
+
+
+def summary(found: Compared, tolerance: float) -> str:
+    """How many channels differ."""
+    beyond = sum(one.is_beyond(tolerance) for one in found.differences)
+    return (
+        f"{beyond} of {len(found.differences)} channels differ by more than "
+        f"{100 * tolerance:.4g} % of their range"
+    )
+
+
+def rating_rows(
+    results: Sequence[Result],
+    named: Sequence[str],
+    words: Sequence[str],
+    tests: Sequence[Path],
+    during: tuple[float, float] | None,
+) -> list[list[str]]:
+    """ISO 18571 of every channel named against every measured curve of its kind."""
+    if during and not tests:
+        raise PostError("--during limits ratings, which need --test")
+    if tests and not words:
+        raise PostError("say which channel is rated against the test")
+    found = []
+    for test in map(read_test, tests):
+        fitting = 0
+        for result, name in zip(results, named, strict=True):
+            for choice in choices(result, words):
+                series = result.series(choice.channel)
+                for curve in test.curves:
+                    if is_convertible(series.unit, curve.unit):
+                        told = rating(series, test, curve, during)
+                        numbers = [f"{value:.3f}" for value in told[1:5]]
+                        place = [name, choice.channel, f"{test.name}: {curve.name}"]
+                        found.append([*place, f"{told.overall:.3f}", told.grade, *numbers])
+                        fitting += 1
+        if not fitting and test.corridor is None:
+            raise PostError(f"test '{test.name}' has no curve in the unit of {' '.join(words)}")
+    return found
+
+
+def ratings_text(rated: Sequence[Sequence[str]]) -> str:
+    """Ratings as text, "" without any."""
+    return text_table(RATINGS, rated) if rated else ""
+
+
+def write_page(
+    results: Sequence[Result],
+    named: Sequence[str],
+    found: Compared,
+    tolerance: float,
+    rated: Sequence[Sequence[str]],
+    stays: Sequence[Sequence[str]],
+    options: argparse.Namespace,
+) -> None:
+    """The page of a comparison: what differs most as figures, then tables. Raises PostError."""
+    from crashpost.figures.page import block, escape, page, table, tiles
+
+    beyond = [one for one in found.differences if one.is_beyond(tolerance)]
+    heading = " and ".join(named) if len(named) < 3 else f"{len(named)} results"
+    units = Units.read(options.unit)
+    shown = list(dict.fromkeys(one.channel for one in beyond or found.differences))[:MOST_FIGURES]
+    shown = shown or list(dict.fromkeys(row[1] for row in (*rated, *stays)))
+    looks = ("", "name", "", "unit", "num", "num", "num", "num", "num")
+    listed = found.differences if options.all else beyond
+    remarks = "".join(f'<p class="problem">{escape(remark)}</p>' for remark in found.remarks)
+    facts = [
+        (str(len(beyond)), f"channels differ by more than {100 * tolerance:.4g} % of their range"),
+        (str(len(found.differences) - len(beyond)), "channels within"),
+    ]
+    body = [
+        '<header><div class="eyebrow">crashsolve results compared</div>'
+        f"<h1>{escape(results[0].title)}: {escape(heading)}</h1>{tiles(facts)}{remarks}</header>",
+        block("ratings", "Rating, ISO/TS 18571", table(RATINGS, rated, ("",) * len(RATINGS))),
+        block("corridors", "Corridors", table(HEADER, stays, ("",) * len(HEADER))),
+        block("curves", "Curves", _figures(results, named, shown, options.test, units)),
+        block(
+            "differences",
+            "Differences",
+            table(header(named), rows(listed, named, tolerance), looks),
+        ),
+    ]
+    try:
+        options.output.write_text(
+            page(f"{results[0].title}, compared", body),
+            encoding="utf-8",
+            errors="xmlcharrefreplace",
+        )
+    except OSError as error:
+        raise PostError(f"{options.output}: {error.strerror}") from error
+
+
+def _figures(
+    results: Sequence[Result],
+    named: Sequence[str],
+    channels: Sequence[str],
+    tests: Sequence[Path],
+    units: Units,
+) -> str:
+    """A figure for each channel, of all results that have it, with the tests that fit."""
+    from crashpost.figures import draw
+    from crashpost.figures.page import figure
+
+    parts = []
+    for at, channel in enumerate(channels):
+        fitting = [
+            test
+            for test in map(read_test, tests)
+            if test.fits("s", results[0].series(channel).unit)
+        ]
+        general = Units(of_all=units.of_all)
+        wish = Wish([channel], title=title([channel]), units=general, tests=fitting)
+        for one in panels(results, named, wish):
+            drawing, keys = draw.svg(results, one, f"c{at}")
+            parts.append(figure(one.title, drawing, keys, ""))
+    return f'<div class="figures">{"".join(parts)}</div>' if parts else ""

@@ -1,0 +1,146 @@
+"""Merges the states of a run into one VTKHDF file, which ParaView 5.12 and later and pyvista play.
+
+All blocks are one unstructured grid, in place at each time; `block` tells them apart. What a block
+does not have is not a number there. Geometry that never changes is written once. The format is
+that of the VTK file formats, VTKHDF 2.0, with steps; states are read one by one.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from crashpost.errors import PostError
+from crashpost.results.states import GHOST, Block, States
+
+# cell types of VTK by corners; four corners in a plane are a quadrilateral
+VTK_TYPES = {1: 1, 2: 3, 3: 5, 4: 9, 6: 13, 8: 12}
+SKIPPED = ("points", "displacement")
+# numbers of a piece of a dataset on disk
+PIECE = 1 << 16
+
+
+def pack(states: States, path: Path, progress: Callable[[int, int], None]) -> str:
+    """Write the file and tell what is in it; raises PostError."""
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        with h5py.File(partial, "w") as file:
+            fields = _Packing(states, file).write(progress)
+        partial.replace(path)
+    except OSError as error:
+        raise PostError(f"{path}: {error}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    names = ", ".join(f"{k} {name}" for k, name in enumerate(states.blocks))
+    return f"{path}: {len(states.times)} states, {fields} fields, blocks {names}"
+
+
+class _Packing:
+    def __init__(self, states: States, file: Any) -> None:
+        self.states = states
+        self.root = file.create_group("VTKHDF")
+        self.root.attrs["Version"] = (2, 0)
+        kind = b"UnstructuredGrid"
+        self.root.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
+        self.blocks = list(states.blocks.values())
+        self.n_points = sum(len(block.points) for block in self.blocks)
+        self.n_cells = sum(block.n_cells for block in self.blocks)
+
+    def write(self, progress: Callable[[int, int], None]) -> int:
+        """All states; returns the number of fields."""
+        count = len(self.states.times)
+        fields = self._fields()
+        self._topology(count)
+        for (name, place), width in fields.items():
+            size = self.n_points if place == "PointData" else self.n_cells
+            shape = (size * count,) if width == 1 else (size * count, width)
+            kind = "u1" if name == GHOST else "f4"
+            self.root.create_dataset(f"{place}/{name}", shape, kind, chunks=_chunk(shape))
+        shape = (self.n_points * count, 3)
+        points = self.root.create_dataset("Points", shape, "f8", chunks=_chunk(shape))
+        for k in range(count):
+            points[k * self.n_points : (k + 1) * self.n_points] = np.concatenate(
+                [self.states.positions(k, block.name) for block in self.blocks]
+            )
+            for (name, place), width in fields.items():
+                values = self._values(k, name, place, width)
+                self.root[f"{place}/{name}"][k * len(values) : (k + 1) * len(values)] = values
+            progress(k + 1, count)
+        self._steps(count, list(fields))
+        return len(fields)
+
+    def _fields(self) -> dict[tuple[str, str], int]:
+        """Name and place of every field of any block, and its components."""
+        found: dict[tuple[str, str], int] = {}
+        for block in self.blocks:
+            for name in self.states.fields(block.name):
+                if name not in SKIPPED:
+                    values = self.states.read(0, block.name, name)[name]
+                    found[name, _place(block, name, values)] = 1 if values.ndim == 1 else 3
+        found["displacement", "PointData"] = 3
+        found["block", "CellData"] = 1
+        return found
+
+    def _values(self, k: int, name: str, place: str, width: int) -> np.ndarray:
+        """A field of all blocks at a state."""
+        parts = []
+        for number, block in enumerate(self.blocks):
+            size = len(block.points) if place == "PointData" else block.n_cells
+            shape = (size,) if width == 1 else (size, width)
+            found = self.states.read(k, block.name, name).get(name)
+            if name == "block":
+                parts.append(np.full(shape, float(number)))
+            elif found is not None and found.shape == shape and _place(block, name, found) == place:
+                parts.append(found)
+            else:
+                parts.append(np.full(shape, 0.0 if name in (GHOST, "displacement") else np.nan))
+        return np.concatenate(parts)
+
+    def _topology(self, count: int) -> None:
+        """Cells, the same at all times."""
+        corners, sizes, types, first = [], [], [], 0
+        for block in self.blocks:
+            rows = np.concatenate([rows for rows, _ in block.cells])
+            order = np.argsort(rows)
+            cells = [row for _, table in block.cells for row in table + first]
+            corners += [cells[k] for k in order]
+            first += len(block.points)
+        sizes = [len(cell) for cell in corners]
+        types = [VTK_TYPES[size] for size in sizes]
+        self.root["Connectivity"] = np.concatenate(corners).astype("i8")
+        self.root["Offsets"] = np.concatenate([[0], np.cumsum(sizes)]).astype("i8")
+        self.root["Types"] = np.array(types, "u1")
+        totals = {
+            "NumberOfPoints": self.n_points,
+            "NumberOfCells": self.n_cells,
+            "NumberOfConnectivityIds": sum(sizes),
+        }
+        for name, number in totals.items():
+            self.root[name] = np.full(count, number, "i8")
+
+    def _steps(self, count: int, fields: list[tuple[str, str]]) -> None:
+        """Where the numbers of each time begin."""
+        steps = self.root.create_group("Steps")
+        steps.attrs["NSteps"] = count
+        steps["Values"] = self.states.times
+        zero, k = np.zeros(count, "i8"), np.arange(count, dtype="i8")
+        steps["PartOffsets"], steps["NumberOfParts"] = zero, np.ones(count, "i8")
+        steps["PointOffsets"] = k * self.n_points
+        steps["CellOffsets"] = zero[:, None]
+        steps["ConnectivityIdOffsets"] = zero[:, None]
+        for name, place in fields:
+            size = self.n_points if place == "PointData" else self.n_cells
+            steps[f"{place}Offsets/{name}"] = k * size
+
+
+def _place(block: Block, name: str, values: np.ndarray) -> str:
+    """Whether a field is one of points or of cells; vectors in space are those of points."""
+    if name == GHOST or (values.ndim == 1 and len(values) == block.n_cells) or name == "side":
+        return "CellData"
+    return "PointData"
+
+
+def _chunk(shape: tuple[int, ...]) -> tuple[int, ...]:
+    return (max(1, min(shape[0], PIECE)), *shape[1:])

@@ -1,0 +1,1 @@
+"""Figures of channels, in one style."""

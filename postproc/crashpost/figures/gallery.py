@@ -1,0 +1,301 @@
+"""The figures of a crash engineer, for a result whose deck asks for none, each by its word.
+
+force gap force_displacement crush injury     where there are contacts, crush curves and heads
+motion                                        one for each other family of channels
+energy momentum                               of the whole model
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from crashpost.results import ledger
+from crashpost.results.choice import plain
+from crashpost.results.result import Column, Family, Result
+from crashpost.values import injury, words
+from crashpost.values.figure import AUTO, Curve, Figure
+from crashsolve.channels.display import factor, readable
+
+MOST_CURVES = 8
+# of what a family is, in titles; the rest has its own name
+FAMILIES = {
+    "rbdout": "Bodies",
+    "nodout": "Accelerometers and nodes",
+    "deforc": "Springs",
+    "jntforc": "Joints",
+    "rcforc": "Contacts",
+    "bndout": "Loads",
+    "disbout": "Distances",
+    "matsum": "Parts",
+    "elout": "Elements",
+    "secforc": "Sections",
+    "hinge": "Plastic hinges",
+}
+# force or moment over stroke or angle of what may be crushed: first word of channels, then columns
+CRUSHES = (
+    ("deforc", "elongation", "force"),
+    ("deforc", "length", "force"),
+    ("deforc", "angle", "moment"),
+    ("hinge", "angle", "moment"),
+)
+# what is worth a look, by the first word of the channels; where it rests, what moves
+WORTH = {
+    "rbdout": ("velocity",),
+    "nodout": ("acceleration",),
+    "disbout": ("distance", "angle"),
+    "matsum": ("plastic", "strain"),
+    "hinge": ("moment",),
+}
+# of the largest value in the same unit, and of the largest range: less is round-off, and unseen
+ROUND_OFF, UNSEEN = 1e-9, 1e-3
+FORCES = ("force", "torque")
+
+
+def energy_figures(result: Result) -> list[Figure]:
+    """Energies of the model and what is missing from their sum."""
+    figures = []
+    curves = tuple(Curve(e.channel.name, e.label) for e in _visible(ledger.energies(result)))
+    if curves:
+        figures.append(_over_time("Energies", curves, "energy"))
+    if balance := ledger.balance_channel(result):
+        curves = (Curve(balance, "energy balance"),)
+        figures.append(_over_time("Energy balance", curves, "missing over the largest energy", "%"))
+    return figures
+
+
+def _visible(entries: list[ledger.Entry]) -> list[ledger.Entry]:
+    """The largest, without those that never reach a thousandth of it: they cannot be seen."""
+    sizes = sorted((entry.largest for entry in entries), reverse=True)
+    least = max([sizes[0] / 1000, *sizes[MOST_CURVES : MOST_CURVES + 1]]) if sizes else 0.0
+    return [entry for entry in entries if entry.largest > least]
+
+
+def momentum_figures(result: Result) -> list[Figure]:
+    """Momentum and angular momentum, when they are not zero throughout."""
+    figures = []
+    kinds = {"Momentum": ledger.MOMENTUM, "Angular momentum": ledger.ANGULAR_MOMENTUM}
+    for title, unit in kinds.items():
+        entries = _visible(ledger.momenta(result, unit))
+        curves = tuple(Curve(e.channel.name, e.label) for e in entries)
+        if curves:
+            figures.append(_over_time(title, curves, title.lower()))
+    return figures
+
+
+def named(result: Result, word: str) -> list[Figure]:
+    """The figures of a word of KINDS, none where the result has nothing to show in them."""
+    return KINDS[word](result) if len(result.time) else []
+
+
+def default_figures(result: Result) -> list[Figure]:
+    """All but energies and momenta, in the order in which an engineer asks."""
+    return [figure for word in DEFAULT for figure in named(result, word)]
+
+
+def family_figures(result: Result) -> list[Figure]:
+    """For each family but glstat, a quantity that moves, in the entities that move most."""
+    families = [family for family in result.families.values() if family.name != "glstat"]
+    figures = [_family_figure(result, family) for family in families]
+    return [figure for figure in figures if figure]
+
+
+def force_figures(result: Result) -> list[Figure]:
+    """Contact forces over time."""
+    names = _largest(result, _contacts(result, "normal"))
+    curves = tuple(Curve(name) for name in names)
+    return [_over_time(words.title(names), curves, "contact force")] if names else []
+
+
+def gap_figures(result: Result) -> list[Figure]:
+    """The smallest gap of every contact over time, negative where it touches."""
+    names = _moving(result, _contacts(result, "depth"))
+    if not names:
+        return []
+    labels = words.labels(names) if len(names) > 1 else [words.entity(names[0])]
+    curves = tuple(Curve(f"-{plain(n)}", label) for n, label in zip(names, labels, strict=True))
+    title = "Smallest gap" if len(names) > 1 else f"{labels[0]}: smallest gap"
+    return [_over_time(title, curves, "gap, negative in contact")]
+
+
+def force_displacement_figures(result: Result) -> list[Figure]:
+    """Contact force over depth, of contacts with one pair: of more, depth and force differ."""
+    names = _largest(result, [n for n in _contacts(result, "normal") if _is_single(result, n)])
+    depths = [name.removesuffix("normal") + "depth" for name in names]
+    if not names:
+        return []
+    deepest = max(float(np.max(result.series(depth).values)) for depth in depths)
+    if not deepest > 0:
+        return []
+    unit = readable("m", deepest)
+    labels = words.labels(names) if len(names) > 1 else [words.entity(names[0])]
+    curves = tuple(map(Curve, names, labels, depths))
+    return [
+        Figure(
+            "Contact force over depth",
+            curves,
+            x=depths[0],
+            x_unit=unit,
+            y_unit=AUTO,
+            x_label="depth of contact",
+            y_label="contact force",
+            # before contact the depth is a gap, which has its own figure
+            x_range=(0.0, 1.05 * deepest * factor("m", unit)),
+        )
+    ]
+
+
+def _is_single(result: Result, normal: str) -> bool:
+    """Whether a contact never has more than one pair that touches."""
+    touching = normal.removesuffix("normal") + "touching"
+    known = next(result.channels(touching), None)
+    return known is None or float(np.max(result.series(touching).values)) <= 1.0
+
+
+def crush_figures(result: Result) -> list[Figure]:
+    """Force over stroke, and moment over angle, of springs, hinges and parts that yield."""
+    figures = [f for kind in CRUSHES for f in [_crush_figure(result, *kind)] if f]
+    return figures + _part_figures(result)
+
+
+def _part_figures(result: Result) -> list[Figure]:
+    """Contact forces over the travel of the body that moves most, where a part yields."""
+    plastic = [f"matsum.{e}.plastic" for f in _families(result, "matsum") for e in f.ids]
+    known = [name for name in plastic if next(result.channels(name), None)]
+    forces = _largest(result, _contacts(result, "normal"))
+    ways = [
+        name
+        for f in _families(result, "rbdout")
+        if "position.x" in {column.name for column in f.columns}
+        for e in f.ids
+        for name in (f"rbdout.{e}.position.{axis}" for axis in "xyz")
+    ]
+    if not _largest(result, known) or not forces or not ways:
+        return []
+    way = max(ways, key=lambda name: float(np.ptp(result.series(name).values)))
+    start = float(result.series(way).values[0])
+    stroke = f"abs({plain(way)} - '{start!r} m')"
+    labels = words.labels(forces) if len(forces) > 1 else [words.entity(forces[0])]
+    body = words.entity(way)
+    return [
+        Figure(
+            f"Contact force over travel of {body}",
+            tuple(map(Curve, forces, labels)),
+            x=stroke,
+            x_unit=AUTO,
+            y_unit=AUTO,
+            x_label=f"travel of {body} along {way[-1]}",
+            y_label="contact force",
+        )
+    ]
+
+
+def _crush_figure(result: Result, family: str, stroke: str, force: str) -> Figure | None:
+    names = [
+        f"{one.word}.{entity}.{force}"
+        for one in result.families.values()
+        if one.word == family
+        and {stroke, force} <= {column.name for column in one.columns}
+        # a spring with an elongation is not shown over its length as well
+        and not (stroke == "length" and any(c.name == "elongation" for c in one.columns))
+        for entity in one.ids
+    ]
+    names = _largest(result, names)
+    if not names:
+        return None
+    strokes = [name.removesuffix(force) + stroke for name in names]
+    labels = words.labels(names) if len(names) > 1 else [words.entity(names[0])]
+    title = f"{FAMILIES[family]}: {force} over {stroke}"
+    curves = tuple(map(Curve, names, labels, strokes))
+    return Figure(
+        title, curves, x=strokes[0], x_unit=AUTO, y_unit=AUTO, x_label=stroke, y_label=force
+    )
+
+
+def _contacts(result: Result, column: str) -> list[str]:
+    """A channel of every contact."""
+    return [f"rcforc.{e}.{column}" for f in _families(result, "rcforc") for e in f.ids]
+
+
+def _families(result: Result, word: str) -> list[Family]:
+    return [family for family in result.families.values() if family.word == word]
+
+
+def _largest(result: Result, names: Sequence[str]) -> list[str]:
+    """Those that reach the largest sizes, in their order; none that is zero throughout."""
+    sizes = {name: float(np.max(np.abs(result.series(name).values))) for name in names}
+    most = sorted((n for n in sizes if sizes[n] > 0), key=lambda n: -sizes[n])[:MOST_CURVES]
+    return [name for name in names if name in most]
+
+
+def _moving(result: Result, names: Sequence[str]) -> list[str]:
+    """Those that move most, in their order; none that rests."""
+    ranges = {name: float(np.ptp(result.series(name).values)) for name in names}
+    most = sorted((n for n in ranges if ranges[n] > 0), key=lambda n: -ranges[n])[:MOST_CURVES]
+    return [name for name in names if name in most]
+
+
+def motion_figures(result: Result) -> list[Figure]:
+    """One for each family that has no figure of its own here."""
+    families = [f for f in result.families.values() if f.word not in ("glstat", "rcforc")]
+    figures = [figure for family in families if (figure := _family_figure(result, family))]
+    largest = {id(figure): _size(result, figure) for figure in figures}
+    forces = [float(np.max(result.series(n).values)) for n in _contacts(result, "normal")]
+    scale: dict[str, float] = {"N": max(forces, default=0.0)}
+    for size, unit in largest.values():
+        scale[unit] = max(scale.get(unit, 0.0), size)
+    return [f for f in figures if largest[id(f)][0] > ROUND_OFF * scale[largest[id(f)][1]]]
+
+
+def _size(result: Result, figure: Figure) -> tuple[float, str]:
+    """The largest magnitude in a figure, with its unit."""
+    series = [result.series(curve.channel) for curve in figure.y]
+    return max(float(np.max(np.abs(one.values))) for one in series), series[0].unit
+
+
+def _over_time(
+    title: str, curves: tuple[Curve, ...], y_label: str = "", y_unit: str = AUTO
+) -> Figure:
+    return Figure(title, curves, x_unit=AUTO, y_unit=y_unit, y_label=y_label)
+
+
+def _family_figure(result: Result, family: Family) -> Figure | None:
+    if not len(result.time):
+        return None
+    quantities = dict.fromkeys(column.path.split("/")[0] for column in family.columns)
+    worth = WORTH.get(family.word, FORCES)
+    for quantity in sorted(quantities, key=lambda q: worth.index(q) if q in worth else len(worth)):
+        columns = [c for c in family.columns if c.path.split("/")[0] == quantity]
+        columns = [c for c in columns if c.unit == columns[0].unit]
+        ranges = _ranges(result, family, columns)
+        least = UNSEEN * max(ranges.values(), default=0.0)
+        moving = sorted((name for name in ranges if ranges[name] > least), key=lambda n: -ranges[n])
+        if moving:
+            chosen = [name for name in ranges if name in moving[:MOST_CURVES]]
+            shared = words.quantity_of_all(chosen)
+            what = FAMILIES.get(family.word, words.capital(family.name))
+            title = f"{what}: {shared or quantity.replace('_', ' ')}"
+            return _over_time(title, tuple(map(Curve, chosen)))
+    return None
+
+
+def _ranges(result: Result, family: Family, columns: list[Column]) -> dict[str, float]:
+    """Greatest minus least value of every channel of the columns, entity by entity."""
+    ranges = np.array([np.ptp(result.block(family, column), axis=0) for column in columns])
+    return {
+        f"{family.word}.{entity}.{column.name}": float(ranges[c, e])
+        for e, entity in enumerate(family.ids)
+        for c, column in enumerate(columns)
+    }
+
+
+KINDS: dict[str, Callable[[Result], list[Figure]]] = {
+    "force": force_figures,
+    "gap": gap_figures,
+    "force_displacement": force_displacement_figures,
+    "crush": crush_figures,
+    "injury": injury.injury_figures,
+    "motion": motion_figures,
+    "energy": energy_figures,
+    "momentum": momentum_figures,
+}
+DEFAULT = ("force", "gap", "force_displacement", "crush", "injury", "motion")

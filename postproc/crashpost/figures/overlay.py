@@ -1,0 +1,92 @@
+"""Names of results laid over each other: what differs between their decks.
+
+The values of `--set` and of sweeps are parameters, which results keep; where these do not tell two
+apart, other numbers and words of their decks do, and else the names of their folders.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from crashpost.errors import PostError
+from crashpost.results.result import Result
+from crashpost.results.text import printable
+
+# of a legend: more differences are shown by folders
+MOST_DIFFERENCES = 3
+# of the decks, what changes no physics
+IDLE = ("title", "output", "expect", "watch", "parameters")
+
+
+def names(results: Sequence[Result]) -> list[str]:
+    """A name for each result, all different."""
+    if len(results) == 1:
+        return [results[0].title]
+    for values in ([_parameters(result) for result in results], _decks(results)):
+        differing = _differing(values)
+        found = [_said(own, differing, values) for own in values]
+        if 0 < len(differing) <= MOST_DIFFERENCES and len(set(found)) == len(found):
+            return found
+    folders = [_folder(result) for result in results]
+    if len(set(folders)) < len(folders):
+        folders = [printable(str(result.folder)) for result in results]
+    return folders
+
+
+def _folder(result: Result) -> str:
+    return printable(result.folder.resolve().name.removesuffix(".results"))
+
+
+def _parameters(result: Result) -> dict[str, Any]:
+    return result.stored_json("parameters", dict) or {}
+
+
+def _decks(results: Sequence[Result]) -> list[dict[str, Any]]:
+    """Every number and word of the decks by its place; raises PostError for a broken deck."""
+    import yaml
+
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    found = []
+    for result in results:
+        try:
+            tree = yaml.load(result.deck_text, Loader=loader) or {}
+        except (yaml.YAMLError, RecursionError, ValueError) as error:
+            raise PostError(f"{result.file}: the stored deck cannot be read ({error})") from error
+        leaves: dict[str, Any] = {}
+        if isinstance(tree, dict):
+            _collect({key: part for key, part in tree.items() if key not in IDLE}, "", leaves)
+        found.append(leaves)
+    return found
+
+
+def _collect(part: Any, place: str, leaves: dict[str, Any]) -> None:
+    pairs = part.items() if isinstance(part, dict) else enumerate(part, start=1)
+    for key, inner in pairs:
+        where = f"{place}.{key}" if place else str(key)
+        if isinstance(inner, dict | list):
+            _collect(inner, where, leaves)
+        else:
+            leaves[where] = inner
+
+
+def _differing(values: Sequence[dict[str, Any]]) -> list[str]:
+    """The places where not all have the same."""
+    places = dict.fromkeys(place for own in values for place in own)
+    return [p for p in places if any(own.get(p) != values[0].get(p) for own in values)]
+
+
+def _said(own: dict[str, Any], places: Sequence[str], values: Sequence[dict[str, Any]]) -> str:
+    return ", ".join(
+        f"{printable(place)} {_shown(own.get(place), [other.get(place) for other in values])}"
+        for place in places
+    )
+
+
+def _shown(value: Any, among: Sequence[Any]) -> str:
+    """A value with as many digits as tell it from the others; - where a deck has none."""
+    if isinstance(value, float):
+        for digits in (5, 9, 17):
+            if len({f"{v:.{digits}g}" for v in set(among) if isinstance(v, float)}) == len(
+                {v for v in among if isinstance(v, float)}
+            ):
+                return f"{value:.{digits}g}"
+    return "-" if value is None else printable(str(value))

@@ -1,0 +1,585 @@
+"""What is drawn of a run at a moment: surfaces, lines, dots and arrows with their colours.
+
+Bodies are drawn by their surfaces, beams by their sections, springs by lines, contact forces by
+arrows; what is deleted is not drawn. A painter (paint_vtk.py, paint_plain.py) needs nothing else.
+"""
+
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from itertools import pairwise
+
+import numpy as np
+
+from crashpost.errors import PostError, unknown
+from crashpost.renders.camera import Camera
+from crashpost.results.states import States
+
+GREY, GROUND, LINE, ARROW, GHOST = "#9aa3ab", "#d8d3c8", "#4a535c", "#b3341f", "#b9c0c6"
+# told apart by the colour-blind, and in grey by their lightness (Okabe and Ito 2008)
+BODY_COLOURS = ("#0072b2", "#e69f00", "#56b4e9", "#cc79a7", "#009e73", "#f0e442", "#d55e00")
+WHOLE = ("bodies", "links", "mass_centres")
+# largest arrow, of the picture's height, and its thickness over its length
+ARROW_LENGTH, ARROW_WIDTH = 0.28, 0.022
+# a moment this near a state is that state; edges drawn between two states may be this short
+LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
+# a plane this near to the model, of its size, is in the picture; how far planes reach beyond it
+CLOSE, PLANE_MARGIN = 0.5, 0.12
+
+
+@dataclass(frozen=True)
+class Look:
+    """What is to be seen: see `crashpost render --help`."""
+
+    show: tuple[str, ...] = ()
+    color: str = ""
+    arrows: str = ""
+    ghost: bool = True
+
+
+@dataclass
+class Surface:
+    """Polygons of one number of corners, one colour or one value for each."""
+
+    points: np.ndarray
+    corners: np.ndarray
+    colours: list[str]  # palette
+    which: np.ndarray  # place in the palette, of each polygon
+    rows: np.ndarray  # numbers of the polygons among those of the mesh, deleted ones left out
+    values: np.ndarray | None = None
+    edges: bool = False
+    is_flat: bool = False  # of one colour, whatever the light
+
+
+@dataclass
+class Lines:
+    """Segments (n, 2, 3)."""
+
+    ends: np.ndarray
+    colour: str
+    width: float = 1.6
+    values: np.ndarray | None = None
+
+
+@dataclass
+class Drawing:
+    """All that is seen at a moment."""
+
+    surfaces: list[Surface] = field(default_factory=list)
+    lines: list[Lines] = field(default_factory=list)
+    dots: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+    arrows: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)  # from, vector
+
+
+class Scene:
+    """Draws the states of a run by a look; raises PostError for a word that names nothing."""
+
+    def __init__(self, states: States, look: Look) -> None:
+        self.states, self.look = states, look
+        self.groups = _groups(states.names["bodies"])
+        self.bodies, self.parts = self._shown()
+        self.drawn = [name for name in states.blocks if name != "contacts"]
+        self.color_unit = ""
+        if look.color:
+            self._check_color()
+        self.contacts = self._contacts_with_arrows()
+        self.planes = _planes(states)
+        # points that infinite planes are drawn below; as the run cut them when absent
+        self.reach: np.ndarray | None = None
+
+    def at(self, number: float, *, is_ghost: bool = False) -> Drawing:
+        """What is seen at a state."""
+        drawing = Drawing()
+        for name in self.drawn:
+            points = self.positions(number, name)
+            if name == "beams":
+                self._beams(drawing, number, points)
+            elif name == "springs":
+                self._springs(drawing, number, points)
+            elif name == "mass_centres":
+                self._dots(drawing, points)
+            elif name == "links":
+                self._links(drawing, points)
+            else:
+                self._skin(drawing, number, name, points)
+        if self.look.arrows and not is_ghost:
+            drawing.arrows.append(self._forces(number))
+        return drawing
+
+    def ghost(self) -> Drawing:
+        """The start as a shade, without the ground."""
+        drawing = self.at(0, is_ghost=True)
+        drawing.dots = np.empty((0, 3))
+        drawing.surfaces = [s for s in drawing.surfaces if s.colours != [GROUND]]
+        for surface in drawing.surfaces:
+            surface.colours, surface.values, surface.is_flat = [GHOST], None, True
+            surface.which = np.zeros_like(surface.which)
+        for lines in drawing.lines:
+            lines.colour, lines.values = GHOST, None
+        return drawing
+
+    def extent(self, number: float) -> np.ndarray:
+        """Points (n, 3) that a picture of this state must hold; the ground is infinite."""
+        found = [np.empty((0, 3))]
+        for name in self.drawn:
+            points = self.positions(number, name)
+            used = self._used_points(name, number)
+            if name == "ground":
+                used = np.setdiff1d(used, self.planes)
+            found.append(points[used])
+        points = np.concatenate(found)
+        if not len(points) and "ground" in self.drawn:
+            points = self.positions(number, "ground")
+        if not len(points):
+            raise PostError("nothing to draw: no body or part is shown")
+        return outermost(points)
+
+    def footprints(self, near: np.ndarray) -> np.ndarray:
+        """Where planes lie close below points (n, 3): these belong in the picture as well."""
+        found = [np.empty((0, 3))]
+        size = float(np.ptp(near, axis=0).max())
+        for corners in self._plane_corners():
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+            normal /= np.linalg.norm(normal)
+            height = (near - corners[0]) @ normal
+            if abs(height).min() < CLOSE * size:
+                found.append((near - height[:, None] * normal)[[np.argmin(abs(height))]])
+        return np.concatenate(found)
+
+    def _plane_corners(self) -> list[np.ndarray]:
+        if "ground" not in self.states.blocks:
+            return []
+        points = self.positions(0, "ground")
+        return [points[row] for row in self.planes]
+
+    def _spread(self, points: np.ndarray) -> np.ndarray:
+        """Points of the ground with its planes cut to what they are drawn below."""
+        if self.reach is None:
+            return points
+        points = points.copy()
+        for row in self.planes:
+            points[row] = _cut(points[row], self.reach)
+        return points
+
+    def place(self, number: float, name: str) -> np.ndarray:
+        """Where a body or part is at a state: its mass centre, or the mean of its points."""
+        states = self.states
+        if name in states.names["bodies"][1:]:
+            row = states.names["bodies"].index(name) - 1
+            found: np.ndarray = self.positions(number, "mass_centres")[row]
+            return found
+        if f"part_{name}" in states.blocks:
+            return self.positions(number, f"part_{name}").mean(axis=0)
+        if name in states.names["parts"] and "beams" in states.blocks:
+            part = states.names["parts"].index(name)
+            rows = states.blocks["beams"].fixed["part"] == part
+            return self.positions(number, "beams").reshape(-1, 2, 3)[rows].mean(axis=(0, 1))
+        known = [*states.names["bodies"][1:], *states.names["parts"]]
+        raise unknown("body or part", name, known)
+
+    def positions(self, number: float, name: str) -> np.ndarray:
+        """Points (n, 3) of a block; between two states on the way from one to the other.
+
+        What turns so far from state to state that the straight way would shrink it stays where it
+        was at the nearer of both.
+        """
+        before = self.states.positions(int(number), name)
+        share = number - int(number)
+        if share < LEAST_SHARE or name == "contacts":
+            return before
+        after = self.states.positions(int(number) + 1, name)
+        between = before + share * (after - before)
+        for _, corners in self.states.blocks[name].cells:
+            if corners.shape[1] > 1:
+                lengths = [_edges(points, corners) for points in (before, after, between)]
+                if np.any(lengths[2] < MOST_SHRUNK * np.minimum(lengths[0], lengths[1])):
+                    return before if share < 0.5 else after
+        return between
+
+    def values(self, number: float, block: str) -> np.ndarray | None:
+        """The colour's field on the cells (m,) of a block; None without it."""
+        if not self.look.color or block not in self.states.blocks:
+            return None
+        name, mesh = self.look.color, self.states.blocks[block]
+        names = [n for n in self.states.fields(block) if n == name or n.startswith(f"{name}_")]
+        if name in names:
+            names = [name]
+        found = [v for v in self.states.read(int(number), block, *names).values()]
+        if not found:
+            return None
+        self.color_unit = self.states.units.get(names[0], "")
+        # vectors in space are those of points
+        is_nodal = found[0].ndim == 2 or len(found[0]) != mesh.n_cells
+        flat = [np.linalg.norm(v, axis=1) if v.ndim == 2 else v.astype(float) for v in found]
+        # of several fields of this name, such as those of the layers, the largest counts
+        values: np.ndarray = np.max(flat, axis=0)
+        if not is_nodal:
+            return values
+        cells = np.empty(mesh.n_cells)
+        for rows, corners in mesh.cells:
+            cells[rows] = values[corners].mean(axis=1)
+        return cells
+
+    def range(self, number: float) -> tuple[float, float]:
+        """Least and greatest value of the colour among what is drawn at a state."""
+        low, high = np.inf, -np.inf
+        for name in self.drawn:
+            values = (
+                None if name in ("ground", "links", "mass_centres") else self.values(number, name)
+            )
+            if values is not None:
+                values = values[self._cells_shown(name) & self.states.visible(int(number), name)]
+            if values is not None and len(values):
+                low, high = min(low, values.min()), max(high, values.max())
+        return float(low), float(high)
+
+    def largest_arrow(self, number: float) -> float:
+        """Of the arrows at a state."""
+        _, vectors = self._forces(number)
+        return float(np.linalg.norm(vectors, axis=1).max(initial=0.0))
+
+    @property
+    def arrow_unit(self) -> str:
+        """Unit of the arrows."""
+        return "m/s" if self.look.arrows == "velocity" else "N"
+
+    def legend(self) -> list[tuple[str, str]]:
+        """Names of what is drawn in colours of its own, with the colours; none by a field.
+
+        None either where colours come again: they only tell neighbours apart then.
+        """
+        if self.look.color:
+            return []
+        names, found = self.states.names, dict[str, str]()
+        for name in ("bodies", "links"):
+            block = self.states.blocks.get(name)
+            numbers = block.fixed.get("body", ()) if block else ()
+            for body in np.unique(numbers):
+                if int(body) in self.bodies:
+                    whole = names["bodies"][self.groups[int(body)]]
+                    found.setdefault(whole, self._body_colour(int(body)))
+        for k, part in enumerate(names["parts"]):
+            if part in self.parts:
+                found[part] = self._part_colour(k)
+        return list(found.items()) if len(found) <= len(BODY_COLOURS) else []
+
+    def _shown(self) -> tuple[set[int], set[str]]:
+        """Numbers of the bodies and names of the parts that the look shows."""
+        bodies, parts = self.states.names["bodies"], self.states.names["parts"]
+        if not self.look.show:
+            return set(range(1, len(bodies))), set(parts)
+        shown, kept = set[int](), set[str]()
+        for word in self.look.show:
+            met = {k for k, name in enumerate(bodies) if k and fnmatchcase(name, word)}
+            # what belongs to a body by its name goes with it
+            met |= {k for k in range(1, len(bodies)) if self.groups[k] in met}
+            own = {name for name in parts if fnmatchcase(name, word)}
+            if not met and not own:
+                raise unknown("body or part", word, [*bodies[1:], *parts])
+            shown |= met
+            kept |= own
+        return shown, kept
+
+    def _check_color(self) -> None:
+        word = self.look.color
+        blocks = [name for name in self.drawn if name not in ("ground", "links", "mass_centres")]
+        known = {f for name in blocks for f in self.states.fields(name)}
+        known -= {"points", "vtkGhostType", "side", "rotation", "section"}
+        if not any(name == word or name.startswith(f"{word}_") for name in known):
+            raise unknown("colour", word, sorted(known))
+
+    def _contacts_with_arrows(self) -> set[int]:
+        word = self.look.arrows
+        if not word or word == "velocity":
+            return set()
+        names = self.states.names["contacts"]
+        family, _, card = word.partition(".")
+        met = {k for k, name in enumerate(names) if not card or fnmatchcase(name, card)}
+        if family != "rcforc" or (card and not met):
+            known = ["velocity", "rcforc", *(f"rcforc.{name}" for name in names)]
+            raise unknown("arrows", word, known)
+        return met
+
+    def _forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
+        """Where arrows start, and what they show."""
+        empty = np.empty((0, 3))
+        if self.look.arrows == "velocity":
+            if "mass_centres" not in self.states.blocks:
+                return empty, empty
+            rows = np.array(sorted(self.bodies), int) - 1
+            speed = self.states.read(int(number), "mass_centres", "velocity")["velocity"]
+            return self.positions(number, "mass_centres")[rows], speed[rows].astype(float)
+        if "contacts" not in self.states.blocks:
+            return empty, empty
+        found = self.states.read(int(number), "contacts", "force", "contact")
+        cards = found.get("contact", np.zeros(len(found["force"]))).astype(int)
+        chosen = np.isin(cards, list(self.contacts)) & np.any(found["force"], axis=1)
+        return self.states.positions(int(number), "contacts")[chosen], found["force"][
+            chosen
+        ].astype(float)
+
+    def _used_points(self, name: str, number: float) -> np.ndarray:
+        """Numbers of the points of cells that are drawn."""
+        block = self.states.blocks[name]
+        if name == "mass_centres":
+            return np.array(sorted(self.bodies), int) - 1
+        shown = self._cells_shown(name) & self.states.visible(int(number), name)
+        used = [np.unique(corners[shown[rows]]) for rows, corners in block.cells]
+        return np.unique(np.concatenate(used)) if used else np.empty(0, int)
+
+    def _cells_shown(self, name: str) -> np.ndarray:
+        """Which cells (m,) of a block the look shows."""
+        block = self.states.blocks[name]
+        everything = np.ones(block.n_cells, bool)
+        if name in WHOLE and "body" in block.fixed:
+            return np.isin(block.fixed["body"].astype(int), list(self.bodies))
+        if name.startswith("part_"):
+            return everything & (name.removeprefix("part_") in self.parts)
+        if name == "beams" and "part" in block.fixed:
+            own = [self.states.names["parts"].index(part) for part in self.parts]
+            return np.isin(block.fixed["part"].astype(int), own)
+        return everything & (not self.look.show or name == "ground")
+
+    def _body_colour(self, body: int) -> str:
+        wholes = sorted(set(self.groups[1:]))
+        return BODY_COLOURS[wholes.index(self.groups[body]) % len(BODY_COLOURS)]
+
+    def _part_colour(self, number: int) -> str:
+        return BODY_COLOURS[number % len(BODY_COLOURS)]
+
+    def _skin(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:
+        """Surfaces of bodies, of the ground and of shells."""
+        block = self.states.blocks[name]
+        if name == "ground":
+            points = self._spread(points)
+        shown = self._cells_shown(name) & self.states.visible(int(number), name)
+        values = None if name == "ground" else self.values(number, name)
+        palette, which = [GREY], np.zeros(block.n_cells, int)
+        if name == "ground":
+            palette = [GROUND]
+            # planes seen from their edge are lines
+            round_ = points[self.planes]
+            ends = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+            drawing.lines.append(Lines(ends, GREY, 0.8))
+        elif name == "bodies" and not self.look.color and "body" in block.fixed:
+            bodies = block.fixed["body"].astype(int)
+            palette = [self._body_colour(k) if k else GREY for k in range(len(self.groups))]
+            which = bodies
+        elif name.startswith("part_") and not self.look.color:
+            part = name.removeprefix("part_")
+            palette = [self._part_colour(self.states.names["parts"].index(part))]
+        for rows, corners in block.cells:
+            kept = shown[rows]
+            if kept.any() and corners.shape[1] in (3, 4):
+                own = None if values is None else values[rows][kept]
+                is_fine = name.startswith("part_")
+                drawing.surfaces.append(
+                    Surface(
+                        points,
+                        corners[kept],
+                        palette,
+                        which[rows][kept],
+                        rows[kept],
+                        own,
+                        edges=is_fine,
+                        is_flat=name == "ground",
+                    )
+                )
+
+    def _beams(self, drawing: Drawing, number: float, points: np.ndarray) -> None:
+        """Elements of beams with their sections, each end turned with its node."""
+        block, shown = self.states.blocks["beams"], self._cells_shown("beams")
+        values, ends = self.values(number, "beams"), points.reshape(-1, 2, 3)
+        if "side" not in block.fixed:
+            drawing.lines.append(Lines(ends[shown], LINE, 3.0))
+            return
+        turned = rotated(
+            self.states.read(int(number), "beams", "rotation")["rotation"].astype(float)
+        )
+        start = block.points.reshape(-1, 2, 3)
+        axis = start[:, 1] - start[:, 0]
+        y = block.fixed["side"].astype(float)
+        z = np.cross(axis / np.linalg.norm(axis, axis=1)[:, None], y)
+        of, part = block.fixed["section"].astype(int), block.fixed["part"].astype(int)
+        for kind, outline in enumerate(self.states.sections):
+            own = np.flatnonzero((of == kind) & shown)
+            if not len(own):
+                continue
+            flat = y[own, None] * outline[:, :1] + z[own, None] * outline[:, 1:]
+            rings = [
+                ends[own, end][:, None]
+                + np.einsum("nij,nkj->nki", turned.reshape(-1, 2, 3, 3)[own, end], flat)
+                for end in (0, 1)
+            ]
+            corners, caps = _prisms(len(own), len(outline))
+            cloud = np.stack(rings, axis=1).reshape(-1, 3)
+            palette = (
+                [GREY]
+                if self.look.color
+                else [self._part_colour(k) for k in range(len(self.states.names["parts"]))]
+            )
+            for polygons, repeat in ((corners, len(outline)), (caps, 2)):
+                which = np.zeros(len(polygons), int)
+                if not self.look.color:
+                    which = np.repeat(part[own], repeat)
+                colour = None if values is None else np.repeat(values[own], repeat)
+                drawing.surfaces.append(
+                    Surface(cloud, polygons, palette, which, np.arange(len(which)), colour)
+                )
+
+    def _springs(self, drawing: Drawing, number: float, points: np.ndarray) -> None:
+        if self.look.show:
+            return
+        values = self.values(number, "springs")
+        drawing.lines.append(Lines(points.reshape(-1, 2, 3), LINE, 1.6, values))
+
+    def _dots(self, drawing: Drawing, points: np.ndarray) -> None:
+        """Mass centres of bodies that nothing else shows."""
+        hidden = set[int]()
+        for name in ("bodies",):
+            if name in self.states.blocks:
+                hidden |= set(self.states.blocks[name].fixed.get("body", np.empty(0)).astype(int))
+        names = self.states.names["bodies"]
+        nodes = {k for k in range(len(names)) if _is_node(names[k], self.states.names["parts"])}
+        rows = np.array(sorted(self.bodies - hidden - nodes), int) - 1
+        drawing.dots = points[rows]
+
+    def _links(self, drawing: Drawing, points: np.ndarray) -> None:
+        block, shown = self.states.blocks["links"], self._cells_shown("links")
+        (_, corners) = block.cells[0]
+        bodies = block.fixed["body"].astype(int)
+        for body in np.unique(bodies[shown]):
+            own = points[corners[bodies == body]]
+            drawing.lines.append(Lines(own, self._body_colour(int(body)), 4.0))
+
+
+def _planes(states: States) -> np.ndarray:
+    """Numbers (n, 4) of the corners of rectangles of the ground that stand for infinite planes."""
+    block = states.blocks.get("ground")
+    if block is None or not block.cells or block.cells[0][1].shape[1] != 3:
+        return np.empty((0, 4), int)
+    cells = block.cells[0][1]
+    uses, found = np.bincount(cells.ravel(), minlength=len(block.points)), []
+    for one, two in pairwise(cells):
+        first = int(one[0])
+        corners = first + np.arange(4)
+        is_pair = (one == corners[:3]).all() and (two == corners[[0, 2, 3]]).all()
+        if is_pair and (uses[corners] == [2, 1, 2, 1]).all():
+            found.append(corners)
+    return np.array(found, int).reshape(-1, 4)
+
+
+def _cut(corners: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """The rectangle (4, 3) in the plane of another that lies below points (n, 3), with a margin."""
+    axes = np.array([corners[1] - corners[0], corners[3] - corners[0]])
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    flat = (near - corners[0]) @ axes.T
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    margin = PLANE_MARGIN * float(np.max(high - low))
+    low, high = low - margin, high + margin
+    around = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+    found: np.ndarray = corners[0] + around @ axes
+    return found
+
+
+def _edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Length of an edge of each cell."""
+    return np.linalg.norm(points[corners[:, 1]] - points[corners[:, 0]], axis=1)
+
+
+def _is_node(name: str, parts: list[str]) -> bool:
+    """Whether a body is a node of a part by its name."""
+    return any(name.startswith(f"{part}_") for part in parts)
+
+
+def _groups(names: list[str]) -> list[int]:
+    """For each body the shortest other whose name it begins with: A_bogie_1 belongs to A."""
+    places = {name: k for k, name in enumerate(names)}
+    found = []
+    for k, name in enumerate(names):
+        words = name.split("_")
+        heads = ("_".join(words[:n]) for n in range(1, len(words)))
+        found.append(next((places[head] for head in heads if places.get(head)), k))
+    return found
+
+
+def _prisms(count: int, corners: int) -> tuple[np.ndarray, np.ndarray]:
+    """Sides (quads) and ends (polygons) of prisms, each with two rings of corners."""
+    here = np.arange(corners)
+    after = np.roll(here, -1)
+    one = np.column_stack([here, after, after + corners, here + corners])
+    first = 2 * corners * np.arange(count)[:, None, None]
+    ends = np.stack([here[::-1], here + corners])
+    return (first + one).reshape(-1, 4), (first + ends).reshape(-1, corners)
+
+
+def rotated(vectors: np.ndarray) -> np.ndarray:
+    """Rotation matrices (n, 3, 3) of rotation vectors (n, 3) (Rodrigues)."""
+    angle = np.linalg.norm(vectors, axis=1)
+    axis = vectors / np.where(angle > 0.0, angle, 1.0)[:, None]
+    x, y, z = axis.T
+    zero = np.zeros_like(x)
+    K = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+    sine, rest = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
+    found: np.ndarray = np.eye(3) + sine * K + rest * (K @ K)
+    return found
+
+
+def outermost(points: np.ndarray) -> np.ndarray:
+    """The points that reach furthest in 26 directions: enough to fit a picture around them."""
+    steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)], float)
+    steps = steps[np.any(steps, axis=1)]
+    found: np.ndarray = points[np.unique((points @ steps.T).argmax(axis=0))]
+    return found
+
+
+def arrows_of(drawing: Drawing, seen: Camera, arrow: float) -> Drawing:
+    """Only the arrows of a drawing, `arrow` [m] long for each unit."""
+    found = Drawing()
+    for starts, vectors in drawing.arrows:
+        width = ARROW_WIDTH * min(1.0, seen.aspect) * seen.half_height
+        points, quads, triangles = arrow_polygons(starts, vectors, arrow, width)
+        for corners in (quads, triangles):
+            if len(corners):
+                which = np.zeros(len(corners), int)
+                found.surfaces.append(Surface(points, corners, [ARROW], which, which, is_flat=True))
+    return found
+
+
+def arrow_polygons(
+    starts: np.ndarray, vectors: np.ndarray, unit_length: float, width: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points, sides (quads) and heads (triangles) of arrows, `unit_length` [m] for each unit.
+
+    All are `width` [m] thick; those shorter than their head are left out.
+    """
+    lengths = unit_length * np.linalg.norm(vectors, axis=1)
+    kept = lengths > 2.0 * width
+    starts, lengths = starts[kept], lengths[kept]
+    along = vectors[kept] / np.linalg.norm(vectors[kept], axis=1)[:, None]
+    helper = np.eye(3)[np.argmin(np.abs(along), axis=1)]
+    side = np.cross(along, helper)
+    side /= np.linalg.norm(side, axis=1)[:, None]
+    other = np.cross(along, side)
+    n = 10
+    angle = 2.0 * np.pi * np.arange(n) / n
+    ring = side[:, None] * np.cos(angle)[:, None] + other[:, None] * np.sin(angle)[:, None]
+    head = np.minimum(6.0 * width, 0.5 * lengths)[:, None, None]
+    neck = (starts + along * lengths[:, None])[:, None] - along[:, None] * head
+    tip = (starts + along * lengths[:, None])[:, None]
+    cloud = np.concatenate(
+        [
+            starts[:, None] + 0.5 * width * ring,
+            neck + 0.5 * width * ring,
+            neck + 1.6 * width * ring,
+            tip,
+        ],
+        axis=1,
+    )
+    here = np.arange(n)
+    after = np.roll(here, -1)
+    shaft = np.column_stack([here, after, after + n, here + n])
+    brim = np.column_stack([here + n, after + n, after + 2 * n, here + 2 * n])
+    cone = np.column_stack([here + 2 * n, after + 2 * n, np.full(n, 3 * n)])
+    first = (3 * n + 1) * np.arange(len(starts))[:, None, None]
+    quads = (first + np.concatenate([shaft, brim])).reshape(-1, 4)
+    return cloud.reshape(-1, 3), quads, (first + cone).reshape(-1, 3)

@@ -1,0 +1,299 @@
+"""The run as a page to turn in the hand: 3-D, playable, in one file that needs no network.
+
+k3d (three.js inside) draws it in any browser. States and triangles are thinned to a stated size.
+"""
+
+import json
+import re
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crashpost.errors import PostError
+from crashpost.renders.camera import Camera
+from crashpost.renders.drawing import ARROW, LINE, Drawing, Look, Scene, Surface
+from crashpost.renders.shades import Shades
+from crashpost.renders.studio import Task, _camera, clock
+from crashpost.results.result import Result
+from crashpost.results.states import States
+
+# states on the page, and numbers of all vertices at all states together
+MOST_STATES, MOST_NUMBERS = 60, 3_000_000
+SECONDS = 6.0
+MOST_NAMES = 8
+# the bar below the picture: play and pause, a slider for the time, what colours mean
+PLAYER = """
+const facts = @FACTS@;
+const bar = document.createElement('div');
+bar.style.cssText = 'position:fixed;z-index:1000;left:0;right:0;bottom:0;padding:8px 12px;' +
+  'display:flex;gap:12px;align-items:center;flex-wrap:wrap;background:#ffffffd0;' +
+  'font:14px system-ui,sans-serif;color:#1c2126';
+const button = document.createElement('button');
+button.style.cssText = 'font:inherit;width:5em;padding:4px';
+const slider = document.createElement('input');
+slider.type = 'range'; slider.min = 0; slider.max = 1; slider.step = 0.001;
+slider.setAttribute('aria-label', 'time');
+slider.style.cssText = 'flex:1;min-width:120px';
+const label = document.createElement('span');
+label.style.cssText = 'min-width:7em;font-variant-numeric:tabular-nums';
+bar.append(button, slider, label);
+for (const [colour, name] of facts.key) {
+  const item = document.createElement('span');
+  if (colour) {
+    const mark = document.createElement('i');
+    mark.style.cssText = 'display:inline-block;width:12px;height:12px;margin-right:5px';
+    mark.style.background = colour;
+    item.append(mark);
+  }
+  item.append(name);
+  bar.append(item);
+}
+document.body.append(bar);
+let playing = true, share = 0, before = null, busy = false;
+function show() {
+  let near = 0;
+  facts.shares.forEach((s, k) => {
+    if (Math.abs(s - share) < Math.abs(facts.shares[near] - share)) near = k;
+  });
+  label.textContent = facts.times[near];
+  slider.value = share;
+  button.textContent = playing ? 'Pause' : 'Play';
+  if (busy) return;
+  busy = true;
+  K3DInstance.setTime(share * facts.seconds).then(() => { busy = false; });
+}
+button.onclick = () => { playing = !playing; before = null; show(); };
+slider.oninput = () => { playing = false; share = Number(slider.value); show(); };
+function step(now) {
+  if (playing) {
+    // as often as a film: every change of time takes work
+    if (before !== null && now - before < 40) return requestAnimationFrame(step);
+    if (before !== null) share += Math.min(now - before, 200) / 1000 / facts.seconds;
+    before = now;
+    if (share > 1.15) share = 0;
+    const kept = share; share = Math.min(share, 1); show(); share = kept;
+  }
+  requestAnimationFrame(step);
+}
+K3DInstance.setCamera(facts.camera);
+show();
+requestAnimationFrame(step);
+"""
+# distance of the eye over half the diagonal of the model
+NEAR = 1.7
+# thickness of lines over the half height of the view; control points of a map of colours
+WIDTH, COLOURS = 0.004, 16
+
+
+def write_page(result: Result, path: Path, **look: Any) -> str:
+    """Write the page and tell what is on it; raises PostError."""
+    text, words = page(result, **look)
+    try:
+        path.write_text(text, "utf-8")
+    except OSError as error:
+        raise PostError(f"{path}: {error.strerror}") from error
+    return f"{path}: {words}, {len(text) / 1e6:.1f} MB"
+
+
+def page(result: Result, **look: Any) -> tuple[str, str]:
+    """The page, and in words what is on it; raises PostError."""
+    try:
+        import k3d
+    except ModuleNotFoundError as missing:
+        raise PostError(
+            f"a page to turn needs {missing.name}, which is missing: "
+            "pip install 'crashsolve[render]'"
+        ) from None
+    states = States(result.folder)
+    if look.get("view", "auto") == "auto":
+        # who may turn it sees at once that it is more than flat
+        look["view"] = "iso"
+    task = Task("", "", (), **look)
+    scene = Scene(states, Look(task.show, task.color, task.arrows, ghost=False))
+    numbers = _thinned(scene, len(states.times))
+    no_shift = [np.zeros(3)] * len(numbers)
+    seen, arrow = _camera(scene, task, [float(n) for n in numbers], no_shift, (1.6, 1.6))
+    shades = _shades(scene, numbers)
+    first, last = float(states.times[numbers[0]]), float(states.times[numbers[-1]])
+    # k3d plays seconds: a run of milliseconds is slowed, one of minutes quickened
+    stretch = SECONDS / ((last - first) or 1.0)
+    frames = {f"{(float(states.times[n]) - first) * stretch:.6f}": scene.at(n) for n in numbers}
+    shown = k3d.plot(
+        camera_auto_fit=False,
+        grid_visible=False,
+        background_color=0xFFFFFF,
+        menu_visibility=False,
+        colorbar_object_id=0,
+        fps=24,
+        time_speed=1.0,
+    )
+    _put(k3d, shown, frames, shades, arrow, seen)
+    points = np.concatenate([scene.extent(number) for number in numbers])
+    # a picture of 60 degrees holds a ball at twice its radius, and what is long somewhat nearer
+    far = NEAR * 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
+    eye = seen.middle + far * seen.towards
+    script = PLAYER.replace(
+        "@FACTS@",
+        json.dumps(
+            {
+                "seconds": SECONDS,
+                "times": [clock(float(states.times[n]), last) for n in numbers],
+                "shares": [float(key) / SECONDS for key in frames],
+                "key": _key(shades, scene),
+                "camera": [*map(float, eye), *map(float, seen.middle), *map(float, seen.up)],
+            }
+        ).replace("</", "<\\/"),
+    )
+    text = shown.get_snapshot(9, additional_js_code=script)
+    return _titled(text, result.title), f"{len(numbers)} of {len(states.times)} states"
+
+
+def _key(shades: Shades, scene: Scene) -> list[tuple[str, str]]:
+    """Colours of the picture and what they stand for."""
+    if not shades.name:
+        return [(colour, name) for name, colour in scene.legend()[:MOST_NAMES]]
+    unit = f" {shades.shown_unit}" if shades.shown_unit not in ("", "1") else ""
+    found = []
+    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
+        red, green, blue = shades.table[int(255 * share)].astype(int)
+        value = (shades.low + share * (shades.high - shades.low)) * shades.scale
+        found.append((f"#{red:02x}{green:02x}{blue:02x}", f"{value:.3g}{unit}"))
+    return [("", shades.name.replace("_", " ")), *found]
+
+
+def _thinned(scene: Scene, count: int) -> list[int]:
+    """Numbers of states spread evenly, both ends among them, few enough for the page."""
+    points = sum(3 * len(surface.points) for surface in scene.at(0).surfaces)
+    most = int(np.clip(MOST_NUMBERS / max(points, 1), 2, MOST_STATES))
+    return sorted({int(k) for k in np.linspace(0, count - 1, min(most, count)).round()})
+
+
+def _shades(scene: Scene, numbers: list[int]) -> Shades:
+    if not scene.look.color:
+        return Shades()
+    ranges = [scene.range(number) for number in numbers]
+    low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
+    return Shades.of(scene.look.color, scene.color_unit, low, high)
+
+
+def _put(
+    k3d: Any, shown: Any, frames: dict[str, Drawing], shades: Shades, arrow: float, seen: Camera
+) -> None:
+    """Surfaces of one colour each, or of a field; lines, dots and arrows beside them."""
+    first = next(iter(frames.values()))
+    width = WIDTH * seen.half_height
+    for number, surface in enumerate(first.surfaces):
+        same = {key: drawing.surfaces[number] for key, drawing in frames.items()}
+        if surface.values is not None:
+            shown += _field_mesh(k3d, surface, same, shades)
+            continue
+        for kind in np.unique(surface.which):
+            shown += _plain_mesh(k3d, surface, same, int(kind))
+    for number, lines in enumerate(first.lines):
+        ends = {key: drawing.lines[number].ends for key, drawing in frames.items()}
+        shown += _segments(k3d, ends, lines.colour, 0.5 * width * lines.width)
+    if len(first.dots):
+        places = {key: drawing.dots.astype(np.float32) for key, drawing in frames.items()}
+        dots = k3d.points(places, point_size=6.0 * width, shader="mesh", color=_code(LINE))
+        shown += dots
+    if arrow:
+        shown += _segments(k3d, _arrow_ends(frames, arrow), ARROW, 2.0 * width)
+
+
+def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -> Any:
+    """What has one colour of a surface's palette."""
+    of = first.which == kind
+    still = all(np.array_equal(s.points, first.points) for s in same.values())
+    cells = _fan(first.corners[of])
+    used, numbers = np.unique(cells, return_inverse=True)
+    if all(len(s.corners) == len(first.corners) for s in same.values()):
+        vertices = {key: s.points[used].astype(np.float32) for key, s in same.items()}
+        indices = numbers.reshape(-1, 3).astype(np.uint32)
+    else:
+        vertices = {key: _torn(first, s, of) for key, s in same.items()}
+        indices = np.arange(3 * len(cells), dtype=np.uint32).reshape(-1, 3)
+    return k3d.mesh(
+        next(iter(vertices.values())) if still else vertices,
+        indices,
+        color=_code(first.colours[kind]),
+        side="double",
+        flat_shading=True,
+    )
+
+
+def _field_mesh(k3d: Any, first: Surface, same: dict[str, Surface], shades: Shades) -> Any:
+    """What is coloured by a field, of each polygon."""
+    everything = np.ones(len(first.corners), bool)
+    per_cell = first.corners.shape[1] - 2
+    vertices, values = {}, {}
+    for key, surface in same.items():
+        vertices[key] = _torn(first, surface, everything)
+        whole = np.zeros(len(first.corners))
+        whole[_places(first, surface)] = surface.values
+        values[key] = np.repeat(whole, 3 * per_cell).astype(np.float32)
+    table = shades.table[:: len(shades.table) // COLOURS] / 255.0
+    shares = np.linspace(0.0, 1.0, len(table))
+    return k3d.mesh(
+        vertices,
+        np.arange(3 * per_cell * len(first.corners), dtype=np.uint32).reshape(-1, 3),
+        attribute=values,
+        color_map=np.column_stack([shares, table]).ravel().astype(np.float32),
+        color_range=[shades.low, shades.high],
+        side="double",
+        flat_shading=True,
+    )
+
+
+def _torn(first: Surface, surface: Surface, of: np.ndarray) -> np.ndarray:
+    """Vertices (n, 3) of triangles that share none; of those deleted since, all in one point."""
+    places = _places(first, surface)
+    corners = first.corners.copy()
+    gone = np.ones(len(corners), bool)
+    gone[places] = False
+    corners[gone] = corners[gone][:, :1]
+    found: np.ndarray = surface.points[_fan(corners[of]).ravel()].astype(np.float32)
+    return found
+
+
+def _places(first: Surface, surface: Surface) -> np.ndarray:
+    """Where the polygons of a surface are among those of the first."""
+    return np.searchsorted(first.rows, surface.rows)
+
+
+def _fan(corners: np.ndarray) -> np.ndarray:
+    """Triangles (m, 3) of polygons, those of one polygon one after the other."""
+    inner = range(1, corners.shape[1] - 1)
+    return np.stack([corners[:, [0, k, k + 1]] for k in inner], axis=1).reshape(-1, 3)
+
+
+def _segments(k3d: Any, ends: dict[str, np.ndarray], colour: str, width: float) -> Any:
+    """Lines (n, 2, 3) that move."""
+    count = len(next(iter(ends.values())))
+    vertices = {key: two.reshape(-1, 3).astype(np.float32) for key, two in ends.items()}
+    indices = np.arange(2 * count, dtype=np.uint32).reshape(-1, 2)
+    return k3d.lines(
+        vertices, indices, indices_type="segment", width=width, color=_code(colour), shader="mesh"
+    )
+
+
+def _arrow_ends(frames: dict[str, Drawing], arrow: float) -> dict[str, np.ndarray]:
+    """Ends (n, 2, 3) of arrows, as many at all times: those missing have no length."""
+    found = {}
+    for key, drawing in frames.items():
+        ends = [np.stack([starts, starts + arrow * v], axis=1) for starts, v in drawing.arrows]
+        found[key] = np.concatenate([np.empty((0, 2, 3)), *ends])
+    most = max(1, *(len(ends) for ends in found.values()))
+    return {key: np.concatenate([e, np.zeros((most - len(e), 2, 3))]) for key, e in found.items()}
+
+
+def _code(colour: str) -> int:
+    return int(colour[1:], 16)
+
+
+def _titled(text: str, title: str) -> str:
+    """The page with its title in the browser's tab."""
+    return re.sub(
+        r"<title>.*?</title>", f"<title>{escape(title)}</title>", text, count=1, flags=re.S
+    )

@@ -1,0 +1,163 @@
+"""Paints drawings with VTK, off-screen. Only a child process imports this: see studio.py."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pyvista
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+from crashpost.renders.camera import Camera
+from crashpost.renders.drawing import LINE, Drawing, Surface
+from crashpost.renders.shades import Shades, rgb
+
+DOT = 0.012  # radius of a mass centre over the half height of the picture
+EDGE = "#3a424a"
+# degrees between two faces that make an edge
+SHARP = 40.0
+# more polygons than this are drawn without their edges
+MOST_EDGES = 20_000
+SAMPLES = 4
+# layers of a window: what is painted later hides what was before
+LAYERS = 3
+
+
+class Painter:
+    """A window of fixed size into which drawings are painted one after the other."""
+
+    def __init__(self, width: int, height: int) -> None:
+        vtk.vtkObject.GlobalWarningDisplayOff()
+        # lines on a surface are seen whole
+        vtk.vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()
+        self.window = vtk.vtkRenderWindow()
+        self.window.SetOffScreenRendering(True)
+        self.window.SetSize(width, height)
+        self.window.SetMultiSamples(SAMPLES)
+        self.window.SetNumberOfLayers(LAYERS)
+        self.renderers = []
+        for layer in range(LAYERS):
+            renderer = vtk.vtkRenderer()
+            renderer.SetLayer(layer)
+            renderer.SetBackground(1.0, 1.0, 1.0)
+            self.window.AddRenderer(renderer)
+            self.renderers.append(renderer)
+
+    def paint(self, layers: Sequence[Drawing], camera: Camera, shades: Shades) -> np.ndarray:
+        """The picture (height, width, 3) of drawings, each before the one it follows."""
+        for k, renderer in enumerate(self.renderers):
+            renderer.RemoveAllViewProps()
+            if k < len(layers):
+                self._fill(renderer, layers[k], camera, shades)
+            self._look(renderer, camera)
+        self.window.Render()
+        grab = vtk.vtkWindowToImageFilter()
+        grab.SetInput(self.window)
+        grab.ReadFrontBufferOff()
+        grab.ShouldRerenderOff()
+        grab.Update()
+        image = grab.GetOutput()
+        width, height, _ = image.GetDimensions()
+        pixels = vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)
+        return pixels[::-1, :, :3].copy()
+
+    def close(self) -> None:
+        self.window.Finalize()
+
+    def _fill(
+        self, renderer: vtk.vtkRenderer, drawing: Drawing, camera: Camera, shades: Shades
+    ) -> None:
+        for surface in drawing.surfaces:
+            self._surface(renderer, surface, shades)
+        for lines in drawing.lines:
+            colours = None if lines.values is None else shades.colours(lines.values)
+            if len(lines.ends):
+                mesh = segments(lines.ends)
+                _add(renderer, mesh, colours, lines.colour, width=2.0 * lines.width)
+        if len(drawing.dots):
+            ball = pyvista.Sphere(radius=DOT * camera.half_height)
+            dots = pyvista.PolyData(drawing.dots).glyph(geom=ball, scale=False, orient=False)
+            _add(renderer, dots, None, LINE, is_lit=True)
+
+    def _surface(self, renderer: vtk.vtkRenderer, surface: Surface, shades: Shades) -> None:
+        mesh = polygons(surface.points, surface.corners)
+        palette = np.array([rgb(colour) for colour in surface.colours])
+        colours = palette[surface.which]
+        if surface.values is not None:
+            colours = shades.colours(surface.values)
+        mesh.cell_data["colour"] = colours.astype(np.uint8)
+        if surface.is_flat:
+            _add(renderer, mesh, colours, "")
+            return
+        if surface.edges:
+            actor = _add(renderer, mesh, colours, "", is_lit=True)
+            if len(surface.corners) <= MOST_EDGES:
+                actor.GetProperty().EdgeVisibilityOn()
+                actor.GetProperty().SetEdgeColor(*(rgb(EDGE) / 255.0))
+                actor.GetProperty().SetLineWidth(0.5)
+                actor.GetProperty().SetEdgeOpacity(0.5)
+            return
+        # round shapes look round; edges are those that turn by more
+        mesh = mesh.compute_normals(split_vertices=True, feature_angle=SHARP, cell_normals=False)
+        edges = mesh.extract_feature_edges(
+            SHARP, boundary_edges=True, non_manifold_edges=False, manifold_edges=False
+        )
+        if edges.n_cells:
+            _add(renderer, edges, None, EDGE, opacity=0.6)
+        _add(renderer, mesh, mesh.cell_data["colour"], "", is_lit=True)
+
+    def _look(self, renderer: vtk.vtkRenderer, camera: Camera) -> None:
+        view = renderer.GetActiveCamera()
+        far = 10.0 * camera.half_height * (1.0 + camera.aspect)
+        view.ParallelProjectionOn()
+        view.SetFocalPoint(*camera.middle)
+        view.SetPosition(*(camera.middle + far * camera.towards))
+        view.SetViewUp(*camera.up)
+        view.SetParallelScale(camera.half_height)
+        renderer.ResetCameraClippingRange()
+
+
+def _add(
+    renderer: vtk.vtkRenderer,
+    mesh: pyvista.PolyData,
+    colours: np.ndarray | None,
+    colour: str,
+    *,
+    width: float = 1.0,
+    opacity: float = 1.0,
+    is_lit: bool = False,
+) -> vtk.vtkActor:
+    """Put a mesh of one colour, or of one (0 to 255) for each cell, into a layer."""
+    mapper = vtk.vtkPolyDataMapper()
+    if colours is not None:
+        mesh.cell_data["colour"] = np.asarray(colours).astype(np.uint8)
+        mapper.SetScalarModeToUseCellFieldData()
+        mapper.SelectColorArray("colour")
+        mapper.SetColorModeToDirectScalars()
+    else:
+        mapper.ScalarVisibilityOff()
+    mapper.SetInputData(mesh)
+    actor = vtk.vtkActor()
+    actor.SetMapper(mapper)
+    look = actor.GetProperty()
+    if colours is None:
+        look.SetColor(*(rgb(colour) / 255.0))
+    look.SetLineWidth(width)
+    look.SetOpacity(opacity)
+    look.SetLighting(is_lit)
+    look.SetAmbient(0.28)
+    look.SetDiffuse(0.75)
+    renderer.AddActor(actor)
+    return actor
+
+
+def polygons(points: np.ndarray, corners: np.ndarray) -> pyvista.PolyData:
+    """A mesh of polygons with one number of corners."""
+    count = np.full((len(corners), 1), corners.shape[1])
+    return pyvista.PolyData(points, np.hstack([count, corners]).ravel())
+
+
+def segments(ends: np.ndarray) -> pyvista.PolyData:
+    """A mesh of lines (n, 2, 3)."""
+    corners = np.arange(2 * len(ends)).reshape(-1, 2)
+    cells = np.hstack([np.full((len(ends), 1), 2), corners]).ravel()
+    return pyvista.PolyData(ends.reshape(-1, 3), lines=cells)

@@ -1,0 +1,282 @@
+"""Puts painted pictures on a sheet: captions, scale bar, colours with their unit, length of arrows.
+
+A strip is one sheet with a picture for each moment; a film has one sheet, on which picture and time
+change.
+"""
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from crashpost.errors import PostError
+from crashpost.figures.draw import tick
+from crashpost.figures.style import INK, MATPLOTLIB, MUTED
+from crashpost.renders.camera import Camera, round_length
+from crashpost.renders.drawing import ARROW
+from crashpost.renders.shades import Shades
+from crashsolve.channels.display import factor, readable
+
+# inches
+WIDTH, LEAST_WIDTH, GAP, CAPTION, TITLE, LINE, FOOTER = 7.2, 4.8, 0.12, 0.24, 0.36, 0.18, 0.66
+# around the sheet
+PAD = 0.07
+# a picture this many times as wide as high is put below the one before, not beside it
+WIDE, HALF_WIDE = 3.2, 2.2
+MOST_COLUMNS, MOST_NAMES = 4, 8
+DPI = 160
+
+
+@dataclass(frozen=True)
+class Key:
+    """What colours, lengths and arrows mean."""
+
+    camera: Camera
+    shades: Shades
+    names: Sequence[tuple[str, str]] = ()
+    arrow: float = 0.0  # metres for each unit
+    arrow_unit: str = ""
+    arrow_size: float = 0.0  # the largest, in its unit
+
+    @property
+    def scale_bar(self) -> tuple[float, str]:
+        """Its length [m] and label."""
+        length = round_length(self.camera.width)
+        unit = readable("m", length)
+        return length, f"{length * factor('m', unit):g} {unit}"
+
+    @property
+    def arrow_label(self) -> str:
+        """The largest force or speed that an arrow shows."""
+        unit = readable(self.arrow_unit, self.arrow_size)
+        size = self.arrow_size * (factor(self.arrow_unit, unit) if unit != self.arrow_unit else 1)
+        return f"largest {size:.3g} {unit}"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Sizes of a strip [inches]."""
+
+    columns: int
+    rows: int
+    width: float  # of the sheet
+    panel: tuple[float, float]
+    title: float
+    caption: float
+
+    @property
+    def height(self) -> float:
+        return PAD + self.title + self.rows * (self.panel[1] + self.caption + GAP) + FOOTER
+
+    @property
+    def pixels(self) -> tuple[int, int]:
+        """Of one picture."""
+        return round(self.panel[0] * DPI), round(self.panel[1] * DPI)
+
+
+def wrapped(title: str, width: float) -> list[str]:
+    """A title in lines that fit a width [inches]."""
+    return textwrap.wrap(title, max(int(width * 11.5), 20))
+
+
+def layout(captions: Sequence[str], aspect: float, title: str, width: float = WIDTH) -> Layout:
+    """How many pictures side by side, and how large."""
+    count = len(captions)
+    most = 1 if aspect >= WIDE else 2 if aspect >= HALF_WIDE else MOST_COLUMNS
+    rows = -(-count // most)
+    columns = -(-count // rows)
+    width -= 2.0 * PAD
+    # four tall ones in a row, or rows of as many as fill the width
+    panel = (width - GAP * (columns - 1)) / columns
+    # a single tall picture need not fill a page
+    panel = min(panel, 4.6 * aspect)
+    sheet = max(columns * panel + GAP * (columns - 1) + 2.0 * PAD, LEAST_WIDTH)
+    lines = len(wrapped(title, sheet))
+    head = TITLE + LINE * (lines - 1) if lines else 0.06
+    caption = CAPTION + 0.14 * any("\n" in caption for caption in captions)
+    return Layout(columns, rows, sheet, (panel, panel / aspect), head, caption)
+
+
+def strip(
+    path: Path,
+    title: str,
+    pictures: Sequence[np.ndarray],
+    captions: Sequence[str],
+    key: Key,
+    sizes: Layout,
+) -> None:
+    """Write a sheet with a picture for each moment; raises PostError."""
+    with mpl.rc_context(MATPLOTLIB):
+        figure = Figure(figsize=(sizes.width, sizes.height), dpi=DPI)
+        _head(figure, title)
+        w, h = sizes.panel
+        is_tall = sizes.caption > CAPTION
+        for k, (picture, caption) in enumerate(zip(pictures, captions, strict=True)):
+            row, column = divmod(k, sizes.columns)
+            left = PAD + column * (w + GAP)
+            top = sizes.height - PAD - sizes.title - row * (h + sizes.caption + GAP)
+            _panel(figure, picture, (left, top - sizes.caption - h, w, h), caption, is_tall=is_tall)
+        _footer(figure, key, w)
+        try:
+            figure.savefig(path, dpi=DPI)
+        except (OSError, ValueError) as error:
+            raise PostError(f"{path}: {error}") from error
+
+
+class Sheet:
+    """The sheet of a film (height, width, 3): a window for the picture, a line for the time."""
+
+    def __init__(self, title: str, key: Key, size: tuple[int, int], speed: str) -> None:
+        width, height = size
+        self.window = film_window(size)
+        with mpl.rc_context(MATPLOTLIB):
+            figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+            fitted = title if len(title) <= 84 else title[:81] + "..."
+            figure.text(
+                0.02, 1 - 0.17 * DPI / height, fitted, va="center", fontsize=8.5, weight="bold"
+            )
+            figure.text(
+                0.98,
+                1 - 0.40 * DPI / height,
+                speed,
+                va="center",
+                ha="right",
+                fontsize=7,
+                color=MUTED,
+            )
+            _footer(figure, key, width / DPI)
+            canvas = FigureCanvasAgg(figure)
+            canvas.draw()
+            self.blank = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+
+    def frame(self, picture: np.ndarray, time: str) -> np.ndarray:
+        """The sheet with a picture and a time."""
+        from PIL import Image, ImageDraw
+
+        left, top, width, height = self.window
+        found = self.blank.copy()
+        found[top : top + height, left : left + width] = picture
+        image = Image.fromarray(found)
+        place = (0.02 * found.shape[1], 0.40 * DPI)
+        ImageDraw.Draw(image).text(place, time, fill=INK, font=_font(), anchor="lm")
+        return np.asarray(image)
+
+
+def film_window(size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Left, top, width and height of the picture on the sheet of a film [pixels]."""
+    top, bottom = round(0.52 * DPI), round(FOOTER * DPI)
+    return 0, top, size[0], size[1] - top - bottom
+
+
+def _font() -> Any:
+    from matplotlib import font_manager
+    from PIL import ImageFont
+
+    return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), round(9 / 72 * DPI))
+
+
+def _head(figure: Figure, title: str) -> None:
+    if title:
+        width, height = figure.get_size_inches()
+        text = "\n".join(wrapped(title, width))
+        figure.text(
+            PAD / width, 1 - (PAD + 0.03) / height, text, va="top", fontsize=10.5, weight="bold"
+        )
+
+
+def _panel(
+    figure: Figure,
+    picture: np.ndarray,
+    place: tuple[float, float, float, float],
+    caption: str,
+    *,
+    is_tall: bool,
+) -> None:
+    width, height = figure.get_size_inches()
+    left, bottom, w, h = place
+    axes = figure.add_axes((left / width, bottom / height, w / width, h / height))
+    axes.imshow(picture, interpolation="antialiased", aspect="auto")
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.grid(False)
+    for spine in axes.spines.values():
+        spine.set(visible=True, color="#d5d9dd", linewidth=0.6)
+    time, _, why = caption.partition("\n")
+    low = (bottom + h + 0.035) / height
+    # what a moment was chosen for stands below its time, in the words of the command
+    most = max(int(w * 17), 10)
+    shown = why if len(why) <= most else why[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
+    figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
+    raised = low + (0.14 / height if is_tall else 0.0)
+    figure.text(left / width, raised, time, fontsize=8.5, va="bottom")
+
+
+def _footer(figure: Figure, key: Key, panel: float) -> None:
+    """Scale bar on the left, colours or names in the middle, arrows on the right."""
+    width, height = figure.get_size_inches()
+    length, label = key.scale_bar
+    bar = length / key.camera.width * panel
+    axes = figure.add_axes((0, 0, 1, FOOTER / height))
+    axes.set_axis_off()
+    axes.set_xlim(0, width)
+    axes.set_ylim(0, FOOTER)
+    left = PAD + 0.02
+    axes.plot([left, left + bar], [0.36, 0.36], color=INK, linewidth=2.2, solid_capstyle="butt")
+    for end in (left, left + bar):
+        axes.plot([end, end], [0.31, 0.41], color=INK, linewidth=1)
+    axes.text(left, 0.24, label, fontsize=8, va="top", color=INK)
+    start = max(left + bar, 1.2) + 0.3
+    stop = width - (1.65 if key.arrow_size else 0.1)
+    if key.shades.name:
+        _colour_bar(figure, key.shades, start, stop)
+    elif key.names:
+        _names(axes, key.names, start, stop)
+    if key.arrow_size:
+        axes.annotate(
+            "",
+            (width - 0.95, 0.40),
+            (width - 1.5, 0.40),
+            arrowprops={"color": ARROW, "width": 2, "headwidth": 7, "headlength": 7},
+        )
+        axes.text(width - 1.5, 0.24, key.arrow_label, fontsize=8, va="top", color=INK)
+
+
+def _colour_bar(figure: Figure, shades: Shades, start: float, stop: float) -> None:
+    width, height = figure.get_size_inches()
+    stop = min(stop - 0.25, start + 3.2)
+    place = (start / width, 0.34 / height, (stop - start) / width, 0.11 / height)
+    axes = figure.add_axes(place)
+    scale = shades.scale
+    norm = Normalize(shades.low * scale, shades.high * scale)
+    bar = figure.colorbar(ScalarMappable(norm, shades.cmap), cax=axes, orientation="horizontal")
+    ticks = np.linspace(norm.vmin or 0.0, norm.vmax or 0.0, 3)
+    bar.set_ticks([float(v) for v in ticks], labels=[tick(float(f"{v:.3g}")) for v in ticks])
+    axes.tick_params(labelsize=7.5, length=2)
+    axes.grid(False)
+    unit = shades.shown_unit if shades.shown_unit not in ("", "1") else ""
+    words = ", ".join(part for part in (shades.name.replace("_", " "), unit) if part)
+    figure.text(start / width, 0.49 / height, words, fontsize=8, va="bottom", color=INK)
+
+
+def _names(axes: Any, names: Sequence[tuple[str, str]], start: float, stop: float) -> None:
+    """A square of its colour before each name, in up to two lines."""
+    shown = list(names[:MOST_NAMES])
+    if len(names) > MOST_NAMES:
+        shown[-1] = (f"and {len(names) - MOST_NAMES + 1} more", "#ffffff")
+    columns = -(-len(shown) // 2) if len(shown) > 3 else len(shown)
+    step = min((stop - start) / columns, 1.3)
+    most = max(int(step * 13) - 3, 5)
+    for k, (name, colour) in enumerate(shown):
+        row, column = divmod(k, columns)
+        x, y = start + column * step, 0.42 - 0.2 * row
+        axes.plot([x + 0.05], [y], "s", color=colour, markersize=6)
+        fitted = name if len(name) <= most else name[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
+        axes.text(x + 0.15, y, fitted, fontsize=8, va="center", color=INK)

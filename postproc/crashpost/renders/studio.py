@@ -1,0 +1,258 @@
+"""Strips and films of a run, painted in a child process: VTK may take its process with it.
+
+The parent says what is wanted (`Task`), looks up moments and follows the progress. Where the child
+cannot paint, the parent says why and what helps, and matplotlib paints a plain picture instead.
+"""
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any
+
+import numpy as np
+
+from crashpost.errors import PostError
+from crashpost.renders import camera as cameras
+from crashpost.renders.drawing import ARROW_LENGTH, Drawing, Look, Scene, arrows_of
+from crashpost.renders.shades import Shades
+from crashpost.results.states import States
+from crashsolve.channels.display import factor, readable
+
+PACKAGES = "libgl1 libegl1 libgl1-mesa-dri libxrender1 libxext6"
+INSTALL = "pip install 'crashsolve[render]'"
+# of pictures in a strip
+NARROW, WIDEST = 0.45, 7.0
+# arrows of less, in N or m/s, are round-off
+NOTHING = 1e-9
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Task:
+    """A strip (png, pdf, svg, ...) or film (mp4, gif) to be made."""
+
+    output: str
+    title: str
+    frames: tuple[tuple[float, str], ...]  # number of the state, with a fraction; caption
+    view: str = "auto"
+    show: tuple[str, ...] = ()
+    color: str = ""
+    arrows: str = ""
+    ghost: bool = True
+    follow: str = ""
+    is_film: bool = False
+    fps: float = 25.0
+    speed: str = ""
+    size: tuple[int, int] = (960, 540)
+
+
+def make(
+    folder: Path, tasks: Sequence[Task], progress: Progress, say: Callable[[str], None]
+) -> bool:
+    """Make all; whether the pictures are those of pyvista. Raises PostError.
+
+    What cannot be met, such as a colour that no block has, is found before a child is started.
+    """
+    states = States(folder)
+    for task in tasks:
+        scene = Scene(states, look_of(task))
+        if task.follow:
+            scene.place(0, task.follow)
+        cameras.camera(task.view, states.up, np.zeros(3), np.ones(3))
+    why = _in_child(folder, tasks, progress)
+    if not why:
+        return True
+    say(why)
+    from crashpost.renders.paint_plain import Painter
+
+    for task in tasks:
+        shoot(states, task, Painter, progress)
+    return False
+
+
+def look_of(task: Task) -> Look:
+    return Look(task.show, task.color, task.arrows, task.ghost)
+
+
+def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
+    """Make one strip or film."""
+    # matplotlib takes a quarter of a second, which a wrong word need not
+    from crashpost.renders import sheet as compose
+
+    scene = Scene(states, look_of(task))
+    numbers = [number for number, _ in task.frames]
+    window = compose.film_window(task.size)
+    aspect = window[2] / window[3]
+    limits = (aspect, aspect) if task.is_film else (NARROW, WIDEST)
+    shift = _shifts(scene, task)
+    seen, arrow = _camera(scene, task, numbers, shift, limits)
+    key = compose.Key(
+        seen,
+        _shades(scene, numbers),
+        scene.legend(),
+        arrow,
+        scene.arrow_unit,
+        _largest(scene, numbers),
+    )
+    captions = [caption for _, caption in task.frames]
+    sizes = compose.layout(captions, seen.aspect, task.title)
+    width, height = window[2:] if task.is_film else sizes.pixels
+    easel = painter(width, height)
+    start = scene.ghost() if task.ghost else Drawing()
+    sheet = compose.Sheet(task.title, key, task.size, task.speed) if task.is_film else None
+
+    def pictures() -> Any:
+        for k, (number, _) in enumerate(task.frames):
+            placed = _moved(seen, shift[k])
+            drawing = scene.at(number)
+            layers = [start, drawing, arrows_of(drawing, placed, key.arrow)]
+            yield easel.paint(layers, placed, key.shades)
+            progress(k + 1, len(task.frames))
+
+    if sheet is None:
+        compose.strip(Path(task.output), task.title, list(pictures()), captions, key, sizes)
+    else:
+        frames = (sheet.frame(p, c) for p, c in zip(pictures(), captions, strict=True))
+        from crashpost.renders.film_file import write_film
+
+        write_film(Path(task.output), frames, task.fps, task.size)
+    easel.close()
+
+
+def _shifts(scene: Scene, task: Task) -> list[np.ndarray]:
+    """How far what the camera follows has moved since the first picture [m]."""
+    if not task.follow:
+        return [np.zeros(3)] * len(task.frames)
+    places = [scene.place(number, task.follow) for number, _ in task.frames]
+    return [place - places[0] for place in places]
+
+
+def _moved(seen: cameras.Camera, shift: np.ndarray) -> cameras.Camera:
+    return replace(seen, middle=seen.middle + shift)
+
+
+def _camera(
+    scene: Scene,
+    task: Task,
+    numbers: Sequence[float],
+    shift: Sequence[np.ndarray],
+    limits: tuple[float, float],
+) -> tuple[cameras.Camera, float]:
+    """The camera that holds all pictures, and the length of arrows, m for each unit."""
+    near = [scene.extent(number) - moved for number, moved in zip(numbers, shift, strict=True)]
+    if task.ghost:
+        near.append(scene.extent(0) - shift[0])
+    points = np.concatenate(near)
+    points = np.concatenate([points, scene.footprints(points)])
+    scene.reach = np.concatenate([points + moved for moved in shift]) if task.follow else points
+    first = cameras.camera(task.view, scene.states.up, points.min(axis=0), points.max(axis=0))
+    seen = cameras.fitted(first, points, *limits)
+    largest = _largest(scene, numbers)
+    if not largest:
+        return seen, 0.0
+    arrow = ARROW_LENGTH * 2.0 * min(seen.half_height, seen.half_height * seen.aspect) / largest
+    tips = []
+    for number, moved in zip(numbers, shift, strict=True):
+        for starts, vectors in scene.at(number).arrows:
+            tips.append(starts + arrow * vectors - moved)
+    return cameras.fitted(first, np.concatenate([points, *tips]), *limits), arrow
+
+
+def _largest(scene: Scene, numbers: Sequence[float]) -> float:
+    if not scene.look.arrows:
+        return 0.0
+    found = max(scene.largest_arrow(number) for number in numbers)
+    return found if found > NOTHING else 0.0
+
+
+def _shades(scene: Scene, numbers: Sequence[float]) -> Shades:
+    if not scene.look.color:
+        return Shades()
+    ranges = [scene.range(number) for number in sorted({int(number) for number in numbers})]
+    low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
+    return Shades.of(scene.look.color, scene.color_unit, low, high)
+
+
+def _in_child(folder: Path, tasks: Sequence[Task], progress: Progress) -> str:
+    """Let pyvista paint in a child; returns why it could not. Raises PostError of the child."""
+    job = json.dumps({"folder": str(folder), "tasks": [asdict(task) for task in tasks]})
+    command = [sys.executable, "-m", "crashpost.renders.studio"]
+    pipe = subprocess.PIPE
+    with (
+        TemporaryFile("w+") as errors,
+        subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=errors, text=True) as child,
+    ):
+        assert child.stdin and child.stdout
+        _send(child, job)
+        failure = ""
+        for line in child.stdout:
+            word, _, rest = line.strip().partition(" ")
+            if word == "frame":
+                done, total = map(int, rest.split())
+                progress(done, total)
+            elif word == "error":
+                failure = json.loads(rest)
+        code = child.wait()
+        errors.seek(0)
+        words = errors.read().strip().splitlines()
+    if failure:
+        raise PostError(failure)
+    return "" if code == 0 else _reason(code, words)
+
+
+def _send(child: Any, job: str) -> None:
+    try:
+        child.stdin.write(job)
+        child.stdin.close()
+    except BrokenPipeError:
+        # it ended before it read: its exit code says the rest
+        return
+
+
+def _reason(code: int, words: list[str]) -> str:
+    last = words[-1] if words else ""
+    if "ModuleNotFoundError" in last and "'" in last:
+        return f"a plain picture, for {last.split(chr(39))[1]} is missing: {INSTALL}"
+    died = f"died of {signal.Signals(-code).name}" if code < 0 else f"gave up ({last or code})"
+    return (
+        f"a plain picture, for VTK {died}. It needs graphics libraries, "
+        f"also without a screen: apt-get install {PACKAGES}"
+    )
+
+
+def clock(time: float, span: float) -> str:
+    """A time in the unit that suits a run: `t = 48.0 ms`."""
+    unit = readable("s", span)
+    value, whole = time * factor("s", unit), span * factor("s", unit)
+    digits = max(0, 3 - int(np.floor(np.log10(whole or 1.0))) - 1)
+    return f"t = {value:.{digits}f} {unit}"
+
+
+def main() -> int:
+    """The child: paint what standard input asks for, tell the progress on standard output."""
+    job = json.loads(sys.stdin.read())
+    from crashpost.renders.paint_vtk import Painter
+
+    def progress(done: int, total: int) -> None:
+        print(f"frame {done} {total}", flush=True)
+
+    try:
+        states = States(Path(job["folder"]))
+        for entry in job["tasks"]:
+            frames = tuple((number, caption) for number, caption in entry.pop("frames"))
+            entry |= {name: tuple(entry[name]) for name in ("show", "size")}
+            shoot(states, Task(frames=frames, **entry), Painter, progress)
+    except PostError as error:
+        print(f"error {json.dumps(str(error))}", flush=True)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,108 @@
+"""Words of `render` and `film` turned into tasks for the studio."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from crashpost.errors import PostError
+
+if TYPE_CHECKING:
+    from crashpost.renders.studio import Task
+    from crashpost.results.result import Result
+    from crashpost.results.states import States
+
+# of a film whose speed is not asked for
+SECONDS = 4.0
+FPS = 25.0
+# frames of a film at most: more is a slip of the keyboard
+MOST_FRAMES = 20_000
+
+
+def strip_task(result: "Result", output: Path, at: list[str], title: str, **look: Any) -> "Task":
+    """Pictures at moments in words, each of the nearest state; raises PostError."""
+    from crashpost.renders.studio import Task, clock
+    from crashpost.results.moments import moment
+    from crashpost.results.states import States
+
+    states = States(result.folder)
+    first, last = float(states.times[0]), float(states.times[-1])
+    words = at or [repr(first + k / 3 * (last - first)) for k in range(4)]
+    frames = []
+    for word in words:
+        wanted = moment(result, word, last)
+        number = _state_near(states, wanted.time, word)
+        caption = clock(float(states.times[number]), last)
+        frames.append((float(number), f"{caption}\n{wanted.why}" if wanted.why else caption))
+    return Task(str(output), title, tuple(frames), **look)
+
+
+def film_task(
+    result: "Result",
+    output: Path,
+    title: str,
+    *,
+    fps: float = FPS,
+    slow: float | None = None,
+    span: tuple[str, str] = ("start", "end"),
+    size: tuple[int, int] = (960, 540),
+    **look: Any,
+) -> "Task":
+    """Frames over a span in words; raises PostError."""
+    from crashpost.renders.studio import Task, clock
+    from crashpost.results.moments import moment
+    from crashpost.results.states import States
+
+    states = States(result.folder)
+    last = float(states.times[-1])
+    first, end = (moment(result, word, last).time for word in span)
+    for time, word in zip((first, end), span, strict=True):
+        _state_near(states, time, word)
+    if not end > first:
+        raise PostError(f"a film from {first:g} s to {end:g} s has no length")
+    if not (math.isfinite(fps) and 0 < fps <= 120):
+        raise PostError(f"--fps must be above 0 and at most 120, not {fps:g}")
+    if slow is not None and not (math.isfinite(slow) and slow > 0):
+        raise PostError(f"--slow must be positive, not {slow:g}")
+    slow = slow or _round(SECONDS / (end - first))
+    count = math.floor((end - first) * slow * fps) + 1
+    if not 2 <= count <= MOST_FRAMES:
+        raise PostError(
+            f"{count} frames: --slow {slow:g} and --fps {fps:g} should make 2 to {MOST_FRAMES} "
+            f"of {end - first:g} s"
+        )
+    frames = []
+    for k in range(count):
+        time = min(first + k / (fps * slow), end)
+        frames.append((_number(states, time), clock(time, last)))
+    pace = f"{slow:g} times slower" if slow > 1 else f"{1 / slow:g} times faster"
+    speed = "as fast as it was" if slow == 1 else f"{pace} than it was"
+    return Task(
+        str(output), title, tuple(frames), is_film=True, fps=fps, speed=speed, size=size, **look
+    )
+
+
+def _state_near(states: "States", time: float, word: str) -> int:
+    """Number of the state nearest to a time of the run; PostError for a time outside."""
+    first, last = float(states.times[0]), float(states.times[-1])
+    slack = 1e-9 * max(abs(first), abs(last), last - first)
+    # between the last state and the end of the history no state lies
+    spacing = (last - first) / max(len(states.times) - 1, 1)
+    if not first - slack <= time <= last + slack + spacing:
+        raise PostError(f"'{word}' is {time:g} s; there are states from {first:g} s to {last:g} s")
+    return states.nearest(time)
+
+
+def _number(states: "States", time: float) -> float:
+    """Number of the state before a time, and the way from there to the next."""
+    times = states.times
+    after = int((times <= time).sum())
+    if after == 0 or after == len(times):
+        return float(max(after - 1, 0))
+    before = times[after - 1]
+    return float(after - 1 + (time - before) / (times[after] - before))
+
+
+def _round(value: float) -> float:
+    """The nearest of 1, 2, 3, 5 or 10 times a power of ten, below or at a value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return float(f"{max(s * power for s in (1, 2, 3, 5) if s * power <= value * (1 + 1e-9)):.6g}")

@@ -1,0 +1,1 @@
+"""A results folder opened for reading: histories, states, status and log."""

@@ -1,0 +1,28 @@
+"""One number of a result, in the unit asked for, with what has to be said about it."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from crashsolve.channels.display import factor
+from crashsolve.channels.series import Window
+from crashsolve.channels.statistic import remark, statistic, unit_of
+
+if TYPE_CHECKING:
+    from crashpost.results.result import Result
+
+
+class Answer(NamedTuple):
+    """A number with its unit; `remark` tells what it rests on, where not on samples alone."""
+
+    value: float
+    unit: str
+    remark: str = ""
+
+
+def answer(
+    result: "Result", channel: str, word: str, during: Window | None = None, unit: str | None = None
+) -> Answer:
+    """The statistic `word` of a channel or expression, in `unit`; raises PostError."""
+    series = result.series(channel)
+    value, own = statistic(series, word, during), unit_of(word, series.unit)
+    size = factor(own, unit) if unit else 1.0
+    return Answer(value * size, unit or own, remark(series, word))

@@ -1,0 +1,64 @@
+"""Channels as every command takes them: names, shell patterns and expressions, with a statistic.
+
+rcforc.left.force.normal    rcforc.*.force.x    -rbdout.a.velocity.x    rcforc.left.force.x:max
+"""
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from crashpost.errors import PostError
+from crashsolve.channels.statistic import check
+
+if TYPE_CHECKING:
+    from crashpost.results.result import Result
+
+PATTERN = frozenset("*?[")
+
+
+def plain(name: str) -> str:
+    """A channel's name as an expression holds it: in quotes where it has other characters."""
+    return name if re.fullmatch(r"[A-Za-z_][\w.]*", name) else f"'{name}'"
+
+
+class Choice(NamedTuple):
+    """A channel or expression, and the word of a statistic; "" where none was given."""
+
+    channel: str
+    statistic: str = ""
+
+
+def choices(result: "Result", words: Sequence[str]) -> list[Choice]:
+    """What the words name, each once and in their order; raises PostError for an idle one."""
+    found: dict[Choice, None] = {}
+    for word in words:
+        channel, _, statistic = word.strip().partition(":")
+        if statistic:
+            check(statistic)
+        found |= dict.fromkeys(Choice(name, statistic) for name in _fitting(result, channel))
+    return list(found)
+
+
+def channels(result: "Result", words: Sequence[str]) -> list[str]:
+    """The same where a statistic has no meaning; raises PostError for one."""
+    found = choices(result, words)
+    for choice in found:
+        if choice.statistic:
+            raise PostError(
+                f"'{choice.channel}:{choice.statistic}': whole histories are meant here"
+            )
+    return [choice.channel for choice in found]
+
+
+def _fitting(result: "Result", word: str) -> list[str]:
+    """The channels that fit a word, or the expression it is; raises PostError."""
+    names = [channel.name for channel in result.channels(word)]
+    if names:
+        return names
+    try:
+        result.series(word)
+    except PostError:
+        if PATTERN & set(word) and " " not in word:
+            raise PostError(f"no channel fits '{word}'; see `crashpost channels`") from None
+        raise
+    return [word]

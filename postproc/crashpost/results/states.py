@@ -1,0 +1,164 @@
+"""The states of a run, read one at a time: blocks of points and cells, and what they carry.
+
+A result of any size needs the memory of its geometry and of one state (FILE_FORMAT.md, States).
+"""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from crashpost.errors import PostError
+from crashpost.results.text import printable
+
+FORMAT = "crashsolve states"
+FORMAT_VERSIONS = (2, 3)
+# numbers of XDMF in a list of mixed cells: corners; a line says how many follow
+LINE = 2
+MIXED = {1: 1, LINE: 2, 4: 3, 5: 4, 6: 4, 8: 6, 9: 8}
+# value of vtkGhostType for what is not drawn
+GHOST, HIDDEN = "vtkGhostType", 32
+NOT_FIELDS = ("points", "cells")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A mesh drawn as one thing; `rows` of each array of corners are its places among all cells."""
+
+    name: str
+    points: np.ndarray
+    cells: list[tuple[np.ndarray, np.ndarray]]  # rows, corners (m, k)
+    fixed: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def n_cells(self) -> int:
+        return sum(len(rows) for rows, _ in self.cells)
+
+
+class States:
+    """What a results folder holds for pictures; raises PostError when it cannot be read."""
+
+    def __init__(self, folder: Path | str) -> None:
+        self.folder = Path(folder)
+        mesh = self.folder / "mesh.h5"
+        self.files = sorted((self.folder / "states").glob("[0-9]*.h5"))
+        if not mesh.is_file() or not self.files:
+            raise PostError(f"{self.folder}: no states to draw (mesh.h5 and states/)")
+        self.units: dict[str, str] = {}
+        self._fields: dict[str, list[str]] = {}
+        with _open(mesh) as file:
+            self._check(mesh, file.attrs)
+            names = json.loads(file.attrs.get("names", "{}"))
+            self.names: dict[str, list[str]] = {
+                kind: [printable(str(name)) for name in names.get(kind, [])]
+                for kind in ("bodies", "parts", "contacts")
+            }
+            self.sections = [np.array(o) for o in json.loads(file.attrs.get("sections", "[]"))]
+            self.up = np.array(json.loads(file.attrs.get("up", "[0, 0, 1]")))
+            self.blocks = {name: self._block(name, file[name]) for name in file}
+        self._name_what_is_without()
+        self.times = np.array([self._time(path) for path in self.files])
+
+    def nearest(self, time: float) -> int:
+        """Number of the state nearest to a time."""
+        return int(np.argmin(np.abs(self.times - time)))
+
+    def fields(self, block: str) -> list[str]:
+        """Names of what a block carries, points and displacement among it."""
+        if block not in self._fields:
+            with _open(self.files[0]) as file:
+                changing = list(file[block]) if block in file else []
+            self._fields[block] = [*changing, *self.blocks[block].fixed]
+        return self._fields[block]
+
+    def read(self, number: int, block: str, *names: str) -> dict[str, np.ndarray]:
+        """Fields of a block at a state; those that it does not have are left out."""
+        found = {}
+        with _open(self.files[number]) as file:
+            for name in names:
+                path = f"{block}/{name}"
+                if path in file:
+                    found[name] = file[path][...]
+                    self.units[name] = printable(str(file[path].attrs.get("unit", "")))
+                elif name in self.blocks[block].fixed:
+                    found[name] = self.blocks[block].fixed[name]
+        return found
+
+    def positions(self, number: int, block: str) -> np.ndarray:
+        """Points (n, 3) of a block at a state."""
+        found = self.read(number, block, "points", "displacement")
+        if "points" in found:
+            return found["points"].astype(float)
+        return self.blocks[block].points + found.get("displacement", 0.0)
+
+    def visible(self, number: int, block: str) -> np.ndarray:
+        """Which cells (m,) are drawn: deleted elements and contacts that are apart are not."""
+        ghost = self.read(number, block, GHOST).get(GHOST)
+        count = self.blocks[block].n_cells
+        return np.ones(count, bool) if ghost is None else (ghost.astype(int) & HIDDEN) == 0
+
+    def _name_what_is_without(self) -> None:
+        """Version 2 knows no names: bodies are numbers there, parts those of the blocks."""
+        centres, names = self.blocks.get("mass_centres"), self.names
+        if centres is not None and not names["bodies"]:
+            numbers = range(1, len(centres.points) + 1)
+            names["bodies"] = ["ground", *(f"body {k}" for k in numbers)]
+        if not names["parts"]:
+            blocks = (name for name in self.blocks if name.startswith("part_"))
+            names["parts"] = [name.removeprefix("part_") for name in blocks]
+
+    def _check(self, path: Path, attributes: Any) -> None:
+        version = attributes.get("format_version")
+        if attributes.get("format") != FORMAT or version not in FORMAT_VERSIONS:
+            raise PostError(
+                f"{path}: not a {FORMAT} file of versions "
+                f"{FORMAT_VERSIONS[0]} to {FORMAT_VERSIONS[-1]} (version {version})"
+            )
+
+    def _block(self, name: str, group: Any) -> Block:
+        points, cells = group["points"][...], group["cells"][...]
+        fixed = {key: group[key][...] for key in group if key not in NOT_FIELDS}
+        for key in fixed:
+            self.units[key] = printable(str(group[key].attrs.get("unit", "")))
+        if cells.ndim == 2:
+            return Block(name, points, [(np.arange(len(cells)), cells)], fixed)
+        return Block(name, points, _unmixed(cells), fixed)
+
+    def _time(self, path: Path) -> float:
+        with _open(path) as file:
+            return float(file.attrs["time"])
+
+
+def _unmixed(flat: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Cells of one kind each, from the list in which each begins with its number."""
+    runs: list[tuple[int, list[int], list[int]]] = []
+    place = row = 0
+    while place < len(flat):
+        code = int(flat[place])
+        # points and lines are followed by how many corners they have
+        first, corners = place + (2 if code <= LINE else 1), MIXED[code]
+        if not runs or runs[-1][0] != corners:
+            runs.append((corners, [], []))
+        runs[-1][1].append(row)
+        runs[-1][2].append(first)
+        place, row = first + corners, row + 1
+    return [
+        (np.array(rows), flat[np.array(firsts)[:, None] + np.arange(corners)])
+        for corners, rows, firsts in runs
+    ]
+
+
+@contextmanager
+def _open(path: Path) -> Iterator[h5py.File]:
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except PostError:
+        raise
+    except Exception as error:
+        raise PostError(f"{path}: not readable ({error})") from error

@@ -1,0 +1,95 @@
+"""Estimated errors, steps and cost that a run has left in status.json."""
+
+from typing import Any
+
+from crashpost.results.result import Result
+from crashpost.results.table import number, text_table
+from crashsolve.channels.series import Window
+
+HEADER = ("watched channel", "value", "unit", "error", "of its scale", "how")
+# key in status.json, what it is, unit
+COSTS = (
+    ("cycle", "steps accepted", ""),
+    ("rejected", "steps rejected", ""),
+    ("constraint_position", "constraint error in position, over the model's size", ""),
+    ("constraint_velocity", "constraint error in velocity, over the model's size", "1/s"),
+    ("energy_balance", "energy balance at the end", "%"),
+    ("real_time_factor", "CPU time of a simulated second", "s"),
+)
+
+
+def watched(result: Result) -> list[dict[str, Any]]:
+    """The entries of the watched channels; none of a run that estimated nothing."""
+    entries = result.status.get("watched")
+    return [e for e in entries if isinstance(e, dict)] if isinstance(entries, list) else []
+
+
+def error_of(result: Result, channel: str, statistic: str, during: Window | None) -> float | None:
+    """Estimated error of a statistic in SI; None where it was not estimated."""
+    for entry in watched(result):
+        window = tuple(entry.get("during") or ())
+        if (entry.get("channel"), entry.get("statistic"), window) == (
+            channel,
+            statistic,
+            during or (),
+        ):
+            error = entry.get("error")
+            return float(error) if isinstance(error, int | float) else None
+    return None
+
+
+def accuracy_table(result: Result) -> str:
+    """The watched channels as text, empty without any."""
+    rows = accuracy_rows(result)
+    return text_table(HEADER, rows) if rows else ""
+
+
+def accuracy_rows(result: Result) -> list[list[str]]:
+    """A row for each watched channel, under HEADER."""
+    return [_row(entry) for entry in watched(result)]
+
+
+def worst_error(result: Result) -> float | None:
+    """Largest estimated error over the scale of its channel; None where nothing was estimated."""
+    shares = [_relative(entry) for entry in watched(result)]
+    return max((share for share in shares if share is not None), default=None)
+
+
+def cost_rows(result: Result) -> list[list[str]]:
+    """Steps, errors of the constraints and CPU time, each with its name; what is there of them."""
+    status = result.status
+    rows = [[label, _told(status.get(key), unit)] for key, label, unit in COSTS]
+    steps = status.get("average_step") or {}
+    rows += [[f"average step {phase} contact", _told(step, "s")] for phase, step in steps.items()]
+    stages = status.get("cpu_stages") or {}
+    rows += [[f"CPU time, {stage}", _told(seconds, "s")] for stage, seconds in stages.items()]
+    return [row for row in rows if row[1]]
+
+
+def _row(entry: dict[str, Any]) -> list[str]:
+    error, relative = entry.get("error"), _relative(entry)
+    name = f"{entry.get('channel')} {entry.get('statistic')}"
+    if entry.get("during"):
+        name += " from {:g} to {:g} s".format(*entry["during"])
+    value = entry.get("value")
+    return [
+        name,
+        "-" if value is None else number(value),
+        str(entry.get("unit") or "-"),
+        "-" if error is None else f"{error:.1e}",
+        "-" if relative is None else f"{relative:.1e}",
+        str(entry.get("how", "")),
+    ]
+
+
+def _relative(entry: dict[str, Any]) -> float | None:
+    """Error over scale."""
+    error, scale = entry.get("error"), entry.get("scale")
+    return None if error is None or not scale else float(error) / float(scale)
+
+
+def _told(value: Any, unit: str) -> str:
+    """A number with its unit, empty for what the run did not say."""
+    if not isinstance(value, int | float):
+        return ""
+    return f"{value if isinstance(value, int) else number(value)} {unit}".rstrip()

@@ -1,0 +1,144 @@
+"""The deck's own test: what each `expect:` entry asked for and what the run gave.
+
+passed  <=>  |found - value| <= tolerance             (absolute)
+             |found - value| <= tolerance |value|     (relative)
+
+Value and tolerance are judged and shown in the unit of what was found.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from crashpost.errors import PostError
+from crashpost.results.result import Result
+from crashpost.results.table import number, text_table
+from crashpost.values.accuracy import error_of
+from crashsolve.channels.display import factor
+from crashsolve.channels.series import Window
+from crashsolve.channels.statistic import statistic, unit_of
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """One entry as stored in the result; without a unit its numbers are in the channel's own."""
+
+    channel: str
+    statistic: str
+    value: float
+    tolerance: float
+    relative: bool = False
+    unit: str = ""
+    during: Window | None = None
+    because: str = ""
+    source: str = ""
+    line: int = 0
+
+    @property
+    def allowed(self) -> float:
+        """The largest deviation that passes."""
+        return self.tolerance * abs(self.value) if self.relative else self.tolerance
+
+    @property
+    def tolerance_text(self) -> str:
+        """The tolerance as people write it."""
+        return f"{100 * self.tolerance:.4g} %" if self.relative else number(self.tolerance)
+
+    @property
+    def statistic_text(self) -> str:
+        """The statistic with its time window."""
+        if self.during is None:
+            return self.statistic
+        return f"{self.statistic}, {self.during[0]:g} to {self.during[1]:g} s"
+
+    def in_unit(self, unit: str) -> "Expectation":
+        """The same in another unit; raises PostError when that measures something else."""
+        size = factor(self.unit, unit) if self.unit else 1.0
+        tolerance = self.tolerance * (1.0 if self.relative else size)
+        return replace(self, value=self.value * size, tolerance=tolerance, unit=unit)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """An expectation, what was found, and why nothing was where nothing was."""
+
+    expected: Expectation
+    found: float | None
+    unit: str
+    problem: str = ""
+    error: float | None = None  # estimated by the run, in the same unit
+
+    @property
+    def deviation(self) -> float | None:
+        """Found minus expected."""
+        return None if self.found is None else self.found - self.expected.value
+
+    @property
+    def passed(self) -> bool:
+        """Whether the deviation is within tolerance; never when nothing was found."""
+        return self.deviation is not None and abs(self.deviation) <= self.expected.allowed
+
+
+def expectations(result: Result) -> list[Expectation]:
+    """The entries stored with a result; raises PostError when they are not as specified."""
+    entries = result.stored_json("expect", list) or []
+    try:
+        return [_read(entry) for entry in entries]
+    except (AttributeError, TypeError, ValueError, KeyError, OverflowError) as error:
+        raise PostError(f"{result.file}: broken expect entry ({error})") from error
+
+
+def judge(result: Result) -> list[Verdict]:
+    """All entries evaluated; a channel that does not exist is a failure with its reason."""
+    return [_verdict(result, entry) for entry in expectations(result)]
+
+
+def verdict_table(verdicts: list[Verdict]) -> str:
+    """The verdicts as text, one line each, failures explained below."""
+    header = (
+        "channel statistic found error expected tolerance deviation unit because source verdict"
+    )
+    rows = [_row(verdict) for verdict in verdicts]
+    table = text_table(header.split(), rows)
+    problems = [f"FAIL {v.expected.channel}: {v.problem}" for v in verdicts if v.problem]
+    return "\n".join([table, *problems])
+
+
+def _read(entry: dict[str, Any]) -> Expectation:
+    given = {name: part for name, part in entry.items() if part is not None}
+    known = {name: given[name] for name in Expectation.__annotations__ if name in given}
+    known["value"], known["tolerance"] = (float(known["value"]), float(known["tolerance"]))
+    for name in ("channel", "statistic", "unit", "because", "source"):
+        if not isinstance(known.get(name, ""), str):
+            raise TypeError(f"{name} is no text")
+    if "during" in known:
+        first, last = known["during"]
+        known["during"] = (float(first), float(last))
+    return Expectation(**known)
+
+
+def _verdict(result: Result, expected: Expectation) -> Verdict:
+    try:
+        series = result.series(expected.channel)
+        found = statistic(series, expected.statistic, expected.during)
+        unit = unit_of(expected.statistic, series.unit)
+        error = error_of(result, expected.channel, expected.statistic, expected.during)
+        return Verdict(expected.in_unit(unit), found, unit, error=error)
+    except PostError as error:
+        return Verdict(expected, None, "", str(error))
+
+
+def _row(verdict: Verdict) -> list[str]:
+    expected = verdict.expected
+    return [
+        expected.channel,
+        expected.statistic_text,
+        "-" if verdict.found is None else f"{verdict.found:.8g}",
+        "-" if verdict.error is None else f"{verdict.error:.1e}",
+        f"{expected.value:.8g}",
+        expected.tolerance_text,
+        "-" if verdict.deviation is None else f"{verdict.deviation:.2e}",
+        verdict.unit,
+        expected.because,
+        expected.source,
+        "pass" if verdict.passed else "FAIL",
+    ]

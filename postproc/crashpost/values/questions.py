@@ -1,0 +1,58 @@
+"""Many questions about one result in one call, for programs: JSON in, JSON out.
+
+    asked     [{channel, statistic, during, unit}, ...]      during and unit may be absent
+    answered  [{value, unit}, ...], in the same order; {problem} where there is no answer, and with
+              {remark} where a time was asked for at which there is no sample
+
+The statistic `path` asks for the whole history and is answered by {time, value, unit}, both lists.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crashpost.errors import PostError
+from crashpost.results.answer import answer
+from crashpost.results.result import Result
+from crashsolve.channels.display import factor
+from crashsolve.channels.series import covered
+
+PATH = "path"
+
+
+def answers(result: Result, questions: Path) -> list[dict[str, Any]]:
+    """The answers to the questions in a file; raises PostError when the file is none."""
+    try:
+        asked = json.loads(questions.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise PostError(f"{questions}: {error}") from error
+    if not isinstance(asked, list) or not all(isinstance(entry, dict) for entry in asked):
+        raise PostError(f"{questions}: must be a list of tables")
+    return [_answer(result, entry) for entry in asked]
+
+
+def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
+    try:
+        channel, word = str(asked["channel"]), str(asked["statistic"])
+        during = (
+            (float(asked["during"][0]), float(asked["during"][1])) if asked.get("during") else None
+        )
+        if word == PATH:
+            time, values, unit = covered(result.series(channel), during)
+            wanted = asked.get("unit") or unit
+            if not np.isfinite(values).all():
+                raise PostError("division by zero at some of its samples")
+            return {
+                "time": time.tolist(),
+                "value": (values * factor(unit, wanted)).tolist(),
+                "unit": wanted,
+            }
+        found = answer(result, channel, word, during, asked.get("unit"))
+        remark = {"remark": found.remark} if found.remark else {}
+        return {"value": found.value, "unit": found.unit, **remark}
+    except KeyError as error:
+        return {"problem": f"{error} is missing"}
+    except (PostError, TypeError, ValueError, LookupError, OverflowError) as error:
+        return {"problem": str(error)}

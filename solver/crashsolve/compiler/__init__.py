@@ -1,0 +1,1 @@
+"""From plain Python to machine code: specialise, translate, compile, keep. Knows no mechanics."""

@@ -1,0 +1,170 @@
+"""Machine code: made by another process, kept in the cache folder, loaded into this one.
+
+A run imports no compiler: it costs memory and time, and in the process that compiles, a call may
+reach another version of a kernel than later, with other round-off. So every run of a scene, the
+first included, executes the same file. Of several runs that begin together one has it compiled,
+the others wait.
+
+The process that compiles is `python -m crashsolve.compiler.process`.
+"""
+
+import ctypes
+import hashlib
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import llvmlite.binding as llvm
+
+from crashsolve.compiler.cache import CacheError, cache_folder, locked, read_sealed
+from crashsolve.compiler.pages import give_back_pages
+from crashsolve.compiler.table import Tables
+from crashsolve.foundation.errors import ExitCode
+
+Function = Callable[[float, bool, Tables], None]
+# functions by the file they are kept in
+_linked: dict[Path, tuple[Function, ...]] = {}
+# function(number, flag, tables)
+SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_bool, ctypes.c_void_p)
+
+
+def machine_code(source: Path, name: str, tables: Tables) -> Function:
+    """The function `name` of a source file, compiled for tables of this layout.
+
+    Raises: RuntimeError with the compiler's message when it cannot be compiled, CacheError where
+    compiled code cannot be kept.
+    """
+    if runs_plain():
+        return plain(source, name)
+    return machine_codes(source, (name,), tables)[0]
+
+
+def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple[Function, ...]:
+    """Several functions of a file, compiled together: what they call is there once.
+
+    Raises: RuntimeError with the compiler's message when they cannot be compiled, CacheError where
+    compiled code cannot be kept.
+    """
+    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{tables.layout}.{processor()}.o"
+    # once: the broad phase asks again at every renewal
+    if path not in _linked:
+        content = read_sealed(path) or _compile_once(source, names, tables, path)
+        _linked[path] = _link(names, content)
+    return _linked[path]
+
+
+@cache
+def processor() -> str:
+    """Name of this processor, and a hash of what it can do: one name may stand for several."""
+    features = llvm.get_host_cpu_features().flatten()
+    return f"{llvm.get_host_cpu_name()}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
+
+
+def runs_plain() -> bool:
+    """Whether nothing is to be compiled."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+
+
+def plain(source: Path, name: str) -> Function:
+    """The same function as plain Python, for debugging and coverage."""
+    function: Function = getattr(import_file(source), name)
+    return function
+
+
+def import_file(source: Path) -> ModuleType:
+    """Import a source file under its own stem."""
+    name = source.stem
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = spec_from_file_location(name, source)
+    assert spec is not None and spec.loader is not None
+    module = module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _compile_once(source: Path, names: tuple[str, ...], tables: Tables, path: Path) -> bytes:
+    """Machine code at `path`, made here or by another run that was first.
+
+    Raises: RuntimeError with the compiler's message, CacheError when the code cannot be kept.
+    """
+    with locked(path) as lock:
+        return read_sealed(path) or _compile_apart(source, names, tables, path, lock)
+
+
+def _compile_apart(
+    source: Path, names: tuple[str, ...], tables: Tables, path: Path, lock: int | None = None
+) -> bytes:
+    """Machine code, written to `path` by a process of its own, which no signal to this one reaches.
+
+    That process holds the lock too: should this one die, others still wait for what it makes.
+    Raises: RuntimeError with the compiler's message, CacheError when the code cannot be kept.
+    """
+    words = [sys.executable, "-m", "crashsolve.compiler.process", source, path, *names]
+    done = subprocess.run(
+        [str(word) for word in words],
+        input=pickle.dumps(tables.places),
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        pass_fds=() if lock is None else (lock,),
+    )
+    told = done.stderr.decode(errors="replace")[-4000:]
+    if done.returncode == ExitCode.OUTPUT:
+        raise CacheError(told.strip())
+    if done.returncode < 0:
+        raise CacheError(f"the compiler was killed by signal {-done.returncode}: out of memory?")
+    if done.returncode:
+        raise RuntimeError(f"cannot compile {source}: {told}")
+    code = read_sealed(path)
+    if code is None:
+        raise CacheError(f"the compiled code {path} cannot be read back; is the disk sound?")
+    return code
+
+
+def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
+    """Functions of an object file, linked into this process."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    forget_linker()
+    return tuple(_function(engine, name) for name in names)
+
+
+def forget_linker() -> None:
+    """Give back what LLVM has touched: its start alone 35 MB, of which loading a step needs 6."""
+    give_back_pages("libllvmlite")
+
+
+def _function(engine: Any, name: str) -> Function:
+    """A compiled function, as Python calls it."""
+    call = SIGNATURE(engine.get_function_address(name))
+
+    def function(number: float, flag: bool, tables: Tables) -> None:
+        call(number, flag, tables.pointer)
+
+    # the code lives as long as its engine
+    function.keep = engine  # type: ignore[attr-defined]
+    return function
+
+
+def host_machine(vectors: bool = False) -> Any:
+    """The compiler's target: this processor, code to be loaded into a process."""
+    target = llvm.Target.from_default_triple()
+    features = llvm.get_host_cpu_features().flatten()
+    if vectors and "+avx512f" in features:
+        # a tenth of the time of shells
+        features += ",-prefer-256-bit"
+    cpu = llvm.get_host_cpu_name()
+    return target.create_target_machine(
+        cpu=cpu, features=features, opt=3, reloc="static", codemodel="jitdefault", jit=True
+    )

@@ -1,0 +1,87 @@
+"""The process that compiles: `python -m crashsolve.compiler.process SOURCE PATH NAMES`.
+
+The tables come by standard input, the object code goes to PATH. It is kept by its text in LLVM's
+language too: after a change of sources that leaves a scene's kernels as they are, the code that
+was made before serves again.
+"""
+
+import gc
+import hashlib
+import pickle
+import sys
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import llvmlite.binding as llvm
+
+from crashsolve.compiler import machine
+from crashsolve.compiler.cache import (
+    CacheError,
+    make_private,
+    read_sealed,
+    refuse_foreign,
+    write_sealed,
+)
+from crashsolve.compiler.translation.module import Module, TranslationError
+from crashsolve.foundation.errors import ExitCode
+
+
+def optimise(module: Any, target: Any, vectors: bool) -> None:
+    """Optimise all functions of a module together."""
+    if vectors:
+        # loops over lanes are not unrolled before they are vectorised, those over components are
+        llvm.set_option("", "-unroll-full-max-count=8")
+    options = llvm.create_pipeline_tuning_options(speed_level=3)
+    # scalar kernels have nothing to vectorise, and the search for it takes time
+    options.loop_vectorization, options.slp_vectorization = vectors, False
+    builder = llvm.create_pass_builder(target, options)
+    builder.getModulePassManager().run(module, builder)
+
+
+def main(source: Path, path: Path, names: list[str]) -> None:
+    """Compile functions of a file for given tables."""
+    # the compiler's garbage goes with the process: a tenth of the time
+    gc.disable()
+    places = pickle.load(sys.stdin.buffer)
+    functions, kernels = machine.import_file(source), Module(places)
+    for name in names:
+        kernels.entry(getattr(functions, name), name)
+    text = kernels.text()
+    kept = path.parent.with_name("code") / f"{_fingerprint(text, kernels.has_lanes)}.o"
+    code = read_sealed(kept)
+    if code is None:
+        code = object_code(text, kernels.has_lanes)
+        make_private(kept.parent)
+        refuse_foreign(kept.parent)
+        write_sealed(kept, code)
+    write_sealed(path, code)
+
+
+def _fingerprint(text: str, has_lanes: bool) -> str:
+    """A name for the code of a text: of all that it depends on."""
+    digest = hashlib.sha256(f"{machine.processor()} {llvmlite.__version__} {has_lanes}".encode())
+    for source in (Path(__file__), Path(machine.__file__)):
+        digest.update(source.read_bytes())
+    digest.update(text.encode())
+    return digest.hexdigest()[:32]
+
+
+def object_code(text: str, vectors: bool) -> bytes:
+    """Machine code of a text; elements in blocks are what loops over lanes are for."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    module, target = llvm.parse_assembly(text), machine.host_machine(vectors)
+    optimise(module, target, vectors)
+    code: bytes = target.emit_object(module)
+    return code
+
+
+if __name__ == "__main__":
+    try:
+        main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:])
+    except (OSError, CacheError) as error:
+        print(error, file=sys.stderr)
+        sys.exit(ExitCode.OUTPUT)
+    except TranslationError as error:
+        sys.exit(str(error))

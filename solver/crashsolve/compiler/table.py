@@ -1,0 +1,42 @@
+"""Tables: the arrays of a scene under their names, as compiled code gets them, in one argument.
+
+A structured array of one or two dimensions becomes a table of rows, a plain one of one dimension a
+column of numbers; what a kernel may do with them stands in translation/memory.py.
+"""
+
+import hashlib
+
+import numpy as np
+
+WORDS = 3  # of a table in memory: address, and lengths of two dimensions
+Place = tuple[np.dtype, int]  # layout of a row, and dimensions
+
+
+class Tables:
+    """Arrays by name; as attributes they are numpy's, for kernels that run as plain Python.
+
+    Raises: ValueError for an array that does not lie in one piece, or whose name means another
+    thing here.
+    """
+
+    def __init__(self, arrays: dict[str, np.ndarray]) -> None:
+        self.addresses = np.zeros((len(arrays), WORDS), np.int64)
+        self.places: dict[str, Place] = {}
+        # the address of all of them, and the tables of a second thread, which has some of its own
+        self.pointer = self.addresses.ctypes.data
+        self.second: Tables | None = None
+        for address, (name, array) in zip(self.addresses, arrays.items(), strict=True):
+            if not array.flags.c_contiguous:
+                raise ValueError(f"table {name} must lie in one piece")
+            if hasattr(self, name):
+                raise ValueError(f"no table may be called {name}")
+            address[0] = array.ctypes.data
+            address[1 : 1 + array.ndim] = array.shape
+            self.places[name] = (array.dtype, array.ndim)
+            setattr(self, name, array.view(np.recarray) if array.dtype.names else array)
+
+    @property
+    def layout(self) -> str:
+        """Names and columns of all tables, in a word: equal for scenes that share compiled code."""
+        text = repr([(name, t.descr, ndim) for name, (t, ndim) in self.places.items()])
+        return hashlib.sha1(text.encode()).hexdigest()[:16]

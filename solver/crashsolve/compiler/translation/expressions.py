@@ -1,0 +1,281 @@
+"""Expressions of kernels, each a value of a kind."""
+
+import ast
+import builtins
+import operator
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+from crashsolve.compiler.translation import arithmetic, memory
+from crashsolve.compiler.translation.kinds import (
+    BOOL,
+    INT,
+    NOTHING,
+    Column,
+    Kind,
+    Known,
+    Row,
+    Table,
+    Tables,
+    Tuple,
+    Untranslatable,
+    Value,
+    known,
+    tuple_of,
+    unify,
+)
+from crashsolve.compiler.translation.text import Text
+
+# what becomes of calls of functions that are no kernels, by the function
+Builtin = Callable[["Expressions", list[Value]], Value]
+BUILTINS: dict[Any, Builtin] = {}
+# of constants, to settle before the run
+KNOWN_ORDERS = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.Gt: operator.gt,
+}
+TRUE, FALSE = known(True), known(False)
+
+
+class Expressions:
+    """Values of expressions in the text of one function.
+
+    `bound` are its variables; `call` translates a call of a kernel, `keep` puts constants aside.
+    """
+
+    def __init__(self, names: dict[str, Any], module: Any) -> None:
+        self.names, self.module, self.text = names, module, Text()
+
+    def variable(self, name: str) -> Value | None:
+        """The value of a variable of the function, or None."""
+        raise NotImplementedError
+
+    def value(self, node: ast.expr) -> Value:
+        """The value of an expression. Raises Untranslatable."""
+        translate = getattr(self, f"_value_{type(node).__name__}", None)
+        if translate is None:
+            raise Untranslatable(f"kernels have no {type(node).__name__}")
+        found: Value = translate(node)
+        return found
+
+    def number(self, node: ast.expr) -> Value:
+        """An index or a count."""
+        found = self.value(node)
+        if found.kind not in (INT, BOOL):
+            raise Untranslatable("an index must be an integer")
+        return arithmetic.convert(self.text, found, INT)
+
+    def _value_Constant(self, node: ast.Constant) -> Value:
+        return known(node.value)
+
+    def _value_Name(self, node: ast.Name) -> Value:
+        found = self.variable(node.id)
+        if found is not None:
+            return found
+        if node.id in self.names:
+            return known(self.names[node.id])
+        if hasattr(builtins, node.id):
+            return known(getattr(builtins, node.id))
+        raise Untranslatable(f"unknown name `{node.id}`")
+
+    def _value_Tuple(self, node: ast.Tuple) -> Value:
+        return tuple_of(self._listed(node.elts))
+
+    def _listed(self, nodes: list[ast.expr]) -> list[Value]:
+        found: list[Value] = []
+        for node in nodes:
+            if isinstance(node, ast.Starred):
+                found += self.value(node.value).items
+            else:
+                found.append(self.value(node))
+        return found
+
+    def _value_Attribute(self, node: ast.Attribute) -> Value:
+        owner = self.value(node.value)
+        kind = owner.kind
+        if isinstance(kind, Known):
+            if not isinstance(kind.what, (ModuleType, type)) or not hasattr(kind.what, node.attr):
+                raise Untranslatable(f"{kind.what!r} has no `{node.attr}`")
+            return known(getattr(kind.what, node.attr))
+        if isinstance(kind, Row):
+            return memory.read_column(self.text, owner, node.attr)
+        if isinstance(kind, Tables):
+            return memory.table_of(self.text, owner, node.attr)
+        if isinstance(kind, Table) and node.attr == "shape":
+            return tuple_of([Value(INT, (word,)) for word in owner.words[1:]])
+        if isinstance(kind, Tuple) and node.attr in kind.names:
+            return owner.items[kind.names.index(node.attr)]
+        raise Untranslatable(f"this has no `{node.attr}`")
+
+    def _value_Subscript(self, node: ast.Subscript) -> Value:
+        owner = self.value(node.value)
+        if isinstance(owner.kind, Tuple):
+            return self._item(owner, node.slice)
+        if isinstance(owner.kind, Column):
+            place = memory.place_of_number(self.text, owner, self.number(node.slice))
+            return memory.read_number(self.text, place, owner.kind.dtype)
+        if isinstance(owner.kind, Table):
+            several = isinstance(node.slice, ast.Tuple)
+            nodes = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+            assert several or len(nodes) == 1
+            return memory.row_of(self.text, owner, [self.number(part) for part in nodes])
+        raise Untranslatable("only tables, columns and tuples have items")
+
+    def _item(self, owner: Value, index: ast.expr) -> Value:
+        """An item of a tuple, or several by constant bounds."""
+        if isinstance(index, ast.Slice):
+            ends = [None if e is None else self.number(e) for e in (index.lower, index.upper)]
+            if index.step is not None or any(e is not None and e.constant is None for e in ends):
+                raise Untranslatable("bounds of a part of a tuple must be constant")
+            bounds = [None if e is None else e.constant for e in ends]
+            return tuple_of(owner.items[slice(*bounds)])
+        at = self.number(index)
+        if at.constant is not None:
+            if not -len(owner.items) <= at.constant < len(owner.items):
+                raise Untranslatable(f"a tuple of {len(owner.items)} has no item {at.constant}")
+            return owner.items[at.constant]
+        return self._any_item(owner, at)
+
+    def _any_item(self, owner: Value, at: Value) -> Value:
+        """An item of a tuple whose number is known in the run alone."""
+        items = owner.items
+        kind: Kind | None = items[0].kind if items else None
+        for item in items:
+            kind = kind and unify(kind, item.kind)
+        if kind is None:
+            raise Untranslatable("items of a tuple taken by number must be of one kind")
+        alike = [arithmetic.convert(self.text, item, kind).words for item in items]
+        words = [
+            self._picked(word, [item[k] for item in alike], at.words[0])
+            for k, word in enumerate(kind.words)
+        ]
+        return Value(kind, tuple(words))
+
+    def _picked(self, word: str, parts: list[str], at: str) -> str:
+        """One of several, by its number; constant ones are kept by the module."""
+        text, room = self.text, f"[{len(parts)} x {word}]"
+        if any("%" in part for part in parts):
+            place = text.place(room)
+            for k, part in enumerate(parts):
+                text.store(word, part, text.at(word, place, str(k)))
+        else:
+            listed = ", ".join(f"{word} {part}" for part in parts)
+            place = self.module.keep(f"{room} [{listed}]")
+        return text.load(word, text.at(word, place, at))
+
+    def _value_BinOp(self, node: ast.BinOp) -> Value:
+        one, other = self.value(node.left), self.value(node.right)
+        a, b = one.constant, other.constant
+        if one.kind == other.kind == INT and a is not None and b is not None:
+            folded = _folded(node.op, a, b)
+            if folded is not None:
+                return known(folded)
+        return arithmetic.operate(self.text, node.op, one, other)
+
+    def _value_UnaryOp(self, node: ast.UnaryOp) -> Value:
+        value = self.value(node.operand)
+        if isinstance(node.op, ast.Not):
+            return arithmetic.opposite(self.text, value)
+        if isinstance(node.op, ast.USub):
+            return arithmetic.negative(self.text, value)
+        raise Untranslatable(f"kernels have no {type(node.op).__name__}")
+
+    def _value_Compare(self, node: ast.Compare) -> Value:
+        ways: list[tuple[str, str]] = []
+        end, one = self.text.new_label(), self.value(node.left)
+        for k, (how, part) in enumerate(zip(node.ops, node.comparators, strict=True)):
+            other = self.value(part)
+            found = self._compared(how, one, other)
+            if k + 1 == len(node.ops):
+                return self._joined(found, end, ways)
+            one, more = other, self.text.new_label()
+            ways.append(("false", self.text.label))
+            self.text.choose(found.words[0], more, end)
+            self.text.begin(more)
+        raise AssertionError
+
+    def _compared(self, how: ast.cmpop, one: Value, other: Value) -> Value:
+        if isinstance(how, (ast.Is, ast.IsNot)):
+            if NOTHING not in (one.kind, other.kind):
+                raise Untranslatable("`is` is for None alone")
+            return known((one.kind == other.kind) == isinstance(how, ast.Is))
+        a, b = one.constant, other.constant
+        if type(a) is int and type(b) is int and type(how) in KNOWN_ORDERS:
+            return known(KNOWN_ORDERS[type(how)](a, b))
+        return arithmetic.compare(self.text, how, one, other)
+
+    def _joined(self, last: Value, end: str, ways: list[tuple[str, str]]) -> Value:
+        """A truth that was settled earlier, or is the last one."""
+        if not ways:
+            return last
+        ways.append((last.words[0], self.text.label))
+        self.text.begin(end)
+        return Value(BOOL, (self.text.join("i1", ways),))
+
+    def _value_BoolOp(self, node: ast.BoolOp) -> Value:
+        is_and, text = isinstance(node.op, ast.And), self.text
+        settles, end = (FALSE if is_and else TRUE), text.new_label()
+        ways: list[tuple[str, str]] = []
+        last = TRUE if is_and else FALSE
+        for k, part in enumerate(node.values):
+            last = arithmetic.truth(text, self.value(part))
+            if last.constant is settles.constant:
+                break
+            if last.constant is not None or k + 1 == len(node.values):
+                continue
+            more = text.new_label()
+            ways.append((settles.words[0], text.label))
+            text.choose(last.words[0], *((more, end) if is_and else (end, more)))
+            text.begin(more)
+        return self._joined(last, end, ways)
+
+    def _value_IfExp(self, node: ast.IfExp) -> Value:
+        text, whether = self.text, arithmetic.truth(self.text, self.value(node.test))
+        if whether.constant is not None:
+            return self.value(node.body if whether.constant else node.orelse)
+        starts, ends = [text.new_label() for _ in "ab"], [text.new_label() for _ in "ab"]
+        text.choose(whether.words[0], *starts)
+        values = []
+        for start, end, part in zip(starts, ends, (node.body, node.orelse), strict=True):
+            text.begin(start)
+            values.append(self.value(part))
+            text.go(end)
+        kind = unify(values[0].kind, values[1].kind)
+        if kind is None:
+            raise Untranslatable("both sides of `if ... else` must be of one kind")
+        # what a side is turned into, once the other is known
+        join, whole = text.new_label(), []
+        for end, value in zip(ends, values, strict=True):
+            text.begin(end)
+            whole.append((arithmetic.convert(text, value, kind), text.label))
+            text.go(join)
+        text.begin(join)
+        words = tuple(
+            text.join(word, [(value.words[k], label) for value, label in whole])
+            for k, word in enumerate(kind.words)
+        )
+        return Value(kind, words)
+
+    def _value_Call(self, node: ast.Call) -> Value:
+        called = self.value(node.func)
+        if not isinstance(called.kind, Known) or node.keywords:
+            raise Untranslatable("kernels call functions by name, with arguments by place")
+        function, given = called.kind.what, self._listed(node.args)
+        if function in BUILTINS:
+            return BUILTINS[function](self, given)
+        if isinstance(function, type) and hasattr(function, "_fields"):
+            return tuple_of(given, function._fields)
+        found: Value = self.module.call(self.text, function, given)
+        return found
+
+
+def _folded(how: ast.operator, a: int, b: int) -> int | None:
+    """Sums and products of constants; so a number of an item may be written as one."""
+    if isinstance(how, ast.Add):
+        return a + b
+    if isinstance(how, ast.Sub):
+        return a - b
+    return a * b if isinstance(how, ast.Mult) else None

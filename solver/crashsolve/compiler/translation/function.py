@@ -1,0 +1,416 @@
+"""One kernel: its statements, and the kinds of its variables.
+
+A variable has a place for every kind it takes. Where control comes together with numbers of
+different kinds in a variable, each is turned into the kind that holds them all. What the end of a
+loop brings back to its start is known late: then the function is translated again.
+"""
+
+import ast
+from dataclasses import dataclass, field
+from types import FunctionType
+from typing import Any
+
+from crashsolve.compiler.translation import arithmetic, memory
+from crashsolve.compiler.translation.expressions import Expressions
+from crashsolve.compiler.translation.kinds import (
+    BOOL,
+    INT,
+    NOTHING,
+    Column,
+    Kind,
+    Known,
+    Row,
+    Untranslatable,
+    Value,
+    tuple_of,
+    unify,
+)
+
+
+class Again(Exception):
+    """The function must be translated once more: more is known of its variables."""
+
+
+class Lost(Kind):
+    """Of a variable that is of one kind or another."""
+
+
+LOST = Lost()
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where a variable lies."""
+
+    kind: Kind
+    names: tuple[str, ...]
+
+
+Bound = dict[str, Places | Value]
+
+
+@dataclass
+class Way:
+    """One of several ways to where control comes together: its label, and the variables on it."""
+
+    label: str
+    bound: Bound
+
+
+@dataclass
+class Loop:
+    """The ways by `continue` and by `break`, and the variables at the start of every turn."""
+
+    start: str
+    begun: Bound = field(default_factory=dict)
+    continued: list[Way] = field(default_factory=list)
+    broken: list[Way] = field(default_factory=list)
+
+
+class Function(Expressions):
+    """The text of a kernel for arguments of given kinds."""
+
+    def __init__(
+        self, tree: ast.FunctionDef, function: FunctionType, kinds: tuple[Kind, ...], module: Any
+    ) -> None:
+        super().__init__(function.__globals__, module)
+        self.tree, self.kinds = tree, kinds
+        self.where = tree.lineno
+        names = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
+        self.stored = {n.id for n in names if isinstance(n.ctx, ast.Store)}
+        self.returns: Kind | None = None
+        # kinds of variables at the start of loops, where the end brings other ones
+        self.wider: dict[tuple[int, str], Kind] = {}
+
+    def translate(self) -> None:
+        """Write the text. Raises Untranslatable."""
+        while True:
+            super().__init__(self.names, self.module)
+            self.places: dict[tuple[str, Kind], Places] = {}
+            self.partial: set[str] = set()
+            self.loops: list[Loop] = []
+            self.bound: Bound = {}
+            try:
+                self._body()
+                return
+            except Again:
+                continue
+
+    def _body(self) -> None:
+        names = [argument.arg for argument in self.tree.args.args]
+        if len(names) != len(self.kinds):
+            raise Untranslatable(f"{self.tree.name} takes {len(names)}, not {len(self.kinds)}")
+        for k, (name, kind) in enumerate(zip(names, self.kinds, strict=True)):
+            value = Value(kind, self.arguments(k))
+            if name in self.stored:
+                self.assign_name(name, value)
+            else:
+                self.bound[name] = value
+        self.statements(self.tree.body)
+        if not self.text.ended:
+            self._return(Value(NOTHING))
+
+    def arguments(self, k: int) -> tuple[str, ...]:
+        """Names of the words of an argument."""
+        return tuple(f"%a{k}_{i}" for i in range(len(self.kinds[k].words)))
+
+    # variables
+
+    def variable(self, name: str) -> Value | None:
+        found = self.bound.get(name)
+        if found is None and name in self.stored:
+            raise Untranslatable(f"`{name}` has no value yet")
+        if found is None or isinstance(found, Value):
+            return found
+        return self._read(found, name)
+
+    def _read(self, found: Places, name: str) -> Value:
+        if found.kind == LOST:
+            raise Untranslatable(f"`{name}` is not of one kind here")
+        pairs = zip(found.kind.words, found.names, strict=True)
+        return Value(found.kind, tuple(self.text.load(word, place) for word, place in pairs))
+
+    def assign_name(self, name: str, value: Value) -> None:
+        """name = value."""
+        if isinstance(value.kind, Known):
+            self.bound[name] = value
+            return
+        key = (name, value.kind)
+        if key not in self.places:
+            self.places[key] = Places(value.kind, tuple(self.text.name() for _ in value.words))
+        self.bound[name] = self.places[key]
+        for word, part, place in zip(
+            value.kind.words, value.words, self.places[key].names, strict=True
+        ):
+            self.text.store(word, part, place)
+
+    def way(self) -> list[Way]:
+        """The way on from here to where control comes together; none where it has ended."""
+        if self.text.ended:
+            return []
+        label = self.text.new_label()
+        self.text.go(label)
+        return [Way(label, self.bound)]
+
+    def join(self, ways: list[Way]) -> None:
+        """Go on where ways come together, if any do."""
+        if not ways:
+            return
+        merged = self._merged([way.bound for way in ways])
+        end, bound = self.text.new_label(), Bound()
+        for way in ways:
+            self.text.begin(way.label)
+            self.bound = dict(way.bound)
+            for name, kind in merged.items():
+                self._turn_into(name, kind)
+            bound |= self.bound
+            self.text.go(end)
+        self.bound = bound
+        self.text.begin(end)
+
+    def _merged(self, ways: list[Bound]) -> dict[str, Kind]:
+        """Kinds of the variables where control comes together."""
+        found: dict[str, Kind] = {}
+        for name in dict.fromkeys(name for way in ways for name in way):
+            kinds = [way[name].kind for way in ways if name in way]
+            if len(kinds) < len(ways):
+                self.partial.add(name)
+            widest = kinds[0]
+            for kind in kinds[1:]:
+                widest = _wider(widest, kind)
+            found[name] = widest
+        return found
+
+    def _turn_into(self, name: str, kind: Kind) -> None:
+        """Have a variable be of the kind that it has on every way."""
+        had = self.bound.get(name)
+        if had is None or had.kind == kind:
+            return
+        if kind == LOST:
+            self.bound[name] = Places(LOST, ())
+        elif isinstance(had, Places):
+            value = arithmetic.convert(self.text, self._read(had, name), kind)
+            self.assign_name(name, value)
+
+    # statements
+
+    def statements(self, nodes: list[ast.stmt]) -> None:
+        """One after the other, as far as control gets."""
+        for node in nodes:
+            if self.text.ended:
+                return
+            self.where = node.lineno
+            translate = getattr(self, f"_do_{type(node).__name__}", None)
+            if translate is None:
+                raise Untranslatable(f"kernels have no {type(node).__name__}")
+            translate(node)
+
+    def _do_Pass(self, node: ast.Pass) -> None:
+        pass
+
+    def _do_Expr(self, node: ast.Expr) -> None:
+        if not isinstance(node.value, ast.Constant):
+            self.value(node.value)
+
+    def _do_Assign(self, node: ast.Assign) -> None:
+        value = self.value(node.value)
+        for target in node.targets:
+            self.assign(target, value)
+
+    def _do_AugAssign(self, node: ast.AugAssign) -> None:
+        target = node.target
+        if isinstance(target, ast.Name):
+            old = self.value(ast.Name(target.id, ast.Load()))
+            self.assign_name(
+                target.id, arithmetic.operate(self.text, node.op, old, self.value(node.value))
+            )
+            return
+        place, dtype = self.place_of(target)
+        old = memory.read_number(self.text, place, dtype)
+        new = arithmetic.operate(self.text, node.op, old, self.value(node.value))
+        memory.write_number(self.text, place, dtype, new)
+
+    def assign(self, target: ast.expr, value: Value) -> None:
+        """target = value."""
+        if isinstance(target, ast.Name):
+            self.assign_name(target.id, value)
+        elif isinstance(target, (ast.Tuple, ast.List)):
+            self._assign_items(target.elts, value.items)
+        else:
+            memory.write_number(self.text, *self.place_of(target), value)
+
+    def _assign_items(self, targets: list[ast.expr], items: list[Value]) -> None:
+        stars = [k for k, target in enumerate(targets) if isinstance(target, ast.Starred)]
+        if stars:
+            first, last = stars[0], stars[0] + 1 + len(items) - len(targets)
+            items = [*items[:first], tuple_of(items[first:last]), *items[last:]]
+        if len(items) != len(targets):
+            raise Untranslatable(f"{len(items)} values for {len(targets)} names")
+        for target, item in zip(targets, items, strict=True):
+            self.assign(target.value if isinstance(target, ast.Starred) else target, item)
+
+    def place_of(self, target: ast.expr) -> tuple[str, Any]:
+        """Address and type of a number that is to be written."""
+        if isinstance(target, ast.Attribute):
+            row = self.value(target.value)
+            if isinstance(row.kind, Row):
+                place, dtype, several = memory.place_of_column(self.text, row, target.attr)
+                if not several:
+                    return place, dtype
+        elif isinstance(target, ast.Subscript):
+            column = self.value(target.value)
+            if isinstance(column.kind, Column):
+                index = self.number(target.slice)
+                return memory.place_of_number(self.text, column, index), column.kind.dtype
+        raise Untranslatable("kernels write numbers, to rows and columns")
+
+    def _do_Return(self, node: ast.Return) -> None:
+        self._return(Value(NOTHING) if node.value is None else self.value(node.value))
+
+    def _return(self, value: Value) -> None:
+        if self.returns is None:
+            self.returns = value.kind
+        kind = unify(self.returns, value.kind)
+        if kind is None:
+            raise Untranslatable("what a kernel returns must be of one kind")
+        if kind != self.returns:
+            self.returns = kind
+            raise Again
+        self.text.ret(kind.words, arithmetic.convert(self.text, value, kind).words)
+
+    def _do_If(self, node: ast.If) -> None:
+        text, whether = self.text, arithmetic.truth(self.text, self.value(node.test))
+        if whether.constant is not None:
+            self.statements(node.body if whether.constant else node.orelse)
+            return
+        labels = [text.new_label(), text.new_label()]
+        before, ways = self.bound, []
+        text.choose(whether.words[0], *labels)
+        for label, nodes in zip(labels, (node.body, node.orelse), strict=True):
+            text.begin(label)
+            self.bound = dict(before)
+            self.statements(nodes)
+            ways += self.way()
+        self.join(ways)
+
+    def _do_While(self, node: ast.While) -> None:
+        text, loop = self.text, self._open(node)
+        whether = arithmetic.truth(text, self.value(node.test))
+        out = self._enter(whether)
+        self._turn(node, loop)
+        self._close(node, loop, out)
+
+    def _enter(self, whether: Value) -> list[Way]:
+        """Into the body of a loop under a condition; returns the way out."""
+        if whether.constant is True:
+            return []
+        inside, out = self.text.new_label(), Way(self.text.new_label(), dict(self.bound))
+        self.text.choose(whether.words[0], inside, out.label)
+        self.text.begin(inside)
+        return [out]
+
+    def _do_For(self, node: ast.For) -> None:
+        called = node.iter
+        whose = self.value(called.func).kind if isinstance(called, ast.Call) else None
+        if isinstance(called, ast.Call) and isinstance(whose, Known) and whose.what is range:
+            self._for_range(node, [self.number(part) for part in called.args])
+        else:
+            self._for_each(node)
+
+    def _for_range(self, node: ast.For, numbers: list[Value]) -> None:
+        first = numbers[0] if len(numbers) > 1 else Value(INT, ("0",), 0)
+        last = numbers[1] if len(numbers) > 1 else numbers[0]
+        step = numbers[2] if len(numbers) > 2 else Value(INT, ("1",), 1)
+        text, count = self.text, self.text.place("i64")
+        text.store("i64", first.words[0], count)
+        loop = self._open(node)
+        now = text.load("i64", count)
+        out = self._enter(Value(BOOL, (self._is_within(now, last.words[0], step),)))
+        self.assign(node.target, Value(INT, (now,)))
+        self._turn(node, loop)
+        if not text.ended:
+            after = text.value(f"add nsw i64 {now}, {step.words[0]}")
+            text.store("i64", after, count)
+        self._close(node, loop, out)
+
+    def _is_within(self, now: str, last: str, step: Value) -> str:
+        """Whether a range has not come to its end."""
+        text = self.text
+        if step.constant:
+            how = "slt" if step.constant > 0 else "sgt"
+            return text.value(f"icmp {how} i64 {now}, {last}")
+        ways = [text.value(f"icmp {how} i64 {now}, {last}") for how in ("slt", "sgt")]
+        rises = text.value(f"icmp sgt i64 {step.words[0]}, 0")
+        return text.value(f"select i1 {rises}, i1 {ways[0]}, i1 {ways[1]}")
+
+    def _for_each(self, node: ast.For) -> None:
+        """Once for every item of a tuple, one after the other."""
+        if node.orelse:
+            raise Untranslatable("loops of kernels have no `else`")
+        broken: list[Way] = []
+        for item in self.value(node.iter).items:
+            loop = Loop("", broken=broken)
+            self.assign(node.target, item)
+            self._turn(node, loop)
+            if self.text.ended:
+                break
+        if broken:
+            self.join(broken + self.way())
+
+    def _open(self, node: ast.For | ast.While) -> Loop:
+        """Begin a loop: what is known of the variables whenever control gets here."""
+        if node.orelse:
+            raise Untranslatable("loops of kernels have no `else`")
+        self.bound = dict(self.bound)
+        for name in list(self.bound):
+            if (id(node), name) in self.wider:
+                self._turn_into(name, self.wider[id(node), name])
+        loop = Loop(self.text.new_label(), dict(self.bound))
+        self.text.begin(loop.start)
+        return loop
+
+    def _turn(self, node: ast.For | ast.While, loop: Loop) -> None:
+        """The body of a loop, to where `continue` leads."""
+        self.loops.append(loop)
+        self.statements(node.body)
+        self.loops.pop()
+        if loop.continued:
+            self.join(loop.continued + self.way())
+
+    def _close(self, node: ast.For | ast.While, loop: Loop, out: list[Way]) -> None:
+        """Back to the start of a loop with variables of the same kinds, and on after it."""
+        gained: Bound = {}
+        if not self.text.ended:
+            for name, had in loop.begun.items():
+                widest = _wider(had.kind, self.bound[name].kind)
+                if widest != had.kind:
+                    self.wider[id(node), name] = widest
+                    raise Again
+                self._turn_into(name, had.kind)
+            gained = {name: p for name, p in self.bound.items() if name not in loop.begun}
+            self.text.go(loop.start)
+        for way in out:
+            self.partial |= gained.keys()
+            way.bound = gained | way.bound
+        self.join(out + loop.broken)
+
+    def _do_Break(self, node: ast.Break) -> None:
+        self.loops[-1].broken += self.way()
+
+    def _do_Continue(self, node: ast.Continue) -> None:
+        self.loops[-1].continued += self.way()
+
+    def rooms(self) -> list[str]:
+        """Lines that make room for the variables."""
+        lines = list(self.text.places)
+        for (name, kind), places in self.places.items():
+            for word, place in zip(kind.words, places.names, strict=True):
+                lines.append(f"{place} = alloca {word}")
+                if name in self.partial:
+                    lines.append(f"store {word} zeroinitializer, ptr {place}")
+        return lines
+
+
+def _wider(one: Kind, other: Kind) -> Kind:
+    """The kind that holds both, or that of what is lost."""
+    return LOST if LOST in (one, other) else unify(one, other) or LOST

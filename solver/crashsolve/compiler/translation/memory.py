@@ -1,0 +1,110 @@
+"""Numbers to and from tables, rows and columns."""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.compiler.table import WORDS
+from crashsolve.compiler.translation.arithmetic import convert
+from crashsolve.compiler.translation.kinds import (
+    BOOL,
+    FLOAT,
+    INT,
+    Column,
+    Number,
+    Row,
+    Table,
+    Tables,
+    Untranslatable,
+    Value,
+)
+from crashsolve.compiler.translation.text import Text
+
+
+def kind_in(dtype: np.dtype) -> tuple[Number, str]:
+    """The kind that a kernel sees, and LLVM's type in memory. Raises Untranslatable."""
+    if dtype.kind == "f" and dtype.itemsize == 8:
+        return FLOAT, "double"
+    if dtype.kind == "b":
+        return BOOL, "i8"
+    if dtype.kind == "i":
+        return INT, f"i{8 * dtype.itemsize}"
+    raise Untranslatable(f"kernels know no numbers of type {dtype}")
+
+
+def read_number(text: Text, place: str, dtype: np.dtype) -> Value:
+    """The number that lies there."""
+    kind, stored = kind_in(dtype)
+    word = text.load(stored, place)
+    if kind == BOOL:
+        word = text.value(f"trunc i8 {word} to i1")
+    elif kind == INT and stored != "i64":
+        word = text.value(f"sext {stored} {word} to i64")
+    return Value(kind, (word,))
+
+
+def write_number(text: Text, place: str, dtype: np.dtype, value: Value) -> None:
+    """Put a number there."""
+    kind, stored = kind_in(dtype)
+    (word,) = convert(text, value, kind).words
+    if kind == BOOL:
+        word = text.value(f"zext i1 {word} to i8")
+    elif kind == INT and stored != "i64":
+        word = text.value(f"trunc i64 {word} to {stored}")
+    text.store(stored, word, place)
+
+
+def place_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, bool]:
+    """Where a column of a row lies: address, type of a number, whether there are several."""
+    assert isinstance(row.kind, Row)
+    fields: Any = row.kind.dtype.fields or {}
+    if name not in fields:
+        raise Untranslatable(f"these rows have no column `{name}`")
+    dtype, offset = fields[name][:2]
+    place = text.at("i8", row.words[0], str(offset))
+    return place, dtype.base, bool(dtype.shape)
+
+
+def read_column(text: Text, row: Value, name: str) -> Value:
+    """row.name: a number, a column of numbers, or a row within the row."""
+    place, dtype, several = place_of_column(text, row, name)
+    if dtype.names:
+        return Value(Row(dtype), (place,))
+    return Value(Column(dtype), (place,)) if several else read_number(text, place, dtype)
+
+
+def place_of_number(text: Text, column: Value, index: Value) -> str:
+    """Address of column[index]."""
+    assert isinstance(column.kind, Column)
+    return text.at(kind_in(column.kind.dtype)[1], column.words[0], index.words[0])
+
+
+def row_of(text: Text, table: Value, indices: list[Value]) -> Value:
+    """table[i] or table[i, j]; of a table of two dimensions table[i] is one of rows."""
+    kind, data = table.kind, table.words[0]
+    assert isinstance(kind, Table)
+    count = indices[0].words[0]
+    if kind.ndim == 2:
+        count = text.value(f"mul i64 {count}, {table.words[2]}")
+    if len(indices) == 2:
+        count = text.value(f"add i64 {count}, {indices[1].words[0]}")
+    offset = text.value(f"mul i64 {count}, {kind.dtype.itemsize}")
+    place = text.at("i8", data, offset)
+    if len(indices) == kind.ndim:
+        return Value(Row(kind.dtype), (place,))
+    if len(indices) > kind.ndim:
+        raise Untranslatable("this table has one dimension")
+    return Value(Table(kind.dtype, 1), (place, table.words[2]))
+
+
+def table_of(text: Text, tables: Value, name: str) -> Value:
+    """tables.name."""
+    assert isinstance(tables.kind, Tables)
+    if name not in tables.kind.kinds:
+        raise Untranslatable(f"the scene has no table `{name}`")
+    kind, first = tables.kind.kinds[name], WORDS * list(tables.kind.kinds).index(name)
+    words = []
+    for k, word in enumerate(kind.words):
+        place = text.at("i64", tables.words[0], str(first + k))
+        words.append(text.load(word, place))
+    return Value(kind, tuple(words))

@@ -1,0 +1,136 @@
+"""A whole module in LLVM's language: some functions of a source file, and all they call."""
+
+import ast
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import FunctionType
+
+from crashsolve.compiler.table import Place
+from crashsolve.compiler.translation import builtin, lanes, threads
+from crashsolve.compiler.translation.function import Function
+from crashsolve.compiler.translation.kinds import (
+    BOOL,
+    FLOAT,
+    Kind,
+    Untranslatable,
+    Value,
+    tables_of,
+)
+from crashsolve.compiler.translation.text import Text, struct_of
+
+# what two threads share of a scene with elements: left as they are where they are called, so that
+# they have the same bits in every scene
+APART = ("deform", "open_points", "close_points", "press")
+
+
+class TranslationError(Exception):
+    """A kernel cannot be compiled: file, line, and why."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A translated kernel: its symbol, and the kind of what it returns."""
+
+    symbol: str
+    returns: Kind
+
+
+class Module:
+    """Functions of a module, each for every combination of kinds it is called with."""
+
+    def __init__(self, places: dict[str, Place]) -> None:
+        self.tables = tables_of(places)
+        self.has_lanes = "lanes" in places
+        self.parts: list[str] = []
+        self.constants: dict[str, str] = {}
+        self._known: dict[tuple[FunctionType, tuple[Kind, ...]], Known | None] = {}
+
+    def entry(self, function: FunctionType, name: str) -> None:
+        """A function of a number, a flag and the tables, that machine.py hands to Python."""
+        self._translate(function, (FLOAT, BOOL, self.tables), name)
+
+    def text(self) -> str:
+        """The module. Constants stand first, by name."""
+        constants = [f"{name} = private constant {text}" for text, name in self.constants.items()]
+        return "\n".join([*builtin.declarations(), *threads.DECLARED, *constants, *self.parts])
+
+    def keep(self, text: str) -> str:
+        """The name of a constant."""
+        return self.constants.setdefault(text, f"@c{len(self.constants)}")
+
+    def call(self, text: Text, function: FunctionType, given: list[Value]) -> Value:
+        """Call a kernel. Raises Untranslatable, TranslationError."""
+        if not hasattr(function, "compiled_as"):
+            raise Untranslatable(f"{getattr(function, '__name__', function)} is no kernel")
+        key = (function, tuple(value.kind for value in given))
+        if key not in self._known:
+            self._known[key] = None
+            symbol = f"{function.__module__}.{function.__name__}.{len(self._known)}"
+            self._known[key] = self._translate(function, key[1], symbol)
+        called = self._known[key]
+        if called is None:
+            raise Untranslatable(f"{function.__name__} calls itself")
+        words = [
+            f"{word} {part}"
+            for value in given
+            for word, part in zip(value.kind.words, value.words, strict=True)
+        ]
+        line = f'call {struct_of(called.returns.words)} @"{called.symbol}"({", ".join(words)})'
+        kinds = called.returns.words
+        if not kinds:
+            text.put(line)
+            return Value(called.returns)
+        whole = text.value(line)
+        if len(kinds) == 1:
+            return Value(called.returns, (whole,))
+        struct = struct_of(kinds)
+        parts = (text.value(f"extractvalue {struct} {whole}, {k}") for k in range(len(kinds)))
+        return Value(called.returns, tuple(parts))
+
+    def _translate(self, function: FunctionType, kinds: tuple[Kind, ...], symbol: str) -> Known:
+        tree = _trees(Path(function.__code__.co_filename))[function.__code__.co_firstlineno]
+        one = Function(tree, function, kinds, self)
+        try:
+            one.translate()
+        except Untranslatable as why:
+            where = f"{function.__code__.co_filename}:{one.where}: {function.__name__}"
+            raise TranslationError(f"{where}: {why}") from why
+        assert one.returns is not None
+        self.parts.append(self._whole(one, function, symbol))
+        return Known(symbol, one.returns)
+
+    def _whole(self, one: Function, function: FunctionType, symbol: str) -> str:
+        """The function with its head."""
+        how = function.compiled_as  # type: ignore[attr-defined]
+        apart = " noalias" * (how == "blockwise")
+        # Python hands a truth over as a byte
+        whole = " zeroext" * (how == "entry")
+        marks = {"ptr": apart, "i1": whole}
+        given = ", ".join(
+            f"{word}{marks.get(word, '')} {name}"
+            for k, kind in enumerate(one.kinds)
+            for word, name in zip(kind.words, one.arguments(k), strict=True)
+        )
+        assert one.returns is not None
+        linkage = "" if how == "entry" else "linkonce_odr "
+        head = f'define {linkage}{struct_of(one.returns.words)} @"{symbol}"({given}) nounwind'
+        head += " alwaysinline" * (how in ("inlined", "stage"))
+        if self.has_lanes and how in ("kernel", "blockwise") and function.__name__ in APART:
+            head += " noinline"
+        end = [] if one.text.ended else ["unreachable"]
+        return "\n".join([head + " {", "entry:", *one.rooms(), *one.text.lines, *end, "}"])
+
+
+@cache
+def _trees(path: Path) -> dict[int, ast.FunctionDef]:
+    """Functions of a file by the line in which they, or their decorators, begin."""
+    found = {}
+    for node in ast.walk(ast.parse(path.read_text("utf-8"), str(path))):
+        if isinstance(node, ast.FunctionDef):
+            first = node.decorator_list[0].lineno if node.decorator_list else node.lineno
+            found[first] = node
+    return found
+
+
+assert lanes

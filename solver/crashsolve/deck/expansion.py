@@ -1,0 +1,94 @@
+"""Cards that stand for many: they are written out in ordinary ones before names are looked up.
+
+The module of such a type has `expand(name, card, laws, control)`: a pure function from the card,
+the sections and materials of the deck and the words of its control to other cards. These have their
+place, and the mistakes in them, where the card stands that they are made of; their numbers are in
+SI.
+"""
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from crashsolve.deck.keywords import SECTIONS
+from crashsolve.deck.laws import law_class, types_in
+from crashsolve.deck.mistakes import Mistake
+from crashsolve.deck.reading.items import Item, Items
+from crashsolve.deck.source import locate
+
+# stands for the file of cards that are made: they have no units of their own
+MADE = Path("<made>")
+Steps = tuple[str | int, ...]
+
+
+class Law(NamedTuple):
+    """A section or material of the deck: its name, type, module and card."""
+
+    name: str
+    type: str
+    module: Any
+    card: Any
+
+
+class Made(NamedTuple):
+    """A card that is made, and the path in the other of what it is made of."""
+
+    keyword: str
+    name: str
+    fields: dict[str, Any]
+    path: Steps = ()
+
+
+class Problem(ValueError):
+    """Why a card cannot be written out, at a path of it."""
+
+    def __init__(self, path: Steps, message: str, advice: str = "") -> None:
+        super().__init__(message)
+        self.path, self.message, self.advice = path, message, advice
+
+
+def stands_for_many(item: Item) -> bool:
+    """Whether the type of an item is one whose cards are written out."""
+    word = item.value.get("type") if isinstance(item.value, Mapping) else None
+    folder = SECTIONS[item.keyword].folder
+    if not isinstance(word, str) or word not in types_in(folder):
+        return False
+    return hasattr(import_module(law_class(folder, word).__module__), "expand")
+
+
+def expand(
+    entry: Any,
+    laws: Mapping[str, Mapping[str, Any]],
+    control: Any,
+    items: Items,
+    refuse: Callable[[Item, Mistake], None],
+) -> bool:
+    """Write an entry out in cards of its own; returns whether all went well.
+
+    `laws` are the entries of sections and materials. What is wrong goes to `refuse`. Writes: items.
+    """
+    known = {
+        keyword: {
+            name: Law(name, law.type, import_module(law.module_name), law.card)
+            for name, law in entries.items()
+        }
+        for keyword, entries in laws.items()
+    }
+    words = control if isinstance(control, Mapping) else {}
+    try:
+        made = import_module(entry.module_name).expand(entry.name, entry.card, known, words)
+    except Problem as problem:
+        refuse(entry.item, Mistake(problem.path, problem.message, problem.advice))
+        return False
+    is_well, owner = True, entry.item.title
+    for card in made:
+        where = locate(entry.where, entry.item.value, card.path, False)
+        item = Item(card.keyword, card.name, card.fields, where, where, MADE, owner=owner)
+        if card.name in items[card.keyword]:
+            message = f"its {item.what} has the name of another"
+            refuse(entry.item, Mistake(card.path, message, "rename one of them"))
+            is_well = False
+        else:
+            items[card.keyword][card.name] = item
+    return is_well

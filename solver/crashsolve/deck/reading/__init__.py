@@ -1,0 +1,1 @@
+"""Reading a deck: text, places of keys, parameters, overrides, items, cards."""

@@ -1,0 +1,414 @@
+"""Reading a deck: files to items, items to cards, cards to a Deck; or all mistakes at once."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from crashsolve.channels.units import SI
+from crashsolve.deck.card import Card, Name, Reference, reference_of
+from crashsolve.deck.dump import as_data, as_text
+from crashsolve.deck.expansion import MADE, expand, stands_for_many
+from crashsolve.deck.fields import deck_words, declared
+from crashsolve.deck.keywords import SECTIONS, answering
+from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
+from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
+from crashsolve.deck.numbers import Context
+from crashsolve.deck.reading.files import Files
+from crashsolve.deck.reading.items import Item, items_of
+from crashsolve.deck.reading.overrides import place_given, set_fields
+from crashsolve.deck.reading.parameters import Parameters
+from crashsolve.deck.reading.size import excess
+from crashsolve.deck.run_cards.control import Control
+from crashsolve.deck.run_cards.expect import Expect
+from crashsolve.deck.run_cards.output import Output
+from crashsolve.deck.run_cards.units import Units
+from crashsolve.deck.run_cards.watch import Watch
+from crashsolve.deck.source import BROKEN, Position, Table, locate
+from crashsolve.foundation.errors import DeckError, DeckErrors
+
+AnyCard = TypeVar("AnyCard", bound=Card)
+# units of x and y of a curve
+Axes = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A named card of the deck, the module of its law, and where it stands."""
+
+    name: str
+    type: str
+    module_name: str
+    card: Any
+    where: Position
+    item: Item
+
+
+@dataclass(frozen=True)
+class Deck:
+    """A deck without mistakes: every number in SI, every name known."""
+
+    title: str
+    path: Path
+    files: list[Path]
+    parameters: dict[str, float]
+    control: Control
+    output: Output
+    expect: list[Expect]
+    expect_at: list[Position]
+    watch: list[Watch]
+    watch_at: list[Position]
+    entries: dict[str, dict[str, Entry]]
+    # cards of the deck that stand in entries no more, but what was made of them
+    written_out: list[Entry]
+
+    @cached_property
+    def text(self) -> str:
+        """The deck as one YAML text in SI, with includes, parameters and defaults written out."""
+        return as_text(self)
+
+    def expectations(self) -> list[dict[str, Any]]:
+        """The expect cards as plain data with their lines, as the results keep them."""
+        pairs = zip(self.expect, self.expect_at, strict=True)
+        return [as_data(card) | {"line": place.line} for card, place in pairs]
+
+    def error(self, entry: Entry, field: str | None, message: str, advice: str = "") -> DeckError:
+        """A mistake found after reading, at a field such as "normal.stiffness" or "points.3"."""
+        steps = field.split(".") if field else ()
+        path = tuple(int(step) if step.isdecimal() else step for step in steps)
+        return _placed(entry.item, Mistake(path, message, advice))
+
+
+def read_deck(path: Path | str, overrides: Mapping[str, str] | None = None) -> Deck:
+    """The deck in a file; `overrides` replace parameters, and fields such as `control.step`.
+
+    Raises DeckErrors with all mistakes.
+    """
+    return _Reader(Path(path), overrides or {}).deck()
+
+
+class _Reader:
+    """Collects the mistakes of a deck while its cards are read."""
+
+    def __init__(self, path: Path, overrides: Mapping[str, str]) -> None:
+        self.path = path
+        self.mistakes: list[DeckError] = []
+        self.nodes: list[str] = []
+        self.axes: dict[str, Axes | None] = {}
+        self.unread_parts: set[str] = set()
+        self.written_out: list[Entry] = []
+        # those that could not be written out in ordinary cards
+        self.unwritten: set[str] = set()
+        # names in cards that have other mistakes
+        self.unread: list[tuple[Item, list[tuple[tuple[str | int, ...], Name]]]] = []
+        files = Files(self.mistakes)
+        self.tables = files.read(path)
+        self.paths = files.paths
+        if files.incomplete:
+            raise DeckErrors(self.in_order())
+        self.items = items_of(self.tables, self.mistakes)
+        others = set_fields(self.items, overrides, self.tables, self.mistakes)
+        self.parameters = Parameters(self.items["parameters"], others, self.mistakes)
+        self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
+
+    def deck(self) -> Deck:
+        """The whole deck; raises DeckErrors."""
+        self.expand()
+        # what uses a curve tells the units of its numbers
+        others = {keyword: self.section(keyword) for keyword in SECTIONS if keyword != "curves"}
+        self.axes = self.axes_of_curves(others)
+        read = others | {"curves": self.section("curves")}
+        entries = {keyword: read[keyword] for keyword in SECTIONS}
+        control, output = self.single("control", Control), self.single("output", Output)
+        expect = [self.card(item, Expect) for item in self.items["expect"].values()]
+        watch = [self.card(item, Watch) for item in self.items["watch"].values()]
+        title = self.title()
+        self.refuse_endless(entries["parts"])
+        self.unread_parts = set(self.items["parts"]) - set(entries["parts"]) | self.unwritten
+        self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.mistakes)
+        entries["joints"] |= joints_of_parts(entries, self.mistakes)
+        for group in entries.values():
+            for entry in group.values():
+                self.check_names(entry.item, _names(entry.card))
+        for item, names in self.unread:
+            self.check_names(item, names)
+        if control and control.accuracy and not (watch or expect):
+            advice = "name channels under watch or expect"
+            item = self.items["control"][""]
+            self.refuse(item, Mistake(("accuracy",), "needs channels whose error counts", advice))
+        is_known = not self.unread_parts
+        if control and control.threads > 1 and is_known and not _has_points(entries["parts"]):
+            message = "share the elements of shells, and there are none"
+            self.refuse(self.items["control"][""], Mistake(("threads",), message, "leave it out"))
+        if self.mistakes or not control or not output:
+            raise DeckErrors(self.in_order())
+        return Deck(
+            title=title,
+            path=self.path,
+            files=self.paths,
+            parameters={name: float(v) for name, v in self.parameters.values.items()},
+            control=control,
+            output=output,
+            expect=[card for card in expect if card],
+            expect_at=[item.where for item in self.items["expect"].values()],
+            watch=[card for card in watch if card],
+            watch_at=[item.where for item in self.items["watch"].values()],
+            entries=entries,
+            written_out=self.written_out,
+        )
+
+    def expand(self) -> None:
+        """Write out cards that stand for many. Writes: items, contexts."""
+        self.contexts[MADE] = Context()
+        several = [item for item in self.items["parts"].values() if stands_for_many(item)]
+        laws = {word: self.section(word) for word in ("sections", "materials") if several}
+        control = self.substituted(self.items["control"][""]) if self.items["control"] else None
+        for item in several:
+            entry = self.entry(item)
+            if entry is None:
+                continue
+            names = list(_names(entry.card))
+            self.check_names(item, names)
+            is_known = all(name in laws[name.keyword] for _, name in names)
+            self.written_out.append(entry)
+            if not is_known or not expand(entry, laws, control, self.items, self.refuse):
+                self.unwritten.add(item.name)
+            del self.items["parts"][item.name]
+
+    def refuse_endless(self, parts: dict[str, Entry]) -> None:
+        """Raise DeckErrors at a part with which the model is too large: its names have no room."""
+        shells = beams = 0
+        for part in parts.values():
+            own = getattr(part.card, "beams", 0)
+            mesh = getattr(part.card, "mesh", None)
+            more = 0 if own else getattr(mesh, "count", 0)
+            why = excess(shells + more, beams + own)
+            if why:
+                path = ("mesh", "elements") if hasattr(mesh, "elements") else ("elements",)
+                self.refuse(part.item, Mistake(path, why, "take fewer"))
+                raise DeckErrors(self.in_order())
+            shells, beams = shells + more, beams + own
+
+    def in_order(self) -> list[DeckError]:
+        """Each mistake once, by file and line; those of the command line first."""
+        order = {str(file): i for i, file in enumerate(self.tables)}
+        unique = {str(error): error for error in self.mistakes}.values()
+        return sorted(unique, key=lambda e: (order.get(e.file, -1), e.line or 0, e.column or 0))
+
+    def context(self, file: Path, table: Table) -> Context:
+        """Folder of a file, and the units of its bare numbers."""
+        if "units" not in table:
+            return Context(folder=file.parent)
+        where = table.key_place("units")
+        item = Item("units", "", table["units"], where, table.value_place("units"), file)
+        units = self.card(item, Units)
+        if units is None:
+            return Context(folder=file.parent)
+        return Context(units.bases(), file.parent, units.symbols())
+
+    def title(self) -> str:
+        item = self.items["title"].get("")
+        value = self.substituted(item) if item else self.path.stem
+        if item and not isinstance(value, str) and value is not BROKEN:
+            message = f"must be text, not {shown(value)}"
+            self.mistakes.append(DeckError(*item.at, "title", message, "put it in quotes"))
+        if item and "\n" in str(value):
+            self.mistakes.append(DeckError(*item.at, "title", "must be one line"))
+        return str(value)
+
+    def single(self, keyword: str, kind: type[AnyCard]) -> AnyCard | None:
+        """The one card of a keyword, with its defaults when absent."""
+        start = Position(str(self.path), 1, 1)
+        absent = Item(keyword, "", Table(str(self.path)), start, start, self.path)
+        return self.card(self.items[keyword].get("", absent), kind)
+
+    def section(self, keyword: str) -> dict[str, Entry]:
+        """The entries of a keyword; those with mistakes are left out."""
+        entries = (self.entry(item) for item in self.items[keyword].values())
+        return {entry.name: entry for entry in entries if entry}
+
+    def entry(self, item: Item) -> Entry | None:
+        value = {} if item.value is None else item.value
+        if not isinstance(value, Mapping):
+            if value is not BROKEN:
+                self.refuse(item, Mistake((), f"must be a table of fields, not {shown(value)}"))
+            return None
+        section = SECTIONS[item.keyword]
+        word = value.get("type", section.default)
+        if not word and "type" not in value:
+            types = ", ".join(types_in(section.folder))
+            self.refuse(item, Mistake((), "missing field 'type'", f"(types: {types})", key=True))
+            self.substituted(item)
+            return None
+        try:
+            kind = law_class(section.folder, word)
+        except UnknownType as error:
+            if word is not BROKEN:
+                self.refuse(item, Mistake(("type",), error.message, error.advice))
+            if error.near:
+                # what else is wrong, if this one is meant
+                kind = law_class(section.folder, error.near)
+                meant = self.card(item, kind, "type", is_certain=False)
+                self.unread += [(item, list(_names(meant)))] * (meant is not None)
+            else:
+                self.substituted(item)
+            return None
+        card = self.card(item, kind, "type")
+        if card is None:
+            return None
+        return Entry(item.name, word, kind.__module__, card, item.where, item)
+
+    def card(
+        self, item: Item, kind: type[AnyCard], without: str = "", is_certain: bool = True
+    ) -> AnyCard | None:
+        """The card an item holds; None after reporting what is wrong with it.
+
+        Of a card whose kind is not certain, nothing is missed.
+        """
+        value = self.substituted(item)
+        if value is BROKEN:
+            return None
+        if isinstance(value, Mapping):
+            value = {word: part for word, part in value.items() if word != without}
+        context = self.contexts[item.file] if item.keyword != "units" else Context()
+        if item.keyword == "curves":
+            context = replace(context, axes=self.axes.get(item.name))
+            if self.mistakes and item.name not in self.axes:
+                # what uses it may be among the cards that are wrong; these are refused anyway
+                context = replace(context, units=SI)
+        try:
+            return kind.model_validate(value, context=context)
+        except ValidationError as error:
+            for mistake in mistakes_of(kind, error):
+                if is_certain or not mistake.is_missing:
+                    self.refuse(item, mistake)
+            self.unread.append((item, list(_names_written(kind, value))))
+        assert self.mistakes, f"{item.title} was refused without a reason"
+        return None
+
+    def axes_of_curves(self, entries: Mapping[str, dict[str, Entry]]) -> dict[str, Axes | None]:
+        """Units of x and y of every curve that is used; None where its uses differ in them."""
+        found: dict[str, set[tuple[str, str]]] = {}
+        for group in entries.values():
+            for entry in group.values():
+                for name, axes in _curves_of(entry.card):
+                    found.setdefault(name, set()).add(axes)
+        return {name: some.pop() if len(some) == 1 else None for name, some in found.items()}
+
+    def substituted(self, item: Item) -> Any:
+        """The value of an item with its expressions worked out; a missing one is an empty table."""
+        value = Table(str(item.file)) if item.value is None else item.value
+        return self.parameters.substitute(value, item.title, item.at)
+
+    def refuse(self, item: Item, mistake: Mistake) -> None:
+        self.mistakes.append(_placed(item, mistake))
+
+    def check_names(self, item: Item, names: Iterable[tuple[tuple[str | int, ...], Name]]) -> None:
+        """Report the names in a card that nothing in the deck bears."""
+        for path, name in names:
+            known = [own for keyword in answering(name.keyword) for own in self.items[keyword]]
+            if name.keyword == "bodies":
+                known += self.nodes
+                if name == "ground" or self.may_be_a_node(name):
+                    continue
+            if name not in known:
+                singular = SECTIONS[name.keyword].singular
+                advice = choices(name, known, name.keyword)
+                self.refuse(item, Mistake(path, f"unknown {singular} '{name}'", advice))
+
+    def may_be_a_node(self, name: str) -> bool:
+        """Whether a part that could not be read may have a node of this name."""
+        return any(name.startswith(f"{part}_") for part in self.unread_parts)
+
+
+def _curves_of(value: Any) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Curves that a card and those within it name, with the units of their axes."""
+    if isinstance(value, tuple) and value and isinstance(value[0], Card):
+        for part in value:
+            yield from _curves_of(part)
+    if isinstance(value, Card):
+        for name, axes in value.curve_axes.items():
+            if getattr(value, name) is not None:
+                yield str(getattr(value, name)), axes
+        for name in type(value).model_fields:
+            yield from _curves_of(getattr(value, name))
+
+
+def _names_written(kind: type[Card], value: Any) -> Iterator[tuple[tuple[str | int, ...], Name]]:
+    """References in the fields of a card as they are written, each with its path."""
+    if not isinstance(value, Mapping):
+        return
+    for word, name in deck_words(kind).items():
+        keyword = reference_of(kind.model_fields[name])
+        given = value.get(word)
+        several = given if isinstance(given, list) else [given]
+        for i, text in enumerate(several):
+            if keyword and isinstance(text, str):
+                yield (word, i) if isinstance(given, list) else (word,), Reference(keyword)(text)
+
+
+def part_nodes(
+    parts: Mapping[str, Entry], bodies: Mapping[str, Item], mistakes: list[DeckError]
+) -> list[str]:
+    """Names of the nodes of all parts; one that a body has as well goes to `mistakes`."""
+    names: list[str] = []
+    for part in parts.values():
+        own = part.card.node_names(part.name)
+        for name in sorted(set(own) & (set(bodies) | set(names))):
+            owner = "a body" if name in bodies else "a node of another part"
+            message = f"its node '{name}' has the name of {owner}"
+            mistakes.append(_placed(part.item, Mistake((), message, "rename one of them")))
+        names += own
+    return names
+
+
+def joints_of_parts(
+    entries: Mapping[str, dict[str, Entry]], mistakes: list[DeckError]
+) -> dict[str, Entry]:
+    """Joints that parts bring; one whose name a joint of the deck has goes to `mistakes`."""
+    found: dict[str, Entry] = {}
+    for part in entries["parts"].values():
+        own = part.card.joints(part.name) if hasattr(part.card, "joints") else {}
+        for name, (word, fields) in own.items():
+            if name in entries["joints"]:
+                message = f"its joint '{name}' has the name of another"
+                mistakes.append(_placed(part.item, Mistake((), message, "rename one of them")))
+            kind = law_class("joints", word)
+            card = kind.model_validate(fields)
+            found[name] = Entry(name, word, kind.__module__, card, part.where, part.item)
+    return found
+
+
+def _has_points(parts: dict[str, Entry]) -> bool:
+    """Whether any part keeps its elements in blocks."""
+    return any(hasattr(import_module(e.module_name), "KINDS") for e in parts.values())
+
+
+def _placed(item: Item, mistake: Mistake) -> DeckError:
+    """A mistake of a card with its place in the deck."""
+    path = mistake.path
+    place: tuple[str, int | None, int | None] = locate(item.where, item.value, path, mistake.key)
+    given = place_given(item, path, mistake.key)
+    if given:
+        place = given, None, None
+    below = path[:-1] if mistake.key or path[-1:] == ("type",) else path
+    field = ".".join(step for step in below if isinstance(step, str))
+    message = f"{field}: {mistake.message}" if field else mistake.message
+    return DeckError(*place, item.title, message, mistake.advice)
+
+
+def _names(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Name]]:
+    """References to entries within a card, each with its path."""
+    if isinstance(value, Name):
+        yield path, value
+    elif isinstance(value, tuple):
+        for i, part in enumerate(value):
+            yield from _names(part, (*path, i))
+    elif isinstance(value, Card):
+        for word, name in deck_words(type(value)).items():
+            if not declared(type(value), name).unit:
+                yield from _names(getattr(value, name), (*path, word))

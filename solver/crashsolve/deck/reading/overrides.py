@@ -1,0 +1,142 @@
+"""Values set from outside the deck: `control.step=1e-4`, `contacts.wall.normal.stiffness=1e6`.
+
+A path leads from a keyword over the name of an entry to a field; entries of lists count from 1:
+`bodies.ball.velocity.3`, `expect.1.value`. A name without a dot is a parameter, else a keyword. So
+one deck can be run with many steps, methods, laws and meshes. Bare numbers are in the units of the
+file that holds the card. What is wrong with a value is told at its place on the command line.
+"""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS
+from crashsolve.deck.laws import choices
+from crashsolve.deck.mistakes import shown
+from crashsolve.deck.reading.items import Item, Items, Step
+from crashsolve.deck.source import Position, Rows, Table, plain_scalar
+from crashsolve.foundation.errors import DeckError
+
+PARAMETERS = "parameters."
+
+
+class _NoSuchPlace(Exception):
+    """A path that leads nowhere, with advice."""
+
+    def __init__(self, message: str, advice: str = "", card: str = "") -> None:
+        self.message, self.advice, self.card = message, advice, card
+        super().__init__(message)
+
+
+def set_fields(
+    items: Items,
+    overrides: Mapping[str, str],
+    tables: dict[Path, Table],
+    mistakes: list[DeckError],
+) -> dict[str, str]:
+    """Write values into their items; returns those of parameters.
+
+    What is wrong with a path goes to `mistakes`. Writes: items, tables.
+    """
+    parameters = {}
+    for name, text in overrides.items():
+        own = name.removeprefix(PARAMETERS)
+        if own in items["parameters"] or ("." not in own and own not in KEYWORDS):
+            parameters[own] = text
+            continue
+        value, message, advice = plain_scalar(text.strip())
+        try:
+            if message:
+                raise _NoSuchPlace(message, advice)
+            _set(items, tables, name, f"--set {name}={text}", value)
+        except _NoSuchPlace as no:
+            place = f"--set {name}={text}"
+            mistakes.append(DeckError(place, None, None, no.card, no.message, no.advice))
+    return parameters
+
+
+def _set(items: Items, tables: dict[Path, Table], name: str, given: str, value: Any) -> None:
+    """Write one value where its path leads. Raises _NoSuchPlace."""
+    keyword, *path = name.split(".")
+    main = next(iter(tables))
+    if keyword not in KEYWORDS:
+        raise _NoSuchPlace(f"unknown keyword '{keyword}'", choices(keyword, KEYWORDS, "keywords"))
+    if keyword == "include":
+        raise _NoSuchPlace("files are read before anything is set", "write it in the deck")
+    if keyword == "units":
+        # they belong to the deck's own file
+        tables[main] = _put(tables[main], [keyword, *path], value, (1, 1))
+        return
+    start = Position(str(main), 1, 1)
+    entry = path.pop(0) if path and keyword in SECTIONS | LISTS.keys() else ""
+    _check_entry(keyword, entry, path, items)
+    item = items[keyword].get(entry) or Item(keyword, entry, None, start, start, main)
+    old = Table(str(item.file)) if item.value is None and path else item.value
+    new = _put(old, path, value, (item.where.line, item.where.column))
+    steps = tuple(int(step) - 1 if _is_place(step) else step for step in path)
+    items[keyword][entry] = item._replace(value=new, given={**item.given, steps: given})
+
+
+def _check_entry(keyword: str, entry: str, path: list[str], items: Items) -> None:
+    """Refuse a path without an entry or a field where there must be one."""
+    if keyword in SECTIONS | LISTS.keys():
+        singular = SECTIONS[keyword].singular if keyword in SECTIONS else keyword
+        if not entry:
+            message = f"which {singular}, and which field of it?"
+            raise _NoSuchPlace(message, f"write {keyword}.NAME.FIELD=VALUE", keyword)
+        if entry not in items[keyword]:
+            advice = choices(entry, items[keyword], keyword)
+            raise _NoSuchPlace(f"unknown {singular} '{entry}'", advice, keyword)
+        if not path:
+            advice = f"write {keyword}.{entry}.FIELD=VALUE"
+            raise _NoSuchPlace(f"which field of the {singular}?", advice, keyword)
+    elif keyword != "title" and not path:
+        raise _NoSuchPlace("which field of it?", f"write {keyword}.FIELD=VALUE", keyword)
+    elif keyword == "title" and path:
+        raise _NoSuchPlace("has no fields", "write title=TEXT", keyword)
+
+
+def _put(old: Any, path: list[str], value: Any, at: tuple[int, int]) -> Any:
+    """A copy of a value with another at a path; tables that are missing on the way are made."""
+    if not path:
+        return value
+    word, rest = path[0], path[1:]
+    if isinstance(old, Table):
+        inner = old.get(word)
+        if inner is None and rest:
+            if _is_place(rest[0]):
+                raise _NoSuchPlace(f"the deck has no list '{word}' here", "write it in the deck")
+            inner = Table(old.file)
+        return _copied(old, lambda table: table.put(word, _put(inner, rest, value, at), at, at))
+    if isinstance(old, Rows):
+        if not _is_place(word) or not 1 <= int(word) <= len(old):
+            message = f"'{word}' is no place of a list of {len(old)}"
+            raise _NoSuchPlace(message, f"places count from 1 to {len(old)}")
+        rows = Rows(old.file)
+        rows.extend(old)
+        rows.values_at = list(old.values_at)
+        rows[int(word) - 1] = _put(old[int(word) - 1], rest, value, at)
+        return rows
+    raise _NoSuchPlace(f"there is no field '{word}' here: the deck has {shown(old)}")
+
+
+def _is_place(word: str) -> bool:
+    """Whether a word of a path counts in a list."""
+    return word.isdecimal() and len(word) < 10
+
+
+def _copied(old: Table, change: Callable[[Table], None]) -> Table:
+    """A copy of a table after a change: others may be anchored to the table itself."""
+    table = Table(old.file)
+    for key, value in old.items():
+        table.put(key, value, old.keys_at[key], old.values_at[key])
+    change(table)
+    return table
+
+
+def place_given(item: Item, path: tuple[Step, ...], is_key: bool) -> str:
+    """The word of the command line that has set what stands at a path, or "" if none has."""
+    for own, given in item.given.items():
+        if path[: len(own)] == own or (is_key and own[: len(path)] == path):
+            return given
+    return ""

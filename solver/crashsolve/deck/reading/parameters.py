@@ -1,0 +1,206 @@
+"""Parameters of a deck and the expressions `${speed/3.6}` that use them.
+
+A parameter with a unit is kept in SI, and so is every expression it enters. An expression of bare
+numbers is itself a bare number, in the units of the file it stands in.
+"""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from crashsolve.channels.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
+from crashsolve.deck.laws import choices
+from crashsolve.deck.mistakes import shown
+from crashsolve.deck.numbers import SiFloat, as_written
+from crashsolve.deck.reading.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
+from crashsolve.deck.reading.items import Item
+from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
+from crashsolve.foundation.errors import DeckError
+
+# names that are told of a circle
+LONGEST_CIRCLE = 50
+_EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
+# the base of a power needs brackets, or -2**2 would be -4
+_RAISED = re.compile(r"\$\{[^{}]*\}(?=\s*\*\*)")
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+class Parameters:
+    """Values of all parameters, each worked out when first asked for."""
+
+    def __init__(
+        self, items: Mapping[str, Item], overrides: Mapping[str, str], mistakes: list[DeckError]
+    ) -> None:
+        self.items = items
+        self.mistakes = mistakes
+        self.values: dict[str, Any] = {}
+        self.pending: list[str] = []
+        self.overrides = self._checked(overrides)
+        for name in self._in_order():
+            self._value(name)
+
+    def substitute(self, value: Any, card: str, where: Position) -> Any:
+        """The value with every expression in it worked out, or BROKEN where that fails."""
+        if isinstance(value, str):
+            return self._text(value, card, where) if "${" in value else value
+        if isinstance(value, Table):
+            table = Table(value.file)
+            for key, part in value.items():
+                place = value.value_place(key)
+                new = self.substitute(part, card, place)
+                table.put(key, new, value.keys_at[key], value.values_at[key])
+            return table
+        if isinstance(value, Rows):
+            rows = Rows(value.file)
+            rows.values_at = value.values_at
+            for i, part in enumerate(value):
+                rows.append(self.substitute(part, card, value.place(i)))
+            return rows
+        return value
+
+    def _in_order(self) -> list[str]:
+        """Names, each after those it needs, so that long chains nest no calls; circles last."""
+        order: dict[str, None] = {}
+        met: set[str] = set()
+        for first in self.items:
+            waiting = [first]
+            while waiting:
+                needs = self._needs(waiting[-1])
+                missing = next((n for n in needs if n not in met), None)
+                if missing is not None:
+                    met.add(missing)
+                    waiting.append(missing)
+                    continue
+                name = waiting.pop()
+                if all(n in order for n in needs):
+                    order[name] = None
+        return [*order, *(name for name in self.items if name not in order)]
+
+    def _needs(self, name: str) -> list[str]:
+        """Parameters that the value of a parameter may name."""
+        value = self.overrides.get(name, self.items[name].value)
+        parts = _EXPRESSION.findall(value) if isinstance(value, str) else []
+        return [n for part in parts for n in _NAME.findall(part) if n in self.items]
+
+    def _text(self, text: str, card: str, where: Position) -> Any:
+        """Number of a text that is one expression, else text with numbers put in."""
+        try:
+            whole = _EXPRESSION.fullmatch(text.strip())
+            if whole:
+                return self._expression(whole[1])
+            return self._filled_in(text)
+        except ExpressionError as error:
+            self.mistakes.append(DeckError(*where, card, error.message, error.advice))
+        except _AlreadyReported:
+            pass
+        return BROKEN
+
+    def _filled_in(self, text: str) -> str:
+        """The text with the numbers of its expressions put in."""
+        numbers = [self._expression(part) for part in _EXPRESSION.findall(text)]
+        values = iter(numbers)
+        new = _EXPRESSION.sub(lambda _: as_written(next(values)), _RAISED.sub(r"(\g<0>)", text))
+        if "${" in new:
+            raise ExpressionError(f"cannot read {shown(text)}", "write '${...}'")
+        if any(isinstance(number, SiFloat) for number in numbers) and _unit(new):
+            advice = "the expression is in SI already; write all of it as one '${...}'"
+            raise ExpressionError(f"{shown(text)} mixes an expression with a number", advice)
+        return new
+
+    def _expression(self, text: str) -> float:
+        """Value in SI when a parameter with a unit takes part, else a bare number."""
+        expression = Expression(text)
+        names = {name: self._value(name) for name in expression.names if name in self.items}
+        if BROKEN in names.values():
+            raise _AlreadyReported
+        for name in expression.names:
+            if name not in names:
+                advice = choices(name, self.items, "parameters")
+                raise ExpressionError(f"unknown parameter '{name}'", advice)
+        value = expression.value(names)
+        if any(isinstance(number, SiFloat) for number in names.values()):
+            return SiFloat(value)
+        return int(value) if value.is_integer() and abs(value) < 2**53 else value
+
+    def _value(self, name: str) -> Any:
+        if len(self.pending) > LONGEST_CIRCLE:
+            raise ExpressionError("depends on itself, by way of many others")
+        if name in self.pending:
+            chain = " -> ".join([*self.pending[self.pending.index(name) :], name])
+            raise ExpressionError(f"depends on itself ({chain})")
+        if name not in self.values:
+            self.pending.append(name)
+            self.values[name] = self._worked_out(name)
+            self.pending.pop()
+        return self.values[name]
+
+    def _worked_out(self, name: str) -> Any:
+        item = self.items[name]
+        card = item.title
+        if not _NAME.fullmatch(name) or name in FUNCTIONS or name in CONSTANTS:
+            advice = "letters, digits and _, and no name of a function"
+            self.mistakes.append(DeckError(*item.where, card, "cannot be used as a name", advice))
+            return BROKEN
+        value = self.substitute(self.overrides.get(name, item.value), card, item.at)
+        if value is BROKEN or isinstance(value, SiFloat):
+            return value
+        try:
+            return _number(value)
+        except UnitError as error:
+            message = "must be a number, alone or with a unit"
+            self.mistakes.append(DeckError(*item.at, card, message, str(error)))
+            return BROKEN
+
+    def _checked(self, overrides: Mapping[str, str]) -> dict[str, Any]:
+        """Overrides as values; those which do not fit the deck are reported and left out."""
+        checked = {}
+        for name, text in overrides.items():
+            value, message, advice = plain_scalar(text.strip())
+            if name not in self.items:
+                message = f"unknown parameter '{name}'"
+                advice = choices(name, self.items, "parameters")
+            elif not message:
+                message, advice = _misfit(value, self.items[name].value)
+            if message:
+                place = f"--set {name}={text}"
+                self.mistakes.append(DeckError(place, None, None, "", message, advice))
+            else:
+                checked[name] = value
+        return checked
+
+
+class _AlreadyReported(Exception):
+    """A parameter is wrong, and the user has been told where it stands."""
+
+
+def _number(value: Any) -> float:
+    """A number, in SI when it has a unit."""
+    if isinstance(value, str):
+        number, name = split_quantity(value)
+        return SiFloat(number * parse_unit(name).factor) if name else number
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise UnitError(f"this is {shown(value)}")
+    return value
+
+
+def _unit(value: Any) -> Unit | None:
+    """Unit of a value as written; None when it is an expression or cannot be read."""
+    if isinstance(value, str):
+        try:
+            return parse_unit(split_quantity(value)[1] or "1")
+        except UnitError:
+            return None
+    return PURE if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+def _misfit(value: Any, replaced: Any) -> tuple[str, str]:
+    """What is wrong with a value given on the command line, and advice; empty when it fits."""
+    if isinstance(value, str) and "${" in value:
+        return "", ""
+    unit, before = _unit(value), _unit(replaced)
+    if unit is None:
+        return "must be a number, alone or with a unit", ""
+    if before is not None and unit.exponents != before.exponents:
+        wanted = f"in {describe(before)}" if before.exponents != PURE.exponents else "without unit"
+        return f"the deck has {shown(replaced)} here", f"give a number {wanted}"
+    return "", ""

@@ -1,0 +1,242 @@
+"""What the file of a law may provide, role by role: the step calls nothing else of it.
+
+The Protocol of a family is made of the roles that every law of it plays. The others are hooks: a
+law that provides one is asked by it, wherever its family stands. Type checkers, the error for a
+law that lacks something, the contract tests and ADDING.md all read these classes.
+"""
+
+from typing import Any, Protocol
+
+
+class Built(Protocol):
+    """Every law: its card becomes one row of PARAMETERS."""
+
+    def build(self, card: Any, scene: Any) -> Any:
+        """Words into symbols, names into indices: one row of PARAMETERS."""
+
+
+class Expanded(Protocol):
+    """A law that is written out in other cards, when the deck is read, and not built itself."""
+
+    def expand(self, name: str, card: Any, laws: Any, control: Any) -> Any:
+        """Entries by keyword and name, as a deck has them."""
+
+
+class Constraint(Protocol):
+    """Constraint rows between bodies, from row p.first_row on."""
+
+    ROWS: int
+    ANGULAR: tuple[bool, ...]
+
+    def residual(self, p, old, new, t, nodes, rows, curves):
+        """Phi(q, t). Writes: rows.phi, new."""
+
+    def jacobian(self, p, old, t, nodes, rows, curves):
+        """D and nu = -Phi_t. Writes: rows.D, nu."""
+
+    def convective(self, p, old, t, nodes, rows, curves):
+        """gamma = -D_dot v - Phi_tt. Writes: rows.gamma."""
+
+
+class Force(Protocol):
+    """Forces on bodies, which every step asks for."""
+
+    def force(self, p, old, new, out, t, h, nodes, rows, curves):
+        """Forces on bodies, what is stored, the power and the loss. Writes: nodes, out, new."""
+
+
+class Reading(Protocol):
+    """What is read at samples and acts on nothing."""
+
+    def measure(self, p, out, t, nodes, rows, curves):
+        """Readings at a sample. Writes: out."""
+
+
+class Following(Protocol):
+    """A sensor that must look at every step."""
+
+    def follow(self, p, old, new, out, nodes):
+        """What it keeps of a step. Writes: new, out."""
+
+
+class Tangent(Protocol):
+    """A law of force that tells implicit methods its slopes, in TANGENTS rows an entry."""
+
+    TANGENTS: int
+
+    def tangent(self, p, state, nodes, curves, rows, first):
+        """Directions, stiffness and damping, from row `first` on. Writes: rows."""
+
+
+class TurningForce(Protocol):
+    """A law whose force turns with its bodies, told where elements have blocks of nodes."""
+
+    def turn_force(self, p, out, nodes, place, blocks):
+        """What turns the present force. Writes: blocks."""
+
+
+class Branches(Protocol):
+    """A law of force with corners, at which Runge-Kutta steps end."""
+
+    def beyond(self, p, old, h, nodes, curves):
+        """How far it is past the branch on which the step of h began, 0 at the corner."""
+
+
+class NormalLaw(Protocol):
+    """A law of the normal force of contact."""
+
+    def build(self, card: Any, scene: Any, pair: Any) -> Any:
+        """Words into symbols; `pair` tells the radii of both surfaces."""
+
+    def normal_force(self, p, old, new, h, depth, rate, mass, curves):
+        """Force >= 0, stored, power, loss, stiffness, damping. Writes: new."""
+
+    def normal_tangent(self, p, state, depth, rate, mass, curves):
+        """Slopes of the force over the depth and over its rate."""
+
+    def release(self, p, old, new):
+        """The surfaces are apart. Writes: new."""
+
+
+class FrictionLaw(Protocol):
+    """A law of friction of contact."""
+
+    def build(self, card: Any, scene: Any) -> Any:
+        """Words into symbols."""
+
+    def friction_force(self, p, old, new, normal_force, slip, way, n, mass, ease, curves):
+        """Force on a (a vector), stored, power, loss, stiffness, damping. Writes: new."""
+
+    def release(self, p, old, new):
+        """The surfaces are apart. Writes: new."""
+
+
+class FrictionTangent(Protocol):
+    """Friction that depends on the sliding speed alone, as implicit methods ask for it."""
+
+    def friction_tangent(self, p, normal_force, slip):
+        """Slopes of the force over the slip, along it and across it."""
+
+
+class FrictionBranches(Protocol):
+    """Friction with corners, at which Runge-Kutta steps end."""
+
+    def regime_left(self, p, old, slip):
+        """How far the slip is past the regime in which the step began [m/s]."""
+
+
+class GapRoutine(Protocol):
+    """The gap between two shapes, first and second in the name of the file."""
+
+    def gap(self, a, b, nodes, data):
+        """Signed depth, unit normal out of b, point of contact."""
+
+
+class Shape(Protocol):
+    """A shape that a surface may have: the elements that gap routines take."""
+
+    def build(self, card: Any, scene: Any) -> Any:
+        """A list of elements, each a row of PARAMETERS."""
+
+    def curvature_radius(self, card: Any) -> float | None:
+        """Radius for laws that ask for one; infinite for a plane, None for none."""
+
+
+class PointForce(Protocol):
+    """A load on the points of parts that keep their elements in blocks."""
+
+    def members(self, card: Any, scene: Any) -> Any:
+        """Points that an entry acts on (n,); without it those of all parts."""
+
+    def force_on_points(self, p, old, new, out, t, h, nodes, curves, scene, members=None):
+        """Forces on these points; `members` of all entries, if it names any. Writes: scene, out."""
+
+
+class ElementLoad(Protocol):
+    """A load on elements kept in blocks, which two threads may share."""
+
+    def load_half(self, p, side, old, out, h, scene):
+        """Forces on the elements of one thread. Writes: scene."""
+
+    def add_up(self, out, h, nodes, work):
+        """Sums of both threads. Writes: out."""
+
+
+class Bending(Protocol):
+    """Elements whose tangent goes to the blocks of their nodes, beside the rows of `tangent`."""
+
+    def bend(self, p, state, nodes, curves, place, blocks):
+        """Tangent by places. Writes: blocks."""
+
+
+class ElementEnergies(Protocol):
+    """Parts that keep their elements in blocks."""
+
+    def energies(self, p, new, out, scene):
+        """What the part has stored and lost. Writes: new, out."""
+
+
+class FibreLaw(Protocol):
+    """Elements of fibres, which call the law of their material."""
+
+    def force(self, p, old, new, out, t, h, nodes, rows, curves, material):
+        """Forces on bodies, what is stored, the power and the loss. Writes: nodes, out, new."""
+
+    def tangent(self, p, state, nodes, curves, rows, first, material):
+        """Compliant rows from row `first` on. Writes: rows."""
+
+    def bend(self, p, state, nodes, curves, place, blocks, material):
+        """Slopes of its forces by the places of its nodes. Writes: blocks."""
+
+
+class StepLaw(
+    Constraint,
+    Force,
+    Reading,
+    Following,
+    Tangent,
+    TurningForce,
+    Branches,
+    PointForce,
+    ElementLoad,
+    Bending,
+    ElementEnergies,
+    Protocol,
+):
+    """All that the loops of a step may call of a law; each plays some of the roles."""
+
+
+class KeptFace(Protocol):
+    """A gap routine of shapes with faces: a touch goes on by the face that it has."""
+
+    def gap_by(self, a, b, nodes, data, n):
+        """Gap along the normal n of the touch so far, and whether it still is one."""
+
+
+class RoundMiddle(Protocol):
+    """A gap routine that knows how deep the middle of a round shape is."""
+
+    def middle(self, a, b, nodes, n):
+        """Depth at which the middle passes [m]."""
+
+
+class QuickBound(Protocol):
+    """A gap routine with a cheaper bound of its depth."""
+
+    def bound(self, a, b, nodes, data):
+        """Not below the depth; negative where the shapes are apart [m]."""
+
+
+class Area(Protocol):
+    """A gap routine of sides that press on each other over an area."""
+
+    def patch(self, a, b, nodes, data, n, x):
+        """Number of corners of the area, and the radius with which friction resists a spin."""
+
+
+class StepGap(GapRoutine, KeptFace, RoundMiddle, QuickBound, Area, Protocol):
+    """All that the loops of a step may call of a gap routine."""
+
+
+class StepFriction(FrictionLaw, FrictionTangent, FrictionBranches, Protocol):
+    """All that the loops of a step may call of a law of friction."""

@@ -1,0 +1,1 @@
+"""Cards that a deck has once: control, output, units, expectations."""

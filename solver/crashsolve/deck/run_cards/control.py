@@ -1,0 +1,109 @@
+"""How the run is controlled: its duration, its steps and when it must stop."""
+
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, quantity, word
+from crashsolve.deck.family import integrators
+
+# one file each in integrators/
+Integrator: Any = Literal[(*integrators(), "auto")]
+
+
+class Control(Card):
+    """Duration, time step and limits of the run."""
+
+    end_time: float = quantity("s", "time at which the run ends", ge=0)
+    start_time: float = quantity("s", "time at which the run begins", 0.0)
+    integrator: Integrator = word(
+        "method of integration; auto: from stiffness and smoothness of the deck", integrators()[0]
+    )
+    accuracy: float | None = quantity(
+        "1",
+        "largest estimated error of every watched channel, over the largest magnitude that it, "
+        "or the vector it is a component of, has in the run (of a sum: the sum, of a time: the "
+        "run's duration); "
+        "pilot runs find the step or the tolerance",
+        None,
+        gt=0,
+        lt=1,
+    )
+    tolerance: float | None = quantity(
+        "1",
+        "error of a step over the model's size and speed, where the method chooses its step, "
+        "1e-6 when neither it nor an accuracy is given; of quasi_static, what may be left of a "
+        "force over the largest force or reaction, and of the way of a load step, 1e-8 when absent",
+        None,
+        gt=0,
+        lt=1,
+    )
+    estimate: Literal["auto", "full", "off"] = word(
+        "auto: the errors of watched channels, from one or two further runs in memory, which after "
+        "a run of 5 s or more cost no more than it did; full: whatever they cost",
+        "auto",
+    )
+    spectral_radius: float = quantity(
+        "1",
+        "share of a vibration too fast for the step that a step of generalized_alpha leaves",
+        0.7,
+        ge=0,
+        le=1,
+    )
+    step: float | Literal["auto"] = quantity(
+        "s", "time step; auto: from the stiffest active spring and contact", "auto", gt=0
+    )
+    safety: float = quantity("1", "automatic step over the critical one", 0.1, gt=0, le=1)
+    step_max: float | None = quantity("s", "largest automatic step", None, gt=0)
+    step_min: float | None = quantity("s", "the run stops below this step", None, gt=0)
+    onset_tolerance: float | None = quantity(
+        "m", "largest first penetration of a contact; longer steps are split", None, gt=0
+    )
+    energy_limit: float | Literal["off"] = quantity(
+        "1", "the run stops beyond this energy error over the largest energy", 0.05, gt=0
+    )
+    constraint_tolerance: float = quantity(
+        "1", "error of the constraints over the size of the model", 1e-10, gt=0
+    )
+    check_every: int = word("steps between two looks at energy and constraints", 100, ge=1)
+    solution: Literal["transient", "quasi_static"] = word(
+        "transient: motion; quasi_static: equilibria under the loads of each moment", "transient"
+    )
+    steps: int = word(
+        "of quasi_static, equal load steps, sampled each; output.history.interval goes before; "
+        "loads without a curve act from the start",
+        default=10,
+        ge=1,
+    )
+
+    threads: int = word(
+        "that share the elements of shells, 2 at most; results are the same to the last bit",
+        default=1,
+        ge=1,
+        le=2,
+    )
+
+    @model_validator(mode="after")
+    def _in_order(self) -> "Control":
+        if self.end_time < self.start_time:
+            raise ValueError(f"end_time: must not come before start_time, {self.start_time:g} s")
+        if self.step_min and self.step_max and self.step_min > self.step_max:
+            raise ValueError(f"step_min: must not exceed step_max, {self.step_max:g} s")
+        if self.accuracy:
+            self._leaves_the_choice()
+        if self.solution == "quasi_static" and (self.accuracy or self.integrator != "rattle"):
+            what = "accuracy" if self.accuracy else "integrator"
+            raise ValueError(f"{what}: solution quasi_static finds equilibria and needs none")
+        if self.solution == "quasi_static" and self.end_time == self.start_time:
+            raise ValueError("end_time: must come after start_time for a load step to fit between")
+        if self.threads > 1 and (self.integrator != "rattle" or self.solution != "transient"):
+            raise ValueError("threads: share explicit steps only; say integrator: rattle")
+        return self
+
+    def _leaves_the_choice(self) -> None:
+        """Raises ValueError for what an accuracy chooses, or needs."""
+        if self.tolerance or self.step != "auto":
+            chosen = "tolerance" if self.tolerance else "step"
+            raise ValueError(f"{chosen}: is chosen by the accuracy; give one of the two")
+        if self.estimate == "off":
+            raise ValueError("estimate: an accuracy cannot be kept without")

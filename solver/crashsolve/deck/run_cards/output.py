@@ -1,0 +1,191 @@
+"""What a run writes, how often, and the figures of its report."""
+
+import re
+from itertools import pairwise
+from typing import Any, ClassVar, Literal
+
+from pydantic import field_validator, model_validator
+
+from crashsolve.channels.series import Window
+from crashsolve.deck.card import Card, quantity, word
+from crashsolve.deck.run_cards.statistic import check_window, known_statistic
+
+Pair = tuple[float, float]
+MOMENT = re.compile(r"start|end|(max|min|abs_max):.*\S|[-+]?[\d.]+([eE][-+]?\d+)? *(s|ms|us|µs)")
+VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
+
+
+class History(Card):
+    """Time histories of all channels."""
+
+    interval: float | None = quantity("s", "time between samples; a 1000th of the run", None, gt=0)
+
+
+class States(Card):
+    """Configurations of all bodies for pictures and films."""
+
+    interval: float | None = quantity("s", "time between states; a 50th of the run", None, gt=0)
+
+
+class Restart(Card):
+    """Dumps from which a run can go on."""
+
+    every: float | None = quantity("s", "time between dumps; none when absent", None, gt=0)
+
+
+class Log(Card):
+    """Lines about the progress of the run."""
+
+    interval: float | None = quantity("s", "time between lines; a 20th of the run", None, gt=0)
+
+
+class Curve(Card):
+    """One line of a figure, or the bare name of its channel."""
+
+    shorthand: ClassVar[str] = "channel"
+
+    channel: str = word("channel, or arithmetic of channels")
+    label: str = word("name in the legend; the channel when empty", "")
+    x: str = word("its own abscissa; that of the figure when empty", "")
+
+
+class Reference(Card):
+    """A result known from elsewhere, drawn with the curves and compared with them."""
+
+    label: str = word("name in the legend")
+    kind: Literal["level", "band", "point", "curve", "corridor"] = word("how it is drawn", "level")
+    value: float | None = quantity("1", "height of a level, in the unit of the axis", None)
+    from_: float | None = quantity("1", "lower end of a band", None)
+    to: float | None = quantity("1", "upper end of a band", None)
+    points: tuple[Pair, ...] = quantity(
+        "1", "[x, y] of a point, of a curve's points, or of a corridor's lower border", ()
+    )
+    upper: tuple[Pair, ...] = quantity("1", "[x, y] of a corridor's upper border", ())
+    tolerance: float | None = quantity(
+        "1", "how well the number is known; what the run gives beyond it is a miss", None, ge=0
+    )
+    source: str = word("where it was published", "")
+    channel: str = word("channel to compare with it", "")
+    statistic: str = word("statistic of that channel, as under expect; none for a corridor", "")
+    during: Window | None = quantity("s", "[from, to], when only these samples count", None)
+    over: Pair | None = quantity("1", "extent of a level or band along x", None)
+
+    @field_validator("statistic")
+    @classmethod
+    def _known_statistic(cls, text: str) -> str:
+        return known_statistic(text) if text else text
+
+    @model_validator(mode="after")
+    def _complete(self) -> "Reference":
+        has_band = self.from_ is not None and self.to is not None
+        given = {"level": self.value is not None, "band": has_band}
+        given["corridor"] = min(len(self.points), len(self.upper)) > 1
+        if not given.get(self.kind, len(self.points) > (self.kind == "curve")):
+            needs = {"level": "value", "band": "from and to", "corridor": "points and upper"}.get(
+                self.kind, "points"
+            )
+            raise ValueError(f"a {self.kind} needs {needs}")
+        if self.kind == "corridor":
+            self._check_corridor()
+        elif bool(self.channel) != bool(self.statistic):
+            raise ValueError("channel and statistic belong together")
+        check_window(self.statistic, self.during)
+        return self
+
+    def _check_corridor(self) -> None:
+        if self.statistic:
+            raise ValueError("a corridor is compared with a whole channel; leave out the statistic")
+        for border in (self.points, self.upper):
+            if any(b <= a for (a, _), (b, _) in pairwise(border)):
+                raise ValueError("along a border of a corridor x must increase")
+
+
+class Figure(Card):
+    """One figure of the report; its numbers are in the units of its axes."""
+
+    title: str = word("heading")
+    y: tuple[Curve, ...] = word("channels drawn")
+    x: str = word("channel of the abscissa, or time", "time")
+    x_unit: str = word("unit shown along x; SI when empty", "")
+    y_unit: str = word("unit shown along y; SI when empty", "")
+    x_scale: Literal["linear", "log"] = word("division of the x axis", "linear")
+    y_scale: Literal["linear", "log"] = word("division of the y axis", "linear")
+    x_offset: float = quantity("1", "added to x, in the unit shown", 0.0)
+    y_offset: float = quantity("1", "added to y, in the unit shown", 0.0)
+    x_label: str = word("title of the x axis", "")
+    y_label: str = word("title of the y axis", "")
+    x_range: Pair | None = quantity("1", "ends of the x axis", None)
+    y_range: Pair | None = quantity("1", "ends of the y axis", None)
+    reference: tuple[Reference, ...] = word("results known from elsewhere", ())
+    note: str = word("text below the figure", "")
+
+    @model_validator(mode="after")
+    def _corridors_over_time(self) -> "Figure":
+        if self.x != "time" and any(r.kind == "corridor" and r.channel for r in self.reference):
+            raise ValueError("a channel is compared with a corridor over time alone")
+        return self
+
+
+def _is_list(given: Any) -> bool:
+    return isinstance(given, list | tuple)
+
+
+class Scene(Card):
+    """Pictures of the run side by side in the report, as `crashpost render` makes them."""
+
+    title: str = word("heading")
+    at: tuple[str, ...] = word(
+        "moments: 50 ms, start, end, max:CHANNEL, min:CHANNEL, abs_max:CHANNEL; four over the run "
+        "when absent",
+        (),
+    )
+    view: str = word("side, front, rear, top, bottom, iso, or towards the eye as 1,-1,0.5", "auto")
+    show: tuple[str, ...] = word("names of bodies and parts, with globs; all when absent", ())
+    color: str = word("field of the states such as plastic_strain; by body when empty", "")
+    arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
+    follow: str = word("body or part that stays in place", "")
+
+    @field_validator("at", mode="before")
+    @classmethod
+    def _known_moments(cls, given: Any) -> Any:
+        """Moments keep their words, so that a bare number would mean what no unit says."""
+        words = [f"{part:g}" if part == 0 else part for part in given] if _is_list(given) else given
+        for part in words if _is_list(given) else ():
+            if not isinstance(part, str):
+                raise ValueError(f"a moment needs its unit: {part:g} s")
+            if part != "0" and not MOMENT.fullmatch(part.strip()):
+                raise ValueError(
+                    f"unknown moment '{part}' (50 ms, start, end, or max:, min: or abs_max: before "
+                    "a channel)"
+                )
+        return words
+
+    @field_validator("view")
+    @classmethod
+    def _known_view(cls, text: str) -> str:
+        if text not in VIEWS:
+            numbers = text.split(",")
+            try:
+                is_direction = len(numbers) == 3 and any(map(float, numbers))
+            except ValueError:
+                is_direction = False
+            if not is_direction:
+                raise ValueError(f"unknown view '{text}' (known: {', '.join(VIEWS)}, or 1,-1,0.5)")
+        return text
+
+
+class Report(Card):
+    """The page that `crashpost report` makes."""
+
+    figures: tuple[Figure, ...] = word("figures, in order; a default choice when absent", ())
+    scenes: tuple[Scene, ...] = word("pictures, in order; a default choice when absent", ())
+
+
+class Output(Card):
+    """What a run writes and how often."""
+
+    history: History = word("time histories", History())
+    states: States = word("configurations", States())
+    restart: Restart = word("restart dumps", Restart())
+    log: Log = word("log lines", Log())
+    report: Report | None = word("figures of the report; a default choice when absent", None)

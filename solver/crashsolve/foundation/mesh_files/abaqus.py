@@ -1,0 +1,276 @@
+"""Lines of Abaqus .inp files: nodes, elements and sets, by their identifiers.
+
+Keywords may be in any case and go on over lines that end in a comma; a set may be given in several
+cards, which unite, by numbers, by ranges, by other sets, or as the nodes of a set of elements.
+Keywords that would move or make nodes or elements elsewhere are refused; others are passed over.
+References: Abaqus Keywords Reference Manual, *ELEMENT, *ELSET, *NODE, *NSET.
+"""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from crashsolve.foundation.mesh_files.reading import SIDES, Lines
+
+# what decides where nodes and elements are, beside *NODE and *ELEMENT
+LOST = {"INSTANCE", "ASSEMBLY", "PART", "SYSTEM", "TRANSFORM", "NGEN", "ELGEN", "NCOPY", "ELCOPY"}
+LOST |= {"NFILL", "NMAP", "INCLUDE", "IMPORT", "MODEL CHANGE", "PARAMETER"}
+PARAMETERS = {
+    "NODE": {"NSET", "SYSTEM"},
+    "ELEMENT": {"TYPE", "ELSET"},
+    "NSET": {"NSET", "ELSET", "GENERATE", "UNSORTED", "INTERNAL"},
+    "ELSET": {"ELSET", "GENERATE", "UNSORTED", "INTERNAL"},
+}
+# quadrilaterals and triangles that meshio does not know
+FURTHER = {"R3D4": "quad", "M3D4": "quad", "M3D4R": "quad", "M3D3": "triangle"}
+# its name for either
+WRITTEN = {"quad": "S4", "triangle": "S3"}
+SILENT = {"HEADING", "PREPRINT"}
+# offsets of shells that say what is so without them
+MIDDLE = {"0", "0.", "0.0", "MID", "MIDDLE"}
+
+
+class Row(NamedTuple):
+    """A line of data: its number and its fields."""
+
+    line: int
+    fields: list[str]
+
+
+class Keyword(NamedTuple):
+    """A keyword with its parameters, None for those without a value, and its lines of data."""
+
+    line: int
+    word: str
+    parameters: dict[str, str | None]
+    rows: list[Row]
+
+
+def read_lines(path: Path) -> Lines:
+    """What the file says. Raises MeshFileError."""
+    reader = _Reader(Lines(path.name))
+    for keyword in _keywords(path, reader.lines):
+        reader.take(keyword)
+    return reader.finished()
+
+
+def _keywords(path: Path, lines: Lines) -> Iterator[Keyword]:
+    """All keywords of a file, with the lines that belong to each."""
+    current: Keyword | None = None
+    head, start = "", 0
+    for number, text in enumerate(path.read_text("utf-8", errors="replace").splitlines(), 1):
+        text = text.strip()
+        if not text or text.startswith("**"):
+            continue
+        if text.startswith("*") or head:
+            head, start = head + text, start or number
+            if head.endswith(","):
+                continue
+            if current:
+                yield current
+            current = _keyword(start, head, lines)
+            head, start = "", 0
+        elif current:
+            current.rows.append(Row(number, [part.strip() for part in text.split(",")]))
+        else:
+            raise lines.fail(number, "stands before the first keyword")
+    if head:
+        raise lines.fail(start, "the keyword is not complete: it ends in a comma")
+    if current:
+        yield current
+
+
+def _keyword(line: int, text: str, lines: Lines) -> Keyword:
+    word, *rest = text.lstrip("*").split(",")
+    parameters: dict[str, str | None] = {}
+    for part in rest:
+        name, equals, value = part.partition("=")
+        name = " ".join(name.split()).upper()
+        if name in parameters:
+            raise lines.fail(line, f"{name} is given twice")
+        if name:
+            parameters[name] = value.strip().strip('"') if equals else None
+    return Keyword(line, " ".join(word.split()).upper(), parameters, [])
+
+
+def _whole_rows(rows: list[Row], count: int) -> Iterator[Row]:
+    """Rows joined with those that go on after a comma, unless they hold `count` fields already."""
+    start, fields = 0, list[str]()
+    for line, more in rows:
+        start, fields = (start, fields + more) if fields else (line, more)
+        goes_on = not fields[-1]
+        fields = [text for text in fields if text]
+        if not goes_on or len(fields) == count:
+            yield Row(start, fields)
+            fields = []
+    if fields:
+        # a comma at the end of the last line
+        yield Row(start, fields)
+
+
+class _Reader:
+    """Collects nodes, elements and sets, keyword by keyword."""
+
+    def __init__(self, lines: Lines) -> None:
+        self.lines = lines
+        self.sets: dict[str, dict[str, dict[int, None]]] = {"NSET": {}, "ELSET": {}}
+        self.written: dict[tuple[str, str], str] = {}  # names as first written
+        self.known = _known_types()
+
+    def take(self, keyword: Keyword) -> None:
+        """Read one keyword, refuse it, or pass it over."""
+        line, word, parameters, _ = keyword
+        if word in LOST:
+            advice = "write the mesh flat, with nodes and elements"
+            raise self.lines.fail(line, f"*{word} would be passed over; {advice}")
+        if "SECTION" in word and (parameters.get("OFFSET") or "0").upper() not in MIDDLE:
+            message = f"*{word}, OFFSET={parameters['OFFSET']} would be passed over"
+            raise self.lines.fail(line, f"{message}: nodes lie in the middle of the thickness")
+        if word not in PARAMETERS:
+            if word not in SILENT:
+                self.lines.pass_over(line, f"*{word}")
+            return
+        is_round = (parameters.get("SYSTEM") or "R").upper() != "R"
+        if is_round or not parameters.keys() <= PARAMETERS[word]:
+            pairs = parameters.items()
+            told = [name if value is None else f"{name}={value.upper()}" for name, value in pairs]
+            message = f"*{', '.join([word, *told])} would be passed over"
+            raise self.lines.fail(line, f"{message}; write the mesh flat")
+        {"NODE": self.nodes, "ELEMENT": self.elements, "NSET": self.nset, "ELSET": self.elset}[
+            word
+        ](keyword)
+
+    def nodes(self, keyword: Keyword) -> None:
+        own: dict[int, None] = {}
+        for line, fields in keyword.rows:
+            while fields and not fields[-1]:
+                fields.pop()
+            if not 1 < len(fields) < 5:
+                raise self.lines.fail(line, "a node has a number and up to three coordinates")
+            place = [self.real(line, text) for text in fields[1:]] + [0.0, 0.0]
+            number = self.whole(line, fields[0])
+            self.lines.add_node(line, number, (place[0], place[1], place[2]))
+            own[number] = None
+        self.unite("NSET", keyword.parameters.get("NSET"), own)
+
+    def elements(self, keyword: Keyword) -> None:
+        given = (keyword.parameters.get("TYPE") or "").upper()
+        if not given:
+            raise self.lines.fail(keyword.line, "*ELEMENT needs a TYPE")
+        kind = FURTHER.get(given) or self.known.get(given, given)
+        own: dict[int, None] = {}
+        for line, fields in _whole_rows(keyword.rows, SIDES.get(kind, 0) + 1):
+            numbers = [self.whole(line, text) for text in fields]
+            if kind in SIDES and len(numbers) != SIDES[kind] + 1:
+                told = f"{len(numbers) - 1} nodes follow, not {SIDES[kind]}"
+                raise self.lines.fail(line, f"element {numbers[0]} is of type {given}, but {told}")
+            nodes = tuple(numbers[1:]) if kind in SIDES else ()
+            self.lines.add_element(line, numbers[0], kind, nodes)
+            own[numbers[0]] = None
+        self.unite("ELSET", keyword.parameters.get("ELSET"), own)
+
+    def nset(self, keyword: Keyword) -> None:
+        own = self.members("NSET", keyword, self.lines.nodes)
+        of_elements = keyword.parameters.get("ELSET")
+        if of_elements is not None:
+            for number in self.named("ELSET", of_elements, keyword.line):
+                kind, nodes = self.lines.elements[number]
+                if kind not in SIDES:
+                    message = f"*NSET, ELSET={of_elements}: element {number} is of type {kind}"
+                    raise self.lines.fail(keyword.line, f"{message}, whose nodes are not read")
+                own |= dict.fromkeys(nodes)
+        self.unite("NSET", self.name_of(keyword), own)
+
+    def elset(self, keyword: Keyword) -> None:
+        own = self.members("ELSET", keyword, self.lines.elements)
+        self.unite("ELSET", self.name_of(keyword), own)
+
+    def name_of(self, keyword: Keyword) -> str:
+        name = keyword.parameters.get(keyword.word)
+        if not name:
+            message = f"*{keyword.word} needs a name: {keyword.word}=NAME"
+            raise self.lines.fail(keyword.line, message)
+        return name
+
+    def members(self, family: str, keyword: Keyword, known: dict[int, Any]) -> dict[int, None]:
+        """Identifiers that the lines of a set name."""
+        own: dict[int, None] = {}
+        what = {"NSET": "node", "ELSET": "element"}[family]
+        for line, fields in keyword.rows:
+            fields = [text for text in fields if text]
+            if "GENERATE" in keyword.parameters:
+                numbers: Any = self.generated(line, fields)
+            else:
+                numbers = []
+                for text in fields:
+                    is_name = not text.lstrip("+-").isdecimal()
+                    numbers += self.named(family, text, line) if is_name else [int(text)]
+            for number in numbers:
+                if number not in known:
+                    message = f"{what} {number} of the set is not given before this line"
+                    raise self.lines.fail(line, message)
+                own[number] = None
+        return own
+
+    def generated(self, line: int, fields: list[str]) -> range:
+        """Numbers from first to last, by an increment."""
+        numbers = [self.whole(line, text) for text in fields] + [1] * (len(fields) == 2)
+        if len(numbers) != 3 or numbers[2] < 1 or numbers[1] < numbers[0]:
+            raise self.lines.fail(line, "GENERATE needs first, last and increment, in this order")
+        if (numbers[1] - numbers[0]) % numbers[2]:
+            raise self.lines.fail(line, f"no number of steps of {numbers[2]} leads to the last one")
+        return range(numbers[0], numbers[1] + 1, numbers[2])
+
+    def named(self, family: str, name: str, line: int) -> dict[int, None]:
+        """Members of a set given before."""
+        key = name.strip('"').upper()
+        if key not in self.sets[family]:
+            raise self.lines.fail(line, f"there is no *{family} '{name}' before this line")
+        return self.sets[family][key]
+
+    def unite(self, family: str, name: str | None, own: dict[int, None]) -> None:
+        """Add members to a set; names do not depend on case. Writes: self.sets."""
+        if name:
+            self.written.setdefault((family, name.upper()), name)
+            self.sets[family].setdefault(name.upper(), {}).update(own)
+
+    def whole(self, line: int, text: str) -> int:
+        try:
+            return int(text)
+        except ValueError:
+            raise self.lines.fail(line, f"'{text}' is not a whole number") from None
+
+    def real(self, line: int, text: str) -> float:
+        try:
+            value = float(text.upper().replace("D", "E") or 0.0)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise self.lines.fail(line, f"'{text}' is not a number")
+        return value
+
+    def finished(self) -> Lines:
+        """The lines, with a text of nodes and elements alone and with all sets."""
+        lines = self.lines
+        text = ["*NODE"]
+        text += [f"{n}, {x!r}, {y!r}, {z!r}" for n, (x, y, z) in lines.nodes.items()]
+        before = ""
+        for number, (kind, nodes) in lines.elements.items():
+            if kind not in SIDES:
+                continue
+            text += [f"*ELEMENT, TYPE={WRITTEN[kind]}"] * (kind != before)
+            text.append(", ".join(map(str, (number, *nodes))))
+            before = kind
+        lines.text = "\n".join(text) + "\n"
+        for family, found in (("NSET", lines.node_sets), ("ELSET", lines.element_sets)):
+            for key, own in self.sets[family].items():
+                found[self.written[family, key]] = own
+        return lines
+
+
+def _known_types() -> dict[str, str]:
+    """Kinds of elements of meshio by Abaqus's types."""
+    from meshio.abaqus._abaqus import abaqus_to_meshio_type
+
+    return dict(abaqus_to_meshio_type)

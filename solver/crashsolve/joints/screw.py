@@ -1,0 +1,80 @@
+"""Screw joint: b turns about one axis of a and moves along it in proportion.
+
+    Phi = ( side_a . d,  third_a . d,  side_a . axis_b,  third_a . axis_b,  x - h theta ) = 0
+
+with d = x_b - x_a, the travel x = axis_a . d, the angle theta since the start with all turns, and
+h the lead over 2 pi. Consequence to test: one degree of freedom; a nut of mass m and inertia J on
+an upright screw falls with m g / (m + J / h^2).
+"""
+
+from math import pi
+from typing import Any
+
+from crashsolve.deck.card import quantity
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import angle_about, angle_gradient, angle_turning, counted
+from crashsolve.foundation.vec3 import scale
+from crashsolve.joints._card import FRAME, AxisJointCard
+from crashsolve.joints._rows import (
+    line_convective,
+    line_jacobian,
+    line_residual,
+    parallel_convective,
+    parallel_jacobian,
+    parallel_residual,
+    slide_along,
+    slide_jacobian,
+    slide_turning,
+    turn_also,
+)
+
+ROWS = 5
+ANGULAR = (False, False, True, True, False)
+FREE = ("angle", "travel")
+PARAMETERS = FRAME + Record(advance=("m/rad", "h, travel over angle"))
+HISTORY = Record(angle=("rad", "theta, with all turns"))
+
+
+class Screw(AxisJointCard):
+    """Screw and nut: b turns about one axis fixed in a, and moves along it in proportion."""
+
+    lead: float = quantity("m", "travel along the axis in a whole turn; negative if left-handed")
+
+
+def build(card: Screw, scene: Any) -> dict[str, Any]:
+    if card.lead == 0.0:
+        raise scene.fail("must not be 0; a joint that turns in place is of type revolute", "lead")
+    return scene.joint_frame(card) | {"advance": card.lead / (2.0 * pi)}
+
+
+@kernel
+def residual(p, old, new, t, nodes, rows, curves):
+    """Writes: rows.phi, new."""
+    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
+    line_residual(p, nodes, rows, r)
+    parallel_residual(p, nodes, rows, r + 2)
+    new.angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
+    travel = slide_along(a, b, p.point_a, p.point_b, p.axis_a)
+    rows[r + 4].phi = travel - p.advance * new.angle
+
+
+@kernel
+def jacobian(p, old, t, nodes, rows, curves):
+    """Writes: rows.D, nu."""
+    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
+    line_jacobian(p, nodes, rows, r)
+    parallel_jacobian(p, nodes, rows, r + 2)
+    slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, rows[r + 4])
+    turn_also(rows[r + 4], scale(-p.advance, angle_gradient(a, b, p.axis_a, p.side_b)))
+
+
+@kernel
+def convective(p, old, t, nodes, rows, curves):
+    """Writes: rows.gamma."""
+    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
+    line_convective(p, nodes, rows, r)
+    parallel_convective(p, nodes, rows, r + 2)
+    sliding = slide_turning(a, b, p.point_a, p.point_b, p.axis_a)
+    turning = angle_turning(a, b, p.axis_a, p.side_b)
+    rows[r + 4].gamma = p.advance * turning - sliding

@@ -1,0 +1,1 @@
+"""What is refused, or warned of, in a model before it runs."""

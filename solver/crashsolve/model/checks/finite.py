@@ -1,0 +1,67 @@
+"""Numbers of a built model that are none: products and quotients beyond those of a machine.
+
+A stiffness of 1e200 squared, or an inertia of 1e-300 inverted, would only show in the first step,
+and as a fault of that step.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.foundation.errors import DeckError, DeckErrors
+
+if TYPE_CHECKING:
+    from crashsolve.deck.reading.deck import Deck
+    from crashsolve.model.model import Model, State
+
+BEYOND = ("its numbers are too large or too small to reckon with", "look at powers and units")
+# what they raise in Python and in its libraries
+BEYOND_NUMBERS = (ArithmeticError, np.linalg.LinAlgError)
+
+
+def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
+    """Raise DeckErrors naming the cards whose numbers came out as none."""
+    found: list[DeckError] = []
+    for group in model.groups:
+        entries = deck.entries[group.keyword]
+        for i in _rows_without_numbers(group.parameters):
+            # an element bears the name of its part
+            owner = next((e for n, e in entries.items() if _is_of(group.names[i], n)), None)
+            found.append(deck.error(owner, None, *BEYOND) if owner else of_model(deck))
+    for i in _rows_without_numbers(state.nodes, np.isfinite):
+        name = model.bodies[i]
+        entry = deck.entries["bodies"].get(name)
+        found.append(deck.error(entry, None, *BEYOND) if entry else of_model(deck, f"'{name}'"))
+    is_wrong = (
+        len(_rows_without_numbers(state.points, np.isfinite)) or not np.isfinite(state.blocks).all()
+    )
+    if not found and is_wrong:
+        found.append(of_model(deck, "the shells"))
+    if found:
+        raise DeckErrors({str(error): error for error in found}.values())
+
+
+def of_model(deck: Deck, what: str = "the model") -> DeckError:
+    """The mistake without a card of its own."""
+    return DeckError(str(deck.path), None, None, what, *BEYOND)
+
+
+def _is_of(name: str, owner: str) -> bool:
+    return name == owner or name.startswith(f"{owner}_")
+
+
+def _is_number(column: np.ndarray) -> np.ndarray:
+    """Of parameters of laws, infinity may be meant."""
+    return ~np.isnan(column)
+
+
+def _rows_without_numbers(table: Any, is_sound: Any = _is_number) -> np.ndarray:
+    """Rows with a column that is no number."""
+    wrong = np.zeros(len(table), bool)
+    for name in table.dtype.names or ():
+        column = table[name]
+        if column.dtype.kind == "f":
+            wrong |= (~is_sound(column)).any(axis=tuple(range(1, column.ndim)))
+    return np.flatnonzero(wrong)

@@ -1,0 +1,68 @@
+"""Whether the elements of a mesh hang together: unconnected, duplicate, inverted, disjoint."""
+
+from typing import Any
+
+import numpy as np
+
+
+def faults(mesh: Any) -> str:
+    """The first thing wrong with how elements hang together; empty if nothing is."""
+    return _lonely(mesh) or _doubled(mesh) or _turned_over(mesh) or _pieces(mesh)
+
+
+def _lonely(mesh: Any) -> str:
+    used = np.zeros(len(mesh.points), bool)
+    used[mesh.quads] = True
+    if used.all():
+        return ""
+    return f"node {int(np.argmin(used)) + 1} belongs to no element; leave it out"
+
+
+def _doubled(mesh: Any) -> str:
+    """Nodes nearer than a millionth of the shortest side, found in two nets of cells."""
+    sides = mesh.points[mesh.quads] - mesh.points[np.roll(mesh.quads, -1, axis=1)]
+    # a triangle names a corner twice
+    real = mesh.quads != np.roll(mesh.quads, -1, axis=1)
+    grain = 1e-6 * float(np.linalg.norm(sides, axis=2)[real].min())
+    if grain == 0.0:
+        return ""  # an element with a side of no length is refused by itself
+    for shift in (0.0, 0.5):
+        cells = np.floor(mesh.points / grain + shift)
+        order = np.lexsort(cells.T)
+        same = np.flatnonzero((cells[order[1:]] == cells[order[:-1]]).all(axis=1))
+        if len(same):
+            a, b = sorted(int(order[same[0] + k]) + 1 for k in (0, 1))
+            where = ", ".join(f"{x:.6g}" for x in mesh.points[a - 1])
+            return f"nodes {a} and {b} lie in one place ({where}) m; merge them or move them apart"
+    return ""
+
+
+def _turned_over(mesh: Any) -> str:
+    """Two elements that run along a side in the same direction face opposite ways."""
+    ends = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=-1).reshape(-1, 2)
+    order = np.lexsort(ends.T)
+    # a triangle has a side of no length
+    real = ends[order[1:], 0] != ends[order[1:], 1]
+    same = np.flatnonzero((ends[order[1:]] == ends[order[:-1]]).all(axis=1) & real)
+    if not len(same):
+        return ""
+    a, b = sorted(int(order[same[0] + k]) // 4 + 1 for k in (0, 1))
+    return f"elements {a} and {b} face opposite ways; turn the corners of one round"
+
+
+def _pieces(mesh: Any) -> str:
+    """Every element must be joined to every other by common nodes."""
+    label = np.arange(len(mesh.points))
+    while True:
+        least = label[mesh.quads].min(axis=1)
+        new = label.copy()
+        np.minimum.at(new, mesh.quads.ravel(), np.repeat(least, 4))
+        new = new[new]
+        if (new == label).all():
+            break
+        label = new
+    count = len(np.unique(label))
+    if count == 1:
+        return ""
+    other = int(np.argmax(label != label[0])) + 1
+    return f"falls into {count} pieces: no way leads from node 1 to node {other}; make two parts"

@@ -1,0 +1,55 @@
+"""What a quasi-static solution cannot have yet: path-dependent laws, and what moves by itself."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.errors import DeckErrors
+
+# what every law of force keeps of a step
+# what parts remember is asked for elsewhere; loads keep what a sample shows
+WITHOUT_MEMORY = ("parts", "loads", "hinges")
+KEPT = {"dissipated", "power", "unused"}
+
+
+def goes_by_steps(groups: list[Any]) -> bool:
+    """Whether there are path-dependent parts: steps from rest take them along it."""
+    return any(g.keyword == "parts" and getattr(g.module, "STEPWISE", False) for g in groups)
+
+
+def refuse_motion(deck: Any, groups: list[Any]) -> None:
+    """Raises DeckErrors for the cards whose laws need the course of time."""
+    if deck.control.solution != "quasi_static":
+        return
+    found = [
+        deck.error(entry, None, f"{reason}; say solution: transient")
+        for entry, reason in _misfits(deck, groups)
+    ]
+    if found:
+        raise DeckErrors(found)
+
+
+def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+    for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
+        if np.any(entry.card.velocity) or np.any(entry.card.angular_velocity):
+            yield entry, "a quasi-static solution has no velocities"
+    for entry in deck.entries["contacts"].values():
+        yield entry, "a quasi-static solution has no contacts yet"
+    by_steps = goes_by_steps(groups)
+    for entry in deck.entries["bodies"].values():
+        if by_steps and entry.card.welded:
+            message = "a quasi-static solution with shells or fibre beams has no welded nodes"
+            yield entry, f"{message}, but joints"
+    for g in groups:
+        remembers = set(g.history.dtype.names or ()) - KEPT
+        if hasattr(g.module, "force") and remembers and g.keyword not in WITHOUT_MEMORY:
+            keyword = deck.entries[g.keyword]
+            for entry in (e for e in keyword.values() if e.type == g.type):
+                yield entry, "a quasi-static solution has no path-dependent laws yet"
+    for entry in deck.entries["hinges"].values():
+        if by_steps:
+            yield entry, "a quasi-static solution with shells or fibre beams has no hinges yet"
+    for entry in deck.entries["parts"].values():
+        if getattr(entry.card, "velocities", ()):
+            yield entry, "a quasi-static solution has no velocities"

@@ -1,0 +1,1 @@
+"""Build of contact: surfaces to elements, elements to pairs and projections."""

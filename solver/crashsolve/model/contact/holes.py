@@ -1,0 +1,80 @@
+"""Holes between nodes or points, through which what they shall meet would pass unmet.
+
+Nodes and points are met one by one. A ball that meets the middle between four of them touches none
+while its radius and theirs are less than the way to the nearest: the radius of the hole.
+"""
+
+from collections.abc import Iterator
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+# of the radius of a hole: what just fits is no news
+FITS = 1e-6
+# points of a set are all looked at up to so many, and some of them beyond
+MANY = 2000
+INSTEAD = {
+    "points": "say faces instead of nodes, or refine its mesh",
+    "sphere": "give more of them, or another shape",
+}
+
+
+def warn_of_holes(contact: str, sides: list[list[Any]], scene: Any) -> None:
+    """Warn of every two surfaces of a card of which one fits between the points of the other."""
+    for a, b in product(*sides):
+        for probes, other in ((a, b), (b, a)):
+            width = half_width(other, scene)
+            if width is None:
+                continue
+            radius = hole(probes, scene)
+            if radius <= (own_radius(probes) + width) * (1.0 + FITS):
+                continue
+            scene.warn(
+                f"contact '{contact}': the points of '{probes.entry.name}' leave holes of radius "
+                f"{radius:.3g} m, which '{other.entry.name}' with a half width of {width:.3g} m "
+                f"may pass without being touched; {INSTEAD[probes.shape]}"
+            )
+
+
+def own_radius(surface: Any) -> float:
+    """Distance of the surface from its points [m]."""
+    return float(getattr(surface.entry.card, "radius", 0.0))
+
+
+def hole(surface: Any, scene: Any) -> float:
+    """Radius of the largest ball that touches no point as it passes between them [m]; 0: none."""
+    if surface.shape == "points":
+        mesh = scene.skin(surface.entry.card.part, "part")[0].mesh
+        corners = mesh.points[mesh.quads]
+        way = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
+        return float(way.min(axis=1).max())
+    if surface.entry.type not in ("nodes", "point_set") or len(surface.elements) < 2:
+        return 0.0
+    places = np.array(list(_places(surface, scene)))
+    some = places[:: 1 + len(places) // MANY]
+    return 0.5 * max(_second_least(np.linalg.norm(places - x, axis=1)) for x in some)
+
+
+def half_width(surface: Any, scene: Any) -> float | None:
+    """Half of the middle one of three extents [m]: what passes a hole; None of infinite ones."""
+    if surface.shape in ("points", "faces"):
+        meshed = scene.skin(surface.entry.card.part, "part")[0]
+        if surface.shape == "points":
+            return own_radius(surface)
+        return 0.5 * float(np.sort(np.ptp(meshed.mesh.points, axis=0))[1])
+    if not hasattr(surface.module, "half_width"):
+        return None
+    return min(float(surface.module.half_width(element)) for element in surface.elements)
+
+
+def _places(surface: Any, scene: Any) -> Iterator[np.ndarray]:
+    nodes = scene.placed_nodes()
+    for element in surface.elements:
+        node = element["node"]
+        yield nodes["r"][node] + np.reshape(nodes["A"][node], (3, 3)) @ np.asarray(element["point"])
+
+
+def _second_least(distances: np.ndarray) -> float:
+    """Distance to the nearest other; the least is that to the point itself."""
+    return float(np.partition(distances, 1)[1])

@@ -1,0 +1,483 @@
+"""Build of contact of shell nodes with shapes, and of nodes and balls with the faces of shells.
+
+One group for each pair of surfaces of a card. Its arrays go to the compiled step under the group's
+word; see node_contact.py and projection.py in system/contact/ for what happens to them there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from itertools import permutations
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.contact.cells import CELL
+from crashsolve.foundation.point import LANES
+from crashsolve.foundation.record import Record
+from crashsolve.model.contact import records
+from crashsolve.model.model import NodalGroup
+from crashsolve.model.nodes import NODE
+from crashsolve.model.scene import IMPLICIT
+
+if TYPE_CHECKING:
+    from crashsolve.deck.reading.deck import Entry
+    from crashsolve.model.scene import Scene
+
+# lists of near faces: their margin over the mean radius of a face, and the faces of a probe that
+# there is room for at first
+MARGIN, ROOM = 1.0, 24
+# a node meets no faces of its own surface that are nearer along it than so many gaps: bent round as
+# tightly as its thickness allows a surface touches itself after pi/2 of them, and in its own plane
+# it would have to be crushed to 0.4 of its length
+FOLDED = 2.5
+# share of the gap by which a step may bring two sides nearer
+REACH = 0.5
+# shapes that press on shapes, and on faces
+PRESSING = (("points", "sphere"), ("points", "sphere", "ellipsoid"))
+
+PROBE = Record(
+    point=("index", "point of a shell; -1 for one on a body"),
+    node=("index", "the body, if it is on one"),
+    at=("m", 3, "from the mass centre, body axes"),
+)
+PARAMETERS = Record(
+    card=("index", "contact card"),
+    order=("count", "+1 when probes are on side a of the card, -1 when on side b"),
+    speed_floor=("m/s", "closing speed below which a touch counts as resting"),
+    gap=("m", "of probe and mid-surface, below which they touch"),
+    over=("m", "reach of an ellipsoid beyond its ball; 0 of others"),
+    share=("1", "of what is left of the gap between both, on the side of the probe"),
+    reach=("m", "by which a step may bring both nearer"),
+    margin=("m", "beyond the gap, of the lists of near faces"),
+    extent=("m", "the model's size, for the speed of shapes that turn"),
+    thick=("m", "of rigid shapes, from the surface of a probe that touches to both middles"),
+    first_point=("index", "of the part whose speed counts"),
+    point_count=("count", "its points"),
+    own=("flag", "whether the probes are among them"),
+    first_corner=("index", "of the faces"),
+    face_count=("count", "faces"),
+    quads=("count", "of them, quadrilaterals; triangles come after them"),
+    empty=("count", "lanes that the last block of quadrilaterals leaves empty"),
+    first_number=("index", "in blocks, of quadrilaterals"),
+    stride=("count", "numbers of a block of them"),
+    first_third=("index", "in blocks, of triangles"),
+    stride_third=("count", "numbers of a block of triangles"),
+    first_own=("index", "first point of the part with the faces"),
+    bucket_count=("count", "buckets of cubes, a power of two"),
+    room=("count", "of the lists of near faces"),
+)
+TOTALS = Record(
+    fastest=("m/s", "largest closing speed that there can be"),
+    way=("m", "sum of that over the steps"),
+    listed=("m", "the same when lists were made"),
+    pairs=("count", "in the lists"),
+    searches=("count", "lists made"),
+    stored=("J", "recoverable energy"),
+    dissipated=("J", "lost by the normal force"),
+    bristled=("J", "recoverable energy of friction"),
+    friction_loss=("J", "lost by friction"),
+    depth=("m", "deepest touch"),
+    passed=("s", "time at which a probe has passed through faces; 0: none has"),
+)
+PROBE_STATE = Record(
+    active=("flag", "touching"),
+    depth=("m", "penetration"),
+    impact_speed=("m/s", "closing speed at the onset, not below the floor"),
+    power=("W", "dissipated"),
+    force=("N", "on the probe"),
+    stored=("J", "recoverable energy"),
+    face=("index", "that is touched"),
+    normal=("1", 3, "towards the probe"),
+    N=("1", 4, "weights of the corners"),
+)
+RUB = Record(
+    rub=("N", 3, "friction on the probe"),
+    bristled=("J", "recoverable energy of friction"),
+)
+HIT = Record(
+    depth=("m", "penetration; 0: no touch"),
+    distance=("m", "to the face"),
+    face=("index", "the nearest"),
+    crossed=("flag", "whether it has been passed"),
+    normal=("1", 3, "towards the side where the probe belongs"),
+    N=("1", 4, "weights of the corners"),
+)
+# of a point that is touched
+STIFFENED = Record(
+    stiffness=("1/s^2", "sum of k N / m"),
+    damping=("1/s", "sum of c N / m"),
+    listed=("flag", "whether the point is among those that are touched"),
+    pressed=("m/s^2", "sum of normal force times N / m, where friction acts"),
+    was_pressed=("m/s^2", "the same in the last step"),
+)
+TOUCHED = Record(
+    count=("count", "points that are touched"),
+    rate=("1/s^2", "largest bound of squared frequency of these"),
+    damping=("1/s", "largest sum of c N / m"),
+    shortened=("1", "largest factor by which contact has shortened the stable step"),
+    first_seen=("index", "first of the points whose speeds were looked at last"),
+    seen=("count", "points looked at"),
+    speed=("m/s", "largest of their speeds"),
+)
+
+
+@dataclass
+class Probes:
+    """The side that presses: rows of PROBE, their radius, their part if they are shell points."""
+
+    rows: np.ndarray
+    radius: float
+    part: str | None
+    meshed: Any
+    first_point: int
+
+
+class NodalBuilder:
+    """The groups of all cards."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.groups: list[NodalGroup] = []
+
+    def add(self, index: int, entry: Entry, a: Any, b: Any, routine: Any) -> None:
+        """A group for two surfaces of a card. `routine(a, b, scene)` finds a gap routine."""
+        self._refuse_implicit()
+        law = self._law(entry)
+        order = 1
+        if a.shape == "faces" or (a.shape != "points" and b.shape == "points"):
+            a, b, order = b, a, -1
+        if a.shape not in PRESSING[b.shape == "faces"]:
+            who = ("nodes and balls", "nodes, balls and ellipsoids")[b.shape == "faces"]
+            message = f"'{a.entry.name}' cannot press on '{b.entry.name}': only {who} can"
+            raise self.scene.fail(f"{message}; name a surface of type nodes", "b")
+        probes = self._probes(a)
+        values = {"card": index, "order": order, "speed_floor": entry.card.speed_floor}
+        values["extent"] = self.scene.size
+        pair = Touching(entry.name, a, b, self.scene)
+        values |= law.build(entry.card.normal, self.scene, pair)
+        friction = self._friction(entry)
+        if friction is not None:
+            values |= friction.build(entry.card.friction, self.scene)
+        make = self._on_faces if b.shape == "faces" else self._on_shape
+        narrow, own, probe_states = make(probes, a, b, routine)
+        arrays = self._common(probes, values | own.pop("values"), probe_states, law, friction) | own
+        word = f"nodal_{len(self.groups)}"
+        is_smooth = getattr(b.entry.card, "normals", None) == "continuous"
+        can_fail = b.shape == "faces" and self.scene.can_fail(b.entry.card.part)
+        group = NodalGroup(word, entry.name, narrow, law, friction, arrays, is_smooth, can_fail)
+        self.groups.append(group)
+
+    def _refuse_implicit(self) -> None:
+        method = self.scene.deck.control.integrator
+        if method in IMPLICIT:
+            message = f"nodes and faces of shells touch in explicit steps, {method} takes none"
+            advice = "name the node that is hit, and say point_set; or integrator: rattle"
+            raise self.scene.fail(f"{message}; {advice}", "a")
+
+    def _law(self, entry: Entry) -> Any:
+        """Module of the normal law; what nodal contact lacks is refused."""
+        if not hasattr(entry.card, "normal"):
+            message = "holds nodes that are bodies; shell nodes and faces need a law of force"
+            raise self.scene.fail(f"{message}: type: force, normal: {{type: penalty}}")
+        return import_module(type(entry.card.normal).__module__)
+
+    def _friction(self, entry: Entry) -> Any | None:
+        """Module of the friction law, if there is one."""
+        card = entry.card.friction
+        return None if card is None else import_module(type(card).__module__)
+
+    def _probes(self, surface: Any) -> Probes:
+        card = surface.entry.card
+        if surface.shape == "points":
+            meshed, _, first = self.scene.skin(card.part, "part")
+            rows = np.zeros(len(meshed.mass), PROBE.dtype)
+            rows["point"] = first + np.arange(len(rows))
+            return Probes(rows, card.radius, card.part, meshed, first)
+        rows = np.zeros(len(surface.elements), PROBE.dtype)
+        rows["point"] = -1
+        for row, element in zip(rows, surface.elements, strict=True):
+            row["node"], row["at"] = element["node"], element["point"]
+        element = surface.elements[0]
+        radius = element["radius"] if surface.shape == "sphere" else min(element["semi"])
+        return Probes(rows, float(radius), None, None, 0)
+
+    def _common(
+        self, probes: Probes, values: dict[str, Any], probe_states: int, law: Any, friction: Any
+    ) -> dict[str, np.ndarray]:
+        """Arrays of every group."""
+        record, probe_state = PARAMETERS + law.PARAMETERS, PROBE_STATE + law.HISTORY
+        if isfinite(values.get("thick", inf)):
+            probe_state = probe_state + records.FACE
+        if friction is not None:
+            record, probe_state = record + friction.PARAMETERS, probe_state + RUB + friction.HISTORY
+        p, n = np.zeros(1, record.dtype), len(probes.rows)
+        for name, value in values.items():
+            p[name] = value
+        totals = np.zeros(1, TOTALS.dtype)
+        totals["listed"] = -inf
+        return {
+            "p": p,
+            "totals": totals,
+            "probes": probes.rows,
+            "probe_states": np.zeros((2, probe_states * n), probe_state.dtype),
+            "turns": np.zeros(probe_states * n, np.int64),
+            "due": np.zeros(n),
+            "found": np.zeros(2, HIT.dtype),
+        }
+
+    def _on_shape(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
+        """Points against a rigid shape: its own gap routine, with copies of its bodies."""
+        seen = Seen("sphere", a.entry)
+        narrow, swapped = routine(seen, b, self.scene)
+        if swapped or hasattr(narrow, "expand_a"):
+            message = f"nodes of shells cannot press on a {b.entry.type}; give it another shape"
+            raise self.scene.fail(message, "b")
+        bodies = sorted({int(element["node"]) for element in b.elements})
+        frames = np.zeros(1 + len(bodies), NODE.dtype)
+        frames["A"][:] = np.eye(3).ravel()
+        home = np.array([0, *bodies])
+        expand = getattr(narrow, "expand_b", lambda elements: elements)
+        elements = [part for e in b.elements for part in expand([e])]
+        pen = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
+        data = getattr(narrow, "data", lambda *_: ())([pen], elements)
+        shape = import_module(f"crashsolve.contact.shape.{b.shape}")
+        record = getattr(narrow, "PARAMETERS_B", shape.PARAMETERS)
+        own = {
+            "a": table_of([pen], import_module("crashsolve.contact.shape.sphere").PARAMETERS),
+            "b": table_of(elements, record),
+            "frames": frames,
+            "home": home,
+            **{f"data_{k}": array for k, array in enumerate(data)},
+        }
+        own["b"]["node"] = [1 + bodies.index(int(e["node"])) for e in elements]
+        thick = min(
+            (b.module.half_thickness(e) for e in b.elements if hasattr(b.module, "half_thickness")),
+            default=inf,
+        )
+        values = {"gap": probes.radius, "share": 1.0, "thick": probes.radius + thick}
+        values |= {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
+        values |= {"point_count": len(probes.rows), "extent": self.scene.size}
+        return narrow, own | {"values": values}, 1
+
+    def _on_faces(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
+        """Probes against the faces of a shell."""
+        card = b.entry.card
+        meshed, corner, first = self.scene.skin(card.part, "part")
+        round_ones = self._ellipsoids(a, probes) if a.shape == "ellipsoid" else {}
+        is_own = probes.part == card.part
+        if is_own and probes.radius == 0.0:
+            t = card.thickness or meshed.card.thickness
+            message = f"the nodes of '{card.part}' have no thickness of their own, and its walls "
+            message += "would meet half a thickness deep"
+            raise self.scene.fail(f"{message}; say radius: {0.5 * t:g} in '{a.entry.name}'", "a")
+        quads, count = meshed.mesh.quads, len(meshed.area)
+        radius = np.linalg.norm(
+            meshed.mesh.points[quads] - meshed.mesh.points[quads].mean(axis=1)[:, None], axis=2
+        ).max(axis=1)
+        gap = probes.radius + 0.5 * (card.thickness or meshed.card.thickness)
+        around = faces_around(quads, len(meshed.mass))
+        spared = nothing(len(probes.rows))
+        if is_own:
+            near = spare(quads, around, card.ring)
+            spared = merged(near, spare_along(meshed.mesh.points, quads, around, FOLDED * gap))
+        room = ROOM * len(probes.rows)
+        buckets = 1 << int(2 * count - 1).bit_length()
+        values = {
+            **{"gap": gap, "share": probes.radius / gap},
+            **{"reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
+            **{"first_point": first, "point_count": len(meshed.mass), "own": is_own},
+            **{"first_corner": corner, "face_count": count, "first_own": first},
+            **self._places(card.part, meshed),
+            **{"bucket_count": buckets, "room": room},
+        }
+        own = {
+            "first": np.zeros(len(probes.rows) + 1, np.int64),
+            "near": np.zeros(room, np.int64),
+            "wait": np.zeros(room),
+            "cells": np.zeros(count, CELL.dtype),
+            "starts": np.zeros(buckets + 1, np.int64),
+            "sorted": np.zeros(count, np.int64),
+            "beside": faces_beside(quads),
+            "gone": np.zeros(count, np.int64),
+            "around_first": around[0],
+            "around": around[1],
+            "spared_first": spared[0],
+            "spared": spared[1],
+            **round_ones,
+        }
+        if round_ones:
+            values["over"] = max(a.elements[0]["semi"]) - probes.radius
+        return None, own | {"values": values}, 2
+
+    def _ellipsoids(self, a: Any, probes: Probes) -> dict[str, np.ndarray]:
+        """Ellipsoids, and the ball that rolls in each."""
+        record = import_module("crashsolve.contact.shape.ellipsoid").PARAMETERS
+        return {"ellipsoids": table_of(a.elements, record), "balls": probes.rows.copy()}
+
+    def _places(self, part: str, meshed: Any) -> dict[str, int]:
+        """Where the tables hold quadrilaterals and triangles."""
+        filled, first = -(-meshed.quad_count // LANES), self.scene.first_number(part)
+        stride = meshed.stride_of(meshed.points)
+        return {
+            **{"quads": meshed.quad_count, "empty": filled * LANES - meshed.quad_count},
+            **{"first_number": first, "stride": stride},
+            **{"first_third": first + filled * stride, "stride_third": meshed.stride_of(1)},
+        }
+
+
+class Touching:
+    """What a normal law may ask about the contact and the two surfaces it acts between."""
+
+    def __init__(self, contact: str, a: Any, b: Any, scene: Scene) -> None:
+        self.contact, self.radius_a, self.radius_b = contact, a.radius, b.radius
+        stiff = []
+        for surface in (a, b):
+            if surface.shape in ("points", "faces"):
+                meshed, _, _ = scene.skin(surface.entry.card.part, "part")
+                stiff.append(meshed.material.young * meshed.card.thickness)
+        self.membrane = min(stiff)
+
+
+@dataclass
+class Seen:
+    """A surface as gap routines see it."""
+
+    shape: str
+    entry: Any
+
+
+def table_of(rows: list[dict[str, Any]], record: Record) -> np.ndarray:
+    table = np.zeros(len(rows), record.dtype)
+    for row, values in zip(table, rows, strict=True):
+        for column in record.columns:
+            row[column.name] = values[column.name]
+    return table
+
+
+def grouped(keys: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Values by key, each once and ascending: where those of a key begin, and all of them."""
+    pairs = np.unique(np.column_stack([keys, values]), axis=0)
+    first = np.searchsorted(pairs[:, 0], np.arange(count + 1))
+    return first.astype(np.int64), np.ascontiguousarray(pairs[:, 1])
+
+
+def faces_around(quads: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Faces that each of `count` points belongs to."""
+    return grouped(quads.ravel(), np.repeat(np.arange(len(quads)), 4), count)
+
+
+def faces_beside(quads: np.ndarray) -> np.ndarray:
+    """The face across each side of each face (4 m,), -1 at a free border."""
+    ends = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    order = np.lexsort((high, low))
+    beside = np.full(len(ends), -1, np.int64)
+    # over the side of no length of a triangle lies the triangle itself
+    none = np.flatnonzero(low == high)
+    beside[none] = none // 4
+    has_length = (low < high)[order[1:]]
+    alike = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
+    same = np.flatnonzero(alike & has_length)
+    one, other = order[same], order[same + 1]
+    beside[one], beside[other] = other // 4, one // 4
+    return beside
+
+
+def spare(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarray, np.ndarray]:
+    """Faces that each point never meets: its own, and those within `ring` of them."""
+    first, faces = around
+    count = len(first) - 1
+    for _ in range(ring):
+        owners = np.repeat(np.arange(count), np.diff(first))
+        corners = quads[faces].ravel()
+        begin, own = faces_around(quads, count)
+        # from the faces of a point to their corners, and on to the faces of these
+        sizes = np.diff(begin)[corners]
+        at = np.repeat(begin[corners] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
+        reached = own[at + np.arange(sizes.sum())]
+        first, faces = grouped(np.repeat(np.repeat(owners, 4), sizes), reached, count)
+    return first, faces
+
+
+def spare_along(
+    points: np.ndarray, quads: np.ndarray, around: Any, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Faces with a corner within `reach` [m] of each point, along sides and diagonals of faces."""
+    count = len(points)
+    owners, reached = points_along(points, quads, reach)
+    first, faces = around
+    sizes = np.diff(first)[reached]
+    at = np.repeat(first[reached] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
+    return grouped(np.repeat(owners, sizes), faces[at + np.arange(sizes.sum())], count)
+
+
+def points_along(
+    points: np.ndarray, quads: np.ndarray, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of points within `reach` [m] of each other along sides and diagonals of faces.
+
+    Shortest ways, all points at once, edge by edge; each point is a pair with itself.
+    """
+    count = len(points)
+    ends = np.concatenate([quads[:, pair] for pair in permutations(range(4), 2)])
+    first, others = grouped(ends[:, 0], ends[:, 1], count)
+    starts = np.repeat(np.arange(count), np.diff(first))
+    lengths = np.linalg.norm(points[others] - points[starts], axis=1)
+    # pairs as one number each, ascending, with the shortest way so far
+    known = front = np.arange(count) * (count + 1)
+    ways = way = np.zeros(count)
+    while len(front):
+        owner, via = np.divmod(front, count)
+        sizes = np.diff(first)[via]
+        at = np.repeat(first[via] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
+        at += np.arange(sizes.sum())
+        longer = np.repeat(way, sizes) + lengths[at]
+        pair, is_near = np.repeat(owner, sizes) * count + others[at], longer < reach
+        pair, longer = pair[is_near], longer[is_near]
+        pairs, values = np.r_[known, pair], np.r_[ways, longer]
+        is_new = np.r_[np.zeros(len(known), bool), np.ones(len(pair), bool)]
+        # of equal ways the known one
+        order = np.lexsort((is_new, values, pairs))
+        pairs, values, is_new = pairs[order], values[order], is_new[order]
+        best = np.r_[True, pairs[1:] != pairs[:-1]]
+        known, ways, is_new = pairs[best], values[best], is_new[best]
+        front, way = known[is_new], ways[is_new]
+    return known // count, known % count
+
+
+def merged(one: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Values by key of two tables together."""
+    count = len(one[0]) - 1
+    keys = np.r_[*(np.repeat(np.arange(count), np.diff(first)) for first, _ in (one, other))]
+    return grouped(keys, np.r_[one[1], other[1]], count)
+
+
+def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """No face is spared."""
+    return np.zeros(count + 1, np.int64), np.zeros(1, np.int64)
+
+
+def loads_of_points(count: int) -> dict[str, np.ndarray]:
+    """What all groups together add to the stiffness of points."""
+    return {
+        "touched": np.zeros(1, TOUCHED.dtype),
+        "stiffened": np.zeros(count, STIFFENED.dtype),
+        "touched_points": np.zeros(count, np.int64),
+    }
+
+
+def give_room(groups: list[NodalGroup]) -> None:
+    """Lists that fill more than half of their room get twice what they need. Writes: groups."""
+    for group in groups:
+        if group.narrow is not None:
+            continue
+        p, totals = group.arrays["p"], group.arrays["totals"]
+        if 2 * totals["pairs"][0] > p["room"][0]:
+            p["room"] = room = 4 * int(totals["pairs"][0])
+            group.arrays |= {"near": np.zeros(room, np.int64), "wait": np.zeros(room)}
+            totals["listed"] = -inf
+            group.arrays["due"][:] = 0.0
+            group.arrays["first"][:] = 0

@@ -1,0 +1,197 @@
+"""Pairs of contact elements: which may touch at all, and, among many, which are near.
+
+A group with few possible pairs keeps them all. One with many keeps those whose bounding spheres
+come within a margin, of each other or of a plane at rest, and renews the list when an element has
+moved by half the margin. A pair that stays in the list keeps its history; what a pair that leaves
+has lost goes to its contact card.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from crashsolve.contact.broad import near_pairs
+from crashsolve.foundation.record import Record
+from crashsolve.model.model import ContactGroup, State
+
+# more possible pairs than this, and a group looks for the near ones; implicit methods, which find
+# no tangents for pairs that come and go, look at many more
+SEARCH_ABOVE, SEARCH_ABOVE_IMPLICIT = 180, 500
+# margin of the list of near pairs, in shares of the mean radius of the bounding spheres
+MARGIN = 0.5
+# share of the slack by which every pair outside the list is apart when the list is renewed: of a
+# margin of two, each of both elements has gone 0.7, and a step of 0.2, at most
+# (system/contact/touches.py)
+APART = 0.2
+# reach of what has no end, which times no turn is still nothing [m]
+ENDLESS = 1e300
+SEEN = Record(r=("m", 3, "centre of an element when the list was made"))
+
+
+@dataclass
+class Elements:
+    """What pairing asks of the elements of one side; arrays over the elements."""
+
+    node: np.ndarray
+    rank: np.ndarray  # place of the surface in the deck
+    round: np.ndarray  # class of equal radii of curvature
+    centre: np.ndarray  # of the bounding sphere, body axes from the mass centre
+    radius: np.ndarray  # of the bounding sphere; infinite for a plane
+    thick: np.ndarray  # half thickness; infinite for a plane
+    normal: np.ndarray  # of a plane, body axes; 0 for others
+    reach: np.ndarray  # how far it reaches from the mass centre; ENDLESS for a plane
+
+    def spread(self) -> np.ndarray:
+        """How much farther each reaches than it is thick [m]; 0 where it has no end."""
+        is_endless = np.isinf(self.radius)
+        return np.where(is_endless, 0.0, self.radius - np.where(is_endless, 0.0, self.thick))
+
+
+@dataclass
+class Block:
+    """Pairs under one contact card: elements of side a against elements of side b."""
+
+    card: int
+    speed_floor: float
+    order: int  # +1 when the gap's first shape is side a of the card, else -1
+    member: tuple[np.ndarray, np.ndarray]  # which elements, by side of the gap
+    on_both: tuple[np.ndarray, np.ndarray]  # which of them the card names on both its sides
+    law: np.ndarray  # row of the table of laws, by the classes of the two elements
+
+
+class Pairing:
+    """All possible pairs of a contact group."""
+
+    def __init__(self, sides: tuple[Elements, Elements], blocks: list[Block], laws: Any) -> None:
+        self.sides, self.blocks, self.laws = sides, blocks, laws
+
+    def worth_searching(self, is_implicit: bool) -> bool:
+        """Whether there are many possible pairs, of elements with an end or with planes at rest."""
+        above = SEARCH_ABOVE_IMPLICIT if is_implicit else SEARCH_ABOVE
+        count = sum(int(b.member[0].sum()) * int(b.member[1].sum()) for b in self.blocks)
+        first, second = self.sides
+        planes = np.isinf(second.radius)
+        at_rest = planes.all() and not second.node.any()
+        has_size = np.isfinite(first.radius).all() and first.radius.any()
+        return bool(count > above and has_size and (at_rest or not planes.any()))
+
+    def everything(self) -> np.ndarray:
+        """Parameters of all possible pairs."""
+        found = []
+        for block in self.blocks:
+            a, b = (np.flatnonzero(member) for member in block.member)
+            found.append(self._allowed(block, np.repeat(a, len(b)), np.tile(b, len(a))))
+        return np.concatenate(found)
+
+    def chosen(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Parameters of the allowed ones among the given pairs, sorted by card, a, b."""
+        found = []
+        for block in self.blocks:
+            keep = block.member[0][a] & block.member[1][b]
+            found.append(self._allowed(block, a[keep], b[keep]))
+        rows = np.concatenate(found)
+        return rows[np.lexsort((rows["b"], rows["a"], rows["card"]))]
+
+    def _allowed(self, block: Block, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Pairs on two bodies; of two surfaces named on both sides of a card, only one order."""
+        first, second = self.sides
+        twice = block.on_both[0][a] & block.on_both[1][b]
+        in_order = block.order * (second.rank[b] - first.rank[a]) > 0
+        keep = (first.node[a] != second.node[b]) & (in_order | ~twice)
+        a, b = a[keep], b[keep]
+        rows = self.laws[block.law[first.round[a], second.round[b]]]
+        rows["a"], rows["b"], rows["card"] = a, b, block.card
+        rows["speed_floor"], rows["order"] = block.speed_floor, block.order
+        rows["thick"] = first.thick[a] + second.thick[b]
+        rows["spread_a"], rows["spread_b"] = first.spread()[a], second.spread()[b]
+        if "reach_a" in rows.dtype.names:
+            rows["reach_a"], rows["reach_b"] = first.reach[a], second.reach[b]
+        return rows
+
+
+class Search:
+    """The list of near pairs of a group, and where its elements were when it was made."""
+
+    def __init__(self, pairing: Pairing) -> None:
+        self.pairing = pairing
+        radii = np.concatenate([side.radius for side in pairing.sides])
+        self.margin = MARGIN * float(radii[np.isfinite(radii)].mean())
+        self.slack = np.array([0.5 * self.margin])
+        self.seen = tuple(np.zeros(len(side.centre), SEEN.dtype) for side in pairing.sides)
+
+    def cards(self) -> list[int]:
+        """Contact cards whose pairs are in the list."""
+        return sorted({block.card for block in self.pairing.blocks})
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """What the step needs to know when to look again."""
+        return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
+
+    def look(self, nodes: Any) -> np.ndarray:
+        """Parameters of the near pairs now. Writes: seen."""
+        for side, seen in zip(self.pairing.sides, self.seen, strict=True):
+            A = nodes["A"][side.node].reshape(-1, 3, 3)
+            seen["r"] = nodes["r"][side.node] + np.einsum("nij,nj->ni", A, side.centre)
+        first, second = self.pairing.sides
+        if np.isinf(second.radius).all():
+            near = self._near_planes()
+        else:
+            near = near_pairs(
+                self.seen[0]["r"], first.radius, self.margin, self.seen[1]["r"], second.radius
+            )
+        return self.pairing.chosen(near[:, 0], near[:, 1])
+
+    def _near_planes(self) -> np.ndarray:
+        """Pairs (m, 2) of spheres and planes at rest whose gap is below the margin."""
+        first, second = self.pairing.sides
+        height = self.seen[0]["r"] @ second.normal.T - (self.seen[1]["r"] * second.normal).sum(
+            axis=1
+        )
+        return np.argwhere(height - first.radius[:, None] < self.margin)
+
+
+def resting(count: int, dtype: Any, search: Search | None) -> np.ndarray:
+    """Both sides of the history of pairs that are apart, by so much at least."""
+    history = np.zeros((2, count), dtype)
+    history["depth"] = -APART * search.slack[0] if search else 0.0
+    return history
+
+
+def renew(groups: list[ContactGroup], state: State) -> None:
+    """New lists of near pairs. Writes: groups, and the losses of those that left to the cards."""
+    current = int(state.clock[0]["current"])
+    for group in groups:
+        if group.search is not None:
+            _renew(group, group.search, state, current)
+
+
+def _renew(group: ContactGroup, search: Search, state: State, current: int) -> None:
+    rows = search.look(state.nodes)
+    before, after = (_identity(group, p) for p in (group.parameters, rows))
+    kept = np.isin(before, after, assume_unique=True)
+    history = resting(len(rows), group.history.dtype, search)
+    # both lists are in ascending order: what stays is in the same order in both
+    stays = np.isin(after, before, assume_unique=True)
+    history[:, stays] = group.history[current, kept]
+    left = group.parameters["card"][~kept], group.history[current, ~kept]
+    _credit(*left, list(getattr(group.normal, "WARNINGS", {})), state.card_history)
+    group.parameters, group.history = rows, history
+    group.output = np.zeros(len(rows), group.output.dtype)
+
+
+def _identity(group: ContactGroup, rows: np.ndarray) -> np.ndarray:
+    """One number per pair, ascending along a list."""
+    width = len(group.elements_b)
+    return (rows["card"] * len(group.elements_a) + rows["a"]) * width + rows["b"]
+
+
+def _credit(card: np.ndarray, history: np.ndarray, warnings: list[str], cards: np.ndarray) -> None:
+    """What pairs have lost and met that leave the list. Writes: cards."""
+    for side in cards:
+        for name in ("dissipated", "friction_dissipated"):
+            np.add.at(side[f"left_{name}"], card, history[name])
+        for bit, name in enumerate(warnings):
+            np.bitwise_or.at(side["left_warnings"], card[history[name] != 0], 1 << bit)

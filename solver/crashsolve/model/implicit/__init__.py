@@ -1,0 +1,1 @@
+"""What implicit integrators need of a model beside its tables."""

@@ -1,0 +1,113 @@
+"""`integrator: auto`: the method for a deck, from its own stiffness and smoothness.
+
+    law that counts in whole steps          rattle
+    contacts that keep lists of near pairs  rattle: events too many to be located one by one
+    stiff                                   radau_iia_5, or generalized_alpha where 1e-3 is enough
+    contacts, or laws with corners          dormand_prince_5
+    smooth                                  dormand_prince_8, or dormand_prince_5 above 1e-5
+
+Stiff means that the largest step at which an explicit method is stable (see system/timestep.py) is
+short beside the time in which the fastest body crosses the model, and beside the largest step
+allowed. Consequence to test: the choice follows from the deck alone, and the log says why.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+# so many stable explicit steps in the time of a crossing cost more than implicit ones
+STIFF = 1000.0
+COARSE, FINE = 1e-3, 1e-5
+
+
+class Choice(NamedTuple):
+    """Name of an integrator, and why."""
+
+    integrator: str
+    reason: str
+
+
+def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Choice:
+    """The integrator for a deck whose control says auto."""
+    if stepwise:
+        return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
+    if len(model.attached_nodes):
+        return Choice("rattle", "nodes are welded to rigid bodies")
+    searched = [c.word for c in model.contact_groups if c.search is not None]
+    if searched:
+        return Choice("rattle", f"contacts '{searched[0]}' keep a list of near pairs")
+    crossing, stable = times(model, state)
+    ratio = crossing / stable if stable > 0.0 else 0.0
+    if ratio > STIFF:
+        method = "generalized_alpha" if tolerance >= COARSE else "radau_iia_5"
+        why = f"explicit steps are stable below {stable:.2g} s, a crossing takes {crossing:.2g} s"
+        return Choice(method, f"stiff: {why}")
+    if model.contact_groups:
+        return Choice("dormand_prince_5", "contacts begin and end within the run; not stiff")
+    if has_corners(model):
+        return Choice("dormand_prince_5", "laws or curves have corners; not stiff")
+    if tolerance > FINE:
+        return Choice("dormand_prince_5", f"smooth, not stiff, tolerance {tolerance:g}")
+    return Choice("dormand_prince_8", f"smooth, not stiff, tolerance {tolerance:g}")
+
+
+def has_corners(model: Any) -> bool:
+    """Whether a law has several pieces, or a curve a corner, whoever reads it."""
+    if any(_has_pieces(group) for group in model.piecewise_groups()):
+        return True
+    curves = model.curves
+    for start in model.curve_names.values():
+        part = curves[start : curves[start]["last"] + 1]
+        slope, ends = part["c"][:-1], np.diff(part["x"])
+        arriving = slope[:, 1] + ends * (2.0 * slope[:, 2] + 3.0 * ends * slope[:, 3])
+        jump = np.abs(arriving[:-1] - slope[1:, 1])
+        if (jump > 1e-9 * np.abs(slope[:, 1]).max(initial=0.0)).any():
+            return True
+    return False
+
+
+def _has_pieces(group: Any) -> bool:
+    """Whether a law goes over to another piece: at yield, at a stop, or where it turns back."""
+    p = group.parameters
+    # of a curve that is followed both ways the corners are those of its points
+    return "loose" not in p.dtype.names or bool((p["loose"] != 0).any())
+
+
+def times(model: Any, state: Any) -> tuple[float, float]:
+    """Time in which the fastest body crosses the model, at most step_max, and stable step [s].
+
+    Forces are those of the initial state, evaluated once as plain Python; 0 where nothing is stiff.
+    """
+    nodes = state.nodes.copy().view(np.recarray)
+    nodes.W = _world_tensors(nodes)
+    for g in model.force_groups():
+        _evaluate(g, state, model, nodes)
+    body = nodes[1:]
+    acceleration = np.linalg.norm(body.force, axis=1) * body.mass_inv
+    turning = np.linalg.norm(np.einsum("nij,nj->ni", body.W.reshape(-1, 3, 3), body.torque), axis=1)
+    size = model.size
+    speed = max(
+        np.linalg.norm(body.v, axis=1).max(initial=0.0),
+        size * np.linalg.norm(body.w, axis=1).max(initial=0.0),
+        np.sqrt(size * max(acceleration.max(initial=0.0), size * turning.max(initial=0.0))),
+    )
+    frequency = np.sqrt(2.0 * body.stiffness + body.damping**2) + body.damping
+    fastest = frequency.max(initial=0.0)
+    crossing = min(size / speed if speed > 0.0 else np.inf, float(model.control[0]["step_max"]))
+    return float(crossing), float(2.0 / fastest) if fastest > 0.0 else 0.0
+
+
+def _world_tensors(nodes: Any) -> np.ndarray:
+    A, J_inv = nodes.A.reshape(-1, 3, 3), nodes.J_inv.reshape(-1, 3, 3)
+    return np.einsum("nij,njk,nlk->nil", A, J_inv, A).reshape(-1, 9)
+
+
+def _evaluate(group: Any, state: Any, model: Any, nodes: Any) -> None:
+    """Forces and stiffness of one group, on copies of what it would write. Writes: nodes."""
+    force = group.module.force
+    old, new = group.history.copy().view(np.recarray)
+    out = group.output.copy().view(np.recarray)
+    p, curves = group.parameters.view(np.recarray), model.curves.copy().view(np.recarray)
+    rows, time = state.rows.copy().view(np.recarray), float(state.clock[0]["time"])
+    for i in range(len(p)):
+        force(p[i], old[i], new[i], out[i], time, 0.0, nodes, rows, curves)

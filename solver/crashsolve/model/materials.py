@@ -1,0 +1,75 @@
+"""Materials that elements call: their laws in a group, and their columns in its tables.
+
+A row has the constants of its material as one column, `material`, with the columns of all laws that
+the group uses; `law` says which of them is its own.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.deck.family import FamilyError, constants, provided
+from crashsolve.foundation.record import Record
+from crashsolve.materials import GeneralLaw, VonMisesLaw
+
+if TYPE_CHECKING:
+    from crashsolve.deck.reading.deck import Entry
+    from crashsolve.model.scene import Scene
+
+
+def laws_of(entries: "list[Entry]", scene: "Scene") -> list[Any]:
+    """Modules of the materials of some parts, each once."""
+    words = [scene.deck.entries["materials"].get(entry.card.material) for entry in entries]
+    names = dict.fromkeys(w.module_name for w in words if w)
+    laws = [import_module(name) for name in names]
+    for law in laws:
+        refuse_incomplete(law)
+    return laws
+
+
+def refuse_incomplete(law: Any) -> None:
+    """Raises FamilyError for a material that lacks what its kind of law provides."""
+    kind = VonMisesLaw if law.VON_MISES else GeneralLaw
+    needless = {"update", "energy"}
+    if law.VON_MISES:
+        needless |= {"line"} if getattr(law, "SMOOTH", False) else {"strain_of_rise"}
+    elif law.FIBRE is None:
+        needless |= {"fibre", "fibre_tangent"}
+    wanted = {*provided(kind), *constants(kind)} - needless
+    missing = sorted(name for name in wanted if not hasattr(law, name))
+    if missing:
+        told = f"{kind.__name__} of materials/__init__.py"
+        raise FamilyError(f"{law.__name__} must provide {', '.join(missing)}, as {told} says")
+
+
+def with_constants(record: Record, laws: list[Any]) -> "np.dtype[Any]":
+    """Columns of a part, and the constants of its material as one."""
+    own = joined([law.PARAMETERS for law in laws])
+    return np.dtype([*record.dtype.descr, ("material", own.dtype.descr)])
+
+
+def with_memory(record: Record, laws: list[Any], count: int) -> Record:
+    """Columns of a part of fibres, and what so many of them remember."""
+    columns = joined([law.FIBRE for law in laws]).columns
+    return record + Record(**{c.name: (c.unit, count, c.meaning) for c in columns})
+
+
+def joined(records: list[Record]) -> Record:
+    """Columns of several laws; those of one name are one. Raises ValueError where they differ."""
+    found: dict[str, Any] = {}
+    for column in (column for record in records for column in record.columns):
+        known = found.setdefault(column.name, column)
+        if (known.unit, known.size) != (column.unit, column.size):
+            units = f"{known.unit} of one material, {column.unit} of another"
+            raise ValueError(f"column '{column.name}' is in {units}")
+    return Record(**{c.name: (c.unit, c.size, c.meaning) for c in found.values()})
+
+
+def fill(record: Any, values: dict[str, Any]) -> None:
+    """Write values into a record; an unknown or a missing column is a programming error."""
+    for name, value in values.items():
+        if isinstance(value, dict):
+            fill(record[name], value)
+        else:
+            record[name] = value

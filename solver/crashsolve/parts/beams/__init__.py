@@ -1,0 +1,1 @@
+"""Elements of beams: what the files of their types are made of."""

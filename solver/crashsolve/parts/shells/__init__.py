@@ -1,0 +1,1 @@
+"""Elements of shells: what the file of their type is made of."""

@@ -1,0 +1,1 @@
+"""Kinds of shell elements: their strains, and the forces on their corners."""

@@ -1,0 +1,89 @@
+"""Outputs of the elements of shells: what pictures show, and gauges write.
+
+N = t/2 sum w sigma and so on, means of the points of a plane where there are several.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.foundation.point import LANES
+from crashsolve.parts.shells.geometry import blocks_of
+from crashsolve.parts.shells.records import (
+    BLOCK,
+    EROSION,
+    VISCOUS,
+)
+
+if TYPE_CHECKING:
+    from crashsolve.parts.shells.layout import DiscretisedShell
+
+
+# elements worked on at a time where memory counts
+PIECE = 1024
+# of the elements in pictures: unit and components; resultants along the element's axes
+FIELDS = {
+    "thickness": ("m", 1),
+    "membrane_force": ("N/m", 3),  # xx, yy, xy
+    "moment": ("N", 3),  # xx, yy, xy
+    "shear_force_xz": ("N/m", 1),
+    "shear_force_yz": ("N/m", 1),
+    "von_mises": ("Pa", 1),  # largest of the layers and points
+    "elastic_energy_density": ("J/m^3", 1),
+    "plastic_energy_density": ("J/m^3", 1),  # over the volume at the start
+    "plastic_strain_top": ("1", 1),  # of the outermost layers and the middle one
+    "plastic_strain_mid": ("1", 1),
+    "plastic_strain_bottom": ("1", 1),
+}
+
+
+def values_of(
+    part: DiscretisedShell, blocks: np.ndarray, row: Any, wanted: np.ndarray, kind: Any = float
+) -> dict[str, np.ndarray]:
+    """Values of FIELDS of some elements, from what those of all parts keep."""
+    start = int(row["first"])
+    shapes = {name: (len(wanted), n)[: 1 + (n > 1)] for name, (_, n) in FIELDS.items()}
+    found = {name: np.zeros(shape, kind) for name, shape in shapes.items()}
+    for own, points in part.sections():
+        count, stride = blocks_of(own), part.stride_of(points)
+        table = blocks[start : start + count * stride].reshape(count, stride // LANES, LANES)
+        met = np.flatnonzero((wanted >= own.start) & (wanted < own.stop))
+        for some in (met[k : k + PIECE] for k in range(0, len(met), PIECE)):
+            place = wanted[some] - own.start
+            for name, values in fields(part, table[place // LANES, :, place % LANES]).items():
+                found[name][some] = values
+        start += count * stride
+    return found
+
+
+def fields(part: DiscretisedShell, rows: np.ndarray) -> dict[str, np.ndarray]:
+    """Values of FIELDS from what elements keep (m, rows): means of the points of a plane."""
+    count = part.card.layers
+    end = rows.shape[1] - VISCOUS.SIZE * part.slows - EROSION.SIZE * part.can_fail
+    layers = rows[:, BLOCK.SIZE : end].reshape(len(rows), -1, count, part.layer_rows)
+    t, shear = rows[:, BLOCK.thickness], rows[:, BLOCK.shear : BLOCK.shear + 2]
+    mean = layers.mean(axis=1)
+    zeta, weight = part.rule
+    share = 0.5 * t[:, None] * weight
+    arm = 0.5 * t[:, None] * zeta
+    x, y, s = np.moveaxis(layers[..., :3], 3, 0)
+    plastic = part.law.plastic_strain(part.material, mean)
+    E, nu = part.material.young, part.material.poisson
+    elastic = part.law.stored(part.material, layers)
+    density = 0.5 * elastic.mean(axis=1) @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
+    volume = rows[:, BLOCK.mass] / part.material.density
+    return {
+        "thickness": t,
+        "membrane_force": np.einsum("ek,ekc->ec", share, mean[:, :, :3]),
+        "moment": np.einsum("ek,ekc->ec", share * arm, mean[:, :, :3]),
+        "shear_force_xz": shear[:, 0] * t,
+        "shear_force_yz": shear[:, 1] * t,
+        "von_mises": np.sqrt(x * x + y * y - x * y + 3.0 * s * s).max(axis=(1, 2)),
+        "elastic_energy_density": density,
+        "plastic_energy_density": rows[:, BLOCK.plastic_work] / volume,
+        "plastic_strain_top": plastic[:, -1],
+        "plastic_strain_mid": plastic[:, (count - 1) // 2],
+        "plastic_strain_bottom": plastic[:, 0],
+    }

@@ -1,0 +1,1 @@
+"""Tangents of the kinds of shell elements, for implicit and quasi-static steps."""

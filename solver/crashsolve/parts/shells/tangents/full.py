@@ -1,0 +1,217 @@
+"""Tangent of the four-node shell with 2 by 2 points in its plane: motions as with one point.
+
+    d eps_x = d eps_x0 + h_x dq_x + dh_x q_x - nu (h_y dq_y + dh_y q_y)
+
+at each point, with the tangent of its own layers; what acts on q is summed over the points with the
+slopes h of the end of the step. Consequence to test: central differences of the forces.
+
+References: those of elements/full.py and layers.py.
+"""
+
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.point import LANES
+from crashsolve.parts.shells.damping import damp
+from crashsolve.parts.shells.elements.corners import four, gather, three
+from crashsolve.parts.shells.elements.full import (
+    add_point,
+    keep_mean,
+    place_of,
+    put_sums,
+    resist,
+    slopes_at,
+    strain_at,
+)
+from crashsolve.parts.shells.elements.quadrilateral_block import strain
+from crashsolve.parts.shells.hourglass_return import clear_weak, relax_shear, see_shear
+from crashsolve.parts.shells.layers import take_up
+from crashsolve.parts.shells.records import BLOCK, WORK
+from crashsolve.parts.shells.resultants import clear_resultants
+from crashsolve.parts.shells.tangents.columns import (
+    add_column,
+    add_damping,
+    enter_strains,
+    put_three,
+    respond,
+    shares,
+    turn_arms,
+    turn_corner,
+)
+from crashsolve.parts.shells.tangents.layers import clear_tangent, layers_and_tangent
+from crashsolve.parts.shells.tangents.quadrilateral import (
+    end_moved,
+    enter_shear,
+    geometry_at,
+    push_at_rest,
+    push_by_place,
+    push_by_turn,
+    see,
+    strain_by_place,
+    strain_by_turn,
+    stress_of_shear,
+)
+from crashsolve.parts.shells.tangents.records import (
+    ACROSS_OUT,
+    BENDING,
+    CHANGE,
+    POINT_ROWS,
+    SEEN,
+    TAKEN_OUT,
+)
+
+DAMPING = LANES * (SEEN.points + 4 * POINT_ROWS)
+
+
+@kernel
+def tangent(p, h, scene, matrix, material):
+    """Tangents of the elements with 2 by 2 points of a part at the end of a step of h.
+
+    Writes: matrix.blocks, scene.lanes, work, seen, change.
+    """
+    done, blocks, work, seen = 0, scene.lanes, scene.work, scene.seen
+    clear_weak(work)
+    while done < p.four_points:
+        first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
+        gather(scene.points, scene.corners, corner, work)
+        strain(blocks, first, work, h, p)
+        stress(blocks, scene.lanes_before, first, work, seen, h, p, scene.curves, material)
+        clear_tangent(seen, DAMPING)
+        if p.slows == 1:
+            damp(blocks, first, p.stride, work, h, p)
+            add_damping(seen, DAMPING, work, h, p)
+        resist(blocks, first, work)
+        see(blocks, scene.lanes_before, first, work, seen, h)
+        add_columns(p, h, scene, matrix, corner, min(LANES, p.four_points - done))
+        done += LANES
+
+
+@blockwise
+def stress(blocks, kept, first, work, seen, h, p, curves, material):
+    """Stresses at all points after a step of h, their means, and their tangents.
+
+    Writes: blocks, work, seen.
+    """
+    keep_mean(work)
+    see_shear(blocks, first, work)
+    for point in range(4):
+        xi, eta = place_of(point)
+        strain_at(work, xi, eta, p.poisson)
+        clear_resultants(work)
+        at = first + LANES * (BLOCK.SIZE + point * p.layers * p.layer_rows)
+        to = LANES * (SEEN.points + point * POINT_ROWS)
+        layers_and_tangent(blocks, kept, at, work, seen, to, h, p, curves, material)
+        add_point(work, xi, eta, p.poisson)
+    put_sums(work)
+    relax_shear(blocks, first, work, p)
+    take_up(blocks, first, p.stride, work, h, p)
+
+
+@kernel
+def add_columns(p, h, scene, matrix, corner, live):
+    """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
+    work, seen, change = scene.work, scene.seen, scene.change
+    if scene.counts[0].arms > 0:
+        push_at_rest(seen, change)
+        turn_arms(scene, matrix, change, corner, live, 4)
+    for b in range(4):
+        d, c, g = shares(b)
+        for k in range(3):
+            strain_by_place(seen, change, k, d, c, g)
+            stress_by(seen, change, p)
+            resist_by(seen, change)
+            resist_moved(work, seen, change, k, d, c, g)
+            push_by_place(seen, change, k, d, c, g)
+            add_column(scene, matrix, change, corner, live, b, k, 4)
+        for k in range(3):
+            turn_corner(work, change, b, k, h)
+            strain_by_turn(seen, change, d, c, g)
+            stress_by(seen, change, p)
+            resist_by(seen, change)
+            push_by_turn(seen, change)
+            add_column(scene, matrix, change, corner, live, b, 3 + k, 4)
+
+
+@blockwise
+def stress_by(seen, change, p):
+    """Change of the stresses with that of strains and geometry. Writes: change."""
+    enter_strains(change)
+    respond(seen, DAMPING, change)
+    for row in range(6 * LANES):
+        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
+    for e in range(LANES):
+        enter_shear(change, e, 5.0 / 6.0 * p.shear)
+        change[LANES * CHANGE.across + e] = change[LANES * CHANGE.taken + e] = 0.0
+        for k in range(8):
+            change[LANES * (CHANGE.sums + k) + e] = 0.0
+    for point in range(4):
+        xi, eta = place_of(point)
+        add_point_by(seen, change, LANES * (SEEN.points + point * POINT_ROWS), xi, eta, p.poisson)
+    stress_of_shear(seen, change, p)
+
+
+@inlined
+def strains_by(seen, change, e, pair, h, dh, nu):
+    """Change of the strains, or curvatures, at a point with the slopes h."""
+    q, dq = LANES * (SEEN.modes + 2 * pair) + e, LANES * (CHANGE.strain + 6 + 2 * pair) + e
+    x = h[0] * change[dq] + dh[0] * seen[q]
+    y = h[1] * change[dq + LANES] + dh[1] * seen[q + LANES]
+    d = three(change, LANES * (CHANGE.strain + 3 * pair) + e)
+    return d[0] + x - nu * y, d[1] + y - nu * x, d[2]
+
+
+@blockwise
+def add_point_by(seen, change, place, xi, eta, nu):
+    """A quarter of the changes from what changes at a point. Writes: change."""
+    for e in range(LANES):
+        flat, _, _, area = geometry_at(seen, LANES * SEEN.middle + e)
+        at = LANES * CHANGE.moved + e
+        moved, share = four(change, at), change[at + 4 * LANES] / area
+        h, dh = slopes_at(flat, xi, eta), slopes_at(moved, xi, eta)
+        h = (h[0] / area, h[1] / area)
+        dh = (dh[0] / area - share * h[0], dh[1] / area - share * h[1])
+        put_three(change, LANES * CHANGE.enters + e, strains_by(seen, change, e, 0, h, dh, nu))
+        bent = strains_by(seen, change, e, 1, h, dh, nu)
+        put_three(change, LANES * (CHANGE.enters + BENDING) + e, bent)
+    respond(seen, place, change)
+    for e in range(LANES):
+        change[LANES * CHANGE.taken + e] += 0.25 * change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
+        change[LANES * CHANGE.across + e] += 0.25 * change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
+        for pair in range(2):
+            s = three(change, LANES * (CHANGE.comes + BENDING * pair) + e)
+            at, to = LANES * (CHANGE.stressed + 3 * pair) + e, LANES * (CHANGE.sums + 4 * pair) + e
+            for k in range(3):
+                change[at + LANES * k] += 0.25 * s[k]
+            x, y = 0.25 * (s[0] - nu * s[1]), 0.25 * (s[1] - nu * s[0])
+            change[to] += xi * x
+            change[to + LANES] += eta * x
+            change[to + 2 * LANES] += xi * y
+            change[to + 3 * LANES] += eta * y
+
+
+@inlined
+def pushed(flat, sums):
+    """What acts on q along x and y, from sums over the points."""
+    x, _ = slopes_at(flat, sums[0], sums[1])
+    _, y = slopes_at(flat, sums[2], sums[3])
+    return x, y
+
+
+@blockwise
+def resist_by(seen, change):
+    """Change of what acts on the modes with that of the sums. Writes: change."""
+    for e in range(LANES):
+        flat, to = geometry_at(seen, LANES * SEEN.end + e)[0], LANES * (CHANGE.stressed + 6) + e
+        for pair in range(2):
+            x, y = pushed(flat, four(change, LANES * (CHANGE.sums + 4 * pair) + e))
+            change[to + 2 * LANES * pair], change[to + LANES * (2 * pair + 1)] = x, y
+
+
+@blockwise
+def resist_moved(work, seen, change, k, d, c, g):
+    """The same with the geometry of the end as a corner moves. Writes: change."""
+    for e in range(LANES):
+        _, moved = end_moved(seen, e, k, d, c, g)
+        to = LANES * (CHANGE.stressed + 6) + e
+        for pair in range(2):
+            x, y = pushed(moved[0], four(work, LANES * (WORK.xi_eta + 4 * pair) + e))
+            change[to + 2 * LANES * pair] += x
+            change[to + LANES * (2 * pair + 1)] += y

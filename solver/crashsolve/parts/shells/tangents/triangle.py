@@ -1,0 +1,339 @@
+"""Tangent of the three-node shell: its forces by motions of its corners, as of the four-node shell.
+
+    dG = dw_j - dw_i + s . (dbeta_i + dbeta_j) / 2 + ds . (beta_i + beta_j) / 2
+
+of a side s, and the slopes of the plane as those of a quadrilateral whose fourth corner is the
+third: without an hourglass. Consequence to test: central differences of the forces.
+
+References: those of elements/triangle.py and layers.py.
+"""
+
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.point import LANES
+from crashsolve.foundation.vec3 import ZERO
+from crashsolve.parts.shells.damping import damp
+from crashsolve.parts.shells.elements.corners import before, four, gather, put_corner, three
+from crashsolve.parts.shells.elements.quadrilateral import DRILLING, dot3, plane_axes
+from crashsolve.parts.shells.elements.quadrilateral_block import shape
+from crashsolve.parts.shells.elements.triangle import (
+    of_corners,
+    start_of,
+    strain,
+    stride_of,
+    triangle_diagonals,
+    weakened,
+    whirl_stiffness,
+)
+from crashsolve.parts.shells.hourglass_return import relax_shear, see_shear
+from crashsolve.parts.shells.layers import clear_growth, take_up
+from crashsolve.parts.shells.records import (
+    BLOCK,
+    WORK,
+)
+from crashsolve.parts.shells.resultants import clear_resultants
+from crashsolve.parts.shells.tangents.columns import (
+    add_column,
+    add_damping,
+    axes_at,
+    enter_strains,
+    put_four,
+    put_three,
+    respond,
+    turn_arms,
+    turn_corner,
+)
+from crashsolve.parts.shells.tangents.layers import layers_and_tangent
+from crashsolve.parts.shells.tangents.quadrilateral import (
+    both_changed,
+    end_moved,
+    geometry_at,
+    motions_at,
+    put_frame,
+    relaxation,
+    see_taken,
+    sum_turned,
+    times3,
+)
+from crashsolve.parts.shells.tangents.quadrilateral_moved import NONE, change_of, turn_of_axes
+from crashsolve.parts.shells.tangents.records import (
+    ACROSS_OUT,
+    CHANGE,
+    FRAME,
+    SEEN,
+    SHEAR_IN,
+    TAKEN_OUT,
+)
+from crashsolve.parts.shells.tangents.triangle_moved import (
+    pushes,
+    pushes_moved,
+    side_changes,
+    strains,
+    strains_moved,
+    stress_of,
+)
+
+
+@kernel
+def tangent(p, h, scene, matrix, material):
+    """Tangents of the triangles of a part at the end of a step of h.
+
+    Writes: matrix.blocks, scene.lanes, work, seen, change.
+    """
+    start, start_corner, _ = start_of(p)
+    stride, done, blocks, work, seen = stride_of(p), 0, scene.lanes, scene.work, scene.seen
+    while done < p.triangles:
+        first, corner = start + done // LANES * stride, start_corner + 4 * done
+        gather(scene.points, scene.corners, corner, work)
+        strain(blocks, first, work, h, p)
+        clear_growth(work)
+        clear_resultants(work)
+        see_shear(blocks, first, work)
+        at = first + LANES * BLOCK.SIZE
+        layers_and_tangent(
+            blocks,
+            scene.lanes_before,
+            at,
+            work,
+            seen,
+            LANES * SEEN.points,
+            h,
+            p,
+            scene.curves,
+            material,
+        )
+        relax_shear(blocks, first, work, p)
+        take_up(blocks, first, stride, work, h, p)
+        if p.slows == 1:
+            damp(blocks, first, stride, work, h, p)
+            add_damping(seen, LANES * SEEN.points, work, h, p)
+        see(blocks, scene.lanes_before, first, work, seen, h)
+        add_columns(p, h, scene, matrix, corner, min(LANES, p.triangles - done))
+        done += LANES
+
+
+@kernel
+def add_columns(p, h, scene, matrix, corner, live):
+    """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
+    seen, change = scene.seen, scene.change
+    if scene.counts[0].arms > 0:
+        push_at_rest(seen, change)
+        turn_arms(scene, matrix, change, corner, live, 3)
+    for b in range(3):
+        # shares of a corner in D and E
+        d, c = b - 1.0, 0.5 * b * (3.0 * b - 5.0)
+        for k in range(3):
+            strain_by_place(seen, change, k, d, c)
+            stress_by(seen, change, p)
+            push_by_place(seen, change, k, d, c)
+            add_column(scene, matrix, change, corner, live, b, k, 3)
+        for k in range(3):
+            turn_corner(scene.work, change, b, k, h)
+            strain_by_turn(seen, change, b)
+            stress_by(seen, change, p)
+            push_by_turn(seen, change)
+            add_column(scene, matrix, change, corner, live, b, 3 + k, 3)
+
+
+@blockwise
+def see(blocks, kept, first, work, seen, h):
+    """Both frames, the motion of the step and the stresses after it; `kept` is from before it.
+
+    Writes: seen.
+    """
+    see_motion(blocks, first, work, seen, h)
+    for e in range(LANES):
+        to, at = LANES * SEEN.stress + e, first + e
+        put_three(seen, to, three(work, LANES * WORK.resultant + e))
+        put_three(seen, to + 3 * LANES, three(work, LANES * WORK.moment + e))
+        t, tau = blocks[at + LANES * BLOCK.thickness], LANES * SEEN.tau + e
+        x, y = blocks[at + LANES * BLOCK.shear], blocks[at + LANES * (BLOCK.shear + 1)]
+        put_four(seen, to + 6 * LANES, (blocks[at + LANES * BLOCK.hourglass_plane], 0.0, 0.0, 0.0))
+        put_four(seen, to + 10 * LANES, (0.0, 0.0, t * x, t * y))
+        seen[to + 14 * LANES] = 0.5 * blocks[at + LANES * BLOCK.drilling]
+        seen[tau], seen[tau + LANES] = x, y
+        seen[LANES * SEEN.thickness_before + e], seen[LANES * SEEN.thickness_after + e] = (
+            kept[at + LANES * BLOCK.thickness],
+            t,
+        )
+        u, turn = (
+            motions_at(seen, LANES * SEEN.displacement + e),
+            motions_at(seen, LANES * SEEN.turns + e),
+        )
+        _, _, others = strains(u, turn, geometry_at(seen, LANES * SEEN.middle + e))
+        put_four(seen, LANES * SEEN.modes + e, others)
+        see_taken(work, seen, e)
+    for e in range(LANES):
+        forces, torques = pushes(stress_at(seen, e), geometry_at(seen, LANES * SEEN.end + e))
+        at = LANES * SEEN.pushed + e
+        for c in range(3):
+            put_three(seen, at + 3 * c * LANES, forces[c])
+            put_three(seen, at + (9 + 3 * c) * LANES, torques[c])
+
+
+@inlined
+def put_corners_of(seen, at, axes, h, a, b, c):
+    """h times three vectors along the axes, and no fourth. Writes: seen."""
+    for k in range(3):
+        x, y, z = dot3(a, axes[k]), dot3(b, axes[k]), dot3(c, axes[k])
+        put_four(seen, at + 4 * LANES * k, (h * x, h * y, h * z, 0.0))
+
+
+@blockwise
+def see_motion(blocks, first, work, seen, h):
+    """Frames of the middle and of the end, displacements and turns of the step. Writes: seen."""
+    half = 0.5 * h
+    for e in range(LANES):
+        G, w = shape(blocks, first + e), of_corners(work, WORK.spin, e)
+        d, c = triangle_diagonals(of_corners(work, WORK.place, e))
+        v_d, v_c = triangle_diagonals(of_corners(work, WORK.velocity, e))
+        put_frame(seen, LANES * SEEN.end + e, plane_axes(d, c, G), ZERO, G)
+        frame = plane_axes(before(d, half, v_d), before(c, half, v_c), G)
+        put_frame(seen, LANES * SEEN.middle + e, frame, ZERO, G)
+        put_corners_of(seen, LANES * SEEN.displacement + e, frame[0], h, v_d, v_c, ZERO)
+        put_corners_of(seen, LANES * SEEN.turns + e, frame[0], h, w[0], w[1], w[2])
+
+
+@inlined
+def put_strains(change, e, a, b):
+    """The sum of two changes of strains. Writes: change."""
+    (d, bent, others), (d_moved, bent_moved, others_moved) = a, b
+    at = LANES * CHANGE.strain + e
+    for k in range(3):
+        change[at + LANES * k] = d[k] + d_moved[k]
+        change[at + LANES * (3 + k)] = bent[k] + bent_moved[k]
+    for k in range(4):
+        change[at + LANES * (6 + k)] = others[k] + others_moved[k]
+
+
+@blockwise
+def strain_by_place(seen, change, k, d, c):
+    """Change of the strains as a corner moves along axis k. Writes: change."""
+    for e in range(LANES):
+        at = LANES * SEEN.middle + e
+        row = at + LANES * (FRAME.axes + k)
+        n = (seen[row], seen[row + 3 * LANES], seen[row + 6 * LANES])
+        # the middle of the step moves half as far
+        geometry = geometry_at(seen, at)
+        D, E = times3(0.5 * d, n), times3(0.5 * c, n)
+        turn = turn_of_axes(geometry, four(seen, at + LANES * FRAME.spin), D, E)
+        moved = change_of(geometry, turn, D, E, ZERO)
+        u, w = (
+            motions_at(seen, LANES * SEEN.displacement + e),
+            motions_at(seen, LANES * SEEN.turns + e),
+        )
+        du, dw = both_changed(turn, u, n, (d, c, 0.0, 0.0)), both_changed(turn, w, n, NONE)
+        put_strains(change, e, strains(du, dw, geometry), strains_moved(u, w, geometry, moved))
+        put_four(change, LANES * CHANGE.moved + e, moved[0])
+        change[LANES * (CHANGE.moved + 4) + e] = moved[3]
+
+
+@blockwise
+def strain_by_turn(seen, change, b):
+    """Change of the strains as corner b turns as `change` says. Writes: change."""
+    s = (0.5 * (b - 1.0) * (b - 2.0), b * (2.0 - b), 0.5 * b * (b - 1.0), 0.0)
+    for e in range(LANES):
+        at = LANES * SEEN.middle + e
+        axes, way = (
+            axes_at(seen, at + LANES * FRAME.axes),
+            three(change, LANES * CHANGE.direction + e),
+        )
+        n = (dot3(axes[0], way), dot3(axes[1], way), dot3(axes[2], way))
+        turn = both_changed(ZERO, (NONE, NONE, NONE), n, s)
+        found = strains((NONE, NONE, NONE), turn, geometry_at(seen, at))
+        put_strains(change, e, found, (ZERO, ZERO, NONE))
+        put_four(change, LANES * CHANGE.moved + e, NONE)
+        change[LANES * (CHANGE.moved + 4) + e] = 0.0
+
+
+@blockwise
+def stress_by(seen, change, p):
+    """Change of the stresses with that of strains and geometry. Writes: change."""
+    enter_strains(change)
+    for e in range(LANES):
+        tau = LANES * (CHANGE.enters + SHEAR_IN) + e
+        change[tau], change[tau + LANES] = shear_by(seen, change, e, p)
+    respond(seen, LANES * SEEN.points, change)
+    for row in range(6 * LANES):
+        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
+    for e in range(LANES):
+        change[LANES * CHANGE.taken + e] = change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
+        shear_and_tie_by(seen, change, e, p)
+
+
+@inlined
+def shear_by(seen, change, e, p):
+    """Change of the trial transverse shear."""
+    s, t, weaker, _ = side_changes(seen, change, e)
+    k = 5.0 / 6.0 * p.shear * weakened(s, t)
+    u, du = four(seen, LANES * SEEN.modes + e), four(change, LANES * (CHANGE.strain + 6) + e)
+    return k * (du[0] + weaker * u[0]), k * (du[1] + weaker * u[1])
+
+
+@inlined
+def shear_and_tie_by(seen, change, e, p):
+    """Change of what goes round, of transverse shear and of drilling. Writes: change."""
+    s, t, weaker, wider = side_changes(seen, change, e)
+    area, to = geometry_at(seen, LANES * SEEN.middle + e)[3], LANES * CHANGE.stressed + e
+    more, after = change[LANES * (CHANGE.moved + 4) + e], seen[LANES * SEEN.thickness_after + e]
+    u, du = four(seen, LANES * SEEN.modes + e), four(change, LANES * (CHANGE.strain + 6) + e)
+    k = t * whirl_stiffness(s, area, t, p.shear)
+    Q = k * (du[2] + (weaker + wider - more / area) * u[2])
+    put_four(change, to + 6 * LANES, (Q, 0.0, 0.0, 0.0))
+    # large strain grows the logarithm of the thickness
+    across = change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
+    thinner = (after if p.large_strain == 1 else t) * across if p.thins == 1 else 0.0
+    left, less = relaxation(seen, change, e)
+    still, tau, trial = (
+        thinner - after * less,
+        LANES * SEEN.tau + e,
+        LANES * (CHANGE.enters + SHEAR_IN) + e,
+    )
+    V_x = after * left * change[trial] + still * seen[tau]
+    V_y = after * left * change[trial + LANES] + still * seen[tau + LANES]
+    put_four(change, to + 10 * LANES, (0.0, 0.0, V_x, V_y))
+    drill = 0.5 * left * DRILLING * p.shear * t * (area * du[3] + more * u[3])
+    change[to + 14 * LANES] = drill - less * seen[LANES * (SEEN.stress + 14) + e]
+
+
+@inlined
+def stress_at(seen, e):
+    """Stresses after the step."""
+    return stress_of(seen, LANES * SEEN.stress + e)
+
+
+@blockwise
+def push_at_rest(seen, change):
+    """Forces on the corners themselves. Writes: change."""
+    for e in range(LANES):
+        axes, row = axes_at(seen, LANES * (SEEN.end + FRAME.axes) + e), LANES * SEEN.pushed + e
+        for c in range(3):
+            put_corner(change, CHANGE.pushed, c, e, axes, three(seen, row + 3 * c * LANES))
+
+
+@blockwise
+def push_by_turn(seen, change):
+    """Change of the forces with that of the stresses. Writes: change."""
+    for e in range(LANES):
+        at = LANES * SEEN.end + e
+        forces, torques = pushes(
+            stress_of(change, LANES * CHANGE.stressed + e), geometry_at(seen, at)
+        )
+        axes = axes_at(seen, at + LANES * FRAME.axes)
+        for c in range(3):
+            put_corner(change, CHANGE.pushed, c, e, axes, forces[c])
+            put_corner(change, CHANGE.pushed + 12, c, e, axes, torques[c])
+
+
+@blockwise
+def push_by_place(seen, change, k, d, c):
+    """Change of the forces as a corner moves along axis k. Writes: change."""
+    for e in range(LANES):
+        at, row = LANES * SEEN.end + e, LANES * SEEN.pushed + e
+        geometry, axes = geometry_at(seen, at), axes_at(seen, at + LANES * FRAME.axes)
+        turn, moved = end_moved(seen, e, k, d, c, 0.0)
+        f, t = pushes(stress_of(change, LANES * CHANGE.stressed + e), geometry)
+        F, T = pushes_moved(stress_at(seen, e), geometry, moved)
+        for j in range(3):
+            own = three(seen, row + 3 * j * LANES), three(seen, row + (9 + 3 * j) * LANES)
+            put_corner(change, CHANGE.pushed, j, e, axes, sum_turned(f[j], F[j], turn, own[0]))
+            put_corner(change, CHANGE.pushed + 12, j, e, axes, sum_turned(t[j], T[j], turn, own[1]))

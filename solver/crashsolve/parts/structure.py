@@ -1,0 +1,104 @@
+"""Structure: members between named points, deformed by whichever description the deck asks for.
+
+    rigid       every member moves with the points it joins
+    hinges      rigid bars between plastic hinges: at both ends of a member and in its middle
+    segments    a chain of rigid segments with springs that yield (springs/segment.py)
+    beams       beam elements; of fibres where the material yields
+    shells      thin-walled tubes of shells
+
+At every point there is a rigid body, named after it, whose origin and axes stay those of the point
+whatever is chosen: joints, contacts, masses, loads and sensors of the deck are attached to it. It
+is the rigid joint of the members that meet there: of each member the length r from the point on
+belongs to it, and what deforms begins behind. Where nothing else is said,
+
+    r = h / 2 max(1, 1 / tan(alpha / 2))
+
+h is the greatest depth of the sections that meet, alpha the least angle between two members: then
+tubes of shells touch at their inner edges, and do not cross. So joints are closed, and the members
+of all descriptions have the same ends. When the deck is read a structure is written out in ordinary
+cards (parts/structures/), which `crashsolve explain DECK --expanded` prints. Consequence to test:
+mass, mass centre, inertia and elastic stiffness are those of the members in closed form, in all
+descriptions.
+"""
+
+from typing import Literal
+
+from crashsolve.deck.card import Card, MaterialName, NewName, SectionName, Vec3, quantity, word
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import ZERO
+from crashsolve.parts.structures.cards import expand
+
+__all__ = ["expand"]
+PARAMETERS = HISTORY = OUTPUT = Record()
+Deformation = Literal["rigid", "hinges", "segments", "beams", "shells"]
+
+
+class Point(Card):
+    """Where members meet or end: a rigid body called S_name in structure S."""
+
+    name: NewName = word("the body is called S_name in structure S")
+    at: Vec3 = quantity("m", "place")
+    joint: float | None = quantity(
+        "m", "r, of each member that belongs to the rigid joint; from its depth when absent", None
+    )
+
+
+class Member(Card):
+    """A straight member between two points."""
+
+    name: NewName | None = word(
+        "what is made of it is called S_name in structure S; member_k by its number when absent",
+        default=None,
+    )
+    from_: str = word("name of the point where it begins")
+    to: str = word("name of the point where it ends")
+    section: SectionName | None = word("that of the structure when absent", default=None)
+    material: MaterialName | None = word("that of the structure when absent", default=None)
+    side: Vec3 | None = word(
+        "direction near the section's y axis; that of the structure when absent", default=None
+    )
+    divisions: int | None = word("that of the structure when absent", default=None, ge=1, le=1000)
+    deformation: Deformation | None = word("that of the structure when absent", default=None)
+
+
+class Structure(Card):
+    """Members between named points: rigid, or deformed by hinges, segments, beams or shells."""
+
+    points: tuple[Point, ...] = word("where members meet or end: bodies S_name of structure S")
+    members: tuple[Member, ...] = word("what lies between them")
+    deformation: Deformation = word("how members deform that say nothing of it")
+    section: SectionName | None = word("cross section of members that name none", default=None)
+    material: MaterialName | None = word("what members are made of that name none", default=None)
+    side: Vec3 | None = word(
+        "direction near the y axes of sections; needed where I_y and I_z differ", default=None
+    )
+    divisions: int = word(
+        "number of segments, of which two halves belong to the joints, or of beam elements, of "
+        "each member",
+        default=8,
+        ge=1,
+        le=1000,
+    )
+    across: int = word(
+        "number of shells across the narrower walls, or a quarter of a round tube; along the "
+        "member they are square",
+        default=4,
+        ge=1,
+        le=100,
+    )
+    fibres: tuple[int, int] = word("of beams that yield, as in fibre_beam", default=(4, 16))
+    collapse: Literal["plastic", "kecman"] = word(
+        "moment of hinges: constant plastic moment, or that of a rectangular tube that folds",
+        default="plastic",
+    )
+    hinge_stress: float | None = quantity(
+        "Pa",
+        "stress at which hinges yield, which do not harden; needed where the material hardens",
+        default=None,
+        gt=0,
+    )
+    damping: float = quantity(
+        "s", "beta, damping over stiffness, of segments, beams and shells", default=0.0, ge=0
+    )
+    velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=ZERO)
+    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)

@@ -1,0 +1,1 @@
+"""Structures in ordinary cards: one file for each description of how members deform."""

@@ -1,0 +1,150 @@
+"""A structure written out in ordinary cards: bodies at its points, and what each member becomes.
+
+The file of a description has `stub`, the length of a member that belongs to the body at its end,
+beside the rigid joint, and `cards` of a member, whose names begin with that of the member.
+"""
+
+from collections.abc import Iterator
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.expansion import Law, Made
+from crashsolve.parts.structures.plan import Member, Plan, plan
+
+# methods in whose steps nodes of beams may be part of a rigid body
+EXPLICIT = ("rattle", "dormand_prince_5", "dormand_prince_8")
+
+
+def expand(
+    name: str, card: Any, laws: dict[str, dict[str, Law]], control: dict[str, Any]
+) -> list[Made]:
+    """The cards of a structure.
+
+    `laws` are sections and materials of the deck, `control` the words of its control. Raises
+    Problem.
+    """
+    whole = plan(name, card, laws)
+    is_explicit = control.get("solution") != "quasi_static"
+    is_explicit &= control.get("integrator", "rattle") in EXPLICIT
+    made = list(_members(whole))
+    bodies = [_body(whole, k, point) for k, point in enumerate(whole.points)]
+    if is_explicit:
+        made = _part_of_bodies(made, bodies)
+    return bodies + made + list(_clusters(whole))
+
+
+def _members(whole: Plan) -> Iterator[Made]:
+    """What all members become; a card that several need once."""
+    seen = set()
+    for member in whole.members:
+        for card in description(member).cards(member, whole):
+            if (card.keyword, card.name) not in seen:
+                yield card
+            seen.add((card.keyword, card.name))
+
+
+def description(member: Member) -> Any:
+    """The module of how a member deforms."""
+    return import_module(f"{__package__}.{member.deformation}")
+
+
+def _body(whole: Plan, k: int, point: str) -> Made:
+    """The rigid body at a point: its joint, and what members add to it."""
+    rods = []
+    for member in (m for m in whole.members if point in m.ends):
+        stub = description(member).stub(member)
+        first = member.ends[0] == point
+        start, end = (-member.joints[0], stub) if first else (-stub, member.joints[1])
+        shift = 0.0 if first else member.length
+        rods.append(member.rod(start + shift, end + shift))
+    mass, centre, J = together(rods)
+    place = whole.points[point]
+    fields = body_fields(whole, mass, J, place)
+    fields["mass_centre"] = plain(centre - place)
+    return Made("bodies", whole.body(point), fields, ("points", k))
+
+
+def together(
+    rods: list[tuple[float, np.ndarray, np.ndarray]],
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass, mass centre and inertia about it of several."""
+    mass = sum(m for m, _, _ in rods)
+    centre = sum((m * x for m, x, _ in rods), np.zeros(3)) / mass
+    J = np.zeros((3, 3))
+    for m, x, own in rods:
+        s = x - centre
+        J += own + m * (s @ s * np.eye(3) - np.outer(s, s))
+    return mass, centre, J
+
+
+def body_fields(whole: Plan, mass: float, J: np.ndarray, place: np.ndarray) -> dict[str, Any]:
+    """Words of a rigid body with this inertia in its own axes, those of the world if it is given
+    no rotation, that moves with the structure."""
+    return {
+        "mass": float(mass),
+        "inertia": plain(np.diag(J)),
+        "products": plain([J[0, 1], J[0, 2], J[1, 2]]),
+        "position": plain(place),
+        "velocity": whole.velocity(place),
+        "angular_velocity": plain(whole.card.angular_velocity),
+    }
+
+
+def bar(whole: Plan, member: Member, name: str, start: float, end: float) -> Made:
+    """A length of a member as a rigid body; its axes are those of the member."""
+    mass, centre, J = member.rod(start, end)
+    fields = body_fields(whole, mass, member.T.T @ J @ member.T, centre)
+    fields["rotation"] = {"quaternion": member.quaternion}
+    return Made("bodies", name, fields, member.path)
+
+
+def welds(whole: Plan, member: Member) -> list[Made]:
+    """Joints that fix both ends of a part of beams to the bodies at its points."""
+    return [
+        weld(f"{member.name}_{side}", whole.body(point), f"{member.name}_{side}", place, member)
+        for side, point, place in zip(
+            ("start", "end"), member.ends, (member.at(0.0), member.at(member.length)), strict=True
+        )
+    ]
+
+
+def weld(name: str, a: str, b: str, place: np.ndarray, member: Member) -> Made:
+    """A joint that fixes b to a."""
+    fields = {"type": "weld", "a": a, "b": b, "at": plain(place)}
+    return Made("joints", name, fields, member.path)
+
+
+def _part_of_bodies(made: list[Made], bodies: list[Made]) -> list[Made]:
+    """Ends of beams are part of the bodies in place of being welded to them. Writes: bodies."""
+    by_name = {body.name: body for body in bodies}
+    for card in made:
+        if card.keyword == "joints":
+            by_name[card.fields["a"]].fields.setdefault("welded", []).append(card.fields["b"])
+    return [card for card in made if card.keyword != "joints"]
+
+
+def _clusters(whole: Plan) -> Iterator[Made]:
+    """Welds of points that rigid members join, each to the first of its cluster."""
+    group = {point: point for point in whole.points}
+    order = list(whole.points)
+    for member in (m for m in whole.members if m.deformation == "rigid"):
+        one, other = sorted((group[end] for end in member.ends), key=order.index)
+        for point, first in group.items():
+            if first == other:
+                group[point] = one
+    for k, (point, first) in enumerate(group.items()):
+        if point != first:
+            fields = {
+                "type": "weld",
+                "a": whole.body(first),
+                "b": whole.body(point),
+                "at": plain(whole.points[point]),
+            }
+            yield Made("joints", whole.body(point), fields, ("points", k))
+
+
+def plain(values: Any) -> list[float]:
+    """Numbers as a deck has them."""
+    return [float(x) for x in values]

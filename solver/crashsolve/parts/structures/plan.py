@@ -1,0 +1,205 @@
+"""Plan of a structure: its members in place, with their numbers, and the mass of their lengths."""
+
+from dataclasses import dataclass
+from math import tan
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.expansion import Law, Problem, Steps
+from crashsolve.foundation.orientation import perpendicular, quaternion_of
+
+# directions closer than this are the same, in radians
+SAME = 1e-6
+
+
+@dataclass
+class Member:
+    """A member in place: its number from 0, its name, and where what deforms begins and ends.
+
+    `T` has its axes as columns: along it, y and z of the section. `joints` are the lengths at its
+    ends that belong to rigid joints.
+    """
+
+    number: int
+    name: str
+    ends: tuple[str, str]
+    places: tuple[np.ndarray, np.ndarray]
+    T: np.ndarray
+    section: Law
+    material: Law
+    constants: dict[str, Any]
+    divisions: int
+    deformation: str
+    joints: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def path(self) -> Steps:
+        """Of its entry in the structure's card."""
+        return ("members", self.number)
+
+    @property
+    def along(self) -> np.ndarray:
+        """Unit vector from its first to its second point."""
+        return np.asarray(self.T[:, 0])
+
+    @property
+    def length(self) -> float:
+        """Of what deforms [m]."""
+        whole = float(np.linalg.norm(self.places[1] - self.places[0]))
+        return whole - self.joints[0] - self.joints[1]
+
+    @property
+    def quaternion(self) -> list[float]:
+        """Of its axes."""
+        return [float(x) for x in quaternion_of(self.T)]
+
+    def at(self, x: float) -> np.ndarray:
+        """Place at a length from where it begins to deform [m]."""
+        return self.places[0] + (self.joints[0] + x) * self.along
+
+    def rod(self, start: float, end: float) -> tuple[float, np.ndarray, np.ndarray]:
+        """Mass, mass centre and inertia (3, 3) about it of a length of it, world axes."""
+        s, rho = end - start, self.material.card.density
+        mass = rho * self.constants["area"] * s
+        I_y, I_z = self.constants.get("rotary", self.constants["second"])
+        across = mass * s * s / 12.0
+        J = np.diag([rho * s * (I_y + I_z), rho * s * I_y + across, rho * s * I_z + across])
+        return mass, self.at(0.5 * (start + end)), self.T @ J @ self.T.T
+
+
+@dataclass
+class Plan:
+    """A structure in place: its card, its name, its points by name, its members."""
+
+    name: str
+    card: Any
+    points: dict[str, np.ndarray]
+    members: list[Member]
+
+    def body(self, point: str) -> str:
+        """Name of the body at a point."""
+        return f"{self.name}_{point}"
+
+    def velocity(self, place: np.ndarray) -> list[float]:
+        """Of a place at the start [m/s]."""
+        first = next(iter(self.points.values()))
+        turn = np.cross(self.card.angular_velocity, place - first)
+        return [float(x) for x in np.asarray(self.card.velocity) + turn]
+
+
+def plan(name: str, card: Any, laws: dict[str, dict[str, Law]]) -> Plan:
+    """The members in place; `laws` are sections and materials by keyword and name.
+
+    Raises: Problem.
+    """
+    points: dict[str, np.ndarray] = {}
+    for k, point in enumerate(card.points):
+        if point.name in points:
+            raise Problem(("points", k, "name"), f"point '{point.name}' is given twice")
+        if point.joint is not None and not point.joint > 0.0:
+            message = "must be greater than 0: the body at the point has the mass of its joint"
+            raise Problem(("points", k, "joint"), message)
+        points[point.name] = np.asarray(point.at)
+    members = [_member(name, card, k, points, laws) for k in range(len(card.members))]
+    _refuse_twice(members)
+    given = {point.name: point.joint for point in card.points}
+    for k, point in enumerate(card.points):
+        own = [m for m in members if point.name in m.ends]
+        if not own:
+            message = f"no member begins or ends at point '{point.name}'"
+            raise Problem(("points", k), message, "take it out or join it")
+        if given[point.name] is None:
+            given[point.name] = joint_length(point.name, own, ("points", k))
+    for member in members:
+        start, end = (given[point] for point in member.ends)
+        assert start is not None and end is not None
+        member.joints = (start, end)
+        if not member.length > 0.0:
+            raise Problem(
+                member.path,
+                f"its rigid joints, {start:.4g} and {end:.4g} m, leave nothing of it between",
+                "move the points apart, or give them a smaller joint",
+            )
+    return Plan(name, card, points, members)
+
+
+def _member(
+    name: str, card: Any, k: int, points: dict[str, np.ndarray], laws: dict[str, dict[str, Law]]
+) -> Member:
+    """A member in place, but for its joints. Raises Problem."""
+    own, path = card.members[k], ("members", k)
+    for word, point in (("from", own.from_), ("to", own.to)):
+        if point not in points:
+            known = f"(points: {', '.join(points)})"
+            raise Problem((*path, word), f"unknown point '{point}'", known)
+    places = points[own.from_], points[own.to]
+    along = places[1] - places[0]
+    if not np.linalg.norm(along) > 0.0:
+        raise Problem(path, "begins and ends in one place", "a member needs a length")
+    found = {}
+    for keyword, word in (("sections", "section"), ("materials", "material")):
+        given = getattr(own, word) or getattr(card, word)
+        if given is None:
+            raise Problem(path, f"has no {word}", f"give it one, or the structure a {word}")
+        found[word] = laws[keyword][given]
+    constants = found["section"].module.build(found["section"].card, found["material"].card.poisson)
+    side = own.side if own.side is not None else card.side
+    T = _axes(along / np.linalg.norm(along), side, constants, path)
+    title = f"{name}_{own.name or f'member_{k + 1}'}"
+    divisions = own.divisions or card.divisions
+    deformation = own.deformation or card.deformation
+    ends = (own.from_, own.to)
+    return Member(
+        k, title, ends, places, T, found["section"], found["material"], constants, divisions,
+        deformation,
+    )  # fmt: skip
+
+
+def _axes(along: np.ndarray, side: Any, constants: dict[str, Any], path: Steps) -> np.ndarray:
+    """Axes of a member as columns. Raises Problem."""
+    if side is None:
+        I_y, I_z = constants["second"]
+        if abs(I_y - I_z) > 1e-9 * I_z:
+            message = "its section bends more easily one way: say by side where its y axis points"
+            raise Problem(path, message)
+        y = perpendicular(along)
+    else:
+        y = np.asarray(side, float) - along * float(along @ np.asarray(side, float))
+        if not np.linalg.norm(y) > SAME * np.linalg.norm(side):
+            raise Problem(path, "its side points along it; give a direction across it")
+    y = y / np.linalg.norm(y)
+    return np.column_stack([along, y, np.cross(along, y)])
+
+
+def _refuse_twice(members: list[Member]) -> None:
+    """Raises Problem for a member or a name given twice."""
+    seen: dict[Any, int] = {}
+    for member in members:
+        for key in (member.name, frozenset(member.ends)):
+            if key in seen:
+                raise Problem(member.path, f"is member {seen[key] + 1} once more")
+            seen[key] = member.number
+
+
+def joint_length(point: str, members: list[Member], path: Steps) -> float:
+    """r of the rigid joint at a point, from depths and angles of its members. Raises Problem."""
+    depth = max(depth_of(member) for member in members)
+    ways = [m.along if m.ends[0] == point else -m.along for m in members]
+    factor = 1.0
+    for k, one in enumerate(ways):
+        for other in ways[k + 1 :]:
+            angle = float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
+            if angle < SAME:
+                raise Problem(path, f"two members leave point '{point}' in one direction")
+            factor = max(factor, 1.0 / tan(0.5 * angle))
+    return 0.5 * depth * factor
+
+
+def depth_of(member: Member) -> float:
+    """Greatest width of a section [m]. Raises Problem."""
+    law = member.section
+    if not hasattr(law.module, "outline"):
+        message = f"section '{law.name}' has no shape, so the rigid joints at its ends no length"
+        raise Problem(member.path, message, "give both points a joint")
+    return float(np.ptp(law.module.outline(law.card), axis=0).max())

@@ -1,0 +1,18 @@
+"""Rigid members: half of each belongs to the body at either end, and welds join these bodies.
+
+Each body is welded to the first one that it hangs together with by rigid members, so that no weld
+is redundant. Consequence to test: a structure in free flight has the inertia of its members.
+"""
+
+from crashsolve.deck.expansion import Made
+from crashsolve.parts.structures.plan import Member, Plan
+
+
+def stub(member: Member) -> float:
+    """Length of a member, besides the joint, that belongs to the body at its end [m]."""
+    return 0.5 * member.length
+
+
+def cards(member: Member, whole: Plan) -> list[Made]:
+    """Nothing but what belongs to the points."""
+    return []

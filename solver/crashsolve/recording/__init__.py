@@ -1,0 +1,1 @@
+"""What a run records, and when: channels, samples, and the engine between samples."""

@@ -1,0 +1,62 @@
+"""Momentum and angular momentum of the whole model, and what of them is not accounted for."""
+
+import numpy as np
+
+
+class Momenta:
+    """Counts from the first sample: `start` (2, 3), and `largest` (2,) sums of sizes so far."""
+
+    def __init__(self) -> None:
+        self.start, self.largest = np.full((2, 3), np.nan), np.zeros(2)
+
+    def of(
+        self, clock: np.ndarray, nodes: np.ndarray, elements: np.ndarray | None = None
+    ) -> tuple[np.ndarray, ...]:
+        """Both sums (k, 3) at k samples, and the errors (k,) of both.
+
+        An error is what neither the start nor impulses from outside account for, over the largest
+        sum of |m v|, or of |r| |m v| + |L|, so far. Writes: start, largest.
+        """
+        sums = _moments(nodes)
+        if elements is not None:
+            own = elements[:, 0]
+            sizes = np.column_stack([own["linear_size"], own["angular_size"]])
+            sums = [
+                x + y for x, y in zip(sums, (own["linear"], own["angular"], sizes), strict=True)
+            ]
+        linear, angular, sizes = sums
+        if np.isnan(self.start[0, 0]):
+            self.start[:] = linear[0], angular[0]
+        largest = np.maximum.accumulate(np.maximum(sizes, self.largest))
+        self.largest[:] = largest[-1]
+        pairs = (linear, "impulse"), (angular, "angular_impulse")
+        lost = [now - self.start[i] - clock[name] for i, (now, name) in enumerate(pairs)]
+        return linear, angular, *map(_share, lost, largest.T)
+
+
+def _moments(nodes: np.ndarray) -> list[np.ndarray]:
+    """Sums over nodes (k, n) of p, of r x p + L, and of the sizes of p and of |r| |p| + |L|."""
+    # a component of all nodes side by side
+    r, v, L = (np.ascontiguousarray(np.moveaxis(nodes[name], 2, 0)) for name in "rvL")
+    p = v / nodes["mass_inv"]
+    (x, y, z), (a, b, c) = r, p
+    parts = (_dot(y, c) - _dot(z, b), _dot(z, a) - _dot(x, c), _dot(x, b) - _dot(y, a))
+    turned, size = np.column_stack(parts), _lengths(p)
+    sizes = [size.sum(1), _dot(_lengths(r), size) + _lengths(L).sum(1)]
+    return [p.sum(2).T, turned + L.sum(2).T, np.column_stack(sizes)]
+
+
+def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Products (k,) of rows."""
+    found: np.ndarray = np.matmul(u[:, None, :], v[:, :, None])[:, 0, 0]
+    return found
+
+
+def _lengths(u: np.ndarray) -> np.ndarray:
+    """Of vectors whose components are the first axis."""
+    return np.sqrt(np.einsum("ikj,ikj->kj", u, u))
+
+
+def _share(error: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    found = np.zeros(len(scale))
+    return np.divide(np.sqrt(_dot(error, error)), scale, out=found, where=scale > 0.0)

@@ -1,0 +1,96 @@
+"""The channels that a deck asks about, looked up in those that its run will have.
+
+They are those of expect and watch, of the figures of its report, and of the moments of its scenes.
+Names, units and the samples that a function needs are looked at; a run may still be too short.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from crashsolve.channels.errors import TooShort
+from crashsolve.channels.statistic import moment_asked
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.deck.run_cards.expect import Expect
+from crashsolve.deck.run_cards.statistic import PATH
+from crashsolve.deck.run_cards.watch import Watch
+from crashsolve.deck.source import Position
+from crashsolve.foundation.errors import DeckError, DeckErrors
+from crashsolve.output.channels import Family
+from crashsolve.recording.samples import Channel, Samples, find
+from crashsolve.recording.sampling import Schedule
+
+# samples on which expressions are tried out before the run
+TRIED = 256
+
+
+def look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
+    """The channels of every expression of expect and watch. Raises DeckErrors."""
+    found: dict[str, list[Channel]] = {}
+    mistakes, interval = [], Schedule.of(deck).interval
+    sections: list[tuple[str, Sequence[Expect | Watch], list[Position]]] = [
+        ("expect", deck.expect, deck.expect_at),
+        ("watch", deck.watch, deck.watch_at),
+    ]
+    for keyword, cards, places in sections:
+        for number, (card, place) in enumerate(zip(cards, places, strict=True), 1):
+            try:
+                found[card.channel] = find(card.channel, families)
+                _try_out(card.channel, found[card.channel], interval)
+            except ValueError as problem:
+                mistakes.append(DeckError(*place, f"{keyword} {number}", f"channel: {problem}"))
+            moment = None if card.statistic == PATH else moment_asked(card.statistic)
+            if moment is not None and moment < deck.control.start_time:
+                told = (
+                    f"'{card.statistic}' is before the run, from {deck.control.start_time:g} s on"
+                )
+                mistakes.append(DeckError(*place, f"{keyword} {number}", f"statistic: {told}"))
+    for where, expression in _of_report(deck):
+        try:
+            if not _fits_some(expression, families):
+                _try_out(expression, find(expression, families), interval)
+        except ValueError as problem:
+            told = f"output: report: {where}"
+            mistakes.append(DeckError(str(deck.path), None, None, told, f"channel: {problem}"))
+    if mistakes:
+        raise DeckErrors(mistakes)
+    return found
+
+
+def _of_report(deck: Deck) -> Iterator[tuple[str, str]]:
+    """Figures and scenes of the report by their titles, each with a channel it asks for."""
+    report = deck.output.report
+    if report is None:
+        return
+    for figure in report.figures:
+        asked = [figure.x, *(x for curve in figure.y for x in (curve.channel, curve.x))]
+        asked += [reference.channel for reference in figure.reference]
+        for channel in asked:
+            if channel not in ("", "time"):
+                yield f"figure '{figure.title}'", channel
+    for scene in report.scenes:
+        for moment in scene.at:
+            kind, _, channel = moment.partition(":")
+            if kind in ("max", "min", "abs_max") and channel:
+                yield f"scene '{scene.title}'", channel.strip()
+
+
+def _fits_some(pattern: str, families: Sequence[Family]) -> bool:
+    """Whether a pattern such as rcforc.*.normal is that of a channel."""
+    if not set("*?[") & set(pattern):
+        return False
+    return any(fnmatchcase(name, pattern) for family in families for name in family.channels())
+
+
+def _try_out(expression: str, channels: Sequence[Channel], interval: float) -> None:
+    """Raises ChannelError where units do not fit, or samples are too far apart for a function.
+
+    The run may still be too short for one, which its results say.
+    """
+    count = np.arange(TRIED)
+    values = {c.name: 1.0 + 0.1 * np.cos(count + i) for i, c in enumerate(channels)}
+    samples = Samples(interval * count, values, units={c.name: c.unit for c in channels})
+    with suppress(TooShort):
+        samples.series(expression)

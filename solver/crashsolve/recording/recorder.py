@@ -1,0 +1,37 @@
+"""Takes samples of an engine, and hands their channels to a history in blocks."""
+
+import numpy as np
+
+from crashsolve.output.history import HistoryWriter
+from crashsolve.recording.histories import Histories
+
+
+class Recorder:
+    """Samples wait for their values until a block is full, or the history should be written."""
+
+    def __init__(self, histories: Histories, history: HistoryWriter) -> None:
+        self.histories, self.history = histories, history
+        self._times: list[float] = []
+
+    def take(self, time: float) -> None:
+        """Take the present sample. Raises OutputError."""
+        self._times.append(time)
+        if self.histories.take() or self.history.is_due():
+            self._hand_over()
+
+    def flush(self) -> None:
+        """Write all samples taken. Raises OutputError."""
+        self._hand_over()
+        self.history.flush()
+
+    def close(self) -> None:
+        """The same, and close the history."""
+        try:
+            self._hand_over()
+        finally:
+            self.history.close()
+
+    def _hand_over(self) -> None:
+        if self._times:
+            times, self._times = np.array(self._times), []
+            self.history.append(times, self.histories.values())

@@ -1,0 +1,172 @@
+"""The watched channels of a run: found in its families, sampled in memory or read from its file."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from crashsolve.channels.expression import channels_in, evaluate
+from crashsolve.channels.series import Series
+from crashsolve.deck.laws import choices
+from crashsolve.output.channels import Family
+
+# channels of glstat that measure the run and not the model: they are errors themselves
+OF_THE_RUN: tuple[str, ...] = (
+    "balance",
+    "momentum_error",
+    "angular_momentum_error",
+    "residual",
+    "step",
+    "cycle",
+)
+OF_THE_RUN += ("energy.imbalance", "energy.largest")
+# begins the name of a channel that keeps the largest value of any step
+LARGEST_SO_FAR = "peak_"
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Where a channel stands: family, number of the entity, and the columns of its vector."""
+
+    name: str
+    family: Family
+    entity: int
+    column: int
+
+    @property
+    def unit(self) -> str:
+        return self.family.columns[self.column].unit
+
+    @property
+    def siblings(self) -> list[int]:
+        """The columns of the vector of which this is a component."""
+        own = self.family.columns[self.column]
+        return [
+            i
+            for i, column in enumerate(self.family.columns)
+            if column.quantity == own.quantity
+            and column.unit == own.unit
+            and (bool(own.component) or i == self.column)
+        ]
+
+    @property
+    def course(self) -> "Channel | None":
+        """The channel whose largest value of any step this is; None of other channels."""
+        before, _, last = self.name.rpartition(".")
+        if not last.startswith(LARGEST_SO_FAR):
+            return None
+        return _channel(f"{before}.{last.removeprefix(LARGEST_SO_FAR)}", [self.family])
+
+    @property
+    def is_of_the_run(self) -> bool:
+        """Whether it measures the run and not the model."""
+        return self.family.word == "glstat" and self.name.split(".", 2)[2] in OF_THE_RUN
+
+
+@dataclass
+class Samples:
+    """Samples of channels during one run: times, values of each, and of the vector around it.
+
+    `cycles` are the steps it took, `cpu` [s] what it cost, `units` those of the channels.
+    """
+
+    time: np.ndarray
+    values: dict[str, np.ndarray]
+    size: dict[str, np.ndarray] = field(default_factory=dict)
+    cycles: int = 0
+    cpu: float = 0.0
+    units: dict[str, str] = field(default_factory=dict)
+
+    def series(self, expression: str) -> Series:
+        """The history of a channel or an expression; raises ChannelError."""
+        name = expression.strip()
+        if name in self.values:
+            return self._channel(name)
+        return evaluate(expression, self._channel)
+
+    def _channel(self, name: str) -> Series:
+        if name == "time":
+            return Series(self.time, self.time, "s")
+        return Series(self.time, self.values[name], self.units.get(name, ""))
+
+    def at(self, times: np.ndarray) -> "Samples":
+        """The same at some of the times."""
+        kept = np.isin(self.time, times)
+        values = {name: course[kept] for name, course in self.values.items()}
+        return Samples(self.time[kept], values, {}, self.cycles, self.cpu, self.units)
+
+
+def find(expression: str, families: Sequence[Family]) -> list[Channel]:
+    """The channels of an expression. Raises ValueError for a name that does not exist."""
+    whole = _channel(expression.strip(), families)
+    if whole is not None:
+        return [whole]
+    found = []
+    for name in channels_in(expression):
+        channel = _channel(name, families)
+        if channel is None:
+            raise ValueError(_unknown(name, families))
+        found.append(channel)
+    return found
+
+
+def gather(
+    time: Iterable[float], blocks: Sequence[dict[str, np.ndarray]], channels: Sequence[Channel]
+) -> Samples:
+    """Samples of channels from blocks of values as Histories gives them."""
+    samples = Samples(np.array(list(time)), {})
+    for channel in channels:
+        parts = [values[channel.family.name][:, channel.entity] for values in blocks]
+        block = np.concatenate(parts)
+        _add(samples, channel, block)
+    return samples
+
+
+def read(path: Path, channels: Sequence[Channel]) -> Samples:
+    """The same from the history of a run."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        first = channels[0].family.name
+        rows = np.isfinite(file[first]["time"][:])
+        samples = Samples(file[first]["time"][:][rows], {})
+        for channel in channels:
+            group, columns = file[channel.family.name], channel.family.columns
+            block = np.zeros((int(rows.sum()), len(columns)))
+            for i in channel.siblings:
+                block[:, i] = group[columns[i].path][: len(block), channel.entity]
+            _add(samples, channel, block)
+    return samples
+
+
+def _add(samples: Samples, channel: Channel, block: np.ndarray) -> None:
+    samples.values[channel.name] = block[:, channel.column]
+    samples.size[channel.name] = np.linalg.norm(block[:, channel.siblings], axis=1)
+
+
+def _channel(name: str, families: Sequence[Family]) -> Channel | None:
+    word, _, rest = name.partition(".")
+    entity, _, path = rest.partition(".")
+    for family in families:
+        if family.word == word and entity in family.ids:
+            for i, column in enumerate(family.columns):
+                if column.path.replace("/", ".") == path:
+                    return Channel(name, family, family.ids.index(entity), i)
+    return None
+
+
+def _unknown(name: str, families: Sequence[Family]) -> str:
+    """What is wrong with a channel that does not exist, from its first wrong word."""
+    word, _, rest = name.partition(".")
+    entity, _, path = rest.partition(".")
+    same = [family for family in families if family.word == word]
+    if not same:
+        known = sorted({family.word for family in families if family.ids})
+        return f"'{name}': unknown family '{word}'; {choices(word, known, 'families')}"
+    holders = [family for family in same if entity in family.ids]
+    if not holders:
+        ids = [entity for family in same for entity in family.ids]
+        return f"'{name}': no {word} of '{entity}'; {choices(entity, ids, 'names')}"
+    paths = [column.path.replace("/", ".") for column in holders[0].columns]
+    return f"'{name}': {word} has no '{path}'; {choices(path, paths, 'quantities')}"

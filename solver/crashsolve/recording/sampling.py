@@ -1,0 +1,99 @@
+"""When a run is sampled: the k-th sample lies at k intervals, not at a sum of them.
+
+The times that `expect` and `watch` ask for, by `at:T` and as ends of a window, are sampled as well.
+"""
+
+from bisect import bisect_left
+from dataclasses import dataclass
+
+from crashsolve.channels.statistic import moment_asked
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.deck.run_cards.expect import Expect
+from crashsolve.deck.run_cards.statistic import PATH
+from crashsolve.deck.run_cards.watch import Watch
+
+# a time this near to a sample, in intervals, is that sample
+SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Times of the samples [s], the last one at the end; `asked` lie between the others."""
+
+    start: float
+    end: float
+    interval: float
+    asked: tuple[float, ...] = ()
+    numbers: tuple[int, ...] = ()  # of these samples among all
+
+    @classmethod
+    def of(cls, deck: Deck) -> "Schedule":
+        """The schedule a deck asks for."""
+        start, end = deck.control.start_time, deck.control.end_time
+        count = deck.control.steps if deck.control.solution == "quasi_static" else 1000
+        plain = cls(start, end, deck.output.history.interval or (end - start) / count or 1.0)
+        return plain.with_times(_asked(deck))
+
+    def with_times(self, times: set[float]) -> "Schedule":
+        """The same with further samples where none are."""
+        inside = sorted(t for t in times if self.start < t < self.end and not self._is_met(t))
+        numbers = tuple(self._before(t) + j for j, t in enumerate(inside))
+        return Schedule(self.start, self.end, self.interval, tuple(inside), numbers)
+
+    def time(self, k: int) -> float:
+        """Time of sample k."""
+        j = bisect_left(self.numbers, k)
+        if j < len(self.numbers) and self.numbers[j] == k:
+            return self.asked[j]
+        return self._plain(k - j)
+
+    def number(self, time: float) -> int:
+        """Number of the sample nearest to a time."""
+        k = round((time - self.start) / self.interval) + bisect_left(self.asked, time)
+        near = range(max(k - 2, 0), k + 3)
+        return min(near, key=lambda i: (abs(self.time(i) - time), i))
+
+    def has(self, time: float) -> bool:
+        """Whether there is a sample at a time."""
+        return abs(self.time(self.number(time)) - time) <= SAME * self.interval
+
+    def last_until(self, time: float) -> int:
+        """Number of the last sample that is not after a time, be it of another schedule."""
+        k = self.number(time)
+        return k - 1 if self.time(k) > time + SAME * self.interval else k
+
+    def is_end(self, k: int) -> bool:
+        """Whether sample k is the last."""
+        return self.time(k) >= self.end
+
+    def plain_number(self, k: int) -> int | None:
+        """How many intervals from the start sample k lies; None of one that was asked for."""
+        j = bisect_left(self.numbers, k)
+        return None if k in self.numbers[j : j + 1] else k - j
+
+    def _plain(self, k: int) -> float:
+        target = self.start + k * self.interval
+        return self.end if target > self.end - SAME * self.interval else target
+
+    def _before(self, time: float) -> int:
+        """How many samples in intervals come before a time."""
+        k = max(int((time - self.start) / self.interval) - 1, 0)
+        while self._plain(k) < time:
+            k += 1
+        return k
+
+    def _is_met(self, time: float) -> bool:
+        k = self._before(time)
+        return min(abs(self._plain(i) - time) for i in (max(k - 1, 0), k)) <= SAME * self.interval
+
+
+def _asked(deck: Deck) -> set[float]:
+    """Moments [s] that the deck's own questions are about."""
+    found: set[float] = set()
+    cards: list[Expect | Watch] = [*deck.expect, *deck.watch]
+    for card in cards:
+        moment = None if card.statistic == PATH else moment_asked(card.statistic)
+        if moment is not None:
+            found.add(moment)
+        found |= set(card.during or ())
+    return found

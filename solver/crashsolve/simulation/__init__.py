@@ -1,0 +1,1 @@
+"""One run of a deck, from the cards to the result files."""

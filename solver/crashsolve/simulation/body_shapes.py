@@ -1,0 +1,143 @@
+"""What bodies look like: pieces in body axes, of their contact surfaces, primitives or joints.
+
+A body with contact surfaces is drawn by these, else by its `primitive`, else by lines from its mass
+centre to where joints, springs and contact points act on it.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.family import LINE, families
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.foundation.orientation import perpendicular
+from crashsolve.model.model import Group, Model
+from crashsolve.output import shapes
+
+# node, points from the mass centre in body axes, cells
+Piece = tuple[int, np.ndarray, np.ndarray]
+
+# a plane is infinite: what is drawn reaches so far beyond what is near, in widths of the model
+PLANE_MARGIN = 0.15
+# points of a body to which lines are drawn, at most
+MOST_LINES = 100
+# radius of a rod over its length
+SLENDER = 0.01
+
+
+def surfaces(model: Model) -> list[Piece]:
+    """Contact surfaces with a shape of their own; planes are cut to fit by `planes`."""
+    return [
+        (int(element["node"]), *DRAW[surface.entry.type](element))
+        for surface in model.surfaces.values()
+        if surface.entry.type in DRAW
+        for element in surface.elements
+    ]
+
+
+def primitives(model: Model, deck: Deck, shaped: set[int]) -> list[Piece]:
+    """Primitives of bodies that have no shape yet."""
+    pieces: list[Piece] = []
+    for name, entry in deck.entries.get("bodies", {}).items():
+        node, solid = model.bodies.index(name), getattr(entry.card, "primitive", None)
+        if solid is None or node in shaped:
+            continue
+        length = solid.length or 0.0
+        if solid.shape == "box":
+            pieces.append((node, *shapes.box(*(0.5 * np.asarray(solid.size)))))
+        elif solid.shape == "sphere":
+            pieces.append((node, *shapes.sphere(solid.radius)))
+        else:
+            radius = solid.radius if solid.shape == "cylinder" else SLENDER * length
+            pieces.append((node, *shapes.cylinder(radius, 0.5 * length)))
+    return pieces
+
+
+def lines(model: Model, deck: Deck, shaped: set[int]) -> list[Piece]:
+    """Lines from the mass centre of each body without a shape to where something acts on it."""
+    ends: dict[int, list[np.ndarray]] = {}
+    for group in model.groups:
+        for node, point in _acting_points(group):
+            ends.setdefault(node, []).append(point)
+    for surface in model.surfaces.values():
+        if surface.entry.type == "point_set":
+            for element in surface.elements:
+                ends.setdefault(int(element["node"]), []).append(np.asarray(element["point"]))
+    pieces: list[Piece] = []
+    for name in deck.entries.get("bodies", {}):
+        node = model.bodies.index(name)
+        reached = [point for point in ends.get(node, []) if np.any(point)][:MOST_LINES]
+        if reached and node not in shaped:
+            points = np.array([np.zeros(3), *reached])
+            far = np.arange(1, len(points))
+            pieces.append((node, points, np.column_stack([np.zeros_like(far), far])))
+    return pieces
+
+
+def _acting_points(group: Group) -> list[tuple[int, np.ndarray]]:
+    """Node and point from its mass centre, of both sides of joints and lines."""
+    family = families()[group.keyword]
+    if not family.has_rows and family.picture != LINE:
+        return []
+    names, found = group.parameters.dtype.names or (), []
+    for side in "ab":
+        if {f"node_{side}", f"point_{side}"} <= set(names):
+            for row in group.parameters:
+                found.append((int(row[f"node_{side}"]), np.array(row[f"point_{side}"])))
+    return found
+
+
+def planes(model: Model, pieces: list[Piece], nodes: Any, others: np.ndarray) -> list[Piece]:
+    """Planes, cut to what is near them at the start: their own body, or everything else.
+
+    `others` are points (n, 3) of all that is drawn besides bodies, `nodes` those at the start.
+    """
+    found: list[Piece] = []
+    for surface in model.surfaces.values():
+        if surface.entry.type != "plane":
+            continue
+        for element in surface.elements:
+            node = int(element["node"])
+            own = [points for n, points, _ in pieces if n == node and node]
+            if own:
+                near = np.concatenate(own)
+            else:
+                r, A = nodes["r"][node], nodes["A"][node].reshape(3, 3)
+                near = (np.concatenate([in_world(pieces, nodes), others]) - r) @ A
+            found.append((node, *_cut_plane(element, near, model.size)))
+    return found
+
+
+def in_world(pieces: list[Piece], nodes: Any) -> np.ndarray:
+    """Points (n, 3) of all pieces."""
+    placed = [nodes["r"][n] + p @ nodes["A"][n].reshape(3, 3).T for n, p, _ in pieces]
+    return np.concatenate([np.empty((0, 3)), *placed])
+
+
+def _cut_plane(element: Any, near: np.ndarray, size: float) -> shapes.Surface:
+    """The rectangle of a plane that lies below some points, with a margin."""
+    normal, point = np.asarray(element["normal"]), np.asarray(element["point"])
+    side = perpendicular(normal)
+    axes = np.column_stack([side, np.cross(normal, side)])
+    flat = (near if len(near) else point[None]) @ axes
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    margin = PLANE_MARGIN * max(np.max(high - low), 0.0) or 0.5 * size
+    low, high = low - margin, high + margin
+    corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+    return corners @ axes.T + normal * float(normal @ point), np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def _placed(element: Any, surface: shapes.Surface) -> shapes.Surface:
+    """Shape axes to body axes, at the shape's centre."""
+    points, triangles = surface
+    axes = np.asarray(element.get("axes", np.eye(3))).reshape(3, 3)
+    return np.asarray(element["point"]) + points @ axes.T, triangles
+
+
+DRAW: dict[str, Any] = {
+    "sphere": lambda e: _placed(e, shapes.sphere(e["radius"])),
+    "ellipsoid": lambda e: _placed(e, shapes.ellipsoid(*e["semi"])),
+    "cylinder": lambda e: _placed(e, shapes.cylinder(e["radius"], e["half_length"])),
+    "box": lambda e: _placed(e, shapes.box(*e["half"])),
+    "mesh": lambda e: _placed(e, (e["points"], e["faces"])),
+}

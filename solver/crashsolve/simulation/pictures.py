@@ -1,0 +1,370 @@
+"""From bodies to pictures: blocks of surfaces, mass centres, springs, beams and contact forces."""
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.family import ELEMENTS, LINE, families
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.foundation.orientation import matrix, turned_by
+from crashsolve.model.model import ContactGroup, Group
+from crashsolve.output.blocks import GHOST, Block, FieldSpec
+from crashsolve.simulation import body_shapes
+from crashsolve.simulation.body_shapes import Piece
+from crashsolve.system.engine import Engine
+
+VELOCITY = FieldSpec("velocity", "m/s", 3, "node")
+FORCE = FieldSpec("force", "N", 3, "node")
+BODY = FieldSpec("body", "1", 1, "cell")
+TENSION = FieldSpec("tension", "N", 1, "cell")
+ROTATION = FieldSpec("rotation", "rad", 3, "node")
+PART = FieldSpec("part", "1", 1, "cell")
+SECTION = FieldSpec("section", "1", 1, "cell")
+SIDE = FieldSpec("side", "1", 3, "cell")
+RADIUS = FieldSpec("radius", "m", 1, "node")
+CONTACT = FieldSpec("contact", "1", 1, "cell")
+HIDDEN = FieldSpec(GHOST, "1", 1, "cell")
+# components along the axes of an element are no vector in space: one field each
+AXES = "xyz"
+TENSOR = ("xx", "yy", "xy")
+BEAM_AXES = {"force": "N", "moment_a": "N m", "moment_b": "N m"}
+# of beams; densities are per length
+BEAM = {
+    "stored": FieldSpec("elastic_energy_density", "J/m", 1, "cell"),
+}
+YIELDING_BEAM = {
+    "plastic_work": FieldSpec("plastic_energy_density", "J/m", 1, "cell"),
+    "plastic_strain": FieldSpec("plastic_strain", "1", 1, "cell"),
+}
+PER_LENGTH = ("stored", "plastic_work")
+# value of GHOST for cells that are not drawn
+DELETED = 32
+# contact points drawn per element where pairs come and go; balls in a heap have three each
+TOUCHES = 3
+
+
+class Pictures:
+    """Blocks of a scene, and the fields they carry at a state."""
+
+    def __init__(self, engine: Engine, deck: Deck) -> None:
+        self.engine, self.deck = engine, deck
+        # points are drawn where they were at the start, and carry their displacement
+        self._r0 = engine.state.nodes["r"][: len(engine.model.bodies)].copy()
+        self._A0 = engine.state.nodes["A"].copy()
+        self._q0 = engine.state.nodes["q"].copy()
+        self._lines = self._line_groups()
+        self._beams = [
+            g for g in engine.model.force_groups() if families()[g.keyword].picture == ELEMENTS
+        ]
+        self._shells = [
+            (name, row, g.module)
+            for g in engine.model.element_groups()
+            for name, row in zip(g.names, g.parameters, strict=True)
+        ]
+        self._pairs = [(g, n) for g in engine.model.contact_groups if (n := _places(g))]
+        self._skin = self._pieces()
+        # body of every point
+        self._skin_owners = {
+            name: np.repeat([n for n, _, _ in pieces], [len(p) for _, p, _ in pieces])
+            for name, pieces in self._skin.items()
+        }
+        self.blocks = self._blocks()
+
+    def description(self) -> dict[str, Any]:
+        """What numbers in the blocks stand for, sections of beams (y, z) [m], what is up."""
+        entries = self.deck.entries
+        weights = [g.parameters for g in self.engine.model.groups if g.word == "loads_gravity"]
+        pull = sum((w["acceleration"].sum(axis=0) for w in weights), np.zeros(3))
+        up = -pull / np.linalg.norm(pull) if np.any(pull) else np.array([0.0, 0.0, 1.0])
+        return {
+            "names": {
+                "bodies": list(self.engine.model.bodies),
+                "parts": list(entries.get("parts", {})),
+                "contacts": list(self.engine.model.contacts),
+            },
+            "sections": [_outline(e).tolist() for e in entries.get("sections", {}).values()],
+            "up": up.tolist(),
+        }
+
+    def _pieces(self) -> dict[str, list[Piece]]:
+        """Every drawn shape, those fixed to the ground apart from those that move; lines."""
+        model = self.engine.model
+        shapes = body_shapes.surfaces(model)
+        shapes += body_shapes.primitives(model, self.deck, {node for node, _, _ in shapes})
+        links = body_shapes.lines(model, self.deck, {node for node, _, _ in shapes})
+        nodes = self.engine.state.nodes
+        ends = self._line_points([g for some in self._lines.values() for g in some])
+        others = [self._r0[1:], ends, body_shapes.in_world(links, nodes)]
+        others += [self._points_of(row)["r"] for _, row, _ in self._shells]
+        shapes += body_shapes.planes(model, shapes, nodes, np.concatenate(others))
+        pieces = {
+            "bodies": [piece for piece in shapes if piece[0]],
+            "ground": [piece for piece in shapes if not piece[0]],
+            "links": links,
+        }
+        return {name: found for name, found in pieces.items() if found}
+
+    def _line_groups(self) -> dict[str, list[Group]]:
+        """Groups that are lines from point to point, by the section of their family."""
+        found: dict[str, list[Group]] = {}
+        for g in self.engine.model.groups:
+            if (
+                families()[g.keyword].picture == LINE
+                and {"point_a", "point_b"} <= set(g.parameters.dtype.names or ())
+                and "force" in (g.output.dtype.names or ())
+                and g.output["force"].ndim == 1
+            ):
+                found.setdefault(g.keyword, []).append(g)
+        return found
+
+    def _blocks(self) -> tuple[Block, ...]:
+        blocks = []
+        n = len(self._r0) - 1
+        if n:
+            vertices = np.arange(n)[:, None]
+            points = self._r0[1:]
+            counted = ((BODY, np.arange(1.0, n + 1.0)),)
+            blocks.append(
+                Block("mass_centres", points, (("vertex", vertices),), (VELOCITY,), counted)
+            )
+        for name, pieces in self._skin.items():
+            points, cells = self._skin_points(pieces), _cells(pieces)
+            numbers = np.concatenate([np.full(len(c), float(node)) for node, _, c in pieces])
+            blocks.append(Block(name, points, cells, (VELOCITY,), ((BODY, numbers),)))
+        for section, groups in self._lines.items():
+            points = self._line_points(groups)
+            lines = np.arange(len(points)).reshape(-1, 2)
+            blocks.append(Block(section, points, (("line", lines),), (TENSION,)))
+        if self._beams:
+            ends = self._beam_ends()
+            lines = np.arange(len(ends)).reshape(-1, 2)
+            axial = (
+                FieldSpec(f"{n}_{x}", u, 1, "cell") for n, u in BEAM_AXES.items() for x in AXES
+            )
+            specs = (VELOCITY, ROTATION, *axial, *self._beam_specs().values())
+            fixed = self._beam_fixed()
+            blocks.append(Block("beams", self._r0[ends], (("line", lines),), specs, fixed))
+        for name, row, module in self._shells:
+            specs = _specs_of(module.FIELDS)
+            meshed = self._meshed(name)
+            specs += (HIDDEN,) * meshed.can_fail
+            n, points = meshed.quad_count, self._points_of(row)["r"].copy()
+            both = (("quad", meshed.mesh.quads[:n]), ("triangle", meshed.mesh.quads[n:, :3]))
+            cells = tuple(own for own in both if len(own[1]))
+            blocks.append(Block(f"part_{name}", points, cells, (VELOCITY, *specs)))
+        if self._pairs:
+            count = sum(places for _, places in self._pairs)
+            cells = (("vertex", np.arange(count)[:, None]),)
+            specs = (FORCE, CONTACT, HIDDEN)
+            blocks.append(Block("contacts", np.zeros((count, 3)), cells, specs, is_placed=True))
+        return tuple(blocks)
+
+    def fields(self) -> dict[str, dict[str, np.ndarray]]:
+        """Displacements and fields of all blocks at the present sample."""
+        nodes = self.engine.nodes[: len(self._r0)]
+        fields: dict[str, dict[str, np.ndarray]] = {}
+        if len(self._r0) > 1:
+            moved = nodes["r"][1:] - self._r0[1:]
+            fields["mass_centres"] = {"displacement": moved, "velocity": nodes["v"][1:]}
+        for name, pieces in self._skin.items():
+            fields[name] = self._skin_fields(name, pieces)
+        for section, groups in self._lines.items():
+            tension = np.concatenate([g.output["force"] for g in groups])
+            moved = self._line_points(groups) - self._block(section).points
+            fields[section] = {"displacement": moved, "tension": tension}
+        if self._beams:
+            fields["beams"] = self._beam_fields()
+        for name, row, _ in self._shells:
+            block = self._block(f"part_{name}")
+            points = self._points_of(row)
+            moved = np.empty(block.points.shape, np.float32)
+            np.subtract(points["r"], block.points, out=moved, casting="same_kind")
+            motion = {"displacement": moved, "velocity": points["v"].astype(np.float32)}
+            found = self._meshed(name).all_fields(self.engine.state.blocks, row)
+            fields[block.name] = motion | _split_values(found)
+            if self._meshed(name).can_fail:
+                fields[block.name][GHOST] = DELETED * (found["thickness"] == 0.0)
+        if self._pairs:
+            fields["contacts"] = self._contact_fields()
+        return fields
+
+    def _meshed(self, name: str) -> Any:
+        """A part with points as it was laid."""
+        assert self.engine.model.elements is not None
+        return self.engine.model.elements.parts[name]
+
+    def _points_of(self, row: Any) -> np.ndarray:
+        """Points of a part."""
+        first = int(row["first_point"])
+        return self.engine.state.points[first : first + int(row["point_count"])]
+
+    def _skin_points(self, pieces: list[Piece]) -> np.ndarray:
+        return np.concatenate([self._r0[n] + p @ self._A0[n].reshape(3, 3).T for n, p, _ in pieces])
+
+    def _skin_fields(self, name: str, pieces: list[Piece]) -> dict[str, np.ndarray]:
+        nodes = self.engine.nodes
+        owner, old = self._skin_owners[name], self._block(name).points
+        turns = nodes["A"].reshape(-1, 3, 3)
+        turned = np.concatenate([points @ turns[n].T for n, points, _ in pieces])
+        w = nodes["w"][owner]
+        return {
+            "displacement": nodes["r"][owner] + turned - old,
+            "velocity": nodes["v"][owner] + np.cross(w, turned),
+        }
+
+    def _block(self, name: str) -> Block:
+        return next(block for block in self.blocks if block.name == name)
+
+    def _line_points(self, groups: list[Group]) -> np.ndarray:
+        """Both ends of every entry, one after the other."""
+        nodes, ends = self.engine.nodes, []
+        for g in groups:
+            both = []
+            for side in ("a", "b"):
+                body = nodes[g.parameters[f"node_{side}"]]
+                A = body["A"].reshape(-1, 3, 3)
+                both.append(body["r"] + np.einsum("nij,nj->ni", A, g.parameters[f"point_{side}"]))
+            ends.append(np.stack(both, axis=1).reshape(-1, 3))
+        return np.concatenate([np.empty((0, 3)), *ends])
+
+    def _beam_ends(self) -> np.ndarray:
+        """Nodes at both ends of every element, one after the other."""
+        pairs = [np.stack([g.parameters["node_a"], g.parameters["node_b"]], 1) for g in self._beams]
+        return np.concatenate(pairs).ravel()
+
+    def _beam_fixed(self) -> tuple[tuple[FieldSpec, np.ndarray], ...]:
+        """Part, section, y axis at the start and radius of the elements of beams."""
+        parts, sections = self.deck.entries["parts"], list(self.deck.entries["sections"].items())
+        outlines = [_outline(entry) for _, entry in sections]
+        radii = [_radius(points) for points in outlines]
+        of = {n: (k, e.card) for k, (p, e) in enumerate(parts.items()) for n in _elements(e, p)}
+        numbers = [of[name] for g in self._beams for name in g.names]
+        names = [name for name, _ in sections]
+        section = np.array([names.index(card.section) for _, card in numbers])
+        side = np.concatenate([_side(g, self._A0) for g in self._beams])
+        return (
+            (PART, np.array([float(part) for part, _ in numbers])),
+            (SECTION, section.astype(float)),
+            (SIDE, side),
+            (RADIUS, np.repeat(np.array(radii)[section], 2)),
+        )
+
+    def _beam_specs(self) -> dict[str, FieldSpec]:
+        """Fields of elements by the output that they show; of yielding only where there is any."""
+        yields = any("plastic_work" in (g.output.dtype.names or ()) for g in self._beams)
+        return BEAM | (YIELDING_BEAM if yields else {})
+
+    def _beam_fields(self) -> dict[str, np.ndarray]:
+        """What the elements of beams bear and store; what is elastic has not yielded."""
+        nodes, ends = self.engine.nodes, self._beam_ends()
+        fields = {
+            "displacement": nodes["r"][ends] - self._r0[ends],
+            "velocity": nodes["v"][ends],
+            "rotation": turned_by(nodes["q"][ends], self._q0[ends]),
+        }
+        for name in BEAM_AXES:
+            whole = np.concatenate([g.output[name] for g in self._beams])
+            fields |= {f"{name}_{axis}": whole[:, k] for k, axis in enumerate(AXES)}
+        for name, spec in self._beam_specs().items():
+            parts = []
+            for g in self._beams:
+                known = name in (g.output.dtype.names or ())
+                values = g.output[name] if known else np.zeros(len(g.names))
+                parts.append(values / g.parameters["length"] if name in PER_LENGTH else values)
+            fields[spec.name] = np.concatenate(parts)
+        return fields
+
+    def _contact_fields(self) -> dict[str, np.ndarray]:
+        """Contact points with their forces; a pair that is apart rests on its body."""
+        found = zip(*(self._touches(g, n) for g, n in self._pairs), strict=True)
+        points, forces, cards = map(np.concatenate, found)
+        hidden = DELETED * ~np.any(forces, axis=1)
+        return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
+
+    def _touches(self, g: ContactGroup, places: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points, forces and cards of a group; of pairs that come and go, the largest forces."""
+        strength = np.linalg.norm(g.output["force"], axis=1)
+        shown = np.arange(len(strength))
+        if g.search is not None:
+            shown = np.sort(np.argsort(-strength, kind="stable")[:places])
+        home = self.engine.nodes["r"][g.elements_a["node"][g.parameters["a"][shown]]]
+        point = np.where(strength[shown, None] > 0.0, g.output["point"][shown], home)
+        # what is left over waits at the first body, without a force
+        rest = places - len(shown)
+        point = np.concatenate([point, np.tile(self.engine.nodes["r"][1], (rest, 1))])
+        force = np.concatenate([g.output["force"][shown], np.zeros((rest, 3))])
+        return point, force, np.concatenate([g.parameters["card"][shown], np.zeros(rest)])
+
+
+def _places(g: ContactGroup) -> int:
+    """Contact points drawn for a group: all its pairs, or, where these come and go, enough."""
+    if g.search is None:
+        return len(g.parameters)
+    return TOUCHES * (len(g.elements_a) + len(g.elements_b))
+
+
+def _cells(pieces: list[Piece]) -> tuple[tuple[str, np.ndarray], ...]:
+    """Triangles, or lines, of all pieces, their points counted through."""
+    first, cells = 0, []
+    for _, points, triangles in pieces:
+        cells.append(np.asarray(triangles) + first)
+        first += len(points)
+    corners = np.concatenate(cells)
+    return (("line" if corners.shape[1] == 2 else "triangle", corners),)
+
+
+def _specs_of(fields: dict[str, tuple[str, int]]) -> tuple[FieldSpec, ...]:
+    """Fields of the elements of a part, from their units and numbers of components."""
+    return tuple(
+        FieldSpec(whole, unit, 1, "cell")
+        for field, (unit, components) in fields.items()
+        for whole in _split(field, components)
+    )
+
+
+def _split(field: str, components: int) -> tuple[str, ...]:
+    """Names of the components of a tensor of shells; the field itself where there is one."""
+    return (field,) if components == 1 else tuple(f"{field}_{word}" for word in TENSOR)
+
+
+def _split_values(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The same of values, (m, 3) for a tensor."""
+    return {
+        whole: values if values.ndim == 1 else values[:, k]
+        for field, values in found.items()
+        for k, whole in enumerate(_split(field, 1 if values.ndim == 1 else len(TENSOR)))
+    }
+
+
+def _elements(entry: Any, part: str) -> list[str]:
+    """Names of the elements of a part of beams."""
+    return entry.card.element_names(part) if hasattr(entry.card, "element_names") else []
+
+
+def _side(g: Group, A0: np.ndarray) -> np.ndarray:
+    """Section's y axis (n, 3) of the elements of beams at the start."""
+    axes = A0[g.parameters["node_a"]].reshape(-1, 3, 3)
+    if "turn" in (g.parameters.dtype.names or ()):
+        axes = np.array([A @ matrix(q) for A, q in zip(axes, g.parameters["turn"], strict=True)])
+    return axes[:, :, 1]
+
+
+def _outline(entry: Any) -> np.ndarray:
+    """Outer edge (n, 2) of a section; a rectangle of the same radii of gyration without one."""
+    law = import_module(entry.module_name)
+    if hasattr(law, "outline"):
+        found: np.ndarray = law.outline(entry.card)
+        return found
+    # neither depends on Poisson's ratio
+    numbers = law.build(entry.card, 0.0)
+    I_y, I_z = numbers["second"]
+    sides = np.sqrt(12.0 * np.array([I_z, I_y]) / numbers["area"])
+    return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * sides / 2.0
+
+
+def _radius(outline: np.ndarray) -> float:
+    """Radius [m] of the circle with the area of an outline."""
+    y, z = outline.T
+    area = 0.5 * abs(np.sum(y * np.roll(z, -1) - z * np.roll(y, -1)))
+    return float(np.sqrt(area / np.pi))

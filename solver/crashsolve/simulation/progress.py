@@ -1,0 +1,266 @@
+"""What a run tells of itself on the way: its banner, lines of progress, and status.json."""
+
+import os
+import platform
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import crashsolve
+from crashsolve.deck.dump import as_data
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.foundation.errors import ExitCode
+from crashsolve.model.ledger import IMBALANCE, KINETIC, LARGEST
+from crashsolve.output.log import ERROR, STOPPED, Log
+from crashsolve.output.status import State as RunState
+from crashsolve.output.status import Status, write_status
+from crashsolve.recording.sampling import Schedule
+from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.phases import ContactPhases
+from crashsolve.simulation.remarks import StepWatch
+from crashsolve.system.bounds import StepBound
+from crashsolve.system.engine import Engine
+
+if TYPE_CHECKING:
+    from crashsolve.estimate.conduct import Estimating
+
+
+def cpu_time() -> float:
+    """CPU time of this process and of the one that compiled for it [s]."""
+    # os.times() counts in hundredths of a second, and a short run is over within one
+    return time.process_time() + sum(os.times()[2:4])
+
+
+@contextmanager
+def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[Log]:
+    """The log of a run; log and status.json tell of its preparation and how it ended.
+
+    From here on status.json speaks of this run, and not of one before it. Raises OutputError.
+    """
+    start, end = deck.control.start_time, deck.control.end_time
+    status = Status("running", start, 0, end, 0.0, 0.0, 0.0, 0.0, message="preparing")
+    path, begun = folder / "status.json", time.monotonic()
+    write_status(path, status)
+    log: Log | None = None
+
+    def say(text: str) -> None:
+        if log is not None:
+            log.line(text)
+        status.cpu, status.wall, status.message = cpu_time(), time.monotonic() - begun, text
+        write_status(path, status)
+
+    pulse.say = say
+    try:
+        log = Log(folder / "log.txt", append=append)
+        yield log
+    except BaseException as error:
+        is_asked = isinstance(error, KeyboardInterrupt)
+        status.state = "stopped" if is_asked else "failed"
+        code = getattr(error, "exit_code", ExitCode.INTERNAL)
+        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
+        status.message = "interrupted while preparing" if is_asked else str(error) or repr(error)
+        write_status(path, status)
+        if log is not None:
+            (log.line if is_asked else log.error)(status.message)
+            log.finish(STOPPED if is_asked else ERROR)
+        raise
+
+
+class Account:
+    """The account of one run; `cpu` [s] is by stage, `phases` and `estimating` come in later."""
+
+    def __init__(
+        self,
+        deck: Deck,
+        engine: Engine,
+        folder: Path,
+        log: Log,
+        cpu: dict[str, float],
+        wall_begun: float,
+        pulse: Pulse,
+    ) -> None:
+        self.deck, self.engine, self.folder, self.log = deck, engine, folder, log
+        self.cpu, self.wall_begun = cpu, wall_begun
+        self.pulse, self.pace, self.steps = pulse, Pace(), StepWatch()
+        # what never happened, and what was lost: known at the end
+        self.remarks: dict[str, Any] = {}
+        self.bound = ""
+        self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
+        # a thread may tell of the run as well
+        self._writing = threading.RLock()
+        self.phases: ContactPhases | None = None
+        self.estimating: Estimating | None = None
+
+    def banner(self) -> None:
+        """The program and the model, at the head of the log."""
+        model = self.engine.model
+        counts = {k: len(v) for k, v in self.deck.entries.items() if v}
+        self.log.banner(
+            f"crashsolve {crashsolve.__version__}",
+            {
+                "deck": str(self.deck.path),
+                "title": self.deck.title,
+                "host": socket.gethostname(),
+                "model": ", ".join(f"{n} {k}" for k, n in counts.items()) or "empty",
+                "mass": f"{model.total_mass():.6g} kg",
+                "size": f"{model.size:.4g} m",
+                "integrator": ": ".join(filter(None, (model.integrator, model.choice))),
+            },
+        )
+
+    def progress(self) -> None:
+        """A line of the log, status.json, and the bar on a terminal."""
+        e, clock = self.engine, self.engine.clock
+        self.pace.look(float(clock["time"]), self.deck.control.end_time)
+        self.log.cycle(
+            int(clock["cycle"]),
+            float(clock["time"]),
+            float(clock["step"]),
+            float(newest_ledger(e)[KINETIC]),
+            balance(e),
+            float(clock["residual"]),
+            self.pace.left,
+            self.step_bound(),
+        )
+        self.pulse.told()
+        self.status("running", None, "")
+        span = self.deck.control.end_time - self.deck.control.start_time
+        self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
+
+    def keep_alive(self) -> None:
+        """Look at the step; a line where none has come for long. Raises OutputError."""
+        # a record array's own look-up of a column takes as long as a step of a small scene
+        clock = self.engine.state.clock[0]
+        fallen = self.steps.look(float(clock["time"]), int(clock["cycle"]))
+        if fallen:
+            self.log.warning(f"{fallen}; it is set by: {self.step_bound()}")
+        if self.pulse.is_due():
+            self.progress()
+
+    def say(self, text: str) -> None:
+        """What the run has been doing for long, in the log and status.json. Raises OutputError."""
+        clock = self.engine.clock
+        self.log.line(f"{text}, at t = {float(clock['time']):.6g} s, cycle {int(clock['cycle'])}")
+        self.status("running", None, text)
+
+    def step_bound(self) -> str:
+        """What sets the step, and why."""
+        is_static = self.deck.control.solution == "quasi_static"
+        self.bound = "load steps" if is_static else self._bounds.tell(self.engine)
+        return self.bound
+
+    def status(self, state: RunState, code: ExitCode | None, message: str) -> None:
+        """Renew status.json. Raises OutputError."""
+        with self._writing:
+            self._write_status(state, code, message)
+
+    def _write_status(self, state: RunState, code: ExitCode | None, message: str) -> None:
+        clock = self.engine.clock
+        write_status(
+            self.folder / "status.json",
+            Status(
+                state,
+                float(clock["time"]),
+                int(clock["cycle"]),
+                self.deck.control.end_time,
+                float(clock["step"]),
+                balance(self.engine),
+                cpu_time(),
+                time.monotonic() - self.wall_begun,
+                None if code is None else int(code),
+                message,
+                cpu_steps=self.cpu["steps"],
+                step_set_by=self.bound,
+                left=self.pace.left if state == "running" else None,
+                **self._results(),
+            ),
+        )
+
+    def spent(self) -> float:
+        """CPU time of the run proper: steps and output [s]."""
+        return self.cpu["steps"] + self.cpu["output"]
+
+    def _results(self) -> dict[str, Any]:
+        """What status.json tells of steps, constraints, CPU time and watched channels so far."""
+        clock, found = self.engine.clock, dict[str, Any]()
+        if self.phases is not None and self.phases.cycles():
+            found |= {
+                "average_step": self.phases.averages(),
+                "real_time_factor": self.spent() / self.phases.simulated(),
+            }
+        if self.estimating is not None:
+            self.cpu["estimates"] = self.estimating.cpu
+            found["watched"] = self.estimating.entries()
+        return (
+            found
+            | self.remarks
+            | {
+                "rejected": int(clock["rejected"]),
+                "constraint_position": float(clock["residual"]),
+                "constraint_velocity": float(clock["rate_residual"]),
+                "cpu_stages": dict(self.cpu),
+            }
+        )
+
+
+class Pace:
+    """Wall time a run still needs, by its pace since the last line but a second ago."""
+
+    def __init__(self) -> None:
+        self.left: float | None = None
+        self._mark: tuple[float, float] | None = None
+
+    def look(self, now: float, end: float) -> None:
+        """Take note of the time simulated [s]."""
+        wall = time.monotonic()
+        if self._mark is None or now < self._mark[1]:
+            self._mark = wall, now
+        elif wall > self._mark[0] and now > self._mark[1]:
+            self.left = (end - now) / (now - self._mark[1]) * (wall - self._mark[0])
+            if wall > self._mark[0] + 1.0:
+                self._mark = wall, now
+
+
+def newest_ledger(engine: Engine) -> np.ndarray:
+    """Energies of the last sample, or of a later look of the guard in the compiled loop."""
+    since = int(engine.clock["cycle"]) - int(engine.sampled["cycle"])
+    is_old = since >= int(engine.model.control[0]["check_every"])
+    return engine.state.ledger if is_old else engine.ledger
+
+
+def balance(engine: Engine) -> float:
+    """Energy that is missing or too much, in % of the largest energy."""
+    ledger = newest_ledger(engine)
+    return float(100.0 * ledger[IMBALANCE] / ledger[LARGEST]) if ledger[LARGEST] > 0 else 0.0
+
+
+def provenance(deck: Deck, engine: Engine) -> dict[str, Any]:
+    """Where results come from, as their files keep it."""
+    report = deck.output.report
+    return {
+        "title": deck.title,
+        "deck_name": deck.path.name,
+        "deck_text": deck.text,
+        "deck_sources": {path.name: path.read_text("utf-8") for path in deck.files},
+        "parameters": deck.parameters,
+        "expect": deck.expectations(),
+        "report": as_data(report) if report is not None else None,
+        "citations": engine.model.citations,
+        "versions": {
+            "crashsolve": crashsolve.__version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "llvmlite": version("llvmlite"),
+            "h5py": version("h5py"),
+        },
+        "host": socket.gethostname(),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+    }

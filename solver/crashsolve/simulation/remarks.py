@@ -1,0 +1,125 @@
+"""What a run met with, or never did: idle contacts and parts, lost elements, a collapsed step."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crashsolve.model.ledger import LARGEST
+from crashsolve.output.peaks import Extremes
+from crashsolve.system.engine import Engine
+
+# a strain beyond round-off, and the share of the largest energy that one costs at least
+STRAINED, STORED = 1e-10, 1e-18
+# share of the half thicknesses of both sides, beyond which a touch is deep
+DEEP = 0.25
+# columns of beams that tell strains, or strains over a length
+OF_BEAMS = ("strain", "curvature")
+# of so many steps the average counts, and by so much shorter is a collapse
+STEPS, COLLAPSED = 20, 1e-3
+
+
+def pressed_at_start(engine: Engine) -> list[str]:
+    """Contacts that touch when the run begins, with the energy that sets their bodies in motion."""
+    return [
+        f"contact '{name}' touches at the start, {card['depth']:.3g} m deep at most: "
+        f"it holds {card['stored']:.6g} J"
+        for name, card in zip(engine.model.contacts, engine.state.cards, strict=True)
+        if card["touching"] and card["depth"] > 0.0
+    ]
+
+
+def pressed_deep(engine: Engine) -> list[str]:
+    """Contacts of round sides so deep that one can slip by the other: nothing else notices."""
+    now = engine.state.card_history[int(engine.clock["current"])]
+    return [
+        f"contact '{name}': pressed to {100.0 * share:.0f} % of the half thicknesses of both "
+        "sides; so soft, one body goes past the other almost unhindered: make the contact stiffer"
+        for name, share in zip(engine.model.contacts, now["peak_share"], strict=True)
+        if share > DEEP
+    ]
+
+
+def untouched(engine: Engine) -> list[str]:
+    """Contacts that never touched."""
+    now = engine.state.card_history[int(engine.clock["current"])]
+    idle = (now["onsets"] == 0) & (now["peak_normal"] == 0.0)
+    return [name for name, is_idle in zip(engine.model.contacts, idle, strict=True) if is_idle]
+
+
+def undeformed(engine: Engine, extremes: Extremes) -> list[str]:
+    """Parts that never deformed beyond round-off, at any sample."""
+    least, found = STORED * float(engine.ledger[LARGEST]), []
+    for g in engine.model.groups:
+        if g.keyword != "parts" or not g.names:
+            continue
+        if hasattr(g.module, "KINDS"):
+            largest = _largest(extremes, f"matsum-{g.type}", ("strain", "plastic"))
+            found += [name for name in g.names if largest[name] <= least]
+            continue
+        strained: dict[str, float] = {}
+        for name, strain in _largest(extremes, f"elout-{g.type}", OF_BEAMS).items():
+            part = name.rpartition("_")[0]
+            strained[part] = max(strained.get(part, 0.0), strain)
+        found += [part for part, strain in strained.items() if strain < STRAINED]
+    return found
+
+
+def _largest(extremes: Extremes, family: str, columns: tuple[str, ...]) -> dict[str, float]:
+    """Largest magnitude of some columns of a family, by entity."""
+    number = next(k for k, f in enumerate(extremes.families) if f.name == family)
+    its = extremes.families[number]
+    which = [k for k, c in enumerate(its.columns) if c.path.split("/")[0] in columns]
+    bounds = np.abs([extremes.least[number][which], extremes.greatest[number][which]])
+    return dict(zip(its.ids, bounds.max(axis=(0, 1)).tolist(), strict=True))
+
+
+def deleted(engine: Engine, history: Path) -> dict[str, dict[str, Any]]:
+    """Elements deleted by part: their number, and when the first and the last went [s]."""
+    groups = [g for g in engine.model.element_groups() if g.output["deleted"].any()]
+    if not groups:
+        return {}
+    import h5py
+
+    found = {}
+    with h5py.File(history) as file:
+        for g in groups:
+            family = file[f"matsum-{g.type}"]
+            time, counts = family["time"][:], family["deleted"][:]
+            rows = np.isfinite(time)
+            for name, count in zip(family["ids"].asstr(), counts[rows].T, strict=True):
+                if count.any():
+                    first, last = np.argmax(count > 0.0), np.argmax(count == count.max())
+                    found[str(name)] = {
+                        "count": int(count.max()),
+                        "first": float(time[first]),
+                        "last": float(time[last]),
+                    }
+    return found
+
+
+class StepWatch:
+    """Notices an average step that has fallen to a thousandth of what it was."""
+
+    def __init__(self) -> None:
+        self._longest = 0.0
+        self._from: tuple[float, int] | None = None
+        self._has_fallen = False
+
+    def look(self, time: float, cycle: int) -> str:
+        """What to warn of at this time [s] and cycle; empty where nothing is, or it was told."""
+        if self._from is None or cycle < self._from[1]:
+            self._from = time, cycle
+        steps = cycle - self._from[1]
+        if steps < STEPS or self._has_fallen:
+            return ""
+        average = (time - self._from[0]) / steps
+        self._from = time, cycle
+        self._longest = max(self._longest, average)
+        if average > COLLAPSED * self._longest:
+            return ""
+        self._has_fallen = True
+        return (
+            f"the step has fallen from {self._longest:.3g} s to {average:.3g} s "
+            f"at t = {time:.6g} s, cycle {cycle}"
+        )

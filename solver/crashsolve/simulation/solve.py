@@ -1,0 +1,491 @@
+"""One run: deck to results. Read, build, compose, advance, write.
+
+Signals: SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is ignored (queues
+send it along). The words stop, dump and states in control.txt of the results folder do the same.
+"""
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.compiler.cache import notes as cache_notes
+from crashsolve.compiler.machine import forget_linker
+from crashsolve.deck.keywords import answering
+from crashsolve.deck.mistakes import shown
+from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.foundation.errors import (
+    CrashsolveError,
+    DeckError,
+    DeckErrors,
+    ExitCode,
+    RunStopped,
+)
+from crashsolve.foundation.streams import say, tell_error
+from crashsolve.model.build import build
+from crashsolve.output.errors import OutputError
+from crashsolve.output.files import read_plain, reported
+from crashsolve.output.history import HistoryWriter
+from crashsolve.output.lock import Lock
+from crashsolve.output.log import ERROR, NORMAL, STOPPED, Log
+from crashsolve.output.peaks import write_peaks
+from crashsolve.output.restart import SLOTS, newest_restart, write_restart
+from crashsolve.output.states import StateWriter
+from crashsolve.output.status import State as RunState
+from crashsolve.recording.engines import engine_of, is_static
+from crashsolve.recording.histories import Histories
+from crashsolve.recording.recorder import Recorder
+from crashsolve.recording.sampling import Schedule
+from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.phases import ContactPhases
+from crashsolve.simulation.pictures import Pictures
+from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
+from crashsolve.simulation.remarks import (
+    deleted,
+    pressed_at_start,
+    pressed_deep,
+    undeformed,
+    untouched,
+)
+from crashsolve.simulation.resume import FREE, OF_ERRORS, changing, differing, restore
+from crashsolve.simulation.totals import write_totals
+from crashsolve.system.contact.balance import contact_warnings
+from crashsolve.system.engine import Engine
+
+if TYPE_CHECKING:
+    from crashsolve.estimate.conduct import Estimating
+
+# [s] between two looks at control.txt, which cost as much as a step of a small scene
+LOOK = 0.1
+# what a user may ask of a run, by control.txt and by signals
+WORDS = {"stop", "dump", "states"}
+# [bytes] of control.txt that are looked at
+MOST_CONTROL = 4096
+# of the steps that an accuracy needs, in a restart dump
+COARSENESS = "run/coarseness"
+SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
+
+
+def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
+    """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
+    # until there is something to dump: stop as by the keyboard, and dump nothing
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+    with Pulse(f"reading {deck_path.name}", say) as pulse:
+        return _solve(deck_path, folder, overrides, restart, pulse)
+
+
+def _solve(
+    deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool, pulse: Pulse
+) -> int:
+    begun, wall_begun = cpu_time(), time.monotonic()
+    # before the arrays of a large model come
+    forget_linker()
+    deck = read_deck(deck_path, overrides)
+    pulse.does("building the model")
+    was_read = cpu_time()
+    model, state = build(deck)
+    if not is_static(deck):
+        # runs beside this one must not choose anew
+        control = deck.control.model_copy(update={"integrator": model.integrator})
+        deck = replace(deck, control=control)
+    with reported(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with Lock(folder) as lock:
+        built = cpu_time()
+        pulse.does("compiling the step")
+        going_on = restart and any((folder / slot).exists() for slot in SLOTS)
+        with preparing(deck, folder, pulse, going_on) as log:
+            engine = engine_of(deck, model, state)
+            spent = {"read": was_read - begun, "build": built - was_read}
+            spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
+            run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
+            dump = run.prepare(restart)
+        return run.execute(dump, [*filter(None, [lock.warning]), *cache_notes])
+
+
+class Run:
+    """A deck being solved into a results folder."""
+
+    def __init__(
+        self,
+        deck: Deck,
+        engine: Engine,
+        folder: Path,
+        spent: dict[str, float],
+        wall_begun: float,
+        pulse: Pulse,
+        log: Log,
+    ) -> None:
+        self.deck, self.engine, self.folder, self.pulse = deck, engine, folder, pulse
+        self.log = log
+        self.cpu, self.wall_begun = spent, wall_begun
+        self.requests: set[str] = set()
+        self.control_due = 0.0
+        self.files = ExitStack()
+        self.estimating: Estimating | None = None
+        self.schedule = Schedule.of(deck)
+        self.history_step = self.schedule.interval
+        self.sampled = self.schedule.start
+        span, out = self.schedule.end - self.schedule.start, deck.output
+        self.state_step = out.states.interval or span / 50 or 1.0
+        self.log_step = out.log.interval or span / 20 or 1.0
+        self.restart_step = out.restart.every
+
+    def prepare(self, restart: bool) -> Any:
+        """Clear the folder, or find the dump to go on from; open the log. Raises OutputError."""
+        self.notes: list[str] = []
+        dump = newest_restart(self.folder, self.notes.append) if restart else None
+        if not restart:
+            self._clear_folder()
+        elif dump is None:
+            self.notes.append("no restart dump in the folder: the run begins anew")
+        if self.state_step < self.history_step:
+            text = f"states are written with the samples, {self.history_step:.3g} s apart"
+            self.notes.append(text)
+        self.account = Account(
+            self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun, self.pulse
+        )
+        self._catch_signals()
+        return dump
+
+    def execute(self, dump: Any, notes: list[str]) -> int:
+        """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
+        self.pulse.say = self.account.say
+        try:
+            self.account.banner()
+            for text in (*notes, *self.notes, *self.engine.model.warnings):
+                self.log.warning(text)
+            self._begin(dump)
+            self._march()
+            self.engine.finish()
+            while self._misses_its_accuracy():
+                self._start_anew()
+                self._march()
+                self.engine.finish()
+            self._end("finished", ExitCode.NORMAL, "")
+            return ExitCode.NORMAL
+        except RunStopped as stop:
+            # it is ending: a second interrupt would come too late to change that
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+            self.log.line(str(stop))
+            self._end("stopped", ExitCode.STOPPED, str(stop))
+            raise
+        except Exception as error:
+            self._fail(error)
+            raise
+
+    def _clear_folder(self) -> None:
+        """Remove what an earlier run left that this one could mistake for its own."""
+        for name in (*SLOTS, "control.txt", "peaks.txt"):
+            path = self.folder / name
+            # a folder of that name is no word to this run, and is told when words are looked for
+            if name != "control.txt" or not path.is_dir():
+                with reported(path):
+                    path.unlink(missing_ok=True)
+
+    def _fail(self, error: Exception) -> None:
+        """Tell the error and save what can be saved; the first error is the one that counts."""
+        code, message = ExitCode.INTERNAL, f"internal: {error!r}"
+        if isinstance(error, CrashsolveError):
+            code, message = ExitCode(error.exit_code), str(error)
+        for act in (
+            lambda: self.log.error(message),
+            self.files.close,
+            lambda: self.account.status("failed", code, message),
+            lambda: write_totals(self.account),
+            lambda: self.log.finish(ERROR),
+        ):
+            with suppress(OutputError):
+                act()
+
+    def _begin(self, dump: Any) -> None:
+        """Take up the dump, if any; prepare the estimates; open the files."""
+        # both measure from the start of the run, whatever a dump brings
+        self._take_up(self.engine)
+        resumed = None if dump is None else self._restore(*dump)
+        self.estimating = self.account.estimating = self._prepare_estimates(dump)
+        self._open(resumed)
+
+    def _take_up(self, engine: Engine) -> None:
+        """Make this engine the run's: what is told, written and obeyed is of it."""
+        self.engine = self.account.engine = engine
+        engine.on_pause = self._obey_at_once
+        self.histories = Histories(engine)
+        self.pictures = Pictures(engine, self.deck)
+
+    def _open(self, resumed: float | None) -> None:
+        """Evaluate the initial state, unless a dump brought another; open the files."""
+        cpu = cpu_time()
+        if resumed is None:
+            self.engine.start()
+            self._refuse_misfits()
+            for text in pressed_at_start(self.engine):
+                self.log.line(text)
+        self.cpu["compile or load"] += cpu_time() - cpu
+        metadata = provenance(self.deck, self.engine)
+        self.history = HistoryWriter(
+            self.folder / "history.h5",
+            self.histories.families,
+            metadata,
+            resumed,
+            expected_rows=self.schedule.number(self.schedule.end) + 1,
+        )
+        self.files.callback(lambda: write_peaks(self.folder / "peaks.txt", self.history.extremes))
+        self.recorder = Recorder(self.histories, self.history)
+        self.files.callback(self.recorder.close)
+        described = metadata | self.pictures.description()
+        self.states = StateWriter(self.folder, self.pictures.blocks, described, resumed)
+        self.files.callback(self.states.close)
+        if resumed is None:
+            self.engine.sample()
+            self._write(self.deck.control.start_time, force=True)
+
+    def _prepare_estimates(self, dump: Any) -> "Estimating | None":
+        """Look up the watched channels, and the step an accuracy needs; None without any.
+
+        Raises DeckErrors, SolverError, RunStopped.
+        """
+        control, asks = self.deck.control, self.deck.watch or self.deck.expect
+        # who only expects an equilibrium does not pay for one more
+        is_enough = is_static(self.deck) and not self.deck.watch
+        if control.estimate == "off" or not asks or is_enough:
+            if asks or self.deck.output.report:
+                # a misspelt channel is told before the run, not after it
+                from crashsolve.recording.questions import look_up
+
+                look_up(self.deck, self.histories.families)
+            return None
+        # a deck that watches nothing does not pay for what this imports
+        from crashsolve.estimate.conduct import Estimating
+
+        families = self.histories.families
+        estimating = Estimating(self.deck, families, self._is_to_stop, self.log)
+        coarseness = float(dump[0][COARSENESS][0]) if dump else None
+        estimating.set_steps(self.engine.model.control, coarseness)
+        return estimating
+
+    def _misses_its_accuracy(self) -> bool:
+        """Estimate the errors of the finished run; whether another with other steps is due."""
+        if self.estimating is None:
+            return False
+        self.files.close()
+        self.account.status("running", None, "estimating errors")
+        self.pulse.does("estimating errors")
+        cycles = int(self.engine.clock["cycle"])
+        return self.estimating.judge(self.folder / "history.h5", cycles, self.account.spent())
+
+    def _start_anew(self) -> None:
+        """The same deck from its start, with the steps that the estimates ask for."""
+        assert self.estimating is not None
+        self._take_up(Engine(*build(self.deck)))
+        self.account.phases = None
+        self.estimating.set_control(self.engine.model.control)
+        self.cpu |= {"steps": 0.0, "output": 0.0}
+        self._clear_folder()
+        self._open(None)
+
+    def _is_to_stop(self) -> bool:
+        self._read_control()
+        return "stop" in self.requests
+
+    def _refuse_misfits(self) -> None:
+        entries = self.deck.entries
+        found = [
+            self.deck.error(cards[name], None, text, advice)
+            for cards, wrong, advice in (
+                (
+                    {
+                        name: entry
+                        for k in answering("joints")
+                        for name, entry in entries[k].items()
+                    },
+                    self.engine.assembly_errors(),
+                    "correct the joint or the bodies",
+                ),
+                (entries["contacts"], self.engine.overlaps(), "move the bodies apart"),
+            )
+            for name, text in wrong
+        ]
+        if found:
+            raise DeckErrors(found)
+
+    def _march(self) -> None:
+        """Advance from sample to sample until the end."""
+        end = self.schedule.end
+        self.pulse.does("one step")
+        phases = self.account.phases = ContactPhases(self.engine)
+        self.sampled = float(self.engine.clock["sampled"])
+        k = self.schedule.last_until(self.sampled)
+        target = self.schedule.time(k)
+        while target < end:
+            k += 1
+            target = self.schedule.time(k)
+            # no run has children while it marches: their times need not be asked for
+            begun = time.process_time()
+            try:
+                self.engine.reach(target)
+            finally:
+                advanced = time.process_time()
+                self.cpu["steps"] += advanced - begun
+            self.engine.sample(target)
+            phases.count()
+            self.account.keep_alive()
+            self._write(target, force=target == end)
+            self.sampled = target
+            self._obey()
+            self.cpu["output"] += time.process_time() - advanced
+
+    def _write(self, now: float, force: bool) -> None:
+        """Whatever is due at this sample."""
+        self.recorder.take(now)
+        if force or self._due(now, self.state_step):
+            self.states.write(now, self.pictures.fields())
+        if force or self._due(now, self.log_step):
+            self.account.progress()
+        if self.restart_step and self._due(now, self.restart_step):
+            self._dump()
+
+    def _due(self, now: float, step: float) -> bool:
+        """Whether a multiple of `step` has come since the last sample."""
+        begun = now - self.deck.control.start_time
+        before = self.sampled - self.deck.control.start_time
+        return int(begun / step + 1e-9) > int(before / step + 1e-9)
+
+    def _end(self, state: RunState, code: ExitCode, message: str) -> None:
+        """Close the files, and write status, totals and the last line."""
+        self.files.close()
+        self.account.remarks = {
+            "untouched": untouched(self.engine),
+            "undeformed": undeformed(self.engine, self.history.extremes),
+            "deleted": deleted(self.engine, self.folder / "history.h5"),
+        }
+        self.account.status(state, code, message)
+        engine = self.engine
+        unbalanced = []
+        if self.deck.control.solution == "transient":
+            unbalanced = contact_warnings(engine.model, engine.state, engine.ledger)
+        deep = pressed_deep(engine)
+        for text in (*engine.law_warnings(), *deep, *unbalanced, *engine.step_warnings()):
+            self.log.warning(text)
+        write_totals(self.account)
+        self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)
+
+    def _dump(self) -> None:
+        self.recorder.flush()
+        arrays = changing(self.engine) | self.histories.memory
+        if self.estimating is not None:
+            arrays[COARSENESS] = np.array([self.estimating.coarseness])
+        path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
+        self.log.line(f"restart dump {path.name} at t = {float(self.engine.clock['time']):.6g} s")
+
+    def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
+        """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
+        differ = differing(info["deck_text"], self.deck.text)
+        if any(is_bound for _, is_bound in differ):
+            names = ", ".join(name for name, is_bound in differ if is_bound)
+            raise self._misfit(f"another deck, or other values of --set; they differ in {names}")
+        try:
+            restore(self.engine, arrays)
+            for name, array in self.histories.memory.items():
+                array[...] = arrays[name]
+        except (KeyError, ValueError) as reason:
+            raise self._misfit("another version of crashsolve") from reason
+        clock, end = self.engine.clock, self.schedule.end
+        if end < float(clock["time"]):
+            message = (
+                f"control.end_time: {end:g} s lies before the dump, {float(clock['time']):.6g} s"
+            )
+            raise DeckError(str(self.deck.path), None, None, "", message, "say a later time")
+        if differ:
+            control = self.engine.model.control[0]
+            longest = float(control["step_max"])
+            clock["next_step"] = control["fixed_step"] or min(float(clock["next_step"]), longest)
+        if self.deck.control.estimate != "off" and any(name in OF_ERRORS for name, _ in differ):
+            text = "the errors of watched channels are told as if all had run with these settings"
+            self.log.warning(f"what was before went by others: {text}")
+        now = float(clock["sampled"])
+        others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
+        self.log.line(f"going on from t = {now:.6g} s{others}")
+        return now
+
+    def _misfit(self, owner: str) -> DeckError:
+        message = f"the dump in {self.folder} belongs to {owner}"
+        advice = f"run without --restart, or into another folder; free to change are {FREE}"
+        return DeckError(str(self.deck.path), None, None, "", message, advice)
+
+    def _catch_signals(self) -> None:
+        """Keep requests for the next pause; a second interrupt from the keyboard ends at once."""
+        interrupts = 0
+
+        def keep(number: int, _: Any) -> None:
+            nonlocal interrupts
+            self.requests.add(SIGNALS[number])
+            interrupts += number == signal.SIGINT
+            if interrupts > 1:
+                self._end_at_once()
+
+        for number in SIGNALS:
+            signal.signal(number, keep)
+        signal.signal(signal.SIGCONT, signal.SIG_IGN)
+
+    def _end_at_once(self) -> None:
+        """End the process without a restart dump: at any moment all files are whole."""
+        text = "interrupted twice: ended at once, without a restart dump"
+        for act in (
+            lambda: self.log.last_words(text),
+            lambda: self.account.status("stopped", ExitCode.STOPPED, text),
+            lambda: tell_error(text),
+        ):
+            # whatever the interrupt came upon
+            with suppress(Exception):
+                act()
+        os._exit(ExitCode.STOPPED)
+
+    def _obey(self) -> None:
+        """Act on signals and on control.txt."""
+        self._read_control()
+        if "states" in self.requests:
+            self.states.write(float(self.engine.clock["sampled"]), self.pictures.fields())
+            self.requests.discard("states")
+        self._dump_or_stop()
+
+    def _obey_at_once(self) -> None:
+        """The same between two samples; pictures, and what was asked with them, wait for one."""
+        self.account.keep_alive()
+        self._read_control()
+        if "states" not in self.requests:
+            self._dump_or_stop()
+
+    def _dump_or_stop(self) -> None:
+        if self.requests & {"stop", "dump"}:
+            self._dump()
+            self.requests.discard("dump")
+        if "stop" in self.requests:
+            now = float(self.engine.clock["time"])
+            raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
+
+    def _read_control(self) -> None:
+        """Take up the words of control.txt and remove it; what is no plain file is left alone."""
+        now = time.monotonic()
+        if now < self.control_due:
+            return
+        self.control_due, path = now + LOOK, self.folder / "control.txt"
+        if not path.exists():
+            return
+        with reported(path):
+            text = read_plain(path, MOST_CONTROL)
+            if text is None:
+                self.log.warning("control.txt is no plain file and is passed over")
+                return
+            path.unlink()
+        words = set(text.split())
+        self.requests |= words & WORDS
+        for word in sorted(words - WORDS):
+            self.log.warning(f"control.txt: unknown word {shown(word)} (words: dump, states, stop)")

@@ -1,0 +1,84 @@
+"""The end of the log: steps, constraints, energy balance, cost, CPU time by stage, references."""
+
+from crashsolve.model.ledger import ENTRIES, LARGEST
+from crashsolve.simulation.progress import Account, balance
+from crashsolve.system.engine import Engine
+
+
+def write_totals(account: Account) -> None:
+    """Tell the log what the run has come to. Raises OutputError."""
+    engine, log = account.engine, account.log
+    log.line()
+    log.facts(_steps(engine) | _constraints(engine) | _cost(account) | _remarks(account))
+    log.section("energy", _energies(engine))
+    log.timing(account.cpu)
+    log.citations(engine.model.citations)
+
+
+def _steps(engine: Engine) -> dict[str, str]:
+    clock = engine.clock
+    told = {
+        "steps accepted, rejected": f"{int(clock['cycle'])}, {int(clock['rejected'])}",
+        "onsets located": f"{int(clock['located'])}",
+        "energy balance": f"{balance(engine):.3g} %",
+    }
+    if engine.model.nodal_groups:
+        most = float(engine.model.nodal_loads["touched"]["shortened"][0])
+        told["stable step of elements over that with contact"] = f"{most:.3g} at most"
+    return told
+
+
+def _constraints(engine: Engine) -> dict[str, str]:
+    """Rows of the joints, and how well they were kept; nothing of a deck without any."""
+    clock, saddle = engine.clock, engine.model.saddle
+    if not engine.model.joints:
+        return {}
+    return {
+        "constraint rows, redundant": f"{saddle.rows()}, {saddle.redundant()}",
+        "iterations per step": f"{clock['iterations'] / max(int(clock['cycle']), 1):.2f}",
+        "largest constraint error, in position and velocity": (
+            f"{float(clock['residual']):.2g} and {float(clock['rate_residual']):.2g} 1/s, "
+            "of the model's size"
+        ),
+    }
+
+
+def _cost(account: Account) -> dict[str, str]:
+    """Average steps and what they cost; nothing of a run that took none."""
+    phases = account.phases
+    if phases is None or not phases.cycles():
+        return {}
+    factor = account.spent() / phases.simulated()
+    return phases.average_steps() | {
+        "CPU per step": f"{1e6 * account.cpu['steps'] / phases.cycles():.3g} us",
+        "real-time factor": f"{factor:.3g} s of CPU per simulated second",
+    }
+
+
+def _remarks(account: Account) -> dict[str, str]:
+    """What never happened, and which elements were deleted."""
+    found, remarks = {}, account.remarks
+    for name, what in (
+        ("untouched", "contacts that never touched"),
+        ("undeformed", "parts that never deformed"),
+    ):
+        if remarks.get(name):
+            found[what] = ", ".join(remarks[name])
+    for part, lost in remarks.get("deleted", {}).items():
+        count, first, last = lost["count"], lost["first"], lost["last"]
+        when = (
+            f"at {first:.6g} s" if count == 1 or first == last else f"{first:.6g} to {last:.6g} s"
+        )
+        found[f"elements of {part} deleted"] = f"{count}, {when}"
+    return found
+
+
+def _energies(engine: Engine) -> list[str]:
+    """The ledger at the end, in J and in % of the largest energy."""
+    ledger = engine.ledger
+    largest = float(ledger[LARGEST]) or 1.0
+    return [
+        f"{name.replace('_', ' '):20} {value:14.6e} J {100 * value / largest:9.3f} %"
+        for name, value in zip(ENTRIES, map(float, ledger), strict=True)
+        if value != 0.0
+    ]

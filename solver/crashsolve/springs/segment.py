@@ -1,0 +1,440 @@
+"""Spring between two rigid segments of a beam, with the beam's stiffness, and a hinge that yields.
+
+    u = R^T (x_b - x_a),   theta = log(A_a^T A_b),   R half-way between both triads
+    f = K (u - u_p),   m = K_r (theta - theta_p)
+    K = diag(E A / l, k_y, k_z),   K_r = diag(G J, E I_y, E I_z) / l
+    1 / k_y = l^3 / (12 E I_z) + l / (kappa_y G A),   1 / k_z = l^3 / (12 E I_y) + l / (kappa_z G A)
+
+of a beam of the length l, cut in its middle, each half of which has become rigid; x_a and x_b are
+the two sides of the cut. Shear and what moments change by along l bend one spring: so a straight
+chain of any number of segments has the elastic stiffness of Timoshenko's beam. A material that
+yields limits tension and both moments together,
+
+    (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
+
+with plastic flow at right angles to this surface and e the mean plastic strain, plastic work over
+Y A l. Z are the plastic moduli; shear and torsion stay elastic. A hinge forms in the middle of l.
+The ellipse stands for sections of any shape: that of a rectangle is |M| / M_p + (N / N_p)^2 = 1.
+Consequence to test: forces are the gradient of the energy in any configuration; a spring that is
+bent alone flows at Z Y.
+
+References: Huston (1981), Multi-body dynamics including the effects of flexibility and compliance,
+Computers and Structures 14, 443-451. Winget and Huston (1976), Cable dynamics - a finite segment
+approach, Computers and Structures 6, 475-480. Powell and Chen (1986), ASCE J. Eng. Mech. 112,
+627-641 (the ellipse). Simo and Hughes (1998), Computational Inelasticity, 3 (return to it).
+"""
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
+from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import (
+    apply_force,
+    apply_torque,
+    arm,
+    mobility,
+    relative,
+    spin_mobility,
+    stiffen,
+)
+from crashsolve.foundation.orientation import quaternion_of
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import times
+from crashsolve.foundation.vec3 import (
+    ZERO,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    matvec,
+    matvec_t,
+    put,
+    scale,
+    sub,
+    unit,
+    vec,
+)
+from crashsolve.parts.beams.corotational import (
+    half_angle_over_sine,
+    halfway_of,
+    swing_of,
+    turned_rate,
+)
+from crashsolve.parts.beams.fibres import squares
+from crashsolve.sections._plastic import GRID, plastic_modulus
+from crashsolve.springs._between import POINTS
+from crashsolve.springs._card import PointSpringCard
+
+STEPWISE = True
+IMPLICIT = ("generalized_alpha", "radau_iia_5")
+TANGENTS = 6
+# a side that is closer than this to the axis has no direction across it
+ALONG = 1e-6
+PASSES = 50
+# of the yield stress: some units of round-off
+CLOSE = 1e-14
+
+
+class Segment(PointSpringCard):
+    """Spring between two rigid segments of a beam, with the beam's stiffness; it yields."""
+
+    axis: Vec3 = word("direction of the beam, in the frame of a")
+    side: Vec3 = word("direction near the section's y axis, in the frame of a")
+    length: float = quantity("m", "l, of the beam that the spring stands for", gt=0)
+    section: SectionName = word("cross section of the beam")
+    material: MaterialName = word("what it is made of: elastic, or elastoplastic, which yields")
+    damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
+
+
+PARAMETERS = POINTS + Record(
+    turn_a=("1", 4, "unit quaternion, axes of the beam to those of a"),
+    turn_b=("1", 4, "the same for b"),
+    length=("m", "l"),
+    stiffness=("N/m", 3, "diagonal of K"),
+    turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
+    damping=("s", "beta"),
+    moduli=("any", 3, "A, Z_y, Z_z"),
+    volume=("m^3", "A l"),
+    yields=("flag", "whether the material yields"),
+    yield_stress=("Pa", "Y_0"),
+    hardening=("Pa", "H"),
+    curve=("index", "Y over e; 0 for none"),
+    rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
+    rate_q=("1", "q of Cowper and Symonds"),
+)
+HISTORY = Record(
+    plastic=("any", 3, "u_p along the beam, theta_p about y and z"),
+    held=("any", 3, "N, M_y, M_z"),
+    strain=("1", "e"),
+    work=("J", "plastic work"),
+)
+OUTPUT = Record(
+    force=("N", 3, "tension, shear along y and z, axes of the beam"),
+    moment=("N m", 3, "torsion, bending about y and z, in the middle"),
+    displacement=("m", 3, "u"),
+    angle=("rad", 3, "theta"),
+    plastic_angle=("rad", 2, "theta_p about y and z"),
+    plastic_strain=("1", "e, mean over the section"),
+    plastic_work=("J", "taken up so far"),
+)
+
+
+def build(card: Segment, scene: Any) -> dict[str, Any]:
+    section, material, moduli = _laws(card, scene)
+    ends, T = scene.attachments(card), _triad(card, scene)
+    a, b = ends["node_a"], ends["node_b"]
+    in_b = scene.matrix(b).T @ scene.matrix(a) @ T
+    E, G, A, length = material["young"], material["shear"], section["area"], card.length
+    I_y, I_z = section["second"]
+    shear_y, shear_z = section["shear"]
+    return ends | {
+        "turn_a": quaternion_of(T),
+        "turn_b": quaternion_of(in_b),
+        "length": length,
+        "stiffness": (
+            E * A / length,
+            1.0 / (length**3 / (12.0 * E * I_z) + length / (shear_y * G * A)),
+            1.0 / (length**3 / (12.0 * E * I_y) + length / (shear_z * G * A)),
+        ),
+        "turning_stiffness": (G * section["torsion"] / length, E * I_y / length, E * I_z / length),
+        "damping": card.damping,
+        "moduli": moduli,
+        "volume": A * length,
+        "yields": "yield_stress" in material,
+        "yield_stress": material.get("yield_stress", 0.0),
+        "hardening": material.get("isotropic", 0.0),
+        "curve": material.get("curve", 0),
+        "rate_D": material.get("rate_D", 0.0),
+        "rate_q": material.get("rate_q", 1.0),
+    }
+
+
+def _laws(card: Segment, scene: Any) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
+    """Constants of section and material, and A, Z_y, Z_z."""
+    law, material_card = scene.law("materials", card.material)
+    kind = law.__name__.rpartition(".")[2]
+    if kind not in ("elastic", "elastoplastic"):
+        raise scene.fail("needs a material of type elastic or elastoplastic", "material")
+    for field in ("kinematic", "failure_strain"):
+        if getattr(material_card, field, None):
+            message = f"material '{card.material}' has {field}, which a segment does not follow"
+            raise scene.fail(f"{message}; take fibre beams or shells for it", "material")
+    material = law.build(material_card, scene)
+    law, section_card = scene.law("sections", card.section)
+    section = law.build(section_card, material["poisson"])
+    if kind == "elastic":
+        return section, material, (1.0, 1.0, 1.0)
+    if not hasattr(law, "fibres"):
+        raise scene.fail("a section without a shape has no plastic modulus", "section")
+    fibres = law.fibres(section_card, GRID)
+    Z_y, Z_z = (plastic_modulus(fibres, axis) for axis in "yz")
+    return section, material, (section["area"], Z_y, Z_z)
+
+
+def _triad(card: Segment, scene: Any) -> np.ndarray:
+    """Axes of the beam as columns, in the frame of a."""
+    axis, side = scene.unit(card.axis, "axis"), scene.unit(card.side, "side")
+    across = side - axis * float(axis @ side)
+    if np.linalg.norm(across) < ALONG:
+        raise scene.fail("points along the beam; give a direction across it", "side")
+    side = scene.unit(across, "side")
+    return np.column_stack([axis, side, np.cross(axis, side)])
+
+
+@kernel
+def seen(p, nodes):
+    """R, v, w of corotational.py, arms of both ends, u, theta, and the rates of these two."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    R, v, w = halfway_of(turned(a, p.turn_a), turned(b, p.turn_b))
+    d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
+    x, x_dot = relative(a, d_a, b, d_b)
+    eta, spin = half_angle_over_sine(v, w), matvec_t(R, sub(vec(b.w), vec(a.w)))
+    mean = scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
+    u = matvec_t(R, x)
+    u_dot = sub(matvec_t(R, x_dot), cross(sub(mean, swing_of(v, w, spin)), u))
+    return R, v, w, d_a, d_b, u, scale(2.0 * eta, v), u_dot, turned_rate(eta, v, spin)
+
+
+@kernel
+def turned(body, turn):
+    """Configuration of the beam's axes at a body: a unit quaternion."""
+    q = (body.q[0], body.q[1], body.q[2], body.q[3])
+    return times(q, (turn[0], turn[1], turn[2], turn[3]))
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    R, v, w, d_a, d_b, u, theta, u_dot, theta_dot = seen(p, nodes)
+    k, k_r = vec(p.stiffness), vec(p.turning_stiffness)
+    held, stored, lost = resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot)
+    f = (held[0], k[1] * u[1], k[2] * u[2])
+    m = (k_r[0] * theta[0], held[1], held[2])
+    elastic = f[1] * u[1] + f[2] * u[2] + m[0] * theta[0]
+    lag = scale(p.damping, (k[0] * u_dot[0], k[1] * u_dot[1], k[2] * u_dot[2]))
+    drag = scale(p.damping, (k_r[0] * theta_dot[0], k_r[1] * theta_dot[1], k_r[2] * theta_dot[2]))
+    out.stored = stored + 0.5 * elastic
+    out.power = dot(lag, u_dot) + dot(drag, theta_dot)
+    out.loss = lost
+    new.work = old.work + lost
+    f, m = add(f, lag), add(m, drag)
+    put(out.force, f)
+    put(out.moment, m)
+    put(out.displacement, u)
+    put(out.angle, theta)
+    out.plastic_angle[0], out.plastic_angle[1] = new.plastic[1], new.plastic[2]
+    out.plastic_strain, out.plastic_work = new.strain, new.work
+    act(p, nodes, R, v, w, d_a, d_b, u, f, m)
+    tell(p, nodes, R, v, w, d_a, d_b, u)
+
+
+@kernel
+def resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot):
+    """N, M_y, M_z, the energy they store and what is lost in the step. Writes: new."""
+    k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
+    q = (u[0], theta[1], theta[2])
+    trial = (
+        k[0] * (q[0] - old.plastic[0]),
+        k[1] * (q[1] - old.plastic[1]),
+        k[2] * (q[2] - old.plastic[2]),
+    )
+    flow, share = 0.0, 0.0
+    if p.yields == 1 and h > 0.0:
+        factor = factor_of(p, (u_dot[0], theta_dot[1], theta_dot[2]))
+        flow, share = growth(p, k, trial, old.strain, factor, curves)
+    new.strain = old.strain + flow / p.volume
+    held = scaled_back(p, k, trial, share)
+    stored, lost = 0.0, 0.0
+    for i in range(3):
+        new.plastic[i] = old.plastic[i] + (trial[i] - held[i]) / k[i]
+        stored += 0.5 * held[i] * held[i] / k[i]
+        # bodies feel the mean of the forces before and after the step
+        lost += 0.5 * (old.held[i] + held[i]) * (trial[i] - held[i]) / k[i]
+        new.held[i] = held[i]
+    return held, stored, lost
+
+
+@kernel
+def scaled_back(p, k, trial, share):
+    """Trial forces returned to the ellipse: F = trial / (1 + share k / Z^2)."""
+    return (
+        trial[0] / (1.0 + share * k[0] / p.moduli[0] ** 2),
+        trial[1] / (1.0 + share * k[1] / p.moduli[1] ** 2),
+        trial[2] / (1.0 + share * k[2] / p.moduli[2] ** 2),
+    )
+
+
+@kernel
+def growth(p, k, trial, strain, factor, curves):
+    """Plastic work over stress in a step [m^3], and the same over stress; 0 within the ellipse.
+
+    Newton's method on 1 / |F / Z| over Y, which is concave in the flow, and linear for one force.
+    """
+    flow, share = 0.0, 0.0
+    for _ in range(PASSES):
+        stress, slope = flow_stress(p, strain + flow / p.volume, curves)
+        stress, slope = factor * stress, factor * slope / p.volume
+        size, steep = 0.0, 0.0
+        for i in range(3):
+            s, c = trial[i] / p.moduli[i], k[i] / p.moduli[i] ** 2
+            x = stress + flow * c
+            size += (s / x) ** 2
+            steep += s * s * (slope + c) / x**3
+        share = flow / stress
+        if size <= 1.0 + CLOSE or not steep > 0.0:
+            break
+        size = sqrt(size)
+        flow += (1.0 - 1.0 / size) * size**3 / steep
+    return flow, share
+
+
+@kernel
+def flow_stress(p, strain, curves):
+    """Yield stress Y at no rate, and its slope."""
+    if p.curve > 0:
+        flow, slope, _ = curve_value(curves, p.curve, strain)
+        return flow, slope
+    return p.yield_stress + p.hardening * strain, p.hardening
+
+
+@kernel
+def factor_of(p, rate):
+    """By which the yield stress is higher at these rates of stretch and turns."""
+    if p.rate_D == 0.0:
+        return 1.0
+    A, per = p.moduli[0], 1.0 / p.length
+    bend_y, bend_z = p.moduli[1] / A * rate[1], p.moduli[2] / A * rate[2]
+    strained = per * sqrt(rate[0] * rate[0] + bend_y * bend_y + bend_z * bend_z)
+    return 1.0 + (strained / p.rate_D) ** (1.0 / p.rate_q)
+
+
+@kernel
+def act(p, nodes, R, v, w, d_a, d_b, u, f, m):
+    """The force f and the moments m, which belong to u and theta, on both bodies. Writes: nodes."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    c = cross(u, f)
+    m = sub(turned_rate(half_angle_over_sine(v, w), v, m), swing_of(v, w, c))
+    pull = matvec(R, f)
+    apply_force(a, pull, d_a)
+    apply_force(b, scale(-1.0, pull), d_b)
+    apply_torque(a, matvec(R, add_scaled(m, 0.5, c)))
+    apply_torque(b, matvec(R, add_scaled(scale(-1.0, m), 0.5, c)))
+
+
+@kernel
+def tell(p, nodes, R, v, w, d_a, d_b, u):
+    """Tell the step control of all six directions. Writes: nodes."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    # rows of a bent spring are longer than those of a straight one, and end half-way between
+    growth, gap = half_angle_over_sine(v, w) ** 2, scale(0.5, matvec(R, u))
+    at_a, at_b = add(d_a, gap), sub(d_b, gap)
+    for k in range(3):
+        e = (R[k], R[3 + k], R[6 + k])
+        stiffness, turning = p.stiffness[k], growth * p.turning_stiffness[k]
+        stiffen(a, mobility(a, at_a, e), stiffness, p.damping * stiffness)
+        stiffen(b, mobility(b, at_b, e), stiffness, p.damping * stiffness)
+        stiffen(a, spin_mobility(a, e), turning, p.damping * turning)
+        stiffen(b, spin_mobility(b, e), turning, p.damping * turning)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Of the forces by places and velocities, but for the turn of the forces. Writes: rows."""
+    R, v, w, d_a, d_b, u, theta, u_dot, theta_dot = seen(p, nodes)
+    k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
+    trial = (
+        k[0] * (u[0] - state.plastic[0]),
+        k[1] * (theta[1] - state.plastic[1]),
+        k[2] * (theta[2] - state.plastic[2]),
+    )
+    flow, share, factor = 0.0, 0.0, 1.0
+    if p.yields == 1:
+        factor = factor_of(p, (u_dot[0], theta_dot[1], theta_dot[2]))
+        flow, share = growth(p, k, trial, state.strain, factor, curves)
+    for i in range(3):
+        k_u, k_t = p.stiffness[i], p.turning_stiffness[i]
+        shear_row(rows[first + i], R, v, w, d_a, d_b, u, i)
+        turning_row(rows[first + 3 + i], R, v, w, i)
+        rows[first + i].stiffness, rows[first + 3 + i].stiffness = k_u, k_t
+        rows[first + i].damping, rows[first + 3 + i].damping = p.damping * k_u, p.damping * k_t
+    if flow > 0.0:
+        # in the place of N, M_y and M_z three mixtures of them; their damping is left to iteration
+        left = softened(p, k, trial, flow, share, state.strain, factor, curves)
+        weight, mixed = squares(left)
+        mix(rows, first, 1.0, mixed[0], mixed[1], rows[first], weight[0])
+        mix(rows, first, 0.0, 1.0, mixed[2], rows[first + 4], weight[1])
+        rows[first + 5].stiffness, rows[first + 5].damping = weight[2], 0.0
+
+
+@kernel
+def softened(p, k, trial, flow, share, strain, factor, curves):
+    """Derivatives of N, M_y, M_z by stretch and turns while they flow (upper half, 6).
+
+    dF = (diag(k s) - b b^T / B) dq,   s = 1 / (1 + share k / Z^2),   b = F s k / Z^2,
+    B = sum F b / Z^2 + Y^2 Y' / (1 - Y' share), Y' per flow.
+    """
+    stress, slope = flow_stress(p, strain + flow / p.volume, curves)
+    stress, slope = factor * stress, factor * slope / p.volume
+    held = scaled_back(p, k, trial, share)
+    s_0 = k[0] / (1.0 + share * k[0] / p.moduli[0] ** 2)
+    s_1 = k[1] / (1.0 + share * k[1] / p.moduli[1] ** 2)
+    s_2 = k[2] / (1.0 + share * k[2] / p.moduli[2] ** 2)
+    b_0 = held[0] * s_0 / p.moduli[0] ** 2
+    b_1 = held[1] * s_1 / p.moduli[1] ** 2
+    b_2 = held[2] * s_2 / p.moduli[2] ** 2
+    B = stress * stress * slope / (1.0 - slope * share)
+    B += held[0] * b_0 / p.moduli[0] ** 2
+    B += held[1] * b_1 / p.moduli[1] ** 2 + held[2] * b_2 / p.moduli[2] ** 2
+    return (
+        s_0 - b_0 * b_0 / B,
+        -b_0 * b_1 / B,
+        -b_0 * b_2 / B,
+        s_1 - b_1 * b_1 / B,
+        -b_1 * b_2 / B,
+        s_2 - b_2 * b_2 / B,
+    )
+
+
+@kernel
+def mix(rows, first, stretch, about_y, about_z, own, stiffness):
+    """Row of N, M_y and M_z in this proportion. Writes: own."""
+    N, M_y, M_z = rows[first], rows[first + 4], rows[first + 5]
+    for j in range(12):
+        own.D[j] = stretch * N.D[j] + about_y * M_y.D[j] + about_z * M_z.D[j]
+    own.stiffness, own.damping = stiffness, 0.0
+
+
+@kernel
+def shear_row(row, R, v, w, d_a, d_b, u, k):
+    """Derivative of -u_k by the motions of both bodies. Writes: row."""
+    e = unit(k)
+    c = cross(u, e)
+    m = scale(-1.0, swing_of(v, w, c))
+    write(row, R, e, add_scaled(m, 0.5, c), add_scaled(scale(-1.0, m), 0.5, c))
+    pull = matvec(R, e)
+    turn_a, turn_b = cross(d_a, pull), cross(d_b, pull)
+    for j in range(3):
+        row.D[3 + j] += turn_a[j]
+        row.D[9 + j] -= turn_b[j]
+
+
+@kernel
+def turning_row(row, R, v, w, k):
+    """Derivative of -theta_k by the turns of both bodies. Writes: row."""
+    m = turned_rate(half_angle_over_sine(v, w), v, unit(k))
+    write(row, R, ZERO, m, scale(-1.0, m))
+
+
+@kernel
+def write(row, R, f, m_a, m_b):
+    """Force f with moments m_a and m_b on both ends, axes of R. Writes: row."""
+    f, m_a, m_b = matvec(R, f), matvec(R, m_a), matvec(R, m_b)
+    for j in range(3):
+        row.D[j], row.D[6 + j] = f[j], -f[j]
+        row.D[3 + j], row.D[9 + j] = m_a[j], m_b[j]
+    for j in range(12):
+        row.G[j] = 0.0

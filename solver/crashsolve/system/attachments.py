@@ -1,0 +1,52 @@
+"""Attached nodes: nodes that move with a rigid body, and hand it the forces on them.
+
+    r = r_body + A s,   q = q_body q_s,   v = v_body + w x A s,   w = w_body
+    f_body += f,   tau_body += tau + A s x f
+
+Ambrosio (2003), Eq. 9-10: what acts on the nodes welded to a rigid part acts on it. The chapter
+prints the couples of Eq. 8 with the opposite sign, and Eq. 10 as if it were another Eq. 9.
+Consequence to test: a free body of rigid and flexible parts keeps its angular momentum.
+"""
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import arm, point_at, point_velocity
+from crashsolve.foundation.rotation import write_matrix
+from crashsolve.foundation.turn import times
+from crashsolve.foundation.vec3 import add, add_to, cross, put, vec
+
+
+@kernel
+def carry(attached_nodes, nodes):
+    """Configuration and velocity of every attached node from its body's. Writes: nodes."""
+    for i in range(attached_nodes.shape[0]):
+        attached_node = attached_nodes[i]
+        body, node = nodes[attached_node.body], nodes[attached_node.node]
+        d = arm(body, vec(attached_node.arm))
+        put(node.r, point_at(body, d))
+        put(node.v, point_velocity(body, d))
+        put(node.w, vec(body.w))
+        q = times(
+            (body.q[0], body.q[1], body.q[2], body.q[3]),
+            (
+                attached_node.turn[0],
+                attached_node.turn[1],
+                attached_node.turn[2],
+                attached_node.turn[3],
+            ),
+        )
+        for k in range(4):
+            node.q[k] = q[k]
+        write_matrix(node.q, node.A)
+
+
+@kernel
+def collect(attached_nodes, nodes):
+    """Forces and torques on attached nodes go to their bodies. Writes: nodes."""
+    for i in range(attached_nodes.shape[0]):
+        attached_node = attached_nodes[i]
+        body, node = nodes[attached_node.body], nodes[attached_node.node]
+        f = vec(node.force)
+        add_to(body.force, f)
+        add_to(body.torque, add(vec(node.torque), cross(arm(body, vec(attached_node.arm)), f)))
+        put(node.force, (0.0, 0.0, 0.0))
+        put(node.torque, (0.0, 0.0, 0.0))

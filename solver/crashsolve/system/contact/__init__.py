@@ -1,0 +1,1 @@
+"""Contact within a step: projections, pairs, surface friction, unilateral impulses, work."""

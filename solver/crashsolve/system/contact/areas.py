@@ -1,0 +1,174 @@
+"""Contact over an area: a force shared out over points, friction that resists a spin.
+
+Friction sees the slip and r w_n at once, w_n the spin of a over b about the normal and r the radius
+with which friction resists it, as one vector with the spin along the normal:
+
+    v + r w_n n  ->  t + t_n n      force t along the surface, torque r t_n n
+
+so that any law of friction keeps its limit, its regularisation and its energy: |t + t_n n| <= mu N,
+the ellipsoidal limit surface. Consequence to test: spun alone, an even disc feels 2/3 mu N R.
+
+References: Howe and Cutkosky (1996), Int. J. Robotics Research 15, 557-572.
+"""
+
+from crashsolve.contact.narrow._convex import tangents
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import apply_force, apply_torque, note_late, point_tangent
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    cross,
+    dot,
+    matvec,
+    norm,
+    put,
+    scale,
+    sub,
+    vec,
+)
+from crashsolve.system.contact.touches import closing, count_stiffness, pair_mobility
+from crashsolve.system.contact.work import begin_push, way_from
+
+# what a law is told that lays its memory into the plane: along the normal it is that of a spin
+NO_TURN = (0.0, 0.0, 0.0)
+
+
+@kernel
+def sliding(a, b, slip, n, radius):
+    """Slip of a over b and, along the normal, that of the spin at the radius [m/s]."""
+    return add_scaled(slip, radius * dot(sub(vec(a.w), vec(b.w)), n), n)
+
+
+@kernel
+def along_surface(rub, n):
+    """The part of friction or sliding that is no spin."""
+    return add_scaled(rub, -dot(rub, n), n)
+
+
+@kernel
+def way_of_sliding(motion, way, n, radius):
+    """Displacement of a over b in a step, `way` in a place of both, as sliding has it [m]."""
+    return add_scaled(along_surface(way, n), radius * dot(motion[2], n), n)
+
+
+@kernel
+def end_first_half(h, old, motion, a, card):
+    """Work of the forces of the start of the step, of which that of friction is returned [J].
+
+    Writes: card.
+    """
+    size = norm(vec(old.push))
+    if old.active == 0 or h == 0.0 or size == 0.0:
+        return 0.0
+    n = scale(1.0 / size, vec(old.push))
+    way = way_from(motion, a, vec(old.place))
+    friction_loss = 0.5 * dot(vec(old.rub), way_of_sliding(motion, way, n, old.radius))
+    card.work += 0.5 * size * dot(n, way)
+    card.friction_work += friction_loss
+    return friction_loss
+
+
+@kernel
+def begin_second_half(felt, way, glide, f, rub, n, x, radius, out, new, card):
+    """Work of the forces at the end of the step, which are kept for the next. Writes: new, card."""
+    begin_push(felt, way, f, n, x, out, new, card)
+    card.friction_work += 0.5 * felt * dot(rub, glide)
+    card.bristled += out.friction_stored
+    put(new.rub, rub)
+    new.bristled, new.radius = out.friction_stored, radius
+
+
+@kernel
+def twist(a, b, rub, n, radius, felt):
+    """Torque of friction about the normal, on a and against it on b. Writes: a, b."""
+    moment = scale(radius * dot(rub, n), n)
+    apply_torque(a, moment)
+    apply_torque(b, scale(-1.0, moment))
+    if felt < 1.0:
+        add_to(a.late_torque, scale(1.0 - felt, moment))
+        add_to(b.late_torque, scale(felt - 1.0, moment))
+
+
+@kernel
+def rubbing_mobility(a, b, d_a, d_b, u, n, radius):
+    """Mobilities of both sides for friction along u, slip and spin of length 1 [1/kg]."""
+    force, moment = along_surface(u, n), scale(radius * dot(u, n), n)
+    return respond(a, d_a, force, moment), respond(b, d_b, force, moment)
+
+
+@kernel
+def respond(body, d, force, moment):
+    """How a body gives way to a force at d with a torque, along both [1/kg]."""
+    turn = add(cross(d, force), moment)
+    return dot(force, force) * body.mass_inv + dot(turn, matvec(body.W, turn))
+
+
+@kernel
+def press(a, b, spots, count, n, x, felt, f, rate, damping, most_stiffness, most_damping):
+    """Normal force f at closing speed `rate` in the points of an area, where speeds differ.
+
+    Laws are linear in the speed where they press. Returns the force [N], the power that the
+    differences dissipate [W] and the point of the line on which all of it acts. Writes: a, b.
+    """
+    total, power, moment = 0.0, -f * rate, NO_TURN
+    for k in range(count):
+        y, share = vec(spots[k].point), spots[k].share
+        rate_k, _, d_a, d_b = closing(a, b, y, n)
+        f_k = share * max(0.0, f + damping * (rate_k - rate))
+        push = scale(f_k, n)
+        apply_force(a, push, d_a)
+        apply_force(b, scale(-1.0, push), d_b)
+        if felt < 1.0:
+            note_late(a, scale(1.0 - felt, push), d_a)
+            note_late(b, scale(felt - 1.0, push), d_b)
+        mob_a, mob_b = pair_mobility(a, b, d_a, d_b, n)
+        count_stiffness(a, b, mob_a, mob_b, share * most_stiffness, share * most_damping)
+        total += f_k
+        power += f_k * rate_k
+        moment = add_scaled(moment, f_k, y)
+    return total, power, scale(1.0 / total, moment) if total > 0.0 else x
+
+
+@kernel
+def add_pressure(f, n, out):
+    """Sum f of the normal forces of an area on side a, beside its friction. Writes: out."""
+    for k in range(3):
+        out.force[k] += f * n[k]
+
+
+@kernel
+def tilt_tangents(first, second, spots, count, n, x, f, damping, edge):
+    """Tangents of the torque against tilting about both tangents. Writes: first, second.
+
+    The centre of pressure crosses the area while the sides tilt by their rounding over its size.
+    """
+    s, t = tangents(n)
+    about_s, about_t = 0.0, 0.0
+    for k in range(count):
+        d = sub(vec(spots[k].point), x)
+        about_s += spots[k].share * dot(d, t) ** 2
+        about_t += spots[k].share * dot(d, s) ** 2
+    tilt_tangent(first, s, 3.0 * f / edge * about_s, damping * about_s)
+    tilt_tangent(second, t, 3.0 * f / edge * about_t, damping * about_t)
+
+
+@kernel
+def tilt_tangent(row, g, stiffness, damping):
+    """Tangent of a torque about g on a and against it on b. Writes: row."""
+    for k in range(3):
+        row.D[k] = row.D[6 + k] = 0.0
+        row.D[3 + k], row.D[9 + k] = g[k], -g[k]
+    for k in range(12):
+        row.G[k] = 0.0
+    row.stiffness, row.damping = stiffness, damping
+
+
+@kernel
+def rub_tangent(row, u, n, radius, d_a, d_b, damping):
+    """Tangent of friction along u, slip and spin of length 1. Writes: row."""
+    point_tangent(row, along_surface(u, n), d_a, d_b, 0.0, damping)
+    spin = radius * dot(u, n)
+    for k in range(3):
+        row.D[3 + k] += spin * n[k]
+        row.D[9 + k] -= spin * n[k]

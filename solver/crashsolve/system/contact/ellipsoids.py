@@ -1,0 +1,110 @@
+"""Ellipsoids that press on faces: as balls whose centre rolls within them.
+
+    z = c - (d + s) m,   s the shortest semi-axis: the ball of radius s about z touches at the foot
+
+c is the place of a face nearest to the ellipsoid, d their distance and m the normal there; what
+holds for balls and faces then holds with z for the centre. Consequence to test: an ellipsoid of
+equal semi-axes does what a ball does; momentum and angular momentum are kept to round-off, since
+the force acts along the line through z, the foot and c.
+
+Along a field of normals n (normals.py) the foot is the place of the ellipsoid with the normal -n:
+
+    z = x - S(n) + s n / |n|,   S(n) = B n / sqrt(n . B n),   x its centre, B its matrix
+"""
+
+from math import sqrt
+
+from crashsolve.contact.cells import corner_points
+from crashsolve.contact.narrow._ellipsoid_face import nearest_to_ellipsoid
+from crashsolve.contact.narrow._frame import into, out_of, seen_from
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import arm, place, point_velocity
+from crashsolve.foundation.vec3 import add_scaled, dot, matvec_t, norm, put, scale, sub, vec
+from crashsolve.system.contact.projection import begin_look, take, tell_depth
+
+
+@kernel
+def look(i, p, totals, ellipsoid, nodes, probe_states, turns, mesh, lists, found):
+    """The nearest face on either side of an ellipsoid, nearer than the gap. Writes: found, lists.
+
+    A face that is farther waits until all can have gone so far.
+    """
+    first, near, wait, due = lists
+    body, soonest = nodes[ellipsoid.node], 1e300
+    low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
+    is_deep = begin_look(i, p, probe_states, turns, found)
+    for k in range(first[i], first[i + 1]):
+        f = near[k]
+        if mesh[5][f] == 1:
+            continue
+        if wait[k] <= totals.way or is_deep:
+            a, b, c, d = corners_seen(ellipsoid, body, p, f, mesh)
+            N, spot, way, m = nearest_to_ellipsoid(vec(ellipsoid.semi), p.gap - low, a, b, c, d)
+            wait[k] = totals.way + max(way + low - p.gap, 0.0)
+            if way + low < p.gap:
+                to = scale(way + low, out_of(ellipsoid, body, m))
+                take(i, p, f, N, spot, abs(way + low), to, probe_states, turns, mesh, found)
+        soonest = min(soonest, wait[k])
+    due[i] = soonest
+    tell_depth(p, found)
+
+
+@kernel
+def corners_seen(ellipsoid, body, p, f, mesh):
+    """Corners of a face from the centre of the ellipsoid, in its axes."""
+    points, at = mesh[0], corner_points(p, f, mesh[1])
+    return (
+        seen_from(ellipsoid, body, vec(points[at[0]].r)),
+        seen_from(ellipsoid, body, vec(points[at[1]].r)),
+        seen_from(ellipsoid, body, vec(points[at[2]].r)),
+        seen_from(ellipsoid, body, vec(points[at[3]].r)),
+    )
+
+
+@kernel
+def roll(ball, p, hit, nodes, points, corners):
+    """The ball that touches in place of the ellipsoid: its velocity. Writes: ball."""
+    at, z = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
+    for k in range(4):
+        z = add_scaled(z, hit.N[k], vec(points[at[k]].r))
+    z = add_scaled(z, p.gap - hit.depth, vec(hit.normal))
+    body = nodes[ball.node]
+    put(ball.at, matvec_t(body.A, sub(z, vec(body.r))))
+    return point_velocity(body, arm(body, vec(ball.at)))
+
+
+@kernel
+def pen_of(ellipsoid, nodes):
+    """Centre of an ellipsoid, and what to_centre() knows of it."""
+    body = nodes[ellipsoid.node]
+    low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
+    return place(body, vec(ellipsoid.point)), (ellipsoid, body, low)
+
+
+@kernel
+def widened(ellipsoid, y):
+    """A direction in the axes of the ellipsoid times its semi-axes squared."""
+    a, b, c = vec(ellipsoid.semi)
+    return a * a * y[0], b * b * y[1], c * c * y[2]
+
+
+@kernel
+def to_centre(pen, n):
+    """From the ball that touches at the foot with the normal -n, any length, to the centre."""
+    ellipsoid, body, low = pen
+    y = into(ellipsoid, body, n)
+    w = widened(ellipsoid, y)
+    S = out_of(ellipsoid, body, scale(1.0 / sqrt(dot(w, y)), w))
+    return add_scaled(S, -low / norm(n), n)
+
+
+@kernel
+def to_centre_by(pen, n, d):
+    """Its change with a change d of n."""
+    ellipsoid, body, low = pen
+    y, y_d = into(ellipsoid, body, n), into(ellipsoid, body, d)
+    w, size = widened(ellipsoid, y), norm(n)
+    k = 1.0 / sqrt(dot(w, y))
+    w_d = add_scaled(widened(ellipsoid, y_d), -k * k * dot(w, y_d), w)
+    way = add_scaled(d, -dot(n, d) / (size * size), n)
+    return add_scaled(out_of(ellipsoid, body, scale(k, w_d)), -low / size, way)

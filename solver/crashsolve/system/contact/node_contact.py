@@ -1,0 +1,346 @@
+"""Contact of many small probes, nodes and balls, each with the nearest it can meet on either side.
+
+    due:  a probe d apart from touching is looked at again when sum 2 |v|_max h has grown by d
+
+Most probes are far from anything in most steps; what a step costs is the looking at those that are
+not. A probe has a slot for each side of a surface, with two records that take turns: what is
+accepted, and what the present force pass finds. Consequence to test: the same forces as looking at
+all probes in all steps.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import (
+    apply_force,
+    arm,
+    mobility,
+    place,
+    point_at,
+    point_velocity,
+    stiffen,
+)
+from crashsolve.foundation.point import RIDES
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    dot,
+    matvec,
+    norm,
+    put,
+    scale,
+    sub,
+    vec,
+)
+
+# mobility below which two sides cannot move [1/kg]
+STUCK = 1e-30
+
+
+@kernel
+def open_loads(scene):
+    """Nothing touches yet, and no speed is known. Writes: scene.touched, stiffened."""
+    total = scene.touched[0]
+    for j in range(total.count):
+        at = scene.stiffened[scene.touched_points[j]]
+        at.stiffness = at.damping = 0.0
+        at.listed = 0
+    total.count, total.first_seen = 0, -1
+    total.rate = total.damping = 0.0
+
+
+@kernel
+def close_loads(scene):
+    """Contact makes the mesh stiffer where it touches: bound there. Writes: scene.touched.
+
+    omega^2 <= max_i (sum omega_e^2 m_ei + 2 sum k N_i) / m_i, the first as in points.py, the second
+    since (x - sum N_i x_i)^2 <= 2 x^2 + 2 sum N_i x_i^2; dampers as in timestep.py.
+    """
+    total = scene.touched[0]
+    for j in range(total.count):
+        i = scene.touched_points[j]
+        b, more = scene.points[i], scene.stiffened[i]
+        total.rate = max(total.rate, b.load * b.mass_inv + 2.0 * more.stiffness)
+
+
+@kernel
+def hasten(clock, scene):
+    """Bound of the highest frequency of the mesh without contact, and with it.
+
+    Writes: clock, scene.touched.
+    """
+    total, alone = scene.touched[0], clock.element_rate
+    half = total.damping
+    speed = sqrt(max(alone, total.rate) + half * half) + half
+    clock.element_rate = max(alone, speed * speed)
+    total.shortened = max(total.shortened, speed / sqrt(alone))
+
+
+@kernel
+def where(probe, h, nodes, points):
+    """Place and velocity of a probe; of a point, that at the end of the step as foretold."""
+    if probe.point >= 0:
+        b = points[probe.point]
+        return vec(b.r), foretold(b, h)
+    body = nodes[probe.node]
+    d = arm(body, vec(probe.at))
+    return point_at(body, d), point_velocity(body, d)
+
+
+@kernel
+def foretold(b, h):
+    """Velocity of a point at the end of the step, by the forces so far."""
+    if b.held >= RIDES:
+        return vec(b.v)
+    return add_scaled(vec(b.v), 0.5 * h * b.mass_inv, free_part(b.held, vec(b.force)))
+
+
+@kernel
+def free_part(held, u):
+    """A vector along or about the world axes, less what is held."""
+    if held & 7 == 0:
+        return u
+    return (
+        0.0 if held & 1 else u[0],
+        0.0 if (held >> 1) & 1 else u[1],
+        0.0 if (held >> 2) & 1 else u[2],
+    )
+
+
+@kernel
+def fastest(h, p, probes, nodes, scene):
+    """Largest speed in this step of the probes, and of the points of the faces."""
+    most = fastest_point(p, scene)
+    if p.own == 0:
+        for i in range(probes.shape[0]):
+            most = max(most, speed_of(probes[i], h, p, nodes, scene.points))
+    return most
+
+
+@kernel
+def fastest_point(p, scene):
+    """Largest speed of the points of the faces, which another group may have found already.
+
+    Writes: scene.touched.
+    """
+    total, most = scene.touched[0], 0.0
+    if total.first_seen == p.first_point and total.seen == p.point_count:
+        return total.speed
+    for i in range(p.first_point, p.first_point + p.point_count):
+        v = vec(scene.points[i].v)
+        most = max(most, dot(v, v))
+    total.first_seen, total.seen, total.speed = p.first_point, p.point_count, sqrt(most)
+    return total.speed
+
+
+@kernel
+def speed_of(probe, h, p, nodes, points):
+    """Mean speed of a probe over the step."""
+    if probe.point >= 0:
+        return norm(vec(points[probe.point].v))
+    body = nodes[probe.node]
+    turning = p.over * norm(vec(body.w))
+    if h == 0.0:
+        return turning + norm(point_velocity(body, arm(body, vec(probe.at))))
+    before = add(vec(body.start_r), matvec(body.start_A, vec(probe.at)))
+    return turning + norm(sub(place(body, vec(probe.at)), before)) / h
+
+
+@kernel
+def hold_back(clock, p, totals):
+    """Cut the next step so that no two sides come nearer by more than `reach`.
+
+    Writes: clock.next_step.
+    """
+    if totals.fastest * clock.next_step > p.reach:
+        clock.next_step = p.reach / totals.fastest
+
+
+@kernel
+def open_pass(totals):
+    """Nothing is stored. Writes: totals."""
+    totals.stored = totals.bristled = totals.depth = 0.0
+
+
+@kernel
+def settle(turns, j):
+    """What was found in the last step is accepted; returns which record that is. Writes: turns."""
+    if turns[j] > 1:
+        turns[j] = 3 - turns[j]
+    return turns[j]
+
+
+@kernel
+def take_turn(h, turns, j):
+    """What this step has found will be accepted, a sample never. Writes: turns."""
+    if h > 0.0:
+        turns[j] += 2
+
+
+@kernel
+def leave(clock, h, totals, turns, j, old, new):
+    """A slot is free again. Writes: totals, turns, new."""
+    totals.dissipated += clock.lead * old.power
+    new.active = 0
+    new.power = new.depth = new.impact_speed = new.force = new.stored = 0.0
+    take_turn(h, turns, j)
+
+
+@kernel
+def closing(v, v_other, hit, h, old, w):
+    """Closing speed; the force of the last step stands for that which points do not know yet.
+
+    w is how they would move under it [1/kg].
+    """
+    return dot(sub(v_other, v), vec(hit.normal)) - 0.5 * h * w * old.force
+
+
+@kernel
+def give(b, n):
+    """Acceleration of a point along n over a force there [1/kg]; what is held gives none."""
+    return b.mass_inv * dot(free_part(b.held, n), n)
+
+
+@kernel
+def foretells(b, n):
+    """The same of points whose velocity is foretold: not of those that ride on bodies."""
+    return give(b, n) if b.held < RIDES else 0.0
+
+
+@kernel
+def probe_foretells(probe, hit, points):
+    """The same of a probe."""
+    return foretells(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
+
+
+@kernel
+def mobility_of(probe, hit, nodes, points):
+    """Acceleration of a probe over a force along the normal [1/kg]."""
+    if probe.point >= 0:
+        return give(points[probe.point], vec(hit.normal))
+    body = nodes[probe.node]
+    return mobility(body, arm(body, vec(probe.at)), vec(hit.normal))
+
+
+@kernel
+def note(clock, h, p, totals, card, f, stored, power, loss, old, new, hit):
+    """Add a touching slot to what its card and the ledger tell. Writes: totals, card, new."""
+    totals.stored += stored
+    if h > 0.0:
+        totals.dissipated += clock.lead * old.power + clock.share * power + loss
+    new.power = power
+    new.force, new.stored = f, stored
+    new.face = hit.face
+    put(new.normal, vec(hit.normal))
+    for j in range(4):
+        new.N[j] = hit.N[j]
+    totals.depth = max(totals.depth, hit.depth)
+    add_to(card.force, scale(p.order * f, vec(hit.normal)))
+    card.normal += f
+    card.touching += 1.0
+    card.depth = max(card.depth, hit.depth)
+    card.impact_speed = max(card.impact_speed, new.impact_speed)
+
+
+@kernel
+def close_pass(totals, card, count):
+    """Energies of the group to its card. Writes: card, count."""
+    count.held += totals.stored
+    count.bristled += totals.bristled
+    card.depth = max(card.depth, 0.0)
+    card.stored += totals.stored + totals.bristled
+    card.dissipated += totals.dissipated
+    card.friction_dissipated += totals.friction_loss
+
+
+@kernel
+def push_probe(probe, f, k, c, hit, nodes, scene):
+    """Force f along the normal on a probe. Writes: nodes, scene.points, stiffened, touched."""
+    n = vec(hit.normal)
+    if probe.point >= 0:
+        add_to(scene.points[probe.point].force, scale(f, n))
+        count(probe.point, 1.0, k, c, scene)
+        return
+    body = nodes[probe.node]
+    d = arm(body, vec(probe.at))
+    apply_force(body, scale(f, n), d)
+    stiffen(body, mobility(body, d, n), k, c)
+
+
+@kernel
+def count(i, share, k, c, scene):
+    """Tell the step control of a contact on a point. Writes: scene.stiffened, touched."""
+    load(i, share * scene.points[i].mass_inv, k, c, scene)
+
+
+@kernel
+def load(i, w, k, c, scene):
+    """The same for an acceleration w over the force [1/kg]. Writes: scene.stiffened, touched."""
+    total, at = scene.touched[0], scene.stiffened[i]
+    if at.listed == 0:
+        scene.touched_points[total.count] = i
+        total.count += 1
+        at.listed = 1
+    at.stiffness += k * w
+    at.damping += c * w
+    total.damping = max(total.damping, at.damping)
+
+
+# --- rigid shapes: their own gap routines, with the probe as a body among copies of bodies -------
+
+
+@kernel
+def open_shapes(h, p, totals, probes, nodes, scene, frames, home):
+    """Copies of the bodies with the shapes; how far probes have gone. Writes: totals, frames."""
+    open_pass(totals)
+    speed = 0.0
+    for k in range(1, frames.shape[0]):
+        frame, body = frames[k], nodes[home[k]]
+        put(frame.r, vec(body.r))
+        for j in range(9):
+            frame.A[j] = body.A[j]
+        speed = max(speed, norm(vec(body.v)) + norm(vec(body.w)) * p.extent)
+    totals.fastest = fastest(h, p, probes, nodes, scene) + speed
+    # how far a shape moves is known too late: shapes that do are looked at in every step
+    totals.way = totals.way + h * totals.fastest if speed == 0.0 else 1e300
+
+
+@kernel
+def pose(frames, x, hit):
+    """The probe as a body, and nothing found yet. Writes: frames, hit."""
+    put(frames[0].r, x)
+    hit.depth = -1e300
+
+
+@kernel
+def deeper(hit, e, depth, n):
+    """Keep the deepest of the shapes. Writes: hit."""
+    if depth > hit.depth:
+        hit.depth, hit.face = depth, e
+        put(hit.normal, n)
+
+
+@kernel
+def wait_for(i, hit, totals, due):
+    """A probe that is apart waits until it can have gone so far. Writes: due."""
+    due[i] = totals.way + max(-hit.depth, 0.0)
+
+
+@kernel
+def body_velocity(body, x):
+    """Velocity of a body at a place."""
+    return point_velocity(body, sub(x, vec(body.r)))
+
+
+@kernel
+def body_mobility(body, x, hit):
+    """Acceleration of a body at a place over a force along the normal [1/kg]."""
+    return mobility(body, sub(x, vec(body.r)), vec(hit.normal))
+
+
+@kernel
+def push_body(body, x, f, k, c, hit, mob):
+    """Minus a force f along the normal at x. Writes: body."""
+    apply_force(body, scale(-f, vec(hit.normal)), sub(x, vec(body.r)))
+    stiffen(body, mob, k, c)

@@ -1,0 +1,311 @@
+"""Faces of shells as targets of probes: nearest point, side, force spread by its weights.
+
+    d = |x - c|,   n = (x - c) / d,   depth = gap - d,   f n on the probe, -f N_k n on the corners
+
+c is the nearest point of the mid-surface on either side of which the probe may be, and on either
+side it meets one face: the nearest. Which side a probe is on is seen when it comes nearer than the
+gap, by the normal there (of both faces at a common side, of all at a common corner, weighted by
+angle), and remembered: should it be driven through the mid-surface, x - c turns over from one step
+to the next, and depth = gap + d pushes it back. No step brings two sides nearer by more than a
+quarter of the gap, so none is passed unseen. Consequence to test: momentum and angular momentum are
+kept to round-off, since f acts along the line through x and c.
+
+References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and Computer Graphics
+11, 243-253.
+"""
+
+from math import acos, sqrt
+
+from crashsolve.contact.cells import corner_points, list_near, measure, sort
+from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.point import LANES
+from crashsolve.foundation.vec3 import add, add_scaled, add_to, dot, norm, put, scale, sub, vec
+from crashsolve.parts.shells.records import BLOCK
+from crashsolve.system.contact.node_contact import (
+    count,
+    fastest,
+    foretells,
+    foretold,
+    give,
+    open_pass,
+    settle,
+    where,
+)
+
+# a distance of this share of the gap has no direction
+NO_WAY = 1e-9
+
+
+@kernel
+def open_faces(h, p, totals, probes, nodes, scene, grid, lists, spared):
+    """How far all have gone; the lists anew where that is more than their margin.
+
+    Writes: totals, grid, lists.
+    """
+    points, corners = scene.points, scene.corners
+    open_pass(totals)
+    totals.fastest = 2.0 * fastest(h, p, probes, nodes, scene)
+    totals.way += h * totals.fastest
+    if totals.way <= totals.listed + p.margin:
+        return
+    first, due = lists[0], lists[3]
+    cells, starts, sorted_faces = grid
+    reach = p.gap + p.over + p.margin
+    width = measure(p, points, corners, cells) + reach
+    sort(p, width, cells, starts, sorted_faces)
+    total = 0
+    for i in range(probes.shape[0]):
+        x, _ = where(probes[i], 0.0, nodes, points)
+        first[i], due[i] = min(total, p.room), totals.way
+        total = list_near(i, x, p, totals.way, reach, width, grid, lists, spared, total)
+    first[probes.shape[0]] = min(total, p.room)
+    totals.listed, totals.pairs = totals.way, total
+    totals.searches += 1
+
+
+@kernel
+def bury(p, blocks, gone):
+    """Faces of elements that are deleted can be met no more. Writes: gone."""
+    for f in range(p.face_count):
+        first, stride, k = p.first_number, p.stride, f
+        if f >= p.quads:
+            first, stride, k = p.first_third, p.stride_third, f - p.quads
+        t = blocks[first + k // LANES * stride + LANES * BLOCK.thickness + k % LANES]
+        gone[f] = 1 if t == 0.0 else 0
+
+
+@kernel
+def let_go(h, totals, old, stored, gone):
+    """What a touch has stored less than before is lost with the element. Writes: totals."""
+    if h > 0.0 and old.active == 1 and gone[old.face] == 1:
+        totals.dissipated += old.stored - stored
+
+
+@kernel
+def note_lost(clock, h, p, totals, old, mesh):
+    """A probe behind its own face, which no face holds any more, has passed. Writes: totals."""
+    is_behind = old.depth > p.gap and mesh[5][old.face] == 0
+    if h > 0.0 and is_behind and totals.passed == 0.0:
+        totals.passed = clock.time + h
+
+
+@kernel
+def is_crowded(p, totals):
+    """Whether the lists fill more than half of their room: time for more."""
+    return 2 * totals.pairs > p.room
+
+
+@kernel
+def look(i, x, p, totals, probe_states, turns, mesh, lists, found):
+    """The nearest face on either side of a probe at x, nearer than the gap. Writes: found, lists.
+
+    A face that is farther waits until all can have gone so far.
+    """
+    first, near, wait, due = lists
+    soonest = 1e300
+    is_deep = begin_look(i, p, probe_states, turns, found)
+    for k in range(first[i], first[i + 1]):
+        f = near[k]
+        if mesh[5][f] == 1:
+            continue
+        if wait[k] <= totals.way or is_deep:
+            a, b, c, d = seen_from(x, p, f, mesh)
+            N, square, spot = nearest_on_face(a, b, c, d)
+            distance = sqrt(square)
+            wait[k] = totals.way + max(distance - p.gap, 0.0)
+            # what has been driven through is not let go behind
+            if distance < p.gap or is_deep:
+                to = point_of(N, a, b, c, d)
+                take(i, p, f, N, spot, distance, to, probe_states, turns, mesh, found)
+        soonest = min(soonest, wait[k])
+    due[i] = soonest
+    tell_depth(p, found)
+
+
+@kernel
+def begin_look(i, p, probe_states, turns, found):
+    """Nothing is found; whether the probe is so deep that no face waits. Writes: found, turns."""
+    is_deep = False
+    for s in range(2):
+        found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
+        old = probe_states[settle(turns, 2 * i + s), 2 * i + s]
+        is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
+    return is_deep
+
+
+@kernel
+def tell_depth(p, found):
+    """Depth of what is found, from its distance. Writes: found."""
+    for s in range(2):
+        if found[s].face >= 0:
+            found[s].depth = p.gap - (-1.0 if found[s].crossed == 1 else 1.0) * found[s].distance
+
+
+@kernel
+def seen_from(x, p, f, mesh):
+    """Corners of a face from a place."""
+    points, at = mesh[0], corner_points(p, f, mesh[1])
+    return (
+        sub(vec(points[at[0]].r), x),
+        sub(vec(points[at[1]].r), x),
+        sub(vec(points[at[2]].r), x),
+        sub(vec(points[at[3]].r), x),
+    )
+
+
+@kernel
+def take(i, p, f, N, spot, distance, to, probe_states, turns, mesh, found):
+    """Keep a face that is the nearest on its side so far; `to` leads to it. Writes: found."""
+    s, crossed = side(i, p, f, spot, to, probe_states, turns, mesh)
+    hit = found[s]
+    if distance >= hit.distance or (distance >= p.gap and crossed == 0):
+        return
+    hit.distance, hit.face, hit.crossed = distance, f, crossed
+    for k in range(4):
+        hit.N[k] = N[k]
+    if f >= p.quads:
+        hit.N[2], hit.N[3] = N[2] + N[3], 0.0
+    old = probe_states[turns[2 * i + s], 2 * i + s]
+    if distance > NO_WAY * p.gap:
+        put(hit.normal, scale((1.0 if crossed == 1 else -1.0) / distance, to))
+    elif old.active == 1:
+        put(hit.normal, vec(old.normal))
+    else:
+        n = face_normal(p, f, mesh)
+        put(hit.normal, scale(1.0 if s == 0 else -1.0, n))
+
+
+@kernel
+def side(i, p, f, spot, to, probe_states, turns, mesh):
+    """Side of a face on which a probe is, 0 that of the normal; 1 if it has crossed from there."""
+    up, down = probe_states[turns[2 * i], 2 * i], probe_states[turns[2 * i + 1], 2 * i + 1]
+    is_up = up.active == 1 and are_kin(p, f, up.face, mesh)
+    is_down = down.active == 1 and are_kin(p, f, down.face, mesh)
+    if is_up != is_down:
+        s = 0 if is_up else 1
+        before = vec(up.normal) if is_up else vec(down.normal)
+        if dot(to, before) <= 0.0:
+            return s, 0
+        # round a free border it is no crossing
+        if not on_border(p, f, spot, mesh):
+            return s, 1
+    return 0 if dot(to, outward(p, f, spot, mesh)) <= 0.0 else 1, 0
+
+
+@kernel
+def are_kin(p, f, g, mesh):
+    """Whether two faces have a corner in common."""
+    a, b = corner_points(p, f, mesh[1]), corner_points(p, g, mesh[1])
+    for m in range(4):
+        for n in range(4):
+            if a[m] == b[n]:
+                return True
+    return False
+
+
+@kernel
+def on_border(p, f, spot, mesh):
+    """Whether a place of a face lies on a free border."""
+    if spot == INSIDE:
+        return False
+    if spot < CORNER:
+        return over_side(f, spot - EDGE, mesh) < 0
+    first, faces = mesh[3], mesh[4]
+    point = corner_points(p, f, mesh[1])[spot - CORNER]
+    own = point - p.first_own
+    for k in range(first[own], first[own + 1]):
+        g = faces[k]
+        at, last = corner_points(p, g, mesh[1]), 3
+        for c in range(4):
+            ends = over_side(g, c, mesh) < 0 or over_side(g, last, mesh) < 0
+            if mesh[5][g] == 0 and at[c] == point and ends:
+                return True
+            last = c
+    return False
+
+
+@kernel
+def over_side(f, k, mesh):
+    """The face across a side; -1: none. Over its side of no length a triangle has itself."""
+    g = mesh[2][4 * f + k]
+    return -1 if g < 0 or mesh[5][g] == 1 else g
+
+
+@kernel
+def face_normal(p, f, mesh):
+    """Unit normal of a face."""
+    points, at = mesh[0], corner_points(p, f, mesh[1])
+    n = across(
+        vec(points[at[0]].r), vec(points[at[1]].r), vec(points[at[2]].r), vec(points[at[3]].r)
+    )
+    return scale(1.0 / norm(n), n)
+
+
+@kernel
+def outward(p, f, spot, mesh):
+    """Normal of the surface at a place of a face."""
+    n = face_normal(p, f, mesh)
+    if spot == INSIDE:
+        return n
+    if spot < CORNER:
+        g = over_side(f, spot - EDGE, mesh)
+        return n if g < 0 else add(n, face_normal(p, g, mesh))
+    first, faces = mesh[3], mesh[4]
+    point = corner_points(p, f, mesh[1])[spot - CORNER]
+    own, total = point - p.first_own, (0.0, 0.0, 0.0)
+    for k in range(first[own], first[own + 1]):
+        g = faces[k]
+        if mesh[5][g] == 0:
+            total = add_scaled(total, angle_at(p, g, point, mesh), face_normal(p, g, mesh))
+    return total
+
+
+@kernel
+def angle_at(p, f, point, mesh):
+    """Angle of a face at one of its corners [rad]."""
+    points, at = mesh[0], corner_points(p, f, mesh[1])
+    for k in range(4):
+        if at[k] == point:
+            x = vec(points[point].r)
+            # the third corner of a triangle comes twice
+            ahead = (k + 2) % 4 if at[(k + 1) % 4] == point else (k + 1) % 4
+            u = sub(vec(points[at[ahead]].r), x)
+            v = sub(vec(points[at[(k + 3) % 4]].r), x)
+            cosine = dot(u, v) / sqrt(dot(u, u) * dot(v, v))
+            return acos(min(max(cosine, -1.0), 1.0))
+    return 0.0
+
+
+@kernel
+def face_velocity(p, hit, h, points, corners):
+    """Velocity of the place of a face that is touched."""
+    at, v = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
+    for k in range(4):
+        v = add_scaled(v, hit.N[k], foretold(points[at[k]], h))
+    return v
+
+
+@kernel
+def face_mobility(p, hit, points, corners):
+    """Acceleration of that place over a force on it [1/kg], and what points foretell of it."""
+    at, n, w, foretold_w = (
+        corner_points(p, hit.face, corners),
+        vec(hit.normal),
+        0.0,
+        0.0,
+    )
+    for k in range(4):
+        b, square = points[at[k]], hit.N[k] * hit.N[k]
+        w += square * give(b, n)
+        foretold_w += square * foretells(b, n)
+    return w, foretold_w
+
+
+@kernel
+def push_face(p, hit, f, k, c, scene):
+    """Minus a force f along the normal, on the corners. Writes: scene.points, stiffened."""
+    at = corner_points(p, hit.face, scene.corners)
+    for j in range(4):
+        add_to(scene.points[at[j]].force, scale(-f * hit.N[j], vec(hit.normal)))
+        count(at[j], hit.N[j], k, c, scene)

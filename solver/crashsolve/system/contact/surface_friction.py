@@ -1,0 +1,221 @@
+"""Friction of nodal contact: where the two sides touch, how they slip there, what it does to both.
+
+    y = x - s (gap - depth) n,   slip = v_a(y) - v_b(y) without its part along n
+
+Both sides have what is left of the gap between them, s of it the probe: a ball and the nodes of a
+shell turn under friction by their radius, faces by half of their thickness. Friction t acts on the
+probe and -t on the faces, in the one place y: consequence to test, angular momentum is kept to
+round-off. As with the normal force, points foretell their velocity by all other forces, and that of
+the last step stands for the friction itself.
+"""
+
+from crashsolve.contact.cells import corner_points
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import apply_force, arm, mobility, stiffen
+from crashsolve.foundation.point import RIDES
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    cross,
+    dot,
+    norm,
+    put,
+    scale,
+    sub,
+    vec,
+)
+from crashsolve.system.contact.node_contact import foretold, free_part, load
+from crashsolve.system.contact.work import arms, rub_along
+
+
+@kernel
+def on_shape(p, hit, x):
+    """The place of contact with a shape, from a probe at x and in the world."""
+    d, _ = arms(p, hit)
+    return d, add(x, d)
+
+
+@kernel
+def turning(b, h):
+    """Angular velocity of a point at the end of the step, by the torques so far."""
+    if b.held >= RIDES:
+        return vec(b.w)
+    return add_scaled(vec(b.w), 0.5 * h * b.J_inv, free_part(b.held >> 3, vec(b.torque)))
+
+
+@kernel
+def ease(b, d):
+    """Acceleration of the place d from a point over a force across d [1/kg]."""
+    return b.mass_inv + dot(d, d) * b.J_inv
+
+
+@kernel
+def probe_velocity(probe, v, d, h, nodes, points):
+    """Velocity of the place d from a probe that moves with v."""
+    if probe.point >= 0:
+        return add(v, cross(turning(points[probe.point], h), d))
+    body = nodes[probe.node]
+    return add(v, cross(vec(body.w), d))
+
+
+@kernel
+def moves(b, d, f):
+    """Acceleration of the place d from a point by a force f there, of what is foretold."""
+    if b.held >= RIDES:
+        return 0.0, 0.0, 0.0
+    turn = scale(b.J_inv, free_part(b.held >> 3, cross(d, f)))
+    return add_scaled(cross(turn, d), b.mass_inv, free_part(b.held, f))
+
+
+@kernel
+def probe_foretells(probe, d, old, points):
+    """The same of a probe by the friction of the last step."""
+    if probe.point < 0:
+        return 0.0, 0.0, 0.0
+    return moves(points[probe.point], d, vec(old.rub))
+
+
+@kernel
+def face_velocity(p, hit, d, h, points, corners):
+    """Velocity of the place d from that of a face that is touched."""
+    at, v, w = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(4):
+        v = add_scaled(v, hit.N[k], foretold(points[at[k]], h))
+        w = add_scaled(w, hit.N[k], turning(points[at[k]], h))
+    return add(v, cross(w, d))
+
+
+@kernel
+def face_foretells(p, hit, d, old, a, points, corners):
+    """a, and how the place d from that of a face moves away from under the same friction."""
+    at = corner_points(p, hit.face, corners)
+    for k in range(4):
+        b = points[at[k]]
+        a = add_scaled(a, hit.N[k] * hit.N[k], moves(b, d, vec(old.rub)))
+    return a
+
+
+@kernel
+def slipping(v, u, hit, h, a):
+    """Velocity of the probe over the other side, along it, and n; a is still to be counted."""
+    n = vec(hit.normal)
+    slip = add_scaled(sub(v, u), 0.5 * h, a)
+    return add_scaled(slip, -dot(slip, n), n), n
+
+
+@kernel
+def open_rubbing(h, scene):
+    """Friction has not been counted in this step; a sample counts none. Writes: scene.stiffened."""
+    if h == 0.0:
+        return
+    for j in range(scene.touched[0].count):
+        at = scene.stiffened[scene.touched_points[j]]
+        at.was_pressed, at.pressed = at.pressed, 0.0
+
+
+@kernel
+def press(b, h, rate):
+    """Count rate [m/s^2], normal force times mobility, of one contact; returns that of all.
+
+    Writes: b.
+    """
+    if h > 0.0:
+        b.pressed += rate
+    return max(b.was_pressed, rate)
+
+
+@kernel
+def pressed_probe(probe, d, u, f, h, nodes, scene):
+    """What all friction at a probe, this one included, is pressed by. Writes: nodes, stiffened."""
+    if probe.point >= 0:
+        return press(scene.stiffened[probe.point], h, f * ease(scene.points[probe.point], d))
+    body = nodes[probe.node]
+    to = add(arm(body, vec(probe.at)), d)
+    return press(body, h, f * mobility(body, to, u))
+
+
+@kernel
+def ease_on_face(clock, h, p, probe, hit, d, e, u, f, nodes, scene):
+    """Slip that friction takes in half a step, over the friction [s/kg].
+
+    Of what all friction at the probe and at the corners can take along u, this has the share of its
+    normal force f in what presses there: sum of f N w over the last step.
+    Writes: nodes, scene.stiffened.
+    """
+    if f <= 0.0:
+        return 0.0
+    total = pressed_probe(probe, d, u, f, h, nodes, scene)
+    at = corner_points(p, hit.face, scene.corners)
+    for k in range(4):
+        rate = f * hit.N[k] * ease(scene.points[at[k]], e)
+        total += hit.N[k] * press(scene.stiffened[at[k]], h, rate)
+    return 0.5 * max(h, clock.next_step) * total / f
+
+
+@kernel
+def ease_on_shape(clock, h, probe, body, d, y, u, f, nodes, scene):
+    """The same where a probe touches a shape. Writes: nodes, body, scene.stiffened."""
+    if f <= 0.0:
+        return 0.0
+    total = pressed_probe(probe, d, u, f, h, nodes, scene)
+    total += press(body, h, f * mobility(body, sub(y, vec(body.r)), u))
+    return 0.5 * max(h, clock.next_step) * total / f
+
+
+@kernel
+def rub_probe(probe, t, u, d, k, c, nodes, scene):
+    """Friction t, along u, in the place d from a probe. Writes: nodes, scene.points, stiffened."""
+    if probe.point >= 0:
+        b = scene.points[probe.point]
+        add_to(b.force, t)
+        add_to(b.torque, cross(d, t))
+        load(probe.point, ease(b, d), k, c, scene)
+        return
+    body = nodes[probe.node]
+    to = add(arm(body, vec(probe.at)), d)
+    apply_force(body, t, to)
+    stiffen(body, mobility(body, to, u), k, c)
+
+
+@kernel
+def rub_face(p, hit, t, d, k, c, scene):
+    """Minus the friction t in the place d from a face. Writes: scene.points, stiffened."""
+    at = corner_points(p, hit.face, scene.corners)
+    for j in range(4):
+        b, share = scene.points[at[j]], scale(-hit.N[j], t)
+        add_to(b.force, share)
+        add_to(b.torque, cross(d, share))
+        load(at[j], hit.N[j] * ease(b, d), k, c, scene)
+
+
+@kernel
+def rub_body(body, y, t, u, k, c):
+    """Minus the friction t, along u, in the place y. Writes: body."""
+    d = sub(y, vec(body.r))
+    apply_force(body, scale(-1.0, t), d)
+    stiffen(body, mobility(body, d, u), k, c)
+
+
+@kernel
+def note(h, p, totals, card, t, stored, loss, new):
+    """Add the friction of one to what its card and the ledger tell. Writes: totals, card, new."""
+    totals.bristled += stored
+    if h > 0.0:
+        totals.friction_loss += loss
+    new.bristled = stored
+    put(new.rub, t)
+    add_to(card.force, scale(p.order, t))
+    card.tangential += norm(t)
+
+
+@kernel
+def leave(h, totals, u, old, new, card):
+    """Friction ends: what its bristle held is lost, less its last work over u.
+
+    Writes: totals, new, card.
+    """
+    if h > 0.0:
+        totals.friction_loss += old.bristled - rub_along(old, u, card)
+    new.bristled = 0.0
+    put(new.rub, (0.0, 0.0, 0.0))

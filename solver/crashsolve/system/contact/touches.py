@@ -1,0 +1,268 @@
+"""Bookkeeping of contact pairs: onset, slip, application of the force, sums per contact card.
+
+The closing speed is latched at the first evaluation that touches, which the integrator has placed
+at the true onset. A pair that separates forgets it.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import (
+    apply_force,
+    arm,
+    mobility,
+    note_late,
+    point_at,
+    point_velocity,
+    stiffen,
+)
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
+
+# share of the half thickness of both sides by which a step may bring two that are apart together;
+# spheres of radius R that meet by less than 6e-4 R on their way past may still not be seen
+SEEN = 0.05
+
+
+@kernel
+def open_cards(cards):
+    """Zero the sums of a force pass. Writes: cards."""
+    for k in range(cards.shape[0]):
+        c = cards[k]
+        for j in range(3):
+            c.force[j] = 0.0
+        c.normal = c.tangential = c.impact_speed = c.touching = 0.0
+        c.stored = c.dissipated = c.friction_dissipated = 0.0
+        c.depth = -1e300
+
+
+@kernel
+def close_cards(clock, cards, history):
+    """Peaks, impulses and losses per contact card. Writes: history, cards."""
+    for k in range(cards.shape[0]):
+        c, old, new = cards[k], history[clock.current, k], history[1 - clock.current, k]
+        for j in range(3):
+            total = new.impulse[j]
+            if clock.opens == 1:
+                total = old.impulse[j] + clock.lead * old.force_before[j]
+            new.impulse[j] = total + clock.share * (c.force[j] - new.late[j])
+            new.force_before[j] = c.force[j]
+        c.dissipated += old.left_dissipated
+        c.friction_dissipated += old.left_friction_dissipated
+        new.left_dissipated = old.left_dissipated
+        new.left_friction_dissipated = old.left_friction_dissipated
+        new.peak_normal = max(old.peak_normal, c.normal)
+        new.peak_depth = max(old.peak_depth, c.depth)
+        pushed, friction_loss = new.held + c.dissipated, new.bristled + c.friction_dissipated
+        new.handled = max(old.handled, abs(pushed))
+        new.friction_handled = max(old.friction_handled, abs(friction_loss))
+        if clock.cycle == 0:
+            new.held_first = pushed + new.work
+
+
+@kernel
+def closing(a, b, x, n):
+    """Closing speed, slip velocity of a over b, and arms to the point of contact."""
+    d_a = sub(x, vec(a.r))
+    d_b = sub(x, vec(b.r))
+    v = sub(point_velocity(a, d_a), point_velocity(b, d_b))
+    rate = -dot(v, n)
+    return rate, add_scaled(v, rate, n), d_a, d_b
+
+
+@kernel
+def pair_mobility(a, b, d_a, d_b, n):
+    """Mobilities of both sides along the normal [1/kg]."""
+    return mobility(a, d_a, n), mobility(b, d_b, n)
+
+
+@kernel
+def latch(p, old, new, depth, rate, cards):
+    """Impact speed of this contact. Writes: new, onset count of the card."""
+    new.active = 1
+    new.depth = depth
+    if old.active == 1:
+        new.impact_speed = old.impact_speed
+    else:
+        new.impact_speed = max(rate, p.speed_floor)
+        cards[p.card].onsets += 1
+
+
+@kernel
+def separate(clock, old, new, out, depth, x):
+    """No contact: everything rests. Writes: new, out."""
+    new.active = 0
+    new.depth = depth
+    new.impact_speed = 0.0
+    if clock.opens == 1:
+        new.dissipated = old.dissipated
+        new.friction_dissipated = old.friction_dissipated
+    new.power = new.friction_power = 0.0
+    out.stored = out.friction_stored = 0.0
+    for k in range(3):
+        out.force[k] = 0.0
+        out.point[k] = x[k]
+
+
+@kernel
+def share_felt(old, depth, rate, h):
+    """Share of a step's closing kick that a contact gives: less than 1 where it has just begun.
+
+    A force f that jumps at the onset has acted for the time depth/rate, not for the whole step.
+    """
+    if old.active == 1 or rate * h <= 0.0:
+        return 1.0
+    return min(1.0, 2.0 * depth / (rate * h))
+
+
+@kernel
+def begun_before(clock, old, h):
+    """0 of a contact that begins at the end of the step, 1 of any other.
+
+    A step ends where a contact begins. What jumps there must not act in a stage at its end: that
+    has the weight of all of the step, and no step to the onset would be short enough. What a stage
+    within the step meets, it feels: a touch and go shows in the error of the step.
+    """
+    return 0.0 if clock.ends == 1 and old.active == 0 and h > 0.0 else 1.0
+
+
+@kernel
+def touch(a, b, d_a, d_b, felt, f, t, n, x, out):
+    """Normal force f along n and friction t on both sides. Writes: a, b, out."""
+    total = add_scaled(t, f, n)
+    apply_force(a, total, d_a)
+    apply_force(b, scale(-1.0, total), d_b)
+    if felt < 1.0:
+        note_late(a, scale(1.0 - felt, total), d_a)
+        note_late(b, scale(felt - 1.0, total), d_b)
+    for k in range(3):
+        out.force[k] = total[k]
+        out.point[k] = x[k]
+
+
+@kernel
+def count_stiffness(a, b, mob_a, mob_b, stiffness, damping):
+    """Contact stiffness for the step control. Writes: a, b."""
+    stiffen(a, mob_a, stiffness, damping)
+    stiffen(b, mob_b, stiffness, damping)
+
+
+@kernel
+def open_rubbing(nodes):
+    """Friction has not been counted in this pass. Writes: nodes."""
+    for i in range(nodes.shape[0]):
+        nodes[i].was_pressed, nodes[i].pressed = nodes[i].pressed, 0.0
+
+
+@kernel
+def ease_of_pair(clock, h, a, b, mob_a, mob_b, f):
+    """Slip that friction takes from a pair in half a step, over the friction [s/kg].
+
+    Of what all friction on both bodies can take, this pair has the share of its normal force f in
+    what they press: sum of f w over the last step. Writes: a, b.
+    """
+    if f <= 0.0:
+        return 0.0
+    a.pressed += f * mob_a
+    b.pressed += f * mob_b
+    total = max(a.was_pressed, f * mob_a) + max(b.was_pressed, f * mob_b)
+    return 0.5 * max(h, clock.next_step) * total / f
+
+
+@kernel
+def along(t, slip, n):
+    """Unit vector of the friction t, or of the slip; the normal when there is neither."""
+    size = norm(t)
+    if size > 0.0:
+        return scale(1.0 / size, t)
+    size = norm(slip)
+    return scale(1.0 / size, slip) if size > 0.0 else n
+
+
+@kernel
+def ahead(old, slip, n):
+    """Unit vector along which friction acts, as far as is known before it is."""
+    return along(vec(old.rub), slip, n)
+
+
+@kernel
+def strayed(clock, elements, nodes, seen, slack):
+    """Whether an element has gone far since its list of near pairs was made.
+
+    The next step is cut so that none can go farther than `slack` before this is asked again.
+    Writes: clock.next_step.
+    """
+    farthest, fastest = 0.0, 0.0
+    for i in range(elements.shape[0]):
+        e = elements[i]
+        body = nodes[e.node]
+        d = arm(body, vec(e.point))
+        v = point_velocity(body, d)
+        way = sub(point_at(body, d), vec(seen[i].r))
+        farthest = max(farthest, dot(way, way))
+        fastest = max(fastest, dot(v, v))
+    if fastest * clock.next_step**2 > (0.2 * slack) ** 2:
+        clock.next_step = 0.2 * slack / sqrt(fastest)
+    return farthest > (0.7 * slack) ** 2
+
+
+@kernel
+def closing_at_most(p, a, b, nodes):
+    """Speed with which two elements do not come together faster [m/s]."""
+    m, w = nodes[a.node], nodes[b.node]
+    v_a = point_velocity(m, arm(m, vec(a.point)))
+    v_b = point_velocity(w, arm(w, vec(b.point)))
+    return norm(sub(v_a, v_b)) + norm(vec(m.w)) * p.spread_a + norm(vec(w.w)) * p.spread_b
+
+
+@kernel
+def dissipate(clock, old, new, felt, power, loss, friction_power, friction_loss):
+    """Add up the energy lost over the step, as system/energy.py does for others.
+
+    What friction that begins within the step loses has the share of its force. Writes: new.
+    """
+    if clock.opens == 1:
+        new.dissipated = old.dissipated + clock.lead * old.power
+        new.friction_dissipated = old.friction_dissipated + clock.lead * old.friction_power
+    share = clock.share * felt
+    new.dissipated += share * power
+    new.friction_dissipated += share * friction_power
+    if clock.closes == 1:
+        new.dissipated += loss
+        new.friction_dissipated += felt * friction_loss
+    new.power = power
+    new.friction_power = friction_power
+
+
+@kernel
+def sum_card(c, history, order, felt, f, t, new, out):
+    """Add one touching pair to its contact card. Writes: c, history."""
+    for k in range(3):
+        c.force[k] += order * out.force[k]
+        history.late[k] += (1.0 - felt) * order * out.force[k]
+    c.normal += f
+    c.tangential += norm(t)
+    c.impact_speed = max(c.impact_speed, new.impact_speed)
+    c.touching += 1.0
+    c.stored += out.stored + out.friction_stored
+
+
+@kernel
+def sum_losses(c, new):
+    """Add the losses and the depth of one pair to its contact card. Writes: c."""
+    c.depth = max(c.depth, new.depth)
+    c.dissipated += new.dissipated
+    c.friction_dissipated += new.friction_dissipated
+
+
+@kernel
+def carry_onsets(current, history):
+    """Onset counts start from those of the accepted state. Writes: history."""
+    for k in range(history.shape[1]):
+        new = history[1 - current, k]
+        old = history[current, k]
+        new.onsets, new.held_first = old.onsets, old.held_first
+        new.peak_share = old.peak_share
+        new.work, new.friction_work = old.work, old.friction_work
+        new.held = new.bristled = 0.0
+        for j in range(3):
+            new.late[j] = 0.0

@@ -1,0 +1,204 @@
+"""Work of contact forces on both sides over a step, and how far both slide over each other in it.
+
+    W = 1/2 (f_old . u_old + f_new . u_new),   u the displacement of side a over side b in the step
+
+Kick, drift, kick: half of the force at the start and half of that at the end act along what the
+step moves, so W is to the bit the kinetic energy that points get from the contact, whatever else
+acts and however fast they swing. u_old is that of the place that was touched, u_new of that which
+is. Velocities at the end of a step, foretold before all forces are known, would not do: near the
+stable step they have little to do with the way that is gone.
+"""
+
+from crashsolve.contact.cells import corner_points
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    cross,
+    dot,
+    matvec,
+    put,
+    scale,
+    sub,
+    vec,
+)
+from crashsolve.system.points import half_turn
+
+# a pair that has not moved
+STILL = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+@kernel
+def along_plane(u, n):
+    """A vector without its part along n."""
+    return add_scaled(u, -dot(u, n), n)
+
+
+@kernel
+def motion_of(body):
+    """Displacement of the mass centre over the step [m], and the turn of the body [rad].
+
+    The turn is that of the drift, along which torques work. What it moves d by has no part along d:
+    a normal force through the centre of a ball does no work by its spin.
+    """
+    return sub(vec(body.r), vec(body.start_r)), scale(2.0, half_turn(body.start_q, body.q))
+
+
+@kernel
+def moved(body, d):
+    """Displacement over the step of what is d from the mass centre, at its start or at its end."""
+    way, turn = motion_of(body)
+    return add(way, cross(turn, d))
+
+
+# --- pairs of elements on bodies -----------------------------------------------------------------
+
+
+@kernel
+def motion_over(h, old, depth, a, b, of_b):
+    """Motion of body a over body b, number `of_b`, in a step at one end of which they touch.
+
+    Displacement at the mass centre of a, where it was at the start and where it is at the end, as
+    if that place were fixed in both [m]; turn [rad].
+    """
+    if h == 0.0 or (old.active == 0 and depth <= 0.0):
+        return STILL
+    way, turn = motion_of(a)
+    if of_b == 0:
+        # the ground
+        return way, way, turn
+    way_b, turn_b = motion_of(b)
+    way = sub(way, way_b)
+    at_start = sub(way, cross(turn_b, sub(vec(a.start_r), vec(b.start_r))))
+    at_end = sub(way, cross(turn_b, sub(vec(a.r), vec(b.r))))
+    return at_start, at_end, sub(turn, turn_b)
+
+
+@kernel
+def way_from(motion, a, x):
+    """Displacement of a over b of what touched at x at the start of the step."""
+    return add(motion[0], cross(motion[2], sub(x, vec(a.start_r))))
+
+
+@kernel
+def way_to(motion, a, x):
+    """The same of what touches at x at its end."""
+    return add(motion[1], cross(motion[2], sub(x, vec(a.r))))
+
+
+@kernel
+def end_push(h, old, motion, a, card):
+    """Work of the normal force of the start of the step. Writes: card."""
+    if old.active == 1 and h > 0.0:
+        card.work += 0.5 * dot(vec(old.push), way_from(motion, a, vec(old.place)))
+
+
+@kernel
+def begin_push(felt, u, f, n, x, out, new, card):
+    """Work of that at its end, which is kept for the next; see begin_second_half.
+
+    Writes: new, card.
+    """
+    card.work += 0.5 * felt * f * dot(n, u)
+    card.held += out.stored
+    put(new.push, scale(f, n))
+    put(new.place, x)
+
+
+@kernel
+def end_first_half(h, old, motion, a, card):
+    """Work of the forces of the start of the step, of which that of friction is returned [J].
+
+    Writes: card.
+    """
+    if old.active == 0 or h == 0.0:
+        return 0.0
+    u = way_from(motion, a, vec(old.place))
+    friction_loss = 0.5 * dot(vec(old.rub), u)
+    card.work += 0.5 * dot(vec(old.push), u)
+    card.friction_work += friction_loss
+    return friction_loss
+
+
+@kernel
+def begin_second_half(felt, u, f, t, n, x, out, new, card):
+    """Work of the forces at the end of the step, which are kept for the next.
+
+    u is the displacement of a over b at x, felt the share of them that acts in this step.
+    Writes: new, card.
+    """
+    begin_push(felt, u, f, n, x, out, new, card)
+    card.friction_work += 0.5 * felt * dot(t, u)
+    card.bristled += out.friction_stored
+    put(new.rub, t)
+    new.bristled = out.friction_stored
+
+
+@kernel
+def part_pair(old, new, friction_loss):
+    """Friction ends: what its bristle held is lost, less its last work. Writes: new."""
+    put(new.rub, (0.0, 0.0, 0.0))
+    new.bristled = 0.0
+    new.friction_dissipated += old.bristled - friction_loss
+
+
+# --- probes on faces of shells and on shapes -----------------------------------------------------
+
+
+@kernel
+def arms(p, touch):
+    """To the place of contact: from the probe, and from the nearest place of the mid-surface."""
+    left = p.gap - touch.depth
+    n = vec(touch.normal)
+    return scale(-p.share * left, n), scale((1.0 - p.share) * left, n)
+
+
+@kernel
+def way_of_probe(probe, d, is_past, h, nodes, points):
+    """Displacement over the step of the place d from a probe, at the start or at the end of it."""
+    if probe.point >= 0:
+        b = points[probe.point]
+        return scale(h, add(vec(b.v), cross(vec(b.w), d)))
+    body = nodes[probe.node]
+    if is_past:
+        return moved(body, add(matvec(body.start_A, vec(probe.at)), d))
+    return moved(body, add(matvec(body.A, vec(probe.at)), d))
+
+
+@kernel
+def way_over_face(p, probe, touch, is_past, h, nodes, points, corners):
+    """The same over the face at which it touches, or at which it did at the start."""
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    d, e = arms(p, touch)
+    at, v, w = corner_points(p, touch.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(4):
+        b = points[at[k]]
+        v = add_scaled(v, touch.N[k], vec(b.v))
+        w = add_scaled(w, touch.N[k], vec(b.w))
+    return sub(way_of_probe(probe, d, is_past, h, nodes, points), scale(h, add(v, cross(w, e))))
+
+
+@kernel
+def way_over_body(p, probe, touch, is_past, x, body, h, nodes, points):
+    """The same over the body of a shape, where the probe is at x at the end of the step."""
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    d, _ = arms(p, touch)
+    return sub(
+        way_of_probe(probe, d, is_past, h, nodes, points), moved(body, sub(add(x, d), vec(body.r)))
+    )
+
+
+@kernel
+def push_along(touch, u, card):
+    """Work of the normal force of a touch, in one half of the step. Writes: card."""
+    card.work += 0.5 * touch.force * dot(vec(touch.normal), u)
+
+
+@kernel
+def rub_along(touch, u, card):
+    """Work of its friction, which is returned [J]. Writes: card."""
+    work = 0.5 * dot(vec(touch.rub), u)
+    card.friction_work += work
+    return work

@@ -1,0 +1,1 @@
+"""Implicit integrators: stages, their linear equations and their iteration."""

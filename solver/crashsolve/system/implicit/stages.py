@@ -1,0 +1,284 @@
+"""Stages of a Runge-Kutta step: rates of every body, and the places they lead to.
+
+    r_dot = v,   m v_dot = f + D^T lambda,   L_dot = tau + D^T lambda (moments),   world components
+    q = q_start * (1, g) / |(1, g)|,   g_dot = (Omega + g x Omega + g (g . Omega)) / 2
+
+g is the Cayley vector of the turn since the start of the step (tangent of half the angle), so every
+order of the method holds for rotations and the quaternion stays of unit length. Row 0 of the table,
+the ground's, keeps what comes from outside: force, torque, and the power of prescribed motions.
+
+Reference: Hairer, Lubich and Wanner (2006), Geometric Numerical Integration, IV.8.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.rotation import rotate_by_cayley, write_matrix
+from crashsolve.foundation.saddle import solve_rows
+from crashsolve.foundation.vec3 import (
+    add,
+    add_scaled,
+    add_to,
+    cross,
+    dot,
+    matvec,
+    matvec_t,
+    norm,
+    put,
+    scale,
+    sub,
+    vec,
+)
+from crashsolve.system.constraints import clear_joint_forces, driver_power
+
+EPSILON = 2.0**-52
+SAFETY = 0.8  # of the step at which the error is the tolerance
+
+
+@kernel
+def keep_rates(nodes, rows, stages, i):
+    """The rates of all bodies at stage i. Writes: stages."""
+    for n in range(1, nodes.shape[0]):
+        b, s = nodes[n], stages[i, n]
+        put(s.rate_r, vec(b.v))
+        omega, g = matvec_t(b.A, vec(b.w)), vec(s.turn)
+        turning = add_scaled(add(omega, cross(g, omega)), dot(g, omega), g)
+        put(s.rate_turn, scale(0.5, turning))
+        put(s.rate_v, scale(b.mass_inv, add(vec(b.force), vec(b.joint_force))))
+        put(s.rate_L, add(vec(b.torque), vec(b.joint_torque)))
+    keep_outside(nodes, rows, stages, i)
+
+
+@kernel
+def keep_outside(nodes, rows, stages, i):
+    """Force, torque and power from outside at stage i. Writes: stages."""
+    ground, outside = nodes[0], stages[i, 0]
+    for k in range(3):
+        outside.rate_v[k] = ground.external[k] - ground.force[k] - ground.joint_force[k]
+        outside.rate_L[k] = ground.external[3 + k] - ground.torque[k] - ground.joint_torque[k]
+    outside.rate_r[0] = driver_power(rows)
+
+
+@kernel
+def reach(nodes, stages, A, i, h):
+    """Move all bodies from the start of the step to stage i. Writes: nodes, stages."""
+    first = stages.shape[0] * i
+    for n in range(1, nodes.shape[0]):
+        b = nodes[n]
+        r, v, L = vec(b.start_r), vec(b.start_v), vec(b.start_L)
+        g = (0.0, 0.0, 0.0)
+        for j in range(i):
+            a, s = h * A[first + j], stages[j, n]
+            # half of a tableau of high order
+            if a == 0.0:
+                continue
+            r = add_scaled(r, a, vec(s.rate_r))
+            g = add_scaled(g, a, vec(s.rate_turn))
+            v = add_scaled(v, a, vec(s.rate_v))
+            L = add_scaled(L, a, vec(s.rate_L))
+        put(stages[i, n].turn, g)
+        put(b.r, r)
+        put(b.v, v)
+        put(b.L, L)
+        rotate_by_cayley(b.start_q, g, b.q)
+        write_matrix(b.q, b.A)
+
+
+@kernel
+def displace_by_joints(rows, nodes):
+    """Move bodies by X^T times the solution, X = D M^-1. Writes: nodes.r, q, A, joint_*."""
+    clear_joint_forces(nodes)
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        a, b = nodes[row.node_a], nodes[row.node_b]
+        add_column(row.X, 0, row.delta, a.joint_force, a.joint_torque)
+        add_column(row.X, 6, row.delta, b.joint_force, b.joint_torque)
+    for n in range(1, nodes.shape[0]):
+        b = nodes[n]
+        put(b.r, add(vec(b.r), vec(b.joint_force)))
+        rotate_by_cayley(b.q, scale(0.5, matvec_t(b.A, vec(b.joint_torque))), b.q)
+        write_matrix(b.q, b.A)
+
+
+@kernel
+def fastest_point(nodes, size):
+    """Largest speed of any body [m/s]; a turn counts at the model's size."""
+    fastest = 0.0
+    for n in range(1, nodes.shape[0]):
+        b = nodes[n]
+        fastest = max(fastest, norm(vec(b.v)), size * norm(vec(b.w)))
+    return fastest
+
+
+@kernel
+def spin_round_off(nodes):
+    """Round-off of the spin W L of any body [rad/s]: much for a slender one."""
+    largest = 0.0
+    for n in range(1, nodes.shape[0]):
+        b = nodes[n]
+        largest = max(largest, (b.W[0] + b.W[4] + b.W[8]) * norm(vec(b.L)))
+    return EPSILON * largest
+
+
+@kernel
+def typical_speed(nodes, size):
+    """Largest speed of any body, or that which it would reach over the model's size [m/s]."""
+    fastest = fastest_point(nodes, size)
+    for n in range(1, nodes.shape[0]):
+        b = nodes[n]
+        acceleration = max(norm(vec(b.v_dot)), size * norm(vec(b.w_dot)))
+        fastest = max(fastest, sqrt(size * acceleration))
+    return fastest
+
+
+@kernel
+def estimate(nodes, stages, count, E, errors, k, h):
+    """Estimate k of what the step errs by in position, turn, velocity and spin. Writes: errors."""
+    zero = (0.0, 0.0, 0.0)
+    for n in range(1, nodes.shape[0]):
+        b, e = nodes[n], errors[k, n]
+        r, g, v, L = zero, zero, zero, zero
+        for j in range(count):
+            s, a = stages[j, n], h * E[count * k + j]
+            r = add_scaled(r, a, vec(s.rate_r))
+            g = add_scaled(g, a, vec(s.rate_turn))
+            v = add_scaled(v, a, vec(s.rate_v))
+            L = add_scaled(L, a, vec(s.rate_L))
+        put(e.r, r)
+        put(e.v, v)
+        put(e.w, matvec(b.W, L))
+        # of the turn, from that of its Cayley vector
+        whole = vec(stages[count - 1, n].turn)
+        share = 2.0 / (1.0 + dot(whole, whole))
+        put(e.turn, scale(share, matvec(b.A, sub(g, cross(whole, g)))))
+
+
+@kernel
+def project_estimate(errors, k, nodes, rows, saddle):
+    """Leave out of an estimate what the projection takes away: D e = 0. Writes: errors, rows."""
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        a, b, D = errors[k, row.node_a], errors[k, row.node_b], row.D
+        row.right = along_row(D, 0, a.r, a.turn) + along_row(D, 6, b.r, b.turn)
+    solve_rows(saddle, rows, -1.0)
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        a, b, X = errors[k, row.node_a], errors[k, row.node_b], row.X
+        add_column(X, 0, row.delta, a.r, a.turn)
+        add_column(X, 6, row.delta, b.r, b.turn)
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        a, b, D = errors[k, row.node_a], errors[k, row.node_b], row.D
+        row.right = along_row(D, 0, a.v, a.w) + along_row(D, 6, b.v, b.w)
+    solve_rows(saddle, rows, -1.0)
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        a, b, X = errors[k, row.node_a], errors[k, row.node_b], row.X
+        add_column(X, 0, row.delta, a.v, a.w)
+        add_column(X, 6, row.delta, b.v, b.w)
+
+
+@kernel
+def along_row(D, c, x, y):
+    """Columns c to c + 5 of a row times the vectors x and y."""
+    return dot((D[c], D[c + 1], D[c + 2]), vec(x)) + dot((D[c + 3], D[c + 4], D[c + 5]), vec(y))
+
+
+@kernel
+def add_column(X, c, factor, x, y):
+    """Add columns c to c + 5 of a row, times a factor. Writes: x, y."""
+    add_to(x, scale(factor, (X[c], X[c + 1], X[c + 2])))
+    add_to(y, scale(factor, (X[c + 3], X[c + 4], X[c + 5])))
+
+
+@kernel
+def step_error(errors, size, speed):
+    """Estimated error of the step, over the model's size and its largest speed.
+
+    Hairer, Norsett and Wanner (1993), II.10: a second estimate, of lower order, guards the first.
+    """
+    worst = 0.0
+    for n in range(1, errors.shape[1]):
+        x = deviation(errors[0, n], size, speed)
+        if errors.shape[0] > 1 and x != 0.0:
+            share = deviation(errors[1, n], size, speed) / x
+            x /= sqrt(1.0 + 0.01 * share * share)
+        # a NaN must win the comparison
+        if not x <= worst:
+            worst = x
+    return worst
+
+
+@kernel
+def deviation(e, size, speed):
+    """Estimated errors of one body in units of size and speed."""
+    return (
+        norm(vec(e.r)) / size + norm(vec(e.turn)) + (norm(vec(e.v)) + size * norm(vec(e.w))) / speed
+    )
+
+
+@kernel
+def add_outside(clock, stages, A, i, h):
+    """Impulses from outside and the work of prescribed motions up to stage i. Writes: clock."""
+    first = stages.shape[0] * i
+    for j in range(stages.shape[0]):
+        a, outside = h * A[first + j], stages[j, 0]
+        add_to(clock.impulse, scale(a, vec(outside.rate_v)))
+        add_to(clock.angular_impulse, scale(a, vec(outside.rate_L)))
+        clock.driver_work += a * outside.rate_r[0]
+
+
+@kernel
+def note_kick(clock, nodes):
+    """Add what the ground has given to put velocities onto the joints. Writes: clock.kick."""
+    ground = nodes[0]
+    for k in range(3):
+        clock.kick[k] -= ground.joint_force[k]
+        clock.kick[3 + k] -= ground.joint_torque[k]
+
+
+@kernel
+def add_kick(clock, sign):
+    """Count that among the impulses from outside, or no more (-1). Writes: clock."""
+    for k in range(3):
+        clock.impulse[k] += sign * clock.kick[k]
+        clock.angular_impulse[k] += sign * clock.kick[3 + k]
+
+
+@kernel
+def weigh_part(A, D, terms, last, sample, part):
+    """Weights of all rates in the dense output at a part of the step, as those of a further stage.
+
+    Hairer, Norsett and Wanner (1993), II.6. The cubic through both ends of the step comes first,
+    then the terms D, by turns a power of part and of 1 - part higher. Writes: A, last row.
+    """
+    rest = 1.0 - part
+    for j in range(sample):
+        a = A[(sample + 1) * last + j]
+        first = 1.0 if j == 0 else 0.0
+        end = 1.0 if j == last else 0.0
+        weight = part * (a + rest * (first - a + part * (2.0 * a - first - end)))
+        power = part * part * rest * rest
+        for k in range(terms):
+            weight += power * D[sample * k + j]
+            power *= part if k % 2 == 0 else rest
+        A[(sample + 1) * sample + j] = weight
+
+
+@kernel
+def next_length(h, error, clock, tolerance, order):
+    """Length of the next step, or of another attempt, from the error of this one [s].
+
+    Errors of neighbouring steps scatter, most where the order is high; a filter follows their
+    trend, so that few attempts fail. Soderlind (2003), ACM Trans. Math. Softw. 29, 1-26 (H211b).
+    """
+    if error <= 0.0:
+        return 5.0 * h
+    if not error < 1e300:
+        return 0.1 * h
+    share = SAFETY * (tolerance / error) ** (1.0 / order)
+    # a step that was cut short tells no trend
+    if error <= tolerance and clock.error > 0.0 and 0.2 * h < clock.step < 5.0 * h:
+        before = SAFETY * (tolerance / clock.error) ** (1.0 / order)
+        share = (share * before * clock.step / h) ** 0.25
+    return h * min(5.0, max(0.2, share))

@@ -1,0 +1,48 @@
+"""Elements of shells within implicit steps: what they keep, and the matrix of their tangents.
+
+    K_ab = -df_a / dx_b,   at the end of the step, or at a stage of it, as iterated
+
+A pass of the iteration strains the elements from what they kept at the start of the step to its
+end, or to one of its stages as if that were a step of its own; the last of them is the end. Their
+tangents (parts/shells/tangents) are those of the step as
+it is computed, with the return of what yields, the stress that stiffens, the turn of the axes and
+the middle of the step in which strains are measured. K is not symmetric: strains are those of the
+middle of the step, forces those of its end, and the symmetric part alone has -E A theta^2 / 16
+against a step that turns by theta, more than bending resists.
+"""
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.vec3 import matvec, vec
+
+
+@kernel
+def reach(nodes, scene):
+    """Arms of the points that are part of a body, world axes. Writes: scene.arms."""
+    for i in range(scene.attached_points.shape[0]):
+        attached_point = scene.attached_points[i]
+        arm = matvec(nodes[attached_point.node].A, vec(attached_point.spot))
+        for k in range(3):
+            # what rides on the ground does not turn with it
+            scene.arms[3 * attached_point.point + k] = arm[k] if attached_point.node > 0 else 0.0
+
+
+@kernel
+def keep(scene):
+    """What the elements keep at the start of a step. Writes: scene.lanes_before."""
+    for i in range(scene.counts[0].numbers):
+        scene.lanes_before[i] = scene.lanes[i]
+
+
+@kernel
+def begin_again(h, clock, scene):
+    """Elements as before a step of h; a sample leaves them. Writes: scene.lanes, clock."""
+    clock.element_rate = 0.0
+    take_back(h, scene)
+
+
+@kernel
+def take_back(h, scene):
+    """Elements as before a step of h. Writes: scene.lanes."""
+    if h > 0.0:
+        for i in range(scene.counts[0].numbers):
+            scene.lanes[i] = scene.lanes_before[i]

@@ -1,0 +1,139 @@
+"""Placeholders: names in loops and integrators that stand for what a scene brings.
+
+`compose` gives them their values for a deck (`placeholders`) and copies the loops for them: blocks
+that the scene has no use for are left out, and `for group in JOINTS:` stands once for every group.
+Here they have their types and meanings, for readers and for the checks. Consequence: nothing in
+the compiled step asks what kind of scene it is in.
+"""
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from crashsolve.model.implicit.compliance import (
+    has_nodal_tangents,
+    tangent_contacts,
+    tangent_groups,
+)
+from crashsolve.model.model import ContactGroup, Group, Model, NodalGroup
+from crashsolve.system.threads.sharing import arrays_of_first
+
+# groups by what their laws do
+JOINTS: tuple[Group, ...] = ()  # constraint rows
+FORCES: tuple[Group, ...] = ()  # forces between bodies, or on them
+SENSORS: tuple[Group, ...] = ()  # readings
+FOLLOWERS: tuple[Group, ...] = ()  # sensors that must look at every step
+ELEMENTS: tuple[Group, ...] = ()  # parts whose elements are kept in blocks
+ELEMENT_LOADS: tuple[Group, ...] = ()  # loads on elements, half by half
+BRANCHES: tuple[Group, ...] = ()  # laws of several branches, with an event function
+TANGENTS: tuple[Group, ...] = ()  # laws that tell implicit methods their tangents
+CONTACTS: tuple[ContactGroup, ...] = ()  # contact pairs
+UNILATERAL: tuple[ContactGroup, ...] = ()  # of them, those held by impulses
+SLIDING: tuple[ContactGroup, ...] = ()  # of them, those whose friction has branches
+TANGENT_CONTACTS: tuple[ContactGroup, ...] = ()  # of them, those that keep all their pairs
+NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
+
+# what else is in the scene
+ATTACHMENTS = True  # nodes welded to rigid bodies
+CUTS = True  # sensors that cut through elements
+SEARCHES = True  # lists of near pairs, which are renewed
+RESTING = True  # contacts whose pairs are left alone until they may have met
+PAIR_DAMPERS = True  # contacts whose friction depends on the sliding speed alone
+NODAL_DAMPERS = True  # the same between nodes and faces
+
+# how the scene is stepped
+KICK_DRIFT_KICK = True  # one force pass a step, and the work of a step is that of both its ends
+ASSEMBLED = True  # implicit, with a matrix of all nodes, for shells and beams
+TWO_THREADS = True  # share the elements
+DENSE = True  # a sample may lie within a step
+ONSETS = True  # something may begin within a step
+EVENTS = True  # there are laws with an event function
+LOOKS_AHEAD = True  # the next step must be asked about before it is taken
+
+
+def placeholders(model: Model) -> dict[str, Any]:
+    """What the names above stand for in a scene."""
+    contacts, nodal = model.contact_groups, model.nodal_groups
+    damped = [n.friction_damps for n in nodal]
+    return {
+        "JOINTS": tuple(model.joint_groups()),
+        "FORCES": tuple(model.force_groups()),
+        "SENSORS": tuple(model.sensor_groups()),
+        "FOLLOWERS": tuple(model.following_groups()),
+        "ELEMENTS": tuple(model.element_groups()),
+        "ELEMENT_LOADS": tuple(model.element_loads()),
+        "BRANCHES": tuple(model.piecewise_groups()),
+        "TANGENTS": tuple(tangent_groups(model)),
+        "CONTACTS": tuple(contacts),
+        "UNILATERAL": tuple(c for c in contacts if c.is_unilateral),
+        "SLIDING": tuple(model.rubbing_groups()),
+        "TANGENT_CONTACTS": tuple(tangent_contacts(model)),
+        "NODAL": tuple(nodal),
+        "ATTACHMENTS": len(model.attached_nodes) > 0,
+        "CUTS": model.elements is not None and len(model.elements.cuts) > 0,
+        "SEARCHES": any(c.search is not None for c in contacts),
+        "RESTING": hasattr(method(model), "KICK_DRIFT_KICK") and any(c.rests for c in contacts),
+        "PAIR_DAMPERS": any(damped) or any(c.friction_damps for c in contacts),
+        "NODAL_DAMPERS": any(damped),
+        "KICK_DRIFT_KICK": hasattr(method(model), "KICK_DRIFT_KICK"),
+        "ASSEMBLED": is_assembled(model),
+        "TWO_THREADS": is_halved(model),
+        "DENSE": samples_within_steps(model),
+        "ONSETS": bool(contacts or model.piecewise_groups()),
+        "EVENTS": bool(model.piecewise_groups() or model.rubbing_groups()),
+        "LOOKS_AHEAD": bool(nodal or any(c.looks_ahead for c in contacts)),
+    }
+
+
+def method(model: Model) -> Any:
+    """Module of the integrator."""
+    return import_module(f"crashsolve.integrators.{model.integrator}")
+
+
+def is_implicit(model: Model) -> bool:
+    """Whether the integrator asks for the tangents of the laws."""
+    return hasattr(method(model), "T")
+
+
+def is_assembled(model: Model) -> bool:
+    """Whether implicit equations are those of all nodes at once, for shells and beams."""
+    return is_implicit(model) and has_nodal_tangents(model)
+
+
+def is_halved(model: Model) -> bool:
+    """Whether two threads share the elements."""
+    return model.elements is not None and model.elements.halves is not None
+
+
+def samples_within_steps(model: Model) -> bool:
+    """Whether samples are taken from the dense output of steps that they do not cut.
+
+    What a contact keeps of a step, as its impact speed and its peak, is known at the ends alone.
+    """
+    return hasattr(method(model), "DENSE") and not model.contact_groups
+
+
+def group_arrays(model: Model, state: Any) -> dict[str, np.ndarray]:
+    """Arrays of all groups by their name in the composed module."""
+    arrays: dict[str, np.ndarray] = {}
+    groups: list[Any] = [*model.groups, *model.contact_groups, *model.nodal_groups]
+    for group in groups:
+        arrays |= {f"{group.word}_{name}": array for name, array in group.tables().items()}
+    arrays |= model.nodal_loads
+    if len(model.attached_nodes):
+        arrays |= {"attached_nodes": model.attached_nodes}
+    if model.contact_groups or model.nodal_groups:
+        arrays |= {"cards": state.cards, "card_history": state.card_history}
+    if model.elements:
+        e = model.elements
+        arrays |= {"points": state.points, "lanes": state.blocks}
+        arrays |= {
+            "corners": e.corners,
+            "attached_points": e.attached_points,
+            "work": e.work,
+            "motion": e.motion,
+        }
+        if len(e.cuts):
+            arrays |= {"taps": e.taps, "cuts": e.cuts}
+    return arrays | (arrays_of_first(model) if is_halved(model) else {})

@@ -1,0 +1,1 @@
+"""Quasi-static solution: equilibrium, its loads, its balance and its stability."""

@@ -1,0 +1,63 @@
+"""Why there is no next equilibrium to go to, as the user reads it."""
+
+from typing import TYPE_CHECKING
+
+from crashsolve.foundation.errors import SolverError
+from crashsolve.model import ledger as energy
+from crashsolve.system.diagnosis import curve_end
+
+if TYPE_CHECKING:
+    from crashsolve.system.static.equilibrium import StaticEngine
+
+
+class Problem:
+    """Why there is no next equilibrium: "lost", "balance", "way out" or "end of curve"."""
+
+    def __init__(self, kind: str, target: float, place: str = "the model") -> None:
+        self.kind, self.target, self.place = kind, target, place
+
+    def error(self, engine: "StaticEngine", moment: float) -> SolverError:
+        """What the user reads, who has equilibria up to a moment."""
+        time, cycle = engine.loading.time(moment), int(engine.clock.cycle)
+        if self.kind == "end of curve":
+            return SolverError(time, cycle, *curve_end(engine.model, engine.clock))
+        told = {"lost": self._lost, "balance": self._unbalanced, "way out": self._left}
+        cause, advice = told[self.kind](engine, moment)
+        return SolverError(time, cycle, self.place, cause, advice)
+
+    def _lost(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        return (
+            f"no equilibrium found behind this one, at {engine.loading.told(self.target)} "
+            f"(last correction {float(engine.clock.value):.2g}, {engine.forces.told()})",
+            "hold what can move freely; let loads rise along a curve, in more steps; beyond a "
+            "limit load there is none: where a structure flows, prescribe its motion by a driver, "
+            "whose reaction is the load; where it snaps through, say solution: transient with "
+            "damping",
+        )
+
+    def _unbalanced(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        share = 100.0 * engine.ledger[energy.IMBALANCE] / (engine.ledger[energy.LARGEST] or 1.0)
+        return (
+            f"the energy balance is off on the way to {engine.loading.told(self.target)} "
+            f"({share:.3g} % of the largest energy): the equilibria there are not neighbours",
+            "take more steps; where a structure collapses, prescribe its motion by a driver, whose "
+            "reaction is the load; where it snaps from one equilibrium to another, say "
+            "solution: transient with damping; control.energy_limit sets the bound",
+        )
+
+    def _left(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        told = engine.loading.told
+        return (
+            f"the equilibrium becomes unstable between {told(moment)} and {told(self.target)}: "
+            "beyond it the model leaves this configuration by itself, as a column buckles or a "
+            "frame collapses",
+            "the load there is the critical one; to go on give a small imperfection or side load, "
+            "prescribe the motion by a driver, whose reaction is the load, or say "
+            "solution: transient; what stands upside down needs something that holds it",
+        )
+
+
+def first_way_out(found: list[Problem]) -> Problem:
+    """A way out says more than what is lost beyond it; else what came last."""
+    ways = [problem for problem in found if problem.kind == "way out"]
+    return min(ways, key=lambda problem: problem.target) if ways else found[-1]

@@ -1,0 +1,154 @@
+"""Claim: every material of the folder answers to strain as its contract says, in layers and fibres.
+
+Tangents against differences of the stress, energy in balance, nothing won, the same in turned axes,
+a layer under uniaxial stress like a fibre, and both like the law's own formula.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from one_layer import LANES, Example, Fibre, Layers, checks, tangent_error, walk
+from scipy.optimize import brentq
+
+from crashsolve.deck.laws import types_in
+
+STEEL: Example = {"young": 2e5, "poisson": 0.3, "density": 8.0}
+VON_MISES = STEEL | {"type": "elastoplastic", "yield_stress": 200.0}
+COOK = STEEL | {"type": "johnson_cook", "yield_stress": 200.0, "hardening": 500.0, "exponent": 0.3}
+CURVE = [[0.0, 200.0], [0.001, 230.0], [0.01, 260.0], [1.0, 300.0]]
+EXAMPLES: dict[str, Example] = {
+    "elastic": STEEL | {"type": "elastic"},
+    "perfect": VON_MISES,
+    "isotropic": VON_MISES | {"hardening": 2e3},
+    "kinematic": VON_MISES | {"hardening": 2e3, "kinematic": 1.0},
+    "mixed": VON_MISES | {"hardening": 2e3, "kinematic": 0.4},
+    "curve": STEEL | {"type": "elastoplastic", "curve": CURVE},
+    "rate": VON_MISES | {"hardening": 2e3, "rate_D": 40.0},
+    "power": COOK,
+    "power and rate": COOK | {"rate": 0.02, "reference_rate": 1e-3},
+    "hot": COOK | {"rate": 0.02, "reference_rate": 1e-3, "melting_heat": 6.0, "softening": 1.03},
+    "rubber": STEEL | {"type": "neo_hookean"},
+}
+
+
+def test_every_material_has_an_example() -> None:
+    missing = set(types_in("materials")) - {example["type"] for example in EXAMPLES.values()}
+    assert not missing, f"add an example of {missing} to EXAMPLES"
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_a_material_keeps_its_contract(name: str, tmp_path: Path) -> None:
+    found = checks(EXAMPLES[name], tmp_path)
+    large = EXAMPLES[name]["type"] == "neo_hookean"
+    # differences of 1e-6 of the strain: round-off of 1e-16 over 1e-6, and the next order
+    assert found["tangent"] < 1e-8
+    # exact where stress is linear between the ends of a step; of rubber the square of steps of 1e-3
+    assert found["balance"] < (1e-5 if large else 1e-13)
+    assert found["least lost"] >= -1e-15
+    assert found["turned"] < 1e-14
+    if not large:
+        assert found["fibre stress"] < 1e-14
+        assert found["fibre by strain"] < 1e-8
+        assert found["fibre by rate"] < 1e-8
+        assert found["fibre balance"] < 1e-13
+        # Newton's method across the layer ends at 1e-12 E; a return at 1e-14 of its yield stress
+        assert found["layer and fibre"] < 1e-8
+
+
+@pytest.mark.parametrize("side", [1e-3, -1e-3])
+def test_tangents_hold_on_both_sides_of_the_corner_of_a_logarithm_of_the_rate(
+    side: float, tmp_path: Path
+) -> None:
+    """Johnson and Cook: the rate has a factor above rate_0 alone."""
+    layers = Layers(tmp_path, EXAMPLES["hot"])
+    d = 3.0 * walk(layers, 1e-3, 3, 1, 1.0)
+    x, y, xy = d.T
+    size = np.sqrt(4.0 / 3.0 * (x * x + y * y + x * y + 0.25 * xy * xy))
+    d *= (1e-3 * (1.0 + side) / size)[:, None]
+    # a hundredth of the distance to the corner
+    assert tangent_error(layers, d, 1.0, 1e-8) < 1e-7
+    fibre = Fibre(tmp_path, EXAMPLES["hot"])
+    rate = 1e-3 * (1.0 + side)
+    _, _, faster = fibre.tangent(3e-3, rate)
+    ends = [fibre.step(3e-3, rate * way)[0] for way in (1.0 + 1e-5, 1.0 - 1e-5)]
+    assert faster == pytest.approx((ends[0] - ends[1]) / (2e-5 * rate), rel=1e-6)
+    assert (faster > 0.0) == (side > 0.0)
+
+
+@pytest.mark.parametrize("rate", [1e-6, 1e-2, 1.0, 1e3])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_tangents_by_the_rate_hold_down_to_where_the_law_is_steep(
+    rate: float, way: float, tmp_path: Path
+) -> None:
+    """Cowper and Symonds: vertical at no rate; here beyond yield, going on or turning back."""
+    fibre = Fibre(tmp_path, EXAMPLES["rate"] | {"rate_D": 40.0})
+    rate *= way
+    _, _, faster = fibre.tangent(5e-3, rate)
+    ends = [fibre.step(5e-3, rate * side)[0] for side in (1.0 + 1e-5, 1.0 - 1e-5)]
+    assert faster == pytest.approx((ends[0] - ends[1]) / (2e-5 * rate), rel=1e-6)
+    share = 2e5 / (2e5 + 2e3 * (1.0 + (abs(rate) / 40.0) ** 0.2))
+    e = fibre.new.hardening[0]
+    slope = share * (200.0 + 2e3 * e) * (abs(rate) / 40.0) ** 0.2 / (5.0 * abs(rate))
+    assert faster == pytest.approx(way * slope, rel=1e-4)
+    layers = Layers(tmp_path, EXAMPLES["rate"])
+    d = walk(layers, 2e-3, 2, 3, 1.0)
+    assert tangent_error(layers, d, 2e-3 / abs(rate), 1e-9) < 1e-6
+
+
+def line(Y: float, H: float) -> Callable[[float], float]:
+    return lambda e: Y + H * e
+
+
+YIELD: dict[str, Callable[[float], float]] = {
+    "perfect": line(200.0, 0.0),
+    "isotropic": line(200.0, 2e3),
+    "kinematic": line(200.0, 2e3),
+    "mixed": line(200.0, 2e3),
+    "curve": lambda e: float(np.interp(e, *np.transpose(CURVE))),
+    "power": lambda e: 200.0 + 500.0 * e**0.3,
+}
+
+
+@pytest.mark.parametrize("name", YIELD)
+def test_the_uniaxial_yield_curve_is_that_of_the_card(name: str, tmp_path: Path) -> None:
+    layers, fibre = Layers(tmp_path, EXAMPLES[name]), Fibre(tmp_path, EXAMPLES[name])
+    for k in range(1, 13):
+        strain = 1e-3 * k
+        layer, sigma = layers.pull(1e-3), fibre.step(strain, 1.0)[0]
+        fibre.accept()
+        e = strain - sigma / 2e5
+        wanted = 2e5 * strain if k == 1 else YIELD[name](e)
+        # 1e-14 of the return, over strains that add up to a round-off of 1e-18 E
+        assert sigma == pytest.approx(wanted, rel=1e-12)
+        assert layer == pytest.approx(sigma, rel=1e-8)
+
+
+def test_rubber_follows_its_energy_under_uniaxial_stress(tmp_path: Path) -> None:
+    layers, G = Layers(tmp_path, EXAMPLES["rubber"]), 2e5 / 2.6
+    L = 2e5 * 0.3 / (1.3 * 0.4)
+    for k in range(1, 6):
+        stress = layers.pull(0.1)
+        stretch = np.exp(0.1 * k)
+        # no stress across: G (b - 1) + L ln J = 0, the same along y and z
+
+        def across(b: float, stretch: float = stretch) -> Any:
+            return G * (b - 1.0) + L * np.log(stretch * b)
+
+        b = brentq(across, 1e-3, 2.0, xtol=1e-15)
+        wanted = G * (stretch**2 - b) / (stretch * b)
+        # exp(2 d) is taken to second order in a step: 0.1^3 of it, five times
+        assert stress == pytest.approx(wanted, rel=1e-2)
+
+
+def test_lanes_do_not_know_of_each_other(tmp_path: Path) -> None:
+    """One layer beyond yield beside others within it."""
+    layers = Layers(tmp_path, EXAMPLES["hot"])
+    d = np.zeros((LANES, 3))
+    d[5] = 4e-3, 0.0, 1e-3
+    found = layers.step(d, 1.0)
+    alone = Layers(tmp_path, EXAMPLES["hot"]).step(np.tile(d[5], (LANES, 1)), 1.0)
+    assert (found[5] == alone[0]).all()
+    assert not found[np.arange(LANES) != 5].any()
