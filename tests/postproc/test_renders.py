@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from conftest import Command
 
-from crashpost.commands.pictures import film_task, strip_task
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
 from crashpost.renders.drawing import Look, Scene, rotated
 from crashpost.renders.shades import Shades
 from crashpost.renders.sheet import Key
 from crashpost.renders.studio import clock
+from crashpost.renders.tasks import film_task, strip_task
 from crashpost.results.moments import moment, split
 from crashpost.results.result import Result
 from crashpost.results.states import States
