@@ -146,13 +146,15 @@ def resist(p, old, new, out, h, x, rate, curves):
         new.set[j] = old.set[j] if p.unloading == SET else 0.0
         new.kept[j] = 0.0
     if p.only * side < 0.0:
-        e = 0.0
+        e, upper = 0.0, 0.0
         f, out.stored, loss = 0.0, 0.0, 0.0
-    elif p.unloading == SAME:
-        f, out.stored, loss = along_curve(p, side, e, curves)
     else:
-        f, out.stored, loss = on_slider(p, old, new, side, e, curves)
-    note_piece(p, new, side, e, f, speed, curves)
+        upper = side * curve_value(curves, p.curve, side * e)[0]
+        if p.unloading == SAME:
+            f, out.stored, loss = along_curve(p, side, e, upper, curves)
+        else:
+            f, out.stored, loss = on_slider(p, old, new, side, e, upper, curves)
+    note_piece(p, new, side, e, f, upper, speed, curves)
     # a state without a step has no history to lose energy in
     out.loss = loss if h > 0.0 else 0.0
     factor, viscosity = growth(p, abs(rate), curves)
@@ -166,14 +168,16 @@ def resist(p, old, new, out, h, x, rate, curves):
 
 
 @kernel
-def note_piece(p, new, side, e, f, speed, curves):
-    """On which piece of the law this is: its corners are where pieces meet. Writes: new."""
+def note_piece(p, new, side, e, f, upper, speed, curves):
+    """On which piece of the law this is: its corners are where pieces meet. Writes: new.
+
+    `upper` is y(e).
+    """
     new.side, new.piece, new.segment = side, LOADING, 0
     if p.loose == 1 and f == 0.0:
         new.piece = SLACK
     elif p.unloading != SAME:
         j = 0 if side > 0.0 else 1
-        upper = side * curve_value(curves, p.curve, side * e)[0]
         # at rest on a curve the way back is the elastic line
         if f < upper or speed <= 0.0:
             new.piece = LINE
@@ -220,29 +224,32 @@ def beyond_piece(p, old, h, x, rate, curves):
 
 
 @kernel
-def along_curve(p, side, e, curves):
-    """Force, stored energy and loss on the curve itself."""
-    f = side * curve_value(curves, p.curve, side * e)[0]
-    if e == 0.0 and p.loose == 1:
-        f = 0.0
+def along_curve(p, side, e, upper, curves):
+    """Force, stored energy and loss on the curve itself, y(e) = `upper`."""
+    f = 0.0 if e == 0.0 and p.loose == 1 else upper
     return f, curve_area(curves, p.curve, side * e) - curve_area(curves, p.curve, 0.0), 0.0
 
 
 @kernel
-def on_slider(p, old, new, side, e, curves):
-    """Force, stored energy and loss of the elastic line on its slider. Writes: new."""
+def on_slider(p, old, new, side, e, upper, curves):
+    """Force, stored energy and loss of the elastic line on its slider, y(e) = `upper`.
+
+    Writes: new.
+    """
     k = p.unloading_stiffness
     j = 0 if side > 0.0 else 1
     s, kept, loss = old.set[j], old.kept[j], 0.0
     f = k * (e - s)
-    upper = side * curve_value(curves, p.curve, side * e)[0]
     lower = 0.0
     if p.unloading == BETWEEN:
         lower = side * curve_value(curves, p.unloading_curve, side * e)[0]
     if f > upper:
+        # the slider begins to move where its line meets the curve: y = k (e - s) there
         start = line_meets(curves, p.curve, side, k, s, e)
+        begun = k * (start - s)
         f, s = upper, e - upper / k
-        loss = work(curves, p.curve, side, k, e) - work(curves, p.curve, side, k, start) + kept
+        area = curve_area(curves, p.curve, side * e) - curve_area(curves, p.curve, side * start)
+        loss = area - 0.5 * (f * f - begun * begun) / k + kept
         if p.unloading == BETWEEN:
             kept = work(
                 curves,
