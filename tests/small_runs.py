@@ -21,7 +21,7 @@ def run(folder: Path, scene: dict[str, Any], end: float, step: float | None = No
     output = {"history": {"interval": end}, "states": {"interval": end}}
     text = yaml.safe_dump({"control": control, "output": output} | scene, sort_keys=False)
     deck.write_text(text, "utf-8")
-    done = crashsolve(deck, "-o", out, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", out, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
     return Result(out)
 

@@ -5,7 +5,7 @@
     python tests/architecture/identity.py compare A B             what differs between two folders
 
 The first two look at the package on PYTHONPATH; run them before a change and after it, the second
-also with NUMBA_DISABLE_JIT=1, which compiles nothing. Steps are compared as syntax trees in a
+also with CRASHSOLVE_PLAIN=1, which compiles nothing. Steps are compared as syntax trees in a
 normal form: what a condition excludes is left out, as are functions that nothing calls, and stages
 are part of what calls them; names of local variables, modules and tables do not count. Where the
 normal forms agree, so do the bits, and nothing need be run.

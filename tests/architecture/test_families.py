@@ -35,7 +35,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 def run(home: Path, *words: object) -> subprocess.CompletedProcess[str]:
     """A command of the copy, in plain Python."""
     search = os.pathsep.join([str(home / "source"), str(ROOT / "postproc")])
-    return crashsolve(*words, NUMBA_DISABLE_JIT="1", PYTHONPATH=search)
+    return crashsolve(*words, CRASHSOLVE_PLAIN="1", PYTHONPATH=search)
 
 
 def test_it_is_checked_and_stands_in_manual_and_schema(home: Path, tmp_path: Path) -> None:
@@ -110,7 +110,7 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
     shutil.copy(home / "deck.yaml", deck)
     shutil.copytree(home / "source", home / "solver")
     folders = (home / "solver", ROOT / "postproc", tests)
-    given = environment(PYTHONPATH=os.pathsep.join(map(str, folders)), NUMBA_DISABLE_JIT="1")
+    given = environment(PYTHONPATH=os.pathsep.join(map(str, folders)), CRASHSOLVE_PLAIN="1")
     words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rA", str(tests)]
     asked = "tethers or (imports_only and down) or has_its_floor"
     done = subprocess.run(

@@ -20,7 +20,7 @@ from crashsolve.output.log import STOPPED
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
 # as plain Python: nothing is to be compiled, and a run of a million seconds lasts
-PLAIN = {"NUMBA_DISABLE_JIT": "1"}
+PLAIN = {"CRASHSOLVE_PLAIN": "1"}
 SHORT = ("--set", "control.end_time=0.02", "--set", "control.estimate=off")
 LONG = ("--set", "control.end_time=1e6", "--set", "control.estimate=off")
 

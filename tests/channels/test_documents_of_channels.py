@@ -30,7 +30,7 @@ def test_the_examples_of_the_python_page_are_what_python_says(
     shutil.copy(ROOT / "decks" / "tutorial" / "head_form.yaml", tmp_path)
     monkeypatch.chdir(tmp_path)
     # as plain Python, some 1200 steps are cheaper than a compiler
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    monkeypatch.setenv("CRASHSOLVE_PLAIN", "1")
     text = "\n".join(blocks(PYTHON, "python"))
     page = doctest.DocTestParser().get_doctest(text, {}, "PYTHON.md", str(PYTHON), 0)
     assert len(page.examples) > 20
@@ -49,7 +49,7 @@ def test_a_new_statistic_is_one_file_that_deck_and_commands_know(tmp_path: Path)
     path, folder = tmp_path / "flight.yaml", tmp_path / "flight.results"
     path.write_text(deck, "utf-8")
     search = os.pathsep.join([str(package.parent), str(ROOT / "postproc")])
-    changes = {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": search}
+    changes = {"CRASHSOLVE_PLAIN": "1", "PYTHONPATH": search}
     done = crashsolve(path, "-o", folder, **changes)
     assert done.returncode == 0, done.stderr
     # watched with the error of its trapezoids, known in closed form

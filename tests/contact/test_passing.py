@@ -110,7 +110,7 @@ def fly(
     }
     path = folder / "deck.yaml"
     path.write_text(yaml.safe_dump(deck), "utf-8")
-    return crashsolve(path, "-o", folder / "out", NUMBA_DISABLE_JIT="1")
+    return crashsolve(path, "-o", folder / "out", CRASHSOLVE_PLAIN="1")
 
 
 def test_a_hard_contact_lets_nothing_through(tmp_path: Path) -> None:

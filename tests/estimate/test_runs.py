@@ -42,7 +42,7 @@ def watched(folder: Path) -> dict[str, dict[str, Any]]:
 
 def run(folder: Path, *words: Any) -> dict[str, dict[str, Any]]:
     """The estimates of the pendulum; a few hundred steps cost less than a compiler."""
-    done = crashsolve(PENDULUM, "-o", folder, *words, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(PENDULUM, "-o", folder, *words, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
     return watched(folder)
 
@@ -66,7 +66,7 @@ def test_an_accuracy_is_kept(method: str, accuracy: float, tmp_path: Path) -> No
     deck.write_text(PENDULUM.read_text("utf-8").replace("interval: 1}", "interval: 0.02}"))
     words = ["--set", "control.step=auto", "--set", f"control.accuracy={accuracy}"]
     words += ["--set", f"control.integrator={method}"]
-    done = crashsolve(deck, "-o", tmp_path, *words, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", tmp_path, *words, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
     found = watched(tmp_path)
     for channel, exact in EXACT.items():
@@ -156,7 +156,7 @@ watch: [rbdout.bar_end.velocity.z]
 
 def test_estimates_say_that_they_leave_the_mesh_out(tmp_path: Path) -> None:
     (tmp_path / "deck.yaml").write_text(BEAM)
-    done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
     assert watched(tmp_path)["rbdout.bar_end.velocity.z"]["how"].endswith("; without the mesh")
 
@@ -216,7 +216,7 @@ def test_an_accuracy_of_nothing_but_the_run_itself_is_refused(tmp_path: Path) ->
     text = PENDULUM.read_text("utf-8").split("expect:")[0]
     deck.write_text(text + "watch: [glstat.model.balance]\n", "utf-8")
     words = ["--set", "control.step=auto", "--set", "control.accuracy=1e-4"]
-    done = crashsolve(deck, "-o", tmp_path, *words, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", tmp_path, *words, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 2
     assert "every watched channel is a measure of the run's errors itself" in done.stderr
 
@@ -224,7 +224,7 @@ def test_an_accuracy_of_nothing_but_the_run_itself_is_refused(tmp_path: Path) ->
 def test_a_stop_while_errors_are_estimated_keeps_the_finished_run(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text(PENDULUM.read_text("utf-8").replace("interval: 1}", "interval: 0.02}"))
-    process = start(deck, "-o", tmp_path, NUMBA_DISABLE_JIT="1")
+    process = start(deck, "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     for _ in range(1200):
         time.sleep(0.05)
         status = tmp_path / "status.json"

@@ -82,7 +82,7 @@ def test_steps_that_bend_far_take_few_passes(method: str, tmp_path: Path) -> Non
     )
     deck = tmp_path / "deck.yaml"
     deck.write_text(text + "output: {history: {interval: 0.25}}\n", "utf-8")
-    done = crashsolve(deck, "-o", tmp_path / "out", NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", tmp_path / "out", CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
     assert (
         f"steps accepted, rejected                            {round(1 / step)}, 0" in done.stdout
@@ -118,7 +118,7 @@ def test_a_rope_that_pulls_and_turns_takes_few_passes(tmp_path: Path) -> None:
     """Its tension over its length is above what the light beam resists the same way."""
     deck = tmp_path / "deck.yaml"
     deck.write_text(ROPE, "utf-8")
-    done = crashsolve(deck, "-o", tmp_path / "out", NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", tmp_path / "out", CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
     told = next(line for line in done.stdout.splitlines() if "iterations per step" in line)
     # without the turning of its force 5.4 were taken

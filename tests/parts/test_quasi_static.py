@@ -263,7 +263,7 @@ def test_watched_channels_have_the_errors_of_load_steps(tmp_path: Path) -> None:
     text = DECK.replace("quasi_static}", "quasi_static, steps: 4}") + "watch:\n" + watch
     (tmp_path / "deck.yaml").write_text(text, "utf-8")
     # a few hundred samples cost less than a compiler
-    done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
     work, stored = json.loads((tmp_path / "status.json").read_text("utf-8"))["watched"]
     # what is stored depends on no load steps, the work does: to second order

@@ -140,7 +140,7 @@ def solved(folder: Path, kind: str, parts: dict[str, tuple[int, float]]) -> Any:
         load = {"type": "force", "body": f"{name}_end", "force": [force, 0, 0], "curve": "rise"}
         deck["loads"][name] = load
     (folder / "deck.yaml").write_text(yaml.safe_dump(deck))
-    return crashsolve(folder / "deck.yaml", "-o", folder, NUMBA_DISABLE_JIT="1")
+    return crashsolve(folder / "deck.yaml", "-o", folder, CRASHSOLVE_PLAIN="1")
 
 
 @pytest.mark.parametrize("kind", ["beam", "fibre_beam"])

@@ -64,7 +64,7 @@ def test_pairs_that_come_and_go_are_drawn_in_a_block_of_one_size(
 @pytest.fixture(scope="module")
 def shapes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("shapes")
-    done = crashsolve(HERE / "shapes.yaml", "-o", folder, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(HERE / "shapes.yaml", "-o", folder, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -140,7 +140,7 @@ springs:
 """,
         "utf-8",
     )
-    done = crashsolve(deck, "-o", folder / "out", NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", folder / "out", CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stderr
     return folder / "out"
 

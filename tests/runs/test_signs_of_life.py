@@ -76,7 +76,7 @@ def test_who_sets_the_step_is_named_with_the_reason(name: str, tmp_path: Path) -
     changes, told = CAUSES[name]
     deck, folder = tmp_path / "deck.yaml", tmp_path / "out"
     deck.write_text(SCENE.format(**PLAIN | changes), "utf-8")
-    done = crashsolve(deck, "-o", folder, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", folder, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stderr
     assert json.loads((folder / "status.json").read_text("utf-8"))["step_set_by"] == told
     lines = (folder / "log.txt").read_text("utf-8").splitlines()
@@ -158,7 +158,7 @@ parts:
 def test_a_run_tells_of_a_collapse_and_of_what_never_happened(tmp_path: Path) -> None:
     deck, folder = tmp_path / "deck.yaml", tmp_path / "out"
     deck.write_text(LANDING, "utf-8")
-    done = crashsolve(deck, "-o", folder, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", folder, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stderr
     log = (folder / "log.txt").read_text("utf-8")
     (warning,) = [text for text in log.splitlines() if text.startswith("warning: the step")]

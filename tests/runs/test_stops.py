@@ -54,7 +54,7 @@ def assert_finite(folder: Path) -> None:
 
 @pytest.mark.parametrize("name", STOPS)
 def test_a_numerical_stop_names_time_place_cause_and_advice(name: str, tmp_path: Path) -> None:
-    done = crashsolve(HERE / "stops" / f"{name}.yaml", "-o", tmp_path, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(HERE / "stops" / f"{name}.yaml", "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4
     assert done.stderr.splitlines()[-1] == STOPS[name]
     judge(tmp_path, 4, STOPS[name])
@@ -74,7 +74,7 @@ def test_a_blow_from_rest_is_not_judged_by_the_first_of_its_energy(tmp_path: Pat
     # after ten steps the mass has 1e-20 J, of which a third is not accounted for
     deck, folder = tmp_path / "deck.yaml", tmp_path / "out"
     deck.write_text(BLOW, "utf-8")
-    done = crashsolve(deck, "-o", folder, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", folder, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stderr
     # F = c t^2: v = c t^3 / 3, of which the spring takes k t^2 / 20 m = 2e-5
     v = Result(folder).series("rbdout.mass.velocity.x").values[-1]
@@ -87,7 +87,7 @@ def test_energy_out_of_nothing_stops_the_run_within_a_few_steps(tmp_path: Path) 
     assert "check_every: 10," in text
     deck, folder = tmp_path / "deck.yaml", tmp_path / "out"
     deck.write_text(text.replace("check_every: 10,", "check_every: 100,"), "utf-8")
-    done = crashsolve(deck, "-o", folder, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", folder, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4
     judge(folder, 4, STOPS["long_step"])
     assert_finite(folder)
@@ -96,7 +96,7 @@ def test_energy_out_of_nothing_stops_the_run_within_a_few_steps(tmp_path: Path) 
 
 def test_a_motion_that_is_not_finite_stops_the_run_and_reaches_no_file(tmp_path: Path) -> None:
     deck = HERE / "stops" / "long_step.yaml"
-    done = crashsolve(deck, "-o", tmp_path, "--set", "limit=1e9", NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", tmp_path, "--set", "limit=1e9", CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4
     message = "t = 0.6 s, cycle 60, body 'block': its motion has grown beyond all bounds; "
     judge(tmp_path, 4, message + SHORTER)
@@ -105,7 +105,7 @@ def test_a_motion_that_is_not_finite_stops_the_run_and_reaches_no_file(tmp_path:
 
 def test_joints_that_do_not_fit_are_a_mistake_of_the_deck(tmp_path: Path) -> None:
     deck = HERE / "stops" / "misfit.yaml"
-    done = crashsolve(deck, "-o", tmp_path, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(deck, "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 2
     message = f"{deck}:7:3: error: joint 'pin': is broken by the initial velocities: 1 (SI); "
     judge(tmp_path, 2, message + "correct the joint or the bodies")
@@ -145,7 +145,7 @@ def test_a_full_disk_ends_with_code_5_and_whole_files(size: int, tmp_path: Path)
         capture_output=True,
         text=True,
         timeout=300,
-        env=environment(NUMBA_DISABLE_JIT="1"),
+        env=environment(CRASHSOLVE_PLAIN="1"),
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
     )
     assert done.returncode == 5

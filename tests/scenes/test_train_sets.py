@@ -35,7 +35,7 @@ def run(
     deck = {"control": control, "output": output} | scene
     path = folder / "deck.yaml"
     path.write_text(yaml.safe_dump(deck), "utf-8")
-    done = crashsolve(path, "-o", folder / "out", NUMBA_DISABLE_JIT="1" if plain else "0")
+    done = crashsolve(path, "-o", folder / "out", CRASHSOLVE_PLAIN="1" if plain else "0")
     assert done.returncode == 0, done.stdout + done.stderr
     return Result(folder / "out")
 

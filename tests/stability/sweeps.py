@@ -35,7 +35,7 @@ ENDS = {"ends": (0, re.compile("")), "is refused": (2, REFUSED), "stops": (4, ST
 # where round-off decides: within its bounds, or stopped
 EITHER = "ends or stops"
 # a run of a few thousand steps costs less as plain Python than its compiler
-PLAIN = "NUMBA_DISABLE_JIT"
+PLAIN = "CRASHSOLVE_PLAIN"
 
 # deviations that no channel can tell: (what, measured, bound)
 Look = Callable[[Result, dict[str, str]], Iterator[tuple[str, float, float]]]

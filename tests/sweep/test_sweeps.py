@@ -92,7 +92,7 @@ def test_a_run_that_fails_has_a_message_and_no_number(tmp_path: Path) -> None:
         "utf-8",
     )
     words = ("sweep", plan, "-o", out)
-    done = crashsolve(*words, NUMBA_DISABLE_JIT="1")
+    done = crashsolve(*words, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4
     assert "0002 failed, exit code 4: t = 0.1 s, cycle 10" in done.stdout
     good, bad = table(out)
@@ -101,10 +101,10 @@ def test_a_run_that_fails_has_a_message_and_no_number(tmp_path: Path) -> None:
     assert "the energy balance is off by 104 %" in bad["message"]
     # told again, not run again; on demand it is
     before = begun(out)
-    again = crashsolve(*words, NUMBA_DISABLE_JIT="1")
+    again = crashsolve(*words, CRASHSOLVE_PLAIN="1")
     assert (again.returncode, begun(out)) == (4, before)
     assert "0002 failed before: t = 0.1 s" in again.stdout
-    again = crashsolve(*words, "--again", "failed", NUMBA_DISABLE_JIT="1")
+    again = crashsolve(*words, "--again", "failed", CRASHSOLVE_PLAIN="1")
     assert again.returncode == 4
     assert begun(out)["0001"] == before["0001"]
     assert begun(out)["0002"] != before["0002"]

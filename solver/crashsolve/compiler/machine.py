@@ -69,7 +69,7 @@ def processor() -> str:
 
 def runs_plain() -> bool:
     """Whether nothing is to be compiled."""
-    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+    return os.environ.get("CRASHSOLVE_PLAIN", "0") not in ("", "0")
 
 
 def plain(source: Path, name: str) -> Function:
