@@ -12,6 +12,7 @@ from crashsolve.compiler.machine import runs_plain
 from crashsolve.deck.family import families
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.point import BLOCK_SUM, HOLD, RIDES, blocks_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
 from crashsolve.model import attachments
@@ -35,7 +36,7 @@ from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.materials import fill, laws_of, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
-from crashsolve.model.partition import halve
+from crashsolve.model.partition import cut
 from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -143,10 +144,14 @@ def _arrange(model: Model, state: State, deck: Deck) -> None:
     assert model.elements is not None
     if hasattr(_method(model), "T"):
         embody(model, state)
+    held = state.points["held"]
+    model.elements.holds = np.flatnonzero((held > 0) & (held < RIDES)).astype(HOLD.dtype)
+    blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
+    model.elements.block_sums = np.zeros(blocks, BLOCK_SUM.dtype)
     if deck.control.threads > 1 and not runs_plain():
-        model.elements.halves = halves = halve(model, state)
-        for g in model.element_groups():
-            g.share = halves.rows[0][g.word]
+        model.elements.pieces = pieces = cut(model, state, deck.control.threads)
+        for g in [*model.element_groups(), *model.element_loads()]:
+            g.pieces, g.spans = pieces.rows[g.word], pieces.spans.get(g.word)
 
 
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:

@@ -11,6 +11,9 @@ from crashsolve.deck.family import integrators
 Integrator: Any = Literal[(*integrators(), "auto")]
 
 
+MOST_THREADS = 512
+
+
 class Control(Card):
     """Duration, time step and limits of the run."""
 
@@ -77,10 +80,10 @@ class Control(Card):
     )
 
     threads: int = word(
-        "that share the elements of shells, 2 at most; results are the same to the last bit",
+        "that share the elements of shells; results are the same to the last bit",
         default=1,
         ge=1,
-        le=2,
+        le=MOST_THREADS,
     )
 
     @model_validator(mode="after")
