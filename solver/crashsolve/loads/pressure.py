@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.curve import curve_value
-from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.kernels import apart, blockwise, inlined, kernel
 from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
 from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.point import BLOCKS, LANES
@@ -96,7 +96,7 @@ def add_up(p, out, h, nodes, block_sums):
     act_from_outside(nodes[0], total, moment)
 
 
-@kernel
+@apart
 def press(first, count, sides, block, old, out, h, scene):
     """Elements of one number of sides, by blocks. Writes: scene.points, work, block_sums."""
     points, corners, work, done, share = scene.points, scene.corners, scene.work, 0, -0.5 / sides

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.compiler.machine import runs_plain
 from crashsolve.deck.family import families
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
@@ -123,7 +122,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     if model.integrator == "auto":
         model.integrator, model.choice = _choose(model, state, scene)
     if model.elements:
-        _arrange(model, state, deck)
+        _arrange(model, state, scene)
     state.stages = initial_stages(model, len(state.nodes))
     if hasattr(_method(model), "DENSE"):
         for g in model.force_groups():
@@ -139,7 +138,7 @@ def _choose(model: Model, state: State, scene: Scene) -> tuple[str, str]:
     return scene.methods[0], "known to all families of laws in the deck"
 
 
-def _arrange(model: Model, state: State, deck: Deck) -> None:
+def _arrange(model: Model, state: State, scene: Scene) -> None:
     """Points as the method needs them. Writes: model, state."""
     assert model.elements is not None
     if hasattr(_method(model), "T"):
@@ -148,8 +147,8 @@ def _arrange(model: Model, state: State, deck: Deck) -> None:
     model.elements.holds = np.flatnonzero((held > 0) & (held < RIDES)).astype(HOLD.dtype)
     blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
     model.elements.block_sums = np.zeros(blocks, BLOCK_SUM.dtype)
-    if deck.control.threads > 1 and not runs_plain():
-        model.elements.pieces = pieces = cut(model, state, deck.control.threads)
+    if scene.threads > 1:
+        model.elements.pieces = pieces = cut(model, state, scene.threads)
         for g in [*model.element_groups(), *model.element_loads()]:
             g.pieces, g.spans = pieces.rows[g.word], pieces.spans.get(g.word)
 

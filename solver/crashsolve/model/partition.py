@@ -32,6 +32,8 @@ PIECE = Record(
     loan_count=("count", "points lent to it"),
     rate=("1/s^2", "bound of the squared frequencies found in it"),
     element=("index", "that has it"),
+    first_point=("index", "of its points"),
+    speed=("m/s", "the largest of them"),
 )
 LOAN = Record(
     point=("index", "that a point stands for"),
@@ -99,6 +101,8 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     table[:count] = state.points
     state.points = table[:count]
     pieces = np.zeros(len(loans), PIECE.dtype)
+    of_groups = [one for g in model.element_groups() for one in rows[g.word]]
+    pieces["first_point"] = [one["first_point"] for one in of_groups]
     pieces["loan_count"] = [len(own) for own in loans]
     pieces["first_loan"] = np.cumsum(pieces["loan_count"]) - pieces["loan_count"]
     return Pieces(

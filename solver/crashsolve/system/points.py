@@ -7,7 +7,7 @@ alpha is a drag proportional to mass. A step of no length leaves everything as i
 to test: the drag takes alpha m v_half^2 h, and nothing else is lost.
 """
 
-from crashsolve.foundation.kernels import inlined, kernel
+from crashsolve.foundation.kernels import apart, inlined, kernel
 from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.vec3 import (
     add,
@@ -25,7 +25,7 @@ from crashsolve.foundation.vec3 import (
 from crashsolve.model.clock import NOT_FINITE
 
 
-@kernel
+@apart
 def open_points(h, p, points):
     """First kick and drift of the points of a part. Writes: points."""
     slow = 1.0 / (1.0 + 0.5 * p.drag * h)
@@ -101,7 +101,7 @@ def bound_rate(rate, b):
     return max(rate, b.load * b.mass_inv, b.spin_load * b.J_inv)
 
 
-@kernel
+@apart
 def close_points(clock, h, p, points):
     """Second kick of the points of a part, whose bound of frequency may be the largest.
 

@@ -4,7 +4,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.vec3 import add_to, put, vec
 
-OPEN, DEFORM, LOAD, CLOSE = range(4)
+OPEN, DEFORM, LOAD, CLOSE, SPEED, LOOK = range(6)
 
 
 @kernel
@@ -52,3 +52,15 @@ def largest_rate(scene):
     for k in range(scene.pieces.shape[0]):
         rate = max(rate, scene.pieces[k].rate)
     return rate
+
+
+@kernel
+def largest_speed(p, scene):
+    """The largest speed that pieces have found of the points of a contact."""
+    fastest = 0.0
+    for k in range(scene.pieces.shape[0]):
+        piece = scene.pieces[k]
+        if piece.first_point >= p.first_point:
+            if piece.first_point < p.first_point + p.point_count:
+                fastest = max(fastest, piece.speed)
+    return fastest
