@@ -220,6 +220,7 @@ class NodalGroup:
         "near",
         "wait",
         "gone",
+        "balls",
     )
 
     @property

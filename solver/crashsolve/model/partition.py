@@ -79,7 +79,11 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     rows: dict[str, list[Any]] = {g.word: [] for g in model.element_groups()}
     loans: list[np.ndarray] = []
     of_part: dict[int, list[tuple[int, int, Any]]] = {}
-    parts = [(g, *pair) for g in model.element_groups() for pair in zip(g.names, g.parameters, strict=True)]
+    parts = [
+        (g, *pair)
+        for g in model.element_groups()
+        for pair in zip(g.names, g.parameters, strict=True)
+    ]
     total = sum(_blocks_of(row) for _, _, row in parts)
     for g, name, row in parts:
         bounds = _bounds(_blocks_of(row), total, PIECES * threads)
@@ -117,7 +121,7 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
 
 
 def _bounds(blocks: int, total: int, pieces: int) -> list[int]:
-    """Where the pieces of a part begin and end, in blocks: its share of all pieces, one at least."""
+    """Where pieces of a part begin and end, in blocks: its share of all pieces, one at least."""
     own = min(blocks, max(1, round(pieces * blocks / total)))
     return [blocks * k // own for k in range(own + 1)]
 

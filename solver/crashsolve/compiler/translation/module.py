@@ -19,6 +19,7 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.compiler.translation.text import Text, struct_of
 
+
 class TranslationError(Exception):
     """A kernel cannot be compiled: file, line, and why."""
 

@@ -14,7 +14,7 @@ Integrator: Any = Literal[(*integrators(), "auto")]
 
 MOST_THREADS = 1024
 # what Slurm tells a job
-GIVEN = "SLURM_CPUS_PER_TASK"
+CORES_GIVEN = "SLURM_CPUS_PER_TASK"
 
 
 class Control(Card):
@@ -123,9 +123,9 @@ class Control(Card):
 
 def cores_given() -> int:
     """Cores that the job was given, 1 outside of one. Raises DeckErrors where that is no number."""
-    given = os.environ.get(GIVEN, "1")
+    given = os.environ.get(CORES_GIVEN, "1")
     if given.isdecimal() and 1 <= int(given) <= MOST_THREADS:
         return int(given)
     message = f"must be a whole number from 1 to {MOST_THREADS}, not '{given}'"
     advice = "unset it, or say control.threads"
-    raise DeckErrors([DeckError("environment", None, None, GIVEN, message, advice)])
+    raise DeckErrors([DeckError("environment", None, None, CORES_GIVEN, message, advice)])

@@ -19,7 +19,6 @@ from crashsolve.system.placeholders import THREADS
 def node_to_surface(group, clock, h, nodes, curves, scene):
     """Forces of all probes of a group. Writes: scene.points, cards, loads, probe_states, nodes."""
     p, totals, probes, due = group.p[0], group.totals[0], group.probes, group.due
-    points, corners = scene.points, scene.corners
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     lists = (group.first, group.near, group.wait, due)
     grid = (group.cells, group.starts, group.sorted)
@@ -47,7 +46,7 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
 @kernel
 def touch_faces(group, clock, h, i, found, nodes, curves, scene):
     """Forces of one probe on the faces it has found, or left. Writes: as above."""
-    p, totals, probes = group.p[0], group.totals[0], group.probes
+    p, probes = group.p[0], group.probes
     points, corners = scene.points, scene.corners
     probe_states, turns = group.probe_states, group.turns
     count = scene.card_history[1 - clock.current, p.card]

@@ -171,7 +171,11 @@ def load_piece(k, job, scene):
         if job.group == number:
             span = group.spans[i]
             jobs.lend(scene.pieces[span.first_piece + k], scene)
-            p, old, out = group.pieces[span.first + k], group.history[job.current, i], group.output[i]
+            p, old, out = (
+                group.pieces[span.first + k],
+                group.history[job.current, i],
+                group.output[i],
+            )
             group.law.load_elements(p, old, out, job.h, scene)
 
 

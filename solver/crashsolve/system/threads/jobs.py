@@ -60,7 +60,7 @@ def largest_speed(p, scene):
     fastest = 0.0
     for k in range(scene.pieces.shape[0]):
         piece = scene.pieces[k]
-        if piece.first_point >= p.first_point:
-            if piece.first_point < p.first_point + p.point_count:
-                fastest = max(fastest, piece.speed)
+        at = piece.first_point - p.first_point
+        if at >= 0 and at < p.point_count:
+            fastest = max(fastest, piece.speed)
     return fastest
