@@ -42,7 +42,7 @@ def module_of(law: tuple[str, str]) -> Any:
 def acts_on_points(law: tuple[str, str]) -> bool:
     """Whether its force acts on elements or their points, which have tests of their own."""
     module = module_of(law)
-    return hasattr(module, "load_half") or hasattr(module, "force_on_points")
+    return hasattr(module, "load_elements") or hasattr(module, "force_on_points")
 
 
 FORCES = [law for law in laws_with("force") if not acts_on_points(law)]

@@ -34,12 +34,14 @@ def pressed(folder: Path, **words: Any) -> tuple[Any, Any]:
     points, nodes = state.points.view(np.recarray), state.nodes.view(np.recarray)
     assert model.elements is not None
     elements = model.elements
-    scene = SimpleNamespace(points=points, corners=elements.corners, work=elements.work)
+    sums = elements.block_sums.view(np.recarray)
+    scene = SimpleNamespace(
+        points=points, corners=elements.corners, work=elements.work, block_sums=sums
+    )
     curves = model.curves.view(np.recarray)
     plain(group.module.force)(p, old, new, out, 0.0, 0.0, nodes, None, curves)
-    for half in range(2):
-        plain(group.module.load_half)(p, half, old, out, 0.0, scene)
-        plain(group.module.add_up)(out, 0.0, nodes, elements.work)
+    plain(group.module.load_elements)(p, old, out, 0.0, scene)
+    plain(group.module.add_up)(p, out, 0.0, nodes, sums)
     return points, out
 
 

@@ -1,5 +1,6 @@
-"""Claim: two threads are bitwise identical to one, go on to them, and stop where one does."""
+"""Claim: any number of threads gives the bits of one, goes on to them, and stops as one does."""
 
+import random
 import shutil
 import signal
 import time
@@ -10,31 +11,42 @@ from typing import Any
 import numpy as np
 import pytest
 from bench import plain
-from command import crashsolve, differences, gone_on, start
+from command import crashsolve, differences, gone_on, results, start
 from shells import Elements
 
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.deck.run_cards.control import CORES_GIVEN
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
-from crashsolve.model.partition import halve
+from crashsolve.model.partition import PIECES, cut
 from crashsolve.system.compose import compose
-from crashsolve.system.threads import worker
+from crashsolve.system.threads import jobs, worker
 
 # a worker compiles the scene once
 pytestmark = pytest.mark.xdist_group("threads")
 
-# a yielding plate, held, pressed and damped, on which a ball falls, beside one that flies
+DECKS = Path(__file__).parents[2] / "decks/verification/parts"
+# a yielding plate, held and pressed; a ball and an ellipsoid fall on its nodes and faces, and a
+# sheet, damped, which rubs and tears
 DECK = """
 title: Two plates and a ball
 control: {threads: 2, end_time: 4e-4, safety: 0.8, check_every: 10}
 materials:
   steel: {type: elastoplastic, young: 2.1e11, poisson: 0.3, density: 7850, yield_stress: 2e8}
+  weak: {type: elastoplastic, young: 2.1e11, poisson: 0.3, density: 7850, yield_stress: 5e7,
+    failure_strain: 5e-5}
 bodies:
   ball:
     mass: 0.1
     inertia: [8e-5, 8e-5, 8e-5]
-    position: [0.16, 0.15, 0.022]
+    position: [0.1, 0.1, 0.0202]
     velocity: [0, 0, -20]
+  egg:
+    mass: 0.05
+    inertia: [4e-5, 4e-5, 4e-5]
+    position: [0.06, 0.21, 0.0125]
+    velocity: [0, 0, -20]
+    angular_velocity: [100, 0, 0]
 parts:
   plate:
     type: shell
@@ -47,18 +59,28 @@ parts:
     hold: [{nodes: u0}, {nodes: v0, motions: [x, z]}]
   other:
     type: shell
-    mesh: {type: grid, along: [0.1, 0, 0], across: [0, 0.1, 0], elements: [5, 5], at: [0, 0, 0.1]}
+    mesh: {type: grid, along: [0.1, 0, 0], across: [0, 0.1, 0], elements: [5, 5],
+      at: [0.17, 0.04, 0.0021]}
     thickness: 0.002
-    material: steel
+    material: weak
     layers: 3
     drag: 50
-    velocity: [0, 1, 0]
-    angular_velocity: [300, 0, 100]
+    velocity: [0, 5, -10]
+    angular_velocity: [0, 30, 100]
 surfaces:
   ball: {type: sphere, body: ball, radius: 0.02}
+  egg: {type: ellipsoid, body: egg, semi_axes: [0.02, 0.015, 0.01]}
   plate: {type: nodes, part: plate}
+  faces: {type: faces, part: plate, normals: continuous}
+  sheet: {type: nodes, part: other, radius: 0.001}
 contacts:
   hits: {a: [plate], b: [ball], normal: {type: kelvin_voigt, stiffness: 1e7, damping: 10}}
+  rolls: {a: [egg], b: [faces], normal: {type: kelvin_voigt, stiffness: 1e7, damping: 10}}
+  lies:
+    a: [sheet]
+    b: [faces]
+    normal: {type: kelvin_voigt, stiffness: 1e6, damping: 10}
+    friction: {type: coulomb, coefficient: 0.2, full_above: 0.1, none_below: 0.01}
 loads: {q: {type: pressure, part: plate, pressure: 1e5}}
 output: {history: {interval: 2e-5}, states: {interval: 1e-4}, restart: {every: 1e-4}}
 """
@@ -75,34 +97,65 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return deck, folder / "two"
 
 
-def test_two_threads_give_the_bits_of_one(two: tuple[Path, Path], tmp_path: Path) -> None:
+def test_the_scene_has_all_that_threads_share(two: tuple[Path, Path]) -> None:
+    found = results(two[1])
+    assert found["history.h5:matsum-shell/deleted"].max() > 0
+    assert (found["history.h5:rcforc/peak_normal"].max(axis=0) > 0.0).all()
+    assert found["history.h5:matsum-shell/plastic"].max() > 0.0
+
+
+# beyond two, more than this machine has cores, and more than there are blocks of elements
+@pytest.mark.parametrize("threads", [1, 3, 4, 8, 40])
+def test_any_number_of_threads_gives_the_same_bits(
+    two: tuple[Path, Path], threads: int, tmp_path: Path
+) -> None:
     deck, folder = two
-    done = crashsolve(deck, "-o", tmp_path, "--set", "control.threads=1")
+    done = crashsolve(deck, "-o", tmp_path, "--set", f"control.threads={threads}")
     assert done.returncode == 0, done.stderr
     assert differences(tmp_path, folder) == []
 
 
-def test_the_second_thread_alone_has_points_lent(two: tuple[Path, Path]) -> None:
-    # did the first as well, it might clear what the second has begun to add: seldom, by chance
-    text = compose(build(read_deck(two[0]))[0])
-    first, _, second = text.partition("def assist")
-    # once for the elements, once for the pressure on them
-    assert second.count("worker.lend(") == 2 and "worker.lend(" not in first
-
-
-def test_two_threads_go_on_from_a_dump_to_the_same_bits(
-    two: tuple[Path, Path], tmp_path: Path
+def test_a_job_has_as_many_threads_as_it_was_given_cores(
+    two: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    deck, folder = two
-    gone_on(deck, folder, tmp_path / "again")
+    monkeypatch.delenv(CORES_GIVEN, raising=False)
+    path = tmp_path / "job.yaml"
+    path.write_text(DECK.replace("threads: 2, ", ""), "utf-8")
+    assert read_deck(path).threads == 1
+    monkeypatch.setenv(CORES_GIVEN, "3")
+    assert read_deck(path).threads == 3
+    assert read_deck(two[0]).threads == 2
+    monkeypatch.setenv(CORES_GIVEN, "all")
+    with pytest.raises(DeckErrors, match="SLURM_CPUS_PER_TASK: must be a whole number"):
+        build(read_deck(path))
+    # of no matter where there is nothing to share, and to steps that cannot be shared
+    path.write_text("control: {end_time: 1}\nbodies: {b: {mass: 1, inertia: [1, 1, 1]}}\n", "utf-8")
+    assert read_deck(path).threads == 1
+    implicit = {"control.integrator": "generalized_alpha", "control.step": "1e-5"}
+    assert read_deck(DECKS / "shell_blast.yaml", implicit).threads == 1
 
 
-def test_two_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Path) -> None:
+def test_one_thread_has_nothing_of_several(two: tuple[Path, Path]) -> None:
+    texts = [compose(build(read_deck(two[0], {"control.threads": n}))[0]) for n in "128"]
+    assert texts[1] == texts[2] and "def assist" in texts[1]
+    assert "worker" not in texts[0] and "jobs" not in texts[0]
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_another_number_of_threads_goes_on_from_a_dump_to_the_same_bits(
+    two: tuple[Path, Path], threads: int, tmp_path: Path
+) -> None:
+    other = tmp_path / "other.yaml"
+    other.write_text(DECK.replace("threads: 2", f"threads: {threads}"), "utf-8")
+    assert "with other control.threads" in gone_on(other, two[1], tmp_path / "again")
+
+
+def test_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Path) -> None:
     deck, folder = two
     # on a busy machine the run may end before the signal is sent: then try again
     for _ in range(10):
         shutil.rmtree(tmp_path / "cut", ignore_errors=True)
-        run = start(deck, "-o", tmp_path / "cut")
+        run = start(deck, "-o", tmp_path / "cut", "--set", "control.threads=3")
         until = time.monotonic() + 60
         while not (tmp_path / "cut/states/000001.h5").exists() and time.monotonic() < until:
             time.sleep(0.001)
@@ -114,11 +167,46 @@ def test_two_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path
     assert differences(tmp_path / "cut", folder) == []
 
 
-def test_a_step_too_long_stops_two_threads(two: tuple[Path, Path], tmp_path: Path) -> None:
-    # some ten times the stable one
-    done = crashsolve(two[0], "-o", tmp_path, "--set", "control.step=3e-5")
-    assert done.returncode == 4
-    assert "take a shorter step" in done.stderr + done.stdout
+def test_a_step_too_long_stops_any_number_of_threads_alike(
+    two: tuple[Path, Path], tmp_path: Path
+) -> None:
+    told = set()
+    for threads in "13":
+        # some ten times the stable one
+        words = ("--set", "control.step=3e-5", "--set", f"control.threads={threads}")
+        done = crashsolve(two[0], "-o", tmp_path / threads, *words)
+        assert done.returncode == 4
+        told.add(next(line for line in done.stderr.splitlines() if "take a shorter step" in line))
+    assert len(told) == 1
+
+
+def test_every_piece_is_taken_once_whoever_comes_when() -> None:
+    rng, next_piece = random.Random(1), plain(worker.next_piece)
+    for threads, pieces in ((1, 1), (2, 8), (3, 2), (8, 33)):
+        turns = np.zeros(worker.QUEUES + worker.LINE * threads, np.int64)
+        for _ in range(3):
+            called = plain(worker.call)(pieces, threads, turns)
+            taken = []
+            while (k := next_piece(rng.randrange(threads), called, threads, turns)) >= 0:
+                taken.append(k)
+                plain(worker.finish)(turns)
+            assert sorted(taken) == list(range(pieces))
+            plain(worker.wait_for_all)(pieces, turns)
+        # one that comes late to a round finds nothing of the next
+        plain(worker.call)(pieces, threads, turns)
+        assert next_piece(0, called, threads, turns) == -1
+
+
+def test_who_waits_long_sleeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    naps: list[int] = []
+    offers: list[int] = []
+    patient = plain(worker.be_patient)
+    monkeypatch.setitem(patient.__globals__, "sleep", naps.append)
+    monkeypatch.setitem(patient.__globals__, "give_way", lambda: offers.append(1))
+    looks = 0
+    for _ in range(worker.PATIENCE + worker.OFFERS + 11):
+        looks = patient(looks)
+    assert (len(offers), naps) == (worker.OFFERS, [worker.NAP] * 10)
 
 
 def mixed(rng: np.random.Generator) -> tuple[Any, list[list[int]]]:
@@ -136,48 +224,57 @@ def mixed(rng: np.random.Generator) -> tuple[Any, list[list[int]]]:
     return nodes.tolist(), [faces[k] for k in rng.permutation(len(faces))]
 
 
+@pytest.mark.parametrize("threads", [2, 5])
 @pytest.mark.parametrize("element", ["reduced", "fully_integrated", "triangles"])
-def test_halves_of_a_part_push_its_points_as_the_whole(element: str, tmp_path: Path) -> None:
+def test_pieces_of_a_part_push_its_points_as_the_whole(
+    element: str, threads: int, tmp_path: Path
+) -> None:
     rng = np.random.default_rng(3)
     mesh, motion = mixed(rng), 1e-3 * rng.normal(size=(72, 6))
     whole = Elements(tmp_path, mesh, element=element)
     forces = whole.move(motion)
-    cut = Elements(tmp_path, mesh, element=element)
-    halves = halve(cut.model, cut.state)
-    points = halves.points.view(np.recarray)
+    one = Elements(tmp_path, mesh, element=element)
+    pieces = cut(one.model, one.state, threads)
+    points = pieces.points.view(np.recarray)
     own = points[:72]
     own.v, own.w = motion[:, :3], motion[:, 3:]
     own.r += own.v
-    shared = {
-        "lanes": cut.state.blocks,
-        "work": cut.scene.work,
-        "curves": cut.scene.curves,
-        "points": points,
-        "loans": halves.loans.view(np.recarray),
-        "lent": halves.lent.view(np.recarray),
-        "second_clock": halves.second_clock.view(np.recarray),
-    }
-    word = cut.model.element_groups()[0].word
-    # the second first: the order of the threads does not count
-    for k, corners in ((1, halves.corners), (0, cut.scene.corners)):
-        clock = shared["second_clock"][0] if k else cut.clock
-        scene = SimpleNamespace(corners=corners, **shared)
-        if k:
-            plain(worker.lend)(scene)
-        row = halves.rows[k][word].view(np.recarray)[0]
-        assert row.element_count > 0
-        for kind in cut.kinds:
-            plain(kind.deform)(row, clock, 1.0, scene, cut.material)
-    assert len(halves.loans) > 50
-    plain(worker.take_back)(cut.clock, scene)
+    elements: Any = one.model.elements
+    scene = SimpleNamespace(
+        lanes=one.state.blocks,
+        work=one.scene.work,
+        curves=one.scene.curves,
+        points=points,
+        corners=elements.corners.base,
+        pieces=pieces.pieces.view(np.recarray),
+        loans=pieces.loans.view(np.recarray),
+        lent=pieces.lent.view(np.recarray),
+    )
+    rows = pieces.rows[one.model.element_groups()[0].word].view(np.recarray)
+    # a block is the least
+    assert len(rows) == len(pieces.pieces) > 3
+    assert len(rows) <= PIECES * threads
+    # the order of the pieces does not count
+    for k in rng.permutation(len(rows)):
+        plain(jobs.lend)(scene.pieces[k], scene)
+        one.clock.element_rate = 0.0
+        for kind in one.kinds:
+            plain(kind.deform)(rows[k], one.clock, 1.0, scene, one.material)
+        scene.pieces[k].rate = one.clock.element_rate
+        scene.pieces[k].element = one.clock.limit_element
+    assert len(pieces.loans) > 50
+    plain(jobs.take_back)(0, len(rows), scene)
+    plain(jobs.note_rates)(one.clock, 0, scene)
     found = np.hstack([own.force, own.torque])
     assert found.tobytes() == forces.tobytes()
-    assert cut.clock.element_rate == whole.clock.element_rate
-    assert cut.clock.limit_element == whole.clock.limit_element
+    assert one.clock.element_rate == whole.clock.element_rate
+    assert one.clock.limit_element == whole.clock.limit_element
 
 
 WRONG = {
-    "threads: 2": ("threads: 3", "control: threads: must be at most 2, not 3"),
+    "threads: 2": ("threads: 1000000", "control: threads: must be at most 1024, not 1e+06"),
+    "{threads: 2": ("{threads: 0", "control: threads: must be at least 1, not 0"),
+    "threads: 2, end": ("threads: 1.5, end", "control: threads: must be a whole number"),
     "{threads: 2,": (
         "{threads: 2, integrator: generalized_alpha, step: 1e-5,",
         "threads: share explicit steps only; say integrator: rattle",

@@ -236,7 +236,7 @@ def test_what_says_only_how_to_go_on_may_differ() -> None:
     assert differing(old, on) == [("control.end_time", False)]
     told = on + "output: {log: {interval: 1}}\n"
     assert differing(on, told) == [("output", False)]
-    for word, other in (("mass: 1", "mass: 2"), ("b: {mass", "c: {mass"), ("safety", "threads")):
+    for word, other in (("mass: 1", "mass: 2"), ("b: {mass", "c: {mass"), ("safety", "start_time")):
         assert any(bound for _, bound in differing(old, old.replace(word, other))), word
 
 

@@ -22,9 +22,9 @@ class Tables:
     def __init__(self, arrays: dict[str, np.ndarray]) -> None:
         self.addresses = np.zeros((len(arrays), WORDS), np.int64)
         self.places: dict[str, Place] = {}
-        # the address of all of them, and the tables of a second thread, which has some of its own
+        # the address of all of them, and the tables of other threads, which have some of their own
         self.pointer = self.addresses.ctypes.data
-        self.second: Tables | None = None
+        self.others: list[Tables] = []
         for address, (name, array) in zip(self.addresses, arrays.items(), strict=True):
             if not array.flags.c_contiguous:
                 raise ValueError(f"table {name} must lie in one piece")

@@ -153,13 +153,13 @@ class PointForce(Protocol):
 
 
 class ElementLoad(Protocol):
-    """A load on elements kept in blocks, which two threads may share."""
+    """A load on elements kept in blocks; its PARAMETERS have the columns BLOCKS."""
 
-    def load_half(self, p, side, old, out, h, scene):
-        """Forces on the elements of one thread. Writes: scene."""
+    def load_elements(self, p, old, out, h, scene):
+        """Forces on some blocks, which one of several threads does. Writes: scene.points, sums."""
 
-    def add_up(self, out, h, nodes, work):
-        """Sums of both threads. Writes: out."""
+    def add_up(self, p, out, h, nodes, block_sums):
+        """Sums over all blocks of the part, in their order. Writes: nodes, out."""
 
 
 class Bending(Protocol):

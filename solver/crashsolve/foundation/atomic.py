@@ -1,4 +1,4 @@
-"""Words of memory by which two threads tell each other how far they are.
+"""Words of memory by which threads tell each other how far they are.
 
     store_release(words, k, n) after writing  ...  load_acquire(words, k) == n before reading
 
@@ -8,7 +8,7 @@ These are what plain Python runs, one thread alone; `translation/threads.py` has
 
 
 def load_acquire(words, k):
-    """A word that another thread writes."""
+    """A word that other threads write."""
     return words[k]
 
 
@@ -17,5 +17,22 @@ def store_release(words, k, number):
     words[k] = number
 
 
+def add_release(words, k, number):
+    """Add to a word that others add to as well. Writes: words."""
+    words[k] += number
+
+
+def replaced(words, k, old, new):
+    """Whether a word was still `old`, in whose place it is `new` now. Writes: words."""
+    if words[k] != old:
+        return False
+    words[k] = new
+    return True
+
+
 def give_way():
     """Let another thread have this core, if any waits for it."""
+
+
+def sleep(microseconds):
+    """Leave this core to others for so long."""

@@ -15,6 +15,14 @@ def kernel(function: F) -> F:
     return _marked(function, "kernel")
 
 
+def apart(function: F) -> F:
+    """A kernel that several threads may share: it never becomes part of what calls it.
+
+    So it has the same code, and bits, whoever calls it.
+    """
+    return _marked(function, "apart")
+
+
 def blockwise(function: F) -> F:
     """A kernel with loops over the lanes of a block, no two of whose tables and columns overlap.
 

@@ -5,6 +5,8 @@ elements need its spin alone. A point that the deck names rides on a body of tha
 joints, loads, contacts and sensors take hold of it as of any body.
 """
 
+from typing import Any
+
 from crashsolve.foundation.record import Record
 
 # elements side by side, so that the compiler works on several at a time
@@ -14,13 +16,6 @@ LANES = 16
 RIDES = 64
 # beside it: the body is there for the point alone, in implicit steps
 OWN = 128
-
-
-def first_half(quads: int, triangles: int) -> tuple[int, int, int]:
-    """Of a part in two halves, the first: its blocks, its quadrilaterals, its triangles."""
-    filled, more = -(-quads // LANES), -(-triangles // LANES)
-    head = (filled + more + 1) // 2
-    return head, min(LANES * head, quads), min(LANES * max(head - filled, 0), triangles)
 
 
 POINT = Record(
@@ -51,4 +46,27 @@ ATTACHED_POINT = Record(
     point=("index", "point"),
     node=("index", "body it rides on"),
     spot=("m", 3, "from the mass centre, body axes"),
+)
+
+HOLD = Record(point=("index", "that is held"))
+
+# of a load on the elements of a part: which blocks it acts on
+BLOCKS = Record(
+    first_corner=("index", "of the corners of the first block"),
+    quads=("count", "quadrilaterals"),
+    triangles=("count", "triangles, in the blocks after theirs"),
+    first_block=("index", "of the part's, and of its sums"),
+)
+
+
+def blocks_of(p: Any) -> Any:
+    """How many blocks that are, of a row of these columns or of all rows of a table."""
+    return (p["quads"] + LANES - 1) // LANES + (p["triangles"] + LANES - 1) // LANES
+
+
+# what such a load does to a block
+BLOCK_SUM = Record(
+    force=("N", 3, "in all"),
+    moment=("N m", 3, "about the origin"),
+    work=("W", "power of the mean force of the step"),
 )

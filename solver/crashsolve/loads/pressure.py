@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.curve import curve_value
-from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.kernels import apart, blockwise, inlined, kernel
 from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
 from crashsolve.foundation.motion import act_from_outside
-from crashsolve.foundation.point import LANES, first_half
+from crashsolve.foundation.point import BLOCKS, LANES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, put, scale, sub
+from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, put, scale, sub, vec
 
 
 class Pressure(Card):
@@ -29,19 +29,16 @@ class Pressure(Card):
 
 
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = Record(
+PARAMETERS = BLOCKS + Record(
     pressure=("Pa", "p"),
     curve=("index", "factor over time; 0 for none"),
-    first_corner=("index", 2, "of the corners of each half of the part"),
-    quads=("count", 2, "quadrilaterals there"),
-    triangles=("count", 2, "triangles there, in the blocks after theirs"),
 )
 AMPLITUDE = "pressure"
 HISTORY = Record(pressure=("Pa", "pressure at the last step"))
 OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
-# rows of `work` behind those that motion is taken to: force on a corner; sums over the blocks of
-# it, of its moment and of its work; torques NEXT rows behind forces, and loads, of which none is
-FORCE, TOTAL, MOMENT, LOSS = (3 * NEXT + k for k in (0, 3, 6, 9))
+# rows of `work` behind those that motion is taken to: force on a corner; force, moment and work of
+# an element; torques NEXT rows behind forces, and loads, of which none is
+FORCE, TOTAL, MOMENT, WORK = (3 * NEXT + k for k in (0, 3, 6, 9))
 EMPTY = FORCE + NEXT + 3
 
 
@@ -52,13 +49,13 @@ def build(card: Pressure, scene: Any) -> dict[str, Any]:
         )
         raise scene.fail(message, "part")
     corner, quads, triangles = scene.faces(card.part, "part")
-    head, n, m = first_half(quads, triangles)
     return {
         "pressure": card.pressure,
         "curve": scene.curve(card.curve) if card.curve else 0,
-        "first_corner": (corner, corner + 4 * LANES * head),
-        "quads": (n, quads - n),
-        "triangles": (m, triangles - m),
+        "first_corner": corner,
+        "quads": quads,
+        "triangles": triangles,
+        "first_block": 0,
     }
 
 
@@ -75,27 +72,33 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def load_half(p, half, old, out, h, scene):
-    """The elements of one half of the part. Writes: scene.points, work."""
+def load_elements(p, old, out, h, scene):
+    """Forces on blocks of elements. Writes: scene.points, work, block_sums."""
     clear(scene.work)
-    first, quads = p.first_corner[half], p.quads[half]
-    press(first, quads, 4, old, out, h, scene)
-    filled = (quads + LANES - 1) // LANES * LANES
-    press(first + 4 * filled, p.triangles[half], 3, old, out, h, scene)
+    filled = (p.quads + LANES - 1) // LANES
+    press(p.first_corner, p.quads, 4, p.first_block, old, out, h, scene)
+    first = p.first_corner + 4 * LANES * filled
+    press(first, p.triangles, 3, p.first_block + filled, old, out, h, scene)
 
 
 @kernel
-def add_up(out, h, nodes, work):
-    """What loading a half of the part has left in `work`. Writes: nodes, out."""
-    total = sum_three(work, TOTAL)
-    out.loss += h * sum_lanes(work, LOSS)
+def add_up(p, out, h, nodes, block_sums):
+    """What all blocks come to, one after the other. Writes: nodes, out."""
+    total = moment = (0.0, 0.0, 0.0)
+    work = 0.0
+    blocks = (p.quads + LANES - 1) // LANES + (p.triangles + LANES - 1) // LANES
+    for k in range(blocks):
+        one = block_sums[k]
+        total, moment = add(total, vec(one.force)), add(moment, vec(one.moment))
+        work += one.work
+    out.loss += h * work
     add_to(out.force, total)
-    act_from_outside(nodes[0], total, sum_three(work, MOMENT))
+    act_from_outside(nodes[0], total, moment)
 
 
-@kernel
-def press(first, count, sides, old, out, h, scene):
-    """Elements of one number of sides, by blocks. Writes: scene.points, work."""
+@apart
+def press(first, count, sides, block, old, out, h, scene):
+    """Elements of one number of sides, by blocks. Writes: scene.points, work, block_sums."""
     points, corners, work, done, share = scene.points, scene.corners, scene.work, 0, -0.5 / sides
     while done < count:
         corner, live = first + 4 * done, min(LANES, count - done)
@@ -109,6 +112,10 @@ def press(first, count, sides, old, out, h, scene):
                 add_forces(
                     points, corners, corner + LANES * c + e, work, rows[0], rows[1], live - e
                 )
+        one = scene.block_sums[block + done // LANES]
+        put(one.force, sum_three(work, TOTAL))
+        put(one.moment, sum_three(work, MOMENT))
+        one.work = sum_lanes(work, WORK)
         done += LANES
 
 
@@ -128,7 +135,7 @@ def row_of(work, quantity, c, e):
 
 @blockwise
 def press_block(work, live, sides, h, now, before):
-    """Force on each corner of a block, and what it adds to the sums. Writes: work.
+    """Force on each corner of a block, and what it comes to. Writes: work.
 
     `now` and `before` are shares of a corner in the pressure over the cross product of diagonals.
     """
@@ -148,9 +155,9 @@ def press_block(work, live, sides, h, now, before):
         turn = cross(place, f)
         for k in range(3):
             work[LANES * (FORCE + k) + e] = f[k]
-            work[LANES * (TOTAL + k) + e] += sides * f[k]
-            work[LANES * (MOMENT + k) + e] += turn[k]
-        work[LANES * LOSS + e] += dot(mean, way)
+            work[LANES * (TOTAL + k) + e] = sides * f[k]
+            work[LANES * (MOMENT + k) + e] = turn[k]
+        work[LANES * WORK + e] = dot(mean, way)
 
 
 @kernel

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.compiler.machine import runs_plain
 from crashsolve.deck.family import families
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.point import BLOCK_SUM, HOLD, RIDES, blocks_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import plan
 from crashsolve.model import attachments
@@ -35,7 +35,7 @@ from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.materials import fill, laws_of, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
-from crashsolve.model.partition import halve
+from crashsolve.model.partition import cut
 from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     if model.integrator == "auto":
         model.integrator, model.choice = _choose(model, state, scene)
     if model.elements:
-        _arrange(model, state, deck)
+        _arrange(model, state, scene)
     state.stages = initial_stages(model, len(state.nodes))
     if hasattr(_method(model), "DENSE"):
         for g in model.force_groups():
@@ -138,15 +138,19 @@ def _choose(model: Model, state: State, scene: Scene) -> tuple[str, str]:
     return scene.methods[0], "known to all families of laws in the deck"
 
 
-def _arrange(model: Model, state: State, deck: Deck) -> None:
+def _arrange(model: Model, state: State, scene: Scene) -> None:
     """Points as the method needs them. Writes: model, state."""
     assert model.elements is not None
     if hasattr(_method(model), "T"):
         embody(model, state)
-    if deck.control.threads > 1 and not runs_plain():
-        model.elements.halves = halves = halve(model, state)
-        for g in model.element_groups():
-            g.share = halves.rows[0][g.word]
+    held = state.points["held"]
+    model.elements.holds = np.flatnonzero((held > 0) & (held < RIDES)).astype(HOLD.dtype)
+    blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
+    model.elements.block_sums = np.zeros(blocks, BLOCK_SUM.dtype)
+    if scene.threads > 1:
+        model.elements.pieces = pieces = cut(model, state, scene.threads)
+        for g in [*model.element_groups(), *model.element_loads()]:
+            g.pieces, g.spans = pieces.rows[g.word], pieces.spans.get(g.word)
 
 
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:

@@ -19,7 +19,7 @@ FRICTION_ROWS, SPIN_ROWS, TILT_ROWS = 2, 3, 2
 class Group:
     """All entries of one type: `module` holds the kernels, one row of each array is one entry."""
 
-    TABLES: ClassVar = ("parameters", "history", "output", "members", "share", "powers")
+    TABLES: ClassVar = ("parameters", "history", "output", "members", "pieces", "spans", "powers")
 
     keyword: str
     type: str
@@ -29,7 +29,8 @@ class Group:
     history: np.ndarray  # (2, n): accepted and new, see clock.current
     output: np.ndarray
     members: np.ndarray | None = None  # points that its entries act on, one after the other
-    share: Any = None  # parameters of what the first of two threads does
+    pieces: Any = None  # the parameters of pieces of its entries, for several threads
+    spans: Any = None  # which of these are an entry's, of loads on elements
     materials: tuple[tuple[int, Any], ...] = ()  # laws that its kernels call, by p.law
     powers: Any = None  # of all stages of a step with dense output, entry by entry
 
@@ -219,6 +220,7 @@ class NodalGroup:
         "near",
         "wait",
         "gone",
+        "balls",
     )
 
     @property
@@ -321,7 +323,9 @@ class Elements:
     taps: np.ndarray  # elements of sections, block by block, see parts/shells/section_cut.py
     cuts: np.ndarray
     motion: np.ndarray  # momenta of the points at the last sample
-    halves: Any = None  # for two threads, see model/partition.py
+    holds: Any = None  # points that are held
+    block_sums: Any = None  # of loads on elements
+    pieces: Any = None  # for several threads, see model/partition.py
     # points with bodies behind those that have names, for implicit integrators
     embodied: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
@@ -424,8 +428,8 @@ class Model:
         return [g for g in self.groups if hasattr(g.module, "measure")]
 
     def element_loads(self) -> list[Group]:
-        """Loads on the elements of parts, half by half."""
-        return [g for g in self.groups if hasattr(g.module, "load_half")]
+        """Loads on the elements of parts kept in blocks."""
+        return [g for g in self.groups if hasattr(g.module, "load_elements")]
 
     def following_groups(self) -> list[Group]:
         """Sensors that must look at every step."""

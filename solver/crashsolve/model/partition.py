@@ -1,47 +1,65 @@
-"""Halves: parts with points cut in two, so that two threads can each do the elements of one.
+"""Pieces: parts with points cut into ranges of blocks, which several threads do side by side.
 
-A half is a row of the part's parameters with fewer points and elements, the blocks of the first
-half before those of the second. A corner of the second at a point of the first gets a point of its
-own, behind all others, that stands for it: no two threads add to one place.
+A piece is a row of the part's parameters with fewer points and elements. No two pieces add to one
+place: a corner at a point that an earlier piece has corners at gets a point of its own, behind all
+others, that stands for it. Their forces are added afterwards in the order of the elements, so every
+sum has the order that it has without pieces.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.point import LANES, POINT, RIDES, first_half
+from crashsolve.foundation.point import LANES, POINT
 from crashsolve.foundation.record import Record
 from crashsolve.model.clock import CLOCK
 from crashsolve.model.model import Model, State
 
 JOB = Record(
-    number=("index", "what the second thread is to do"),
+    threads=("count", "that share it"),
+    number=("index", "what the threads are to do"),
     h=("s", "step"),
-    entry=("index", "for which load"),
+    group=("index", "for which group of loads or contacts"),
+    entry=("index", "for which of its loads"),
     current=("index", "of its history"),
+)
+PIECE = Record(
+    first_loan=("index", "of the points lent to it"),
+    loan_count=("count", "points lent to it"),
+    rate=("1/s^2", "bound of the squared frequencies found in it"),
+    element=("index", "that has it"),
+    first_point=("index", "of its points"),
+    speed=("m/s", "the largest of them"),
 )
 LOAN = Record(
     point=("index", "that a point stands for"),
     slows=("flag", "whether its element has damping"),
 )
-HOLD = Record(point=("index", "that is held"))
+SPAN = Record(
+    first=("index", "of the rows of an entry's pieces"),
+    count=("count", "of them"),
+    first_piece=("index", "which these are among all pieces"),
+)
 QUADS = ("one_point", "four_points")
+# of a thread: one that is held up leaves those to others that it has not begun
+PIECES = 4
 
 
 @dataclass
-class Halves:
-    """What two threads need beside the tables of one."""
+class Pieces:
+    """What several threads need beside the tables of one."""
 
-    rows: tuple[dict[str, np.ndarray], dict[str, np.ndarray]]  # parameters of groups by word
-    loads: dict[str, np.ndarray]  # those of loads on elements, as the second half has them
-    corners: np.ndarray  # of the second half
+    threads: int
+    rows: dict[str, np.ndarray]  # parameters of parts, and of loads on them, by word, a piece each
+    spans: dict[str, np.ndarray]  # which of these are an entry's, of loads
+    pieces: np.ndarray
     points: np.ndarray  # all of them, those that stand for others behind
     loans: np.ndarray  # for which
-    holds: np.ndarray  # points that are held
-    second_clock: np.ndarray
+    clocks: np.ndarray  # of all threads but the first
 
     @property
     def lent(self) -> np.ndarray:
@@ -49,49 +67,124 @@ class Halves:
         return self.points[len(self.points) - len(self.loans) :]
 
 
-def halve(model: Model, state: State) -> Halves:
-    """All parts with points in two halves. Writes: state.points, a view of a longer table."""
-    rows: tuple[dict[str, np.ndarray], dict[str, np.ndarray]] = ({}, {})
-    corners: list[np.ndarray] = []
-    loans: list[np.ndarray] = []
-    moved: dict[int, int] = {}
+def cut(model: Model, state: State, threads: int) -> Pieces:
+    """All parts with points in pieces.
+
+    Writes: state.points and elements.corners, which become views of longer tables.
+    """
     elements, count = model.elements, len(state.points)
     assert elements is not None
-    for g in model.element_groups():
-        pairs = [
-            _cut(row, elements.parts[name]) for name, row in zip(g.names, g.parameters, strict=True)
+    begin = len(elements.corners)
+    corners = np.concatenate([elements.corners, elements.corners])
+    rows: dict[str, list[Any]] = {g.word: [] for g in model.element_groups()}
+    loans: list[np.ndarray] = []
+    of_part: dict[int, list[tuple[int, int, Any]]] = {}
+    parts = [
+        (g, *pair)
+        for g in model.element_groups()
+        for pair in zip(g.names, g.parameters, strict=True)
+    ]
+    total = sum(_blocks_of(row) for _, _, row in parts)
+    for g, name, row in parts:
+        bounds = _bounds(_blocks_of(row), total, PIECES * threads)
+        own = corners[begin + int(row["first_corner"]) :][: 4 * LANES * bounds[-1]]
+        lent = _lend(row, bounds, own, count, sum(map(len, loans)))
+        loans += lent
+        cuts = [_piece(row, elements.parts[name], *ends, bounds[-1]) for ends in pairwise(bounds)]
+        of_part[int(row["first_corner"])] = [
+            (len(loans) - len(lent) + k, bounds[k], one) for k, one in enumerate(cuts)
         ]
-        for k in range(2):
-            rows[k][g.word] = np.array([pair[k] for pair in pairs])
-        for row, first, second in zip(g.parameters, rows[0][g.word], rows[1][g.word], strict=True):
-            own, lent = _border(row, first, second, elements.corners, count)
-            own[own >= count] += sum(map(len, loans))
-            moved[int(second["first_corner"])] = sum(map(len, corners))
-            second["first_corner"] = sum(map(len, corners))
-            corners.append(own)
-            loan = np.zeros(len(lent), LOAN.dtype)
-            loan["point"], loan["slows"] = lent, row["slows"]
-            loans.append(loan)
+        for one in cuts:
+            one["first_corner"] += begin
+        rows[g.word] += cuts
+    elements.corners = corners[:begin]
+    spans = {}
+    for g in model.element_loads():
+        rows[g.word], spans[g.word] = _loads(g.parameters, of_part)
     table = np.zeros(count + sum(map(len, loans)), POINT.dtype)
     table[:count] = state.points
     state.points = table[:count]
-    held = np.flatnonzero((state.points["held"] > 0) & (state.points["held"] < RIDES))
-    return Halves(
-        rows,
-        {g.word: _moved(g.parameters, moved) for g in model.element_loads()},
-        np.concatenate(corners),
+    pieces = np.zeros(len(loans), PIECE.dtype)
+    of_groups = [one for g in model.element_groups() for one in rows[g.word]]
+    pieces["first_point"] = [one["first_point"] for one in of_groups]
+    pieces["loan_count"] = [len(own) for own in loans]
+    pieces["first_loan"] = np.cumsum(pieces["loan_count"]) - pieces["loan_count"]
+    return Pieces(
+        threads,
+        {word: np.array(found) for word, found in rows.items()},
+        spans,
+        pieces,
         table,
         np.concatenate(loans),
-        held.astype(HOLD.dtype),
-        np.zeros(1, CLOCK.dtype),
+        np.zeros(threads - 1, CLOCK.dtype),
     )
 
 
-def _moved(rows: np.ndarray, moved: dict[int, int]) -> np.ndarray:
-    """Rows of loads on elements whose second half begins at a corner of its own table."""
-    found = rows.copy()
-    found["first_corner"][:, 1] = [moved[int(corner)] for corner in rows["first_corner"][:, 1]]
-    return found
+def _bounds(blocks: int, total: int, pieces: int) -> list[int]:
+    """Where pieces of a part begin and end, in blocks: its share of all pieces, one at least."""
+    own = min(blocks, max(1, round(pieces * blocks / total)))
+    return [blocks * k // own for k in range(own + 1)]
+
+
+def _piece(row: Any, meshed: Any, begin: int, end: int, blocks: int) -> Any:
+    """The row of a part with the blocks from `begin` to `end`, and a share of its points."""
+    one, triangles = row.copy(), int(row["triangles"])
+    quads = int(row["element_count"]) - triangles
+    filled = _blocks(quads)
+    (n, m), (n_end, m_end) = (
+        (min(LANES * at, quads), min(LANES * max(at - filled, 0), triangles)) for at in (begin, end)
+    )
+    for kind in QUADS:
+        one[kind] = n_end - n if row[kind] else 0
+    one["triangles"] = m_end - m
+    one["element_count"] = n_end - n + m_end - m
+    one["first"] += min(begin, filled) * meshed.stride
+    one["first"] += max(begin - filled, 0) * meshed.stride_of(1)
+    one["first_corner"] += 4 * LANES * begin
+    one["first_element"] += n + m
+    points = int(row["point_count"])
+    first, last = points * begin // blocks, points * end // blocks
+    one["first_point"] += first
+    one["point_count"] = last - first
+    return one
+
+
+def _lend(
+    row: Any, bounds: list[int], corners: np.ndarray, count: int, lent: int
+) -> list[np.ndarray]:
+    """Rows of LOAN of each piece of a part; points that stand for others begin at `count`.
+
+    `lent` of them are given away. Writes: corners of the part.
+    """
+    table = corners.reshape(-1, 4, LANES)
+    of_block = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
+    piece = np.broadcast_to(of_block[:, None, None], table.shape)
+    # the first piece with a corner at a point: the last that is written, backwards
+    first = np.zeros(count, int)
+    first[table.ravel()[::-1]] = piece.ravel()[::-1]
+    # block by block and corner by corner, as forces are added
+    shared = (piece > first[table]) & _live(row)[:, None, :]
+    loans = np.zeros(int(shared.sum()), LOAN.dtype)
+    loans["point"], loans["slows"] = table[shared], row["slows"]
+    table[shared] = count + lent + np.arange(len(loans))
+    ends = np.cumsum(np.bincount(piece[shared], minlength=len(bounds) - 1))
+    return np.split(loans, ends[:-1])
+
+
+def _loads(rows: np.ndarray, of_part: dict[int, Any]) -> tuple[list[Any], np.ndarray]:
+    """Loads on parts, each on the pieces of its own; and where these are."""
+    found: list[Any] = []
+    spans = np.zeros(len(rows), SPAN.dtype)
+    for row, span in zip(rows, spans, strict=True):
+        pieces = of_part[int(row["first_corner"])]
+        span["first"], span["count"], span["first_piece"] = len(found), len(pieces), pieces[0][0]
+        for _, first_block, one in pieces:
+            own = row.copy()
+            own["first_corner"], own["first_block"] = one["first_corner"], first_block
+            own["triangles"] = one["triangles"]
+            own["quads"] = one["element_count"] - one["triangles"]
+            found.append(own)
+    return found, spans
 
 
 def _blocks(elements: int) -> int:
@@ -99,56 +192,15 @@ def _blocks(elements: int) -> int:
     return -(-elements // LANES)
 
 
-def _cut(row: Any, meshed: Any) -> tuple[Any, Any]:
-    """Rows of both halves of a part; the corners of the second are still those of the part."""
-    first, second = row.copy(), row.copy()
+def _blocks_of(row: Any) -> int:
+    """Blocks of a part."""
     triangles = int(row["triangles"])
-    quads = int(row["element_count"]) - triangles
-    filled = _blocks(quads)
-    head, n, m = first_half(quads, triangles)
-    for kind in QUADS:
-        own = n if row[kind] else 0
-        first[kind], second[kind] = own, row[kind] - own
-    first["triangles"], second["triangles"] = m, triangles - m
-    first["element_count"], second["element_count"] = n + m, quads + triangles - n - m
-    second["first"] += min(head, filled) * meshed.stride + max(head - filled, 0) * meshed.stride_of(
-        1
-    )
-    second["first_corner"] += 4 * LANES * head
-    second["first_element"] += n + m
-    # what drag takes is summed point by point: one thread does them all
-    points = int(row["point_count"])
-    half = points if row["drag"] > 0.0 else (points + 1) // 2
-    first["point_count"], second["point_count"] = half, points - half
-    second["first_point"] += half
-    return first, second
+    return _blocks(int(row["element_count"]) - triangles) + _blocks(triangles)
 
 
-def _border(
-    row: Any, first: Any, second: Any, corners: np.ndarray, count: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Corners of the second half, and the points that those stand for which begin at `count`."""
-    begin, cut = int(row["first_corner"]), int(second["first_corner"])
-    end = cut + 4 * LANES * (_blocks_of(second))
-    mine = np.zeros(count, bool)
-    mine[corners[begin:cut]] = True
-    own = corners[cut:end].copy()
-    # block by block and corner by corner, as forces are added
-    table = own.reshape(-1, 4, LANES)
-    shared = mine[table] & _live(second)[:, None, :]
-    lent = table[shared]
-    table[shared] = count + np.arange(len(lent))
-    return own, lent
-
-
-def _blocks_of(half: Any) -> int:
-    triangles = int(half["triangles"])
-    return _blocks(int(half["element_count"]) - triangles) + _blocks(triangles)
-
-
-def _live(half: Any) -> np.ndarray:
-    """Which lanes of the blocks of a half hold an element (blocks, lanes)."""
-    triangles = int(half["triangles"])
-    counts = (int(half["element_count"]) - triangles, triangles)
+def _live(row: Any) -> np.ndarray:
+    """Which lanes of the blocks of a part hold an element (blocks, lanes)."""
+    triangles = int(row["triangles"])
+    counts = (int(row["element_count"]) - triangles, triangles)
     lanes = [np.arange(LANES * _blocks(n)) < n for n in counts]
     return np.concatenate(lanes).reshape(-1, LANES)

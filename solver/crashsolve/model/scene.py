@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.compiler.machine import runs_plain
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import ANY, Family, families
 from crashsolve.deck.laws import law_class, types_in
@@ -340,6 +341,11 @@ class Scene:
         card, cards = self.deck.entries["parts"][part].card, self._with_points()
         before = takewhile(lambda own: own is not card, cards)
         return int(sum(self.meshed(own).size for own in before))
+
+    @property
+    def threads(self) -> int:
+        """Threads that share the steps of the run; plain Python has one."""
+        return 1 if runs_plain() else self.deck.threads
 
     def can_fail(self, part: str) -> bool:
         """Whether elements of a part may be deleted."""

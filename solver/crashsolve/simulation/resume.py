@@ -21,12 +21,13 @@ FREE_CONTROL = (
     "energy_limit",
     "check_every",
     "estimate",
+    "threads",
 )
 # of them those on which the errors of a run depend
 OF_ERRORS = tuple(
     f"control.{name}"
     for name in FREE_CONTROL
-    if name not in ("end_time", "energy_limit", "check_every", "estimate", "step_min")
+    if name not in ("end_time", "energy_limit", "check_every", "estimate", "step_min", "threads")
 )
 FREE_CARDS = ("title", "output", "watch", "expect")
 FREE = f"{', '.join(FREE_CARDS)} and of control {', '.join(FREE_CONTROL)}"

@@ -8,11 +8,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
+from crashsolve.deck.run_cards.control import CORES_GIVEN
+
 
 def start(
-    deck: Path, folder: Path, overrides: Mapping[str, str], restart: bool, errors: int | IO[str]
+    deck: Path,
+    folder: Path,
+    overrides: Mapping[str, str],
+    restart: bool,
+    errors: int | IO[str],
+    jobs: int,
 ) -> subprocess.Popen[str]:
-    """Start a run; what it tells as errors goes to `errors`."""
+    """Start a run, one of `jobs` at a time; what it tells as errors goes to `errors`."""
     words = [word for name, value in overrides.items() for word in ("--set", f"{name}={value}")]
     words += ["--restart"] * restart
     return subprocess.Popen(
@@ -22,6 +29,8 @@ def start(
         stderr=errors,
         text=True,
         errors="replace",
+        # runs side by side share the cores that a job was given
+        env=os.environ | ({CORES_GIVEN: "1"} if jobs > 1 else {}),
     )
 
 

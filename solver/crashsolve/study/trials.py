@@ -60,7 +60,9 @@ def run_all(
     """All trials in the order of their settings; `tell` hears of each as it ends."""
 
     def run(setting: Setting) -> Trial:
-        trial = _trial(deck, setting, {**overrides, **setting.overrides}, folder / setting.folder)
+        trial = _trial(
+            deck, setting, {**overrides, **setting.overrides}, folder / setting.folder, jobs
+        )
         tell(trial)
         return trial
 
@@ -76,7 +78,9 @@ def run_all(
     return trials
 
 
-def _trial(deck: Path, setting: Setting, overrides: Mapping[str, str], folder: Path) -> Trial:
+def _trial(
+    deck: Path, setting: Setting, overrides: Mapping[str, str], folder: Path, jobs: int
+) -> Trial:
     """Run one setting, unless its results are there."""
     try:
         text = read_deck(deck, overrides).text
@@ -85,7 +89,7 @@ def _trial(deck: Path, setting: Setting, overrides: Mapping[str, str], folder: P
     status = status_of(folder)
     if status.get("exit_code") in COMPLETE and _is_of(folder, text):
         return _finished(setting, folder, int(status["exit_code"]), "", was_kept=True)
-    with start(deck, folder, overrides, False, subprocess.PIPE) as run:
+    with start(deck, folder, overrides, False, subprocess.PIPE, jobs) as run:
         _, errors = run.communicate()
     return _finished(setting, folder, run.returncode, errors)
 

@@ -132,7 +132,8 @@ class March:
                 clear(self.folder, run)
             note(self.folder, run, "running")
             with (folder / ERRORS).open("w", encoding="utf-8") as errors:
-                return Worker(run, start(self.deck, folder, run.overrides, goes_on, errors))
+                own = start(self.deck, folder, run.overrides, goes_on, errors, self.jobs)
+                return Worker(run, own)
 
     def _end(self, worker: Worker) -> None:
         """Keep what became of a run."""

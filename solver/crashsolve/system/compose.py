@@ -13,7 +13,7 @@ from crashsolve.compiler.machine import Function, machine_code, machine_codes, r
 from crashsolve.compiler.program import Program
 from crashsolve.compiler.table import Tables
 from crashsolve.model.clock import NOT_FINITE
-from crashsolve.system.placeholders import is_assembled, is_halved, method, placeholders
+from crashsolve.system.placeholders import is_assembled, is_shared, method, placeholders
 from crashsolve.system.threads import sharing
 
 INTEGRATORS = "crashsolve.integrators"
@@ -45,8 +45,8 @@ def compose(model: Any) -> str:
 
     program = Program(placeholders(model), SCENE, is_copied, replaced)
     program.add(f"{INTEGRATORS}._advance", "advance")
-    if is_halved(model):
-        program.add(f"{LOOPS}.elements", "assist")
+    if is_shared(model):
+        program.add(f"{LOOPS}.pieces", "assist")
     return program.text()
 
 
@@ -57,7 +57,7 @@ def load(text: str, tables: Tables) -> Function:
         write_whole(path, text.encode())
     if runs_plain():
         return ends_in_nan(machine_code(path, "advance", tables))
-    if tables.second is None:
+    if not tables.others:
         return machine_code(path, "advance", tables)
     return sharing.together(*machine_codes(path, ("advance", "assist"), tables))
 

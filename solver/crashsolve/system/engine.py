@@ -28,8 +28,8 @@ from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.system.compose import compose, load
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
-from crashsolve.system.placeholders import group_arrays, is_halved, samples_within_steps
-from crashsolve.system.threads.sharing import arrays_of_second
+from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
+from crashsolve.system.threads.sharing import own_arrays
 
 # an assembly error above this share of the model's size is a mistake in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -104,10 +104,9 @@ class Engine:
                 shared | dict(copies) | {name: copy for name, (_, copy) in self._histories.items()}
             ),
         )
-        if is_halved(m):
-            self._present.second = self._sampled.second = Tables(
-                arrays_of_second(m, shared | state)
-            )
+        if is_shared(m):
+            others = [Tables(shared | state | own) for own in own_arrays(m)]
+            self._present.others = self._sampled.others = others
 
     def _tableau(self) -> dict[str, np.ndarray]:
         """Coefficients of a Runge-Kutta method; a sample is one more stage of it."""

@@ -17,7 +17,7 @@ from crashsolve.model.implicit.compliance import (
     tangent_groups,
 )
 from crashsolve.model.model import ContactGroup, Group, Model, NodalGroup
-from crashsolve.system.threads.sharing import arrays_of_first
+from crashsolve.system.threads.sharing import shared_arrays
 
 # groups by what their laws do
 JOINTS: tuple[Group, ...] = ()  # constraint rows
@@ -25,7 +25,7 @@ FORCES: tuple[Group, ...] = ()  # forces between bodies, or on them
 SENSORS: tuple[Group, ...] = ()  # readings
 FOLLOWERS: tuple[Group, ...] = ()  # sensors that must look at every step
 ELEMENTS: tuple[Group, ...] = ()  # parts whose elements are kept in blocks
-ELEMENT_LOADS: tuple[Group, ...] = ()  # loads on elements, half by half
+ELEMENT_LOADS: tuple[Group, ...] = ()  # loads on elements kept in blocks
 BRANCHES: tuple[Group, ...] = ()  # laws of several branches, with an event function
 TANGENTS: tuple[Group, ...] = ()  # laws that tell implicit methods their tangents
 CONTACTS: tuple[ContactGroup, ...] = ()  # contact pairs
@@ -45,7 +45,7 @@ NODAL_DAMPERS = True  # the same between nodes and faces
 # how the scene is stepped
 KICK_DRIFT_KICK = True  # one force pass a step, and the work of a step is that of both its ends
 ASSEMBLED = True  # implicit, with a matrix of all nodes, for shells and beams
-TWO_THREADS = True  # share the elements
+THREADS = True  # several share the elements
 DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
 EVENTS = True  # there are laws with an event function
@@ -78,7 +78,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "NODAL_DAMPERS": any(damped),
         "KICK_DRIFT_KICK": hasattr(method(model), "KICK_DRIFT_KICK"),
         "ASSEMBLED": is_assembled(model),
-        "TWO_THREADS": is_halved(model),
+        "THREADS": is_shared(model),
         "DENSE": samples_within_steps(model),
         "ONSETS": bool(contacts or model.piecewise_groups()),
         "EVENTS": bool(model.piecewise_groups() or model.rubbing_groups()),
@@ -101,9 +101,9 @@ def is_assembled(model: Model) -> bool:
     return is_implicit(model) and has_nodal_tangents(model)
 
 
-def is_halved(model: Model) -> bool:
-    """Whether two threads share the elements."""
-    return model.elements is not None and model.elements.halves is not None
+def is_shared(model: Model) -> bool:
+    """Whether several threads share the elements."""
+    return model.elements is not None and model.elements.pieces is not None
 
 
 def samples_within_steps(model: Model) -> bool:
@@ -133,7 +133,10 @@ def group_arrays(model: Model, state: Any) -> dict[str, np.ndarray]:
             "attached_points": e.attached_points,
             "work": e.work,
             "motion": e.motion,
+            "holds": e.holds,
         }
+        if len(e.block_sums):
+            arrays |= {"block_sums": e.block_sums}
         if len(e.cuts):
             arrays |= {"taps": e.taps, "cuts": e.cuts}
-    return arrays | (arrays_of_first(model) if is_halved(model) else {})
+    return arrays | (shared_arrays(model) if is_shared(model) else {})

@@ -7,7 +7,7 @@ alpha is a drag proportional to mass. A step of no length leaves everything as i
 to test: the drag takes alpha m v_half^2 h, and nothing else is lost.
 """
 
-from crashsolve.foundation.kernels import inlined, kernel
+from crashsolve.foundation.kernels import apart, inlined, kernel
 from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.vec3 import (
     add,
@@ -25,10 +25,10 @@ from crashsolve.foundation.vec3 import (
 from crashsolve.model.clock import NOT_FINITE
 
 
-@kernel
-def open_points(clock, h, p, old, new, points):
-    """First kick and drift of the points of a part. Writes: points, clock, new."""
-    slow, lost = 1.0 / (1.0 + 0.5 * p.drag * h), 0.0
+@apart
+def open_points(h, p, points):
+    """First kick and drift of the points of a part. Writes: points."""
+    slow = 1.0 / (1.0 + 0.5 * p.drag * h)
     for i in range(p.first_point, p.first_point + p.point_count):
         b = points[i]
         put(b.v, scale(slow, add_scaled(vec(b.v), 0.5 * h * b.mass_inv, vec(b.force))))
@@ -38,13 +38,21 @@ def open_points(clock, h, p, old, new, points):
         put(b.force, zero)
         put(b.torque, zero)
         b.load = b.spin_load = 0.0
-        if p.drag > 0.0 and b.held < RIDES:
-            lost += brake(clock, h * p.drag, b)
+
+
+@kernel
+def brake(clock, h, p, old, new, points):
+    """What drag has taken from the points of a part. Writes: clock, new."""
+    lost = 0.0
+    if p.drag > 0.0:
+        for i in range(p.first_point, p.first_point + p.point_count):
+            if points[i].held < RIDES:
+                lost += brake_point(clock, h * p.drag, points[i])
     new.damped = old.damped + lost
 
 
 @kernel
-def brake(clock, share, b):
+def brake_point(clock, share, b):
     """Impulse of the drag on a point from outside; returns the energy lost. Writes: clock."""
     p, spin = scale(share / b.mass_inv, vec(b.v)), scale(share / b.J_inv, vec(b.w))
     turn = add(cross(vec(b.r), p), spin)
@@ -93,17 +101,15 @@ def bound_rate(rate, b):
     return max(rate, b.load * b.mass_inv, b.spin_load * b.J_inv)
 
 
-@kernel
-def close_points(clock, h, p, points, nodes):
+@apart
+def close_points(clock, h, p, points):
     """Second kick of the points of a part, whose bound of frequency may be the largest.
 
-    What holds points acts from outside. Writes: clock, points, nodes.
+    Writes: clock, points.
     """
     rate = clock.element_rate
     for i in range(p.first_point, p.first_point + p.point_count):
         b = points[i]
-        if b.held > 0 and b.held < RIDES:
-            hold(b, nodes[0])
         drag = 0.5 * h * p.drag
         v = add_scaled(scale(1.0 - drag, vec(b.v)), 0.5 * h * b.mass_inv, vec(b.force))
         w = add_scaled(scale(1.0 - drag, vec(b.w)), 0.5 * h * b.J_inv, vec(b.torque))
@@ -111,6 +117,13 @@ def close_points(clock, h, p, points, nodes):
         put(b.w, w)
         rate = bound_rate(rate, b)
     clock.element_rate = rate
+
+
+@kernel
+def hold_all(nodes, points, holds):
+    """What holds points acts from outside, on those listed. Writes: points, nodes."""
+    for k in range(holds.shape[0]):
+        hold(points[holds[k].point], nodes[0])
 
 
 @kernel

@@ -19,10 +19,6 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.compiler.translation.text import Text, struct_of
 
-# what two threads share of a scene with elements: left as they are where they are called, so that
-# they have the same bits in every scene
-APART = ("deform", "open_points", "close_points", "press")
-
 
 class TranslationError(Exception):
     """A kernel cannot be compiled: file, line, and why."""
@@ -103,10 +99,10 @@ class Module:
     def _whole(self, one: Function, function: FunctionType, symbol: str) -> str:
         """The function with its head."""
         how = function.compiled_as  # type: ignore[attr-defined]
-        apart = " noalias" * (how == "blockwise")
+        alone = " noalias" * (how == "blockwise")
         # Python hands a truth over as a byte
         whole = " zeroext" * (how == "entry")
-        marks = {"ptr": apart, "i1": whole}
+        marks = {"ptr": alone, "i1": whole}
         given = ", ".join(
             f"{word}{marks.get(word, '')} {name}"
             for k, kind in enumerate(one.kinds)
@@ -116,8 +112,7 @@ class Module:
         linkage = "" if how == "entry" else "linkonce_odr "
         head = f'define {linkage}{struct_of(one.returns.words)} @"{symbol}"({given}) nounwind'
         head += " alwaysinline" * (how in ("inlined", "stage"))
-        if self.has_lanes and how in ("kernel", "blockwise") and function.__name__ in APART:
-            head += " noinline"
+        head += " noinline" * (how == "apart")
         end = [] if one.text.ended else ["unreachable"]
         return "\n".join([head + " {", "entry:", *one.rooms(), *one.text.lines, *end, "}"])
 

@@ -1,18 +1,36 @@
-"""Words of memory that two threads share: what becomes of calls of atomic.py."""
+"""Words of memory that threads share: what becomes of calls of atomic.py."""
 
 from crashsolve.compiler.translation import arithmetic, memory
 from crashsolve.compiler.translation.expressions import BUILTINS, Expressions
-from crashsolve.compiler.translation.kinds import INT, NOTHING, Column, Untranslatable, Value
-from crashsolve.foundation.atomic import give_way, load_acquire, store_release
+from crashsolve.compiler.translation.kinds import (
+    BOOL,
+    INT,
+    NOTHING,
+    Column,
+    Untranslatable,
+    Value,
+)
+from crashsolve.foundation.atomic import (
+    add_release,
+    give_way,
+    load_acquire,
+    replaced,
+    sleep,
+    store_release,
+)
 
-DECLARED = ("declare i32 @sched_yield()",)
+DECLARED = ("declare i32 @sched_yield()", "declare i32 @usleep(i32)")
 
 
 def _place(of: Expressions, given: list[Value]) -> str:
     words = given[0]
     if not isinstance(words.kind, Column) or words.kind.dtype.str != "<i8":
         raise Untranslatable("threads share columns of whole words")
-    return memory.place_of_number(of.text, words, arithmetic.convert(of.text, given[1], INT))
+    return memory.place_of_number(of.text, words, _whole(of, given[1]))
+
+
+def _whole(of: Expressions, value: Value) -> Value:
+    return arithmetic.convert(of.text, value, INT)
 
 
 def _load(of: Expressions, given: list[Value]) -> Value:
@@ -21,10 +39,23 @@ def _load(of: Expressions, given: list[Value]) -> Value:
 
 
 def _store(of: Expressions, given: list[Value]) -> Value:
-    place = _place(of, given)
-    number = arithmetic.convert(of.text, given[2], INT).words[0]
+    place, number = _place(of, given), _whole(of, given[2]).words[0]
     of.text.put(f"store atomic i64 {number}, ptr {place} release, align 8")
     return Value(NOTHING)
+
+
+def _add(of: Expressions, given: list[Value]) -> Value:
+    place, number = _place(of, given), _whole(of, given[2]).words[0]
+    of.text.value(f"atomicrmw add ptr {place}, i64 {number} release, align 8")
+    return Value(NOTHING)
+
+
+def _replace(of: Expressions, given: list[Value]) -> Value:
+    place = _place(of, given)
+    old, new = (_whole(of, value).words[0] for value in given[2:])
+    line = f"cmpxchg ptr {place}, i64 {old}, i64 {new} acq_rel acquire, align 8"
+    pair = of.text.value(line)
+    return Value(BOOL, (of.text.value(f"extractvalue {{ i64, i1 }} {pair}, 1"),))
 
 
 def _give_way(of: Expressions, given: list[Value]) -> Value:
@@ -32,4 +63,11 @@ def _give_way(of: Expressions, given: list[Value]) -> Value:
     return Value(NOTHING)
 
 
-BUILTINS.update({load_acquire: _load, store_release: _store, give_way: _give_way})
+def _sleep(of: Expressions, given: list[Value]) -> Value:
+    time = of.text.value(f"trunc i64 {_whole(of, given[0]).words[0]} to i32")
+    of.text.put(f"call i32 @usleep(i32 {time})")
+    return Value(NOTHING)
+
+
+BUILTINS.update({load_acquire: _load, store_release: _store, add_release: _add})
+BUILTINS.update({replaced: _replace, give_way: _give_way, sleep: _sleep})

@@ -23,7 +23,7 @@ from crashsolve.deck.reading.items import Item, items_of
 from crashsolve.deck.reading.overrides import place_given, set_fields
 from crashsolve.deck.reading.parameters import Parameters
 from crashsolve.deck.reading.size import excess
-from crashsolve.deck.run_cards.control import Control
+from crashsolve.deck.run_cards.control import Control, cores_given
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.output import Output
 from crashsolve.deck.run_cards.units import Units
@@ -70,6 +70,18 @@ class Deck:
     def text(self) -> str:
         """The deck as one YAML text in SI, with includes, parameters and defaults written out."""
         return as_text(self)
+
+    @cached_property
+    def threads(self) -> int:
+        """Threads that share the steps: what the deck says, else what the job was given.
+
+        Raises DeckErrors where the job was given no number.
+        """
+        if self.control.threads is not None:
+            return self.control.threads
+        if not self.control.is_explicit or not _has_points(self.entries["parts"]):
+            return 1
+        return cores_given()
 
     def expectations(self) -> list[dict[str, Any]]:
         """The expect cards as plain data with their lines, as the results keep them."""
@@ -141,7 +153,8 @@ class _Reader:
             item = self.items["control"][""]
             self.refuse(item, Mistake(("accuracy",), "needs channels whose error counts", advice))
         is_known = not self.unread_parts
-        if control and control.threads > 1 and is_known and not _has_points(entries["parts"]):
+        threads = control.threads if control else None
+        if threads and threads > 1 and is_known and not _has_points(entries["parts"]):
             message = "share the elements of shells, and there are none"
             self.refuse(self.items["control"][""], Mistake(("threads",), message, "leave it out"))
         if self.mistakes or not control or not output:

@@ -1,14 +1,20 @@
 """How the run is controlled: its duration, its steps and when it must stop."""
 
+import os
 from typing import Any, Literal
 
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.family import integrators
+from crashsolve.foundation.errors import DeckError, DeckErrors
 
 # one file each in integrators/
 Integrator: Any = Literal[(*integrators(), "auto")]
+
+MOST_THREADS = 1024
+# what Slurm tells a job
+CORES_GIVEN = "SLURM_CPUS_PER_TASK"
 
 
 class Control(Card):
@@ -76,11 +82,12 @@ class Control(Card):
         ge=1,
     )
 
-    threads: int = word(
-        "that share the elements of shells, 2 at most; results are the same to the last bit",
-        default=1,
+    threads: int | None = word(
+        "that share explicit steps of shells and their contacts, with results that are the same to "
+        "the last bit; when absent, the cores that a job was given (SLURM_CPUS_PER_TASK), else 1",
+        default=None,
         ge=1,
-        le=2,
+        le=MOST_THREADS,
     )
 
     @model_validator(mode="after")
@@ -96,9 +103,14 @@ class Control(Card):
             raise ValueError(f"{what}: solution quasi_static finds equilibria and needs none")
         if self.solution == "quasi_static" and self.end_time == self.start_time:
             raise ValueError("end_time: must come after start_time for a load step to fit between")
-        if self.threads > 1 and (self.integrator != "rattle" or self.solution != "transient"):
+        if self.threads and self.threads > 1 and not self.is_explicit:
             raise ValueError("threads: share explicit steps only; say integrator: rattle")
         return self
+
+    @property
+    def is_explicit(self) -> bool:
+        """Whether steps are such as threads can share."""
+        return bool(self.integrator == "rattle" and self.solution == "transient")
 
     def _leaves_the_choice(self) -> None:
         """Raises ValueError for what an accuracy chooses, or needs."""
@@ -107,3 +119,13 @@ class Control(Card):
             raise ValueError(f"{chosen}: is chosen by the accuracy; give one of the two")
         if self.estimate == "off":
             raise ValueError("estimate: an accuracy cannot be kept without")
+
+
+def cores_given() -> int:
+    """Cores that the job was given, 1 outside of one. Raises DeckErrors where that is no number."""
+    given = os.environ.get(CORES_GIVEN, "1")
+    if given.isdecimal() and 1 <= int(given) <= MOST_THREADS:
+        return int(given)
+    message = f"must be a whole number from 1 to {MOST_THREADS}, not '{given}'"
+    advice = "unset it, or say control.threads"
+    raise DeckErrors([DeckError("environment", None, None, CORES_GIVEN, message, advice)])

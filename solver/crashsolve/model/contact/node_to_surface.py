@@ -20,6 +20,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
 from crashsolve.model.model import NodalGroup
 from crashsolve.model.nodes import NODE
+from crashsolve.model.partition import PIECES
 from crashsolve.model.scene import IMPLICIT
 
 if TYPE_CHECKING:
@@ -105,6 +106,12 @@ HIT = Record(
     normal=("1", 3, "towards the side where the probe belongs"),
     N=("1", 4, "weights of the corners"),
 )
+# of probes that a piece has looked at
+LOOK = Record(
+    first=("index", "of those that touch, or have touched"),
+    count=("count", "of these"),
+)
+SEEN = Record(probe=("index", "that touches, or has touched"))
 # of a point that is touched
 STIFFENED = Record(
     stiffness=("1/s^2", "sum of k N / m"),
@@ -218,6 +225,12 @@ class NodalBuilder:
             p[name] = value
         totals = np.zeros(1, TOTALS.dtype)
         totals["listed"] = -inf
+        threads = self.scene.threads
+        shared = {}
+        if threads > 1:
+            ends = len(probes.rows) * np.arange(PIECES * threads) // (PIECES * threads)
+            shared = {"looks": np.zeros(len(ends), LOOK.dtype), "seen": np.zeros(n, SEEN.dtype)}
+            shared["looks"]["first"] = ends
         return {
             "p": p,
             "totals": totals,
@@ -225,8 +238,9 @@ class NodalBuilder:
             "probe_states": np.zeros((2, probe_states * n), probe_state.dtype),
             "turns": np.zeros(probe_states * n, np.int64),
             "due": np.zeros(n),
-            "found": np.zeros(2, HIT.dtype),
-        }
+            # threads look before the first one presses
+            "found": np.zeros((n if threads > 1 else 1, 2), HIT.dtype),
+        } | shared
 
     def _on_shape(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
         """Points against a rigid shape: its own gap routine, with copies of its bodies."""
@@ -236,23 +250,26 @@ class NodalBuilder:
             message = f"nodes of shells cannot press on a {b.entry.type}; give it another shape"
             raise self.scene.fail(message, "b")
         bodies = sorted({int(element["node"]) for element in b.elements})
-        frames = np.zeros(1 + len(bodies), NODE.dtype)
+        # a probe stands for a body; for each thread there is one
+        pens = self.scene.threads
+        frames = np.zeros(pens + len(bodies), NODE.dtype)
         frames["A"][:] = np.eye(3).ravel()
-        home = np.array([0, *bodies])
+        home = np.array([0] * pens + bodies)
         expand = getattr(narrow, "expand_b", lambda elements: elements)
         elements = [part for e in b.elements for part in expand([e])]
         pen = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
+        all_pens = [pen | {"node": k} for k in range(pens)]
         data = getattr(narrow, "data", lambda *_: ())([pen], elements)
         shape = import_module(f"crashsolve.contact.shape.{b.shape}")
         record = getattr(narrow, "PARAMETERS_B", shape.PARAMETERS)
         own = {
-            "a": table_of([pen], import_module("crashsolve.contact.shape.sphere").PARAMETERS),
+            "a": table_of(all_pens, import_module("crashsolve.contact.shape.sphere").PARAMETERS),
             "b": table_of(elements, record),
             "frames": frames,
             "home": home,
             **{f"data_{k}": array for k, array in enumerate(data)},
         }
-        own["b"]["node"] = [1 + bodies.index(int(e["node"])) for e in elements]
+        own["b"]["node"] = [pens + bodies.index(int(e["node"])) for e in elements]
         thick = min(
             (b.module.half_thickness(e) for e in b.elements if hasattr(b.module, "half_thickness")),
             default=inf,

@@ -124,14 +124,43 @@ def fastest_point(p, scene):
 
     Writes: scene.touched.
     """
-    total, most = scene.touched[0], 0.0
-    if total.first_seen == p.first_point and total.seen == p.point_count:
-        return total.speed
-    for i in range(p.first_point, p.first_point + p.point_count):
-        v = vec(scene.points[i].v)
+    if not is_fastest_known(p, scene):
+        note_fastest(p, fastest_of(p.first_point, p.point_count, scene.points), scene)
+    return scene.touched[0].speed
+
+
+@kernel
+def is_fastest_known(p, scene):
+    """Whether the largest speed of these points has been found in this pass."""
+    total = scene.touched[0]
+    return total.first_seen == p.first_point and total.seen == p.point_count
+
+
+@kernel
+def note_fastest(p, speed, scene):
+    """Keep the largest speed of the points of a contact. Writes: scene.touched."""
+    total = scene.touched[0]
+    total.first_seen, total.seen, total.speed = p.first_point, p.point_count, speed
+
+
+@kernel
+def fastest_of(first, count, points):
+    """Largest speed of some points."""
+    most = 0.0
+    for i in range(first, first + count):
+        v = vec(points[i].v)
         most = max(most, dot(v, v))
-    total.first_seen, total.seen, total.speed = p.first_point, p.point_count, sqrt(most)
-    return total.speed
+    return sqrt(most)
+
+
+@kernel
+def touches_faces(found, probe_states, turns, i):
+    """Whether a probe touches a face on either side, or has touched one."""
+    for s in range(2):
+        j = 2 * i + s
+        if found[s].depth > 0.0 or probe_states[turns[j], j].active == 1:
+            return True
+    return False
 
 
 @kernel
@@ -291,11 +320,14 @@ def load(i, w, k, c, scene):
 
 
 @kernel
-def open_shapes(h, p, totals, probes, nodes, scene, frames, home):
-    """Copies of the bodies with the shapes; how far probes have gone. Writes: totals, frames."""
+def open_shapes(h, p, totals, probes, nodes, scene, pens, frames, home):
+    """Copies of the bodies with the shapes, behind those for probes; how far probes have gone.
+
+    Writes: totals, frames.
+    """
     open_pass(totals)
     speed = 0.0
-    for k in range(1, frames.shape[0]):
+    for k in range(pens, frames.shape[0]):
         frame, body = frames[k], nodes[home[k]]
         put(frame.r, vec(body.r))
         for j in range(9):
@@ -307,9 +339,9 @@ def open_shapes(h, p, totals, probes, nodes, scene, frames, home):
 
 
 @kernel
-def pose(frames, x, hit):
-    """The probe as a body, and nothing found yet. Writes: frames, hit."""
-    put(frames[0].r, x)
+def pose(frame, x, hit):
+    """The probe as a body, and nothing found yet. Writes: frame, hit."""
+    put(frame.r, x)
     hit.depth = -1e300
 
 

@@ -1,13 +1,15 @@
-"""Elements of shells: first kick and drift of their points, forces, second kick; on two threads.
+"""Elements of shells: first kick and drift of their points, forces, second kick.
 
-Implicit methods move points with the nodes, and ask for forces and tangents alone.
+With several threads each of these is a job in pieces (`pieces.py`). Implicit methods move points
+with the nodes, and ask for forces and tangents alone.
 """
 
-from crashsolve.foundation.kernels import entry, kernel, stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system import points
 from crashsolve.system.implicit import stiffness
-from crashsolve.system.placeholders import ASSEMBLED, ELEMENT_LOADS, ELEMENTS, TWO_THREADS
-from crashsolve.system.threads import worker
+from crashsolve.system.loops.pieces import deform_part, share
+from crashsolve.system.placeholders import ASSEMBLED, ELEMENTS, THREADS
+from crashsolve.system.threads import jobs
 
 
 @stage
@@ -16,21 +18,17 @@ def move_elements(clock, h, nodes, scene):
     if ASSEMBLED:
         points.carry(h, nodes, scene.points, scene.attached_points)
         elements(clock, h, scene)
-    elif TWO_THREADS:
-        worker.call(worker.OPEN, h, scene)
-        open_share(clock, h, scene)
-        worker.wait_for_second(scene)
-        points.carry(h, nodes, scene.points, scene.attached_points)
-        clock.element_rate = 0.0
-        worker.call(worker.DEFORM, h, scene)
-        deform_share(clock, h, scene)
-        worker.wait_for_second(scene)
-        worker.take_back(clock, scene)
     else:
         open_points(clock, h, scene)
         points.carry(h, nodes, scene.points, scene.attached_points)
         clock.element_rate = 0.0
-        deform(clock, h, scene)
+        if THREADS:
+            limit = clock.limit_element
+            share(jobs.DEFORM, scene.pieces.shape[0], clock, h, scene)
+            jobs.take_back(0, scene.pieces.shape[0], scene)
+            jobs.note_rates(clock, limit, scene)
+        else:
+            deform(clock, h, scene)
 
 
 @stage
@@ -39,16 +37,10 @@ def move_points(clock, h, nodes, scene):
     if ASSEMBLED:
         points.hold_riders(nodes, scene.points)
         points.unload(clock, nodes, scene.points, scene.attached_points)
-    elif TWO_THREADS:
-        points.unload(clock, nodes, scene.points, scene.attached_points)
-        worker.hold_all(nodes, scene)
-        worker.call(worker.CLOSE, h, scene)
-        close_share(clock, h, nodes, scene)
-        worker.wait_for_second(scene)
-        worker.keep_faster(clock, scene)
     else:
         points.unload(clock, nodes, scene.points, scene.attached_points)
-        close_points(clock, h, nodes, scene)
+        points.hold_all(nodes, scene.points, scene.holds)
+        close_points(clock, h, scene)
 
 
 @kernel
@@ -67,81 +59,36 @@ def keep_elements(scene):
 
 @stage
 def open_points(clock, h, scene):
-    """First kick and drift of the points. Writes: scene.points."""
+    """First kick and drift of the points, and what drag takes. Writes: scene.points, clock."""
+    if THREADS:
+        share(jobs.OPEN, scene.pieces.shape[0], clock, h, scene)
     for group in ELEMENTS:
-        p, history = group.share if TWO_THREADS else group.parameters, group.history
+        p, history = group.parameters, group.history
         for i in range(p.shape[0]):
             old, new = history[clock.current, i], history[1 - clock.current, i]
-            points.open_points(clock, h, p[i], old, new, scene.points)
+            if not THREADS:
+                points.open_points(h, p[i], scene.points)
+            points.brake(clock, h, p[i], old, new, scene.points)
 
 
 @stage
 def deform(clock, h, scene):
     """Forces of the elements. Writes: scene.points, lanes."""
     for group in ELEMENTS:
-        p = group.share if TWO_THREADS else group.parameters
+        p = group.parameters
         for i in range(p.shape[0]):
-            for number, material in group.materials:
-                if p[i].law == number:
-                    for kind in group.kinds:
-                        kind.deform(p[i], clock, h, scene, material)
+            deform_part(group, p[i], clock, h, scene)
 
 
 @stage
-def close_points(clock, h, nodes, scene):
-    """Second kick of the points. Writes: scene.points."""
-    for group in ELEMENTS:
-        p = group.share if TWO_THREADS else group.parameters
-        for i in range(p.shape[0]):
-            points.close_points(clock, h, p[i], scene.points, nodes)
-
-
-@kernel
-def open_share(clock, h, scene):
-    """The share of one of two threads."""
-    open_points(clock, h, scene)
-
-
-@kernel
-def deform_share(clock, h, scene):
-    """The share of one of two threads."""
-    deform(clock, h, scene)
-
-
-@kernel
-def close_share(clock, h, nodes, scene):
-    """The share of one of two threads."""
-    close_points(clock, h, nodes, scene)
-
-
-@kernel
-def load_share(job, scene):
-    """The second half of the load that is asked for. Writes: scene.lent, work."""
-    for group in ELEMENT_LOADS:
-        i = job.entry
-        old, out = group.history[job.current, i], group.output[i]
-        group.law.load_half(group.parameters[i], 1, old, out, job.h, scene)
-
-
-@entry
-def assist(until, sampling, scene):
-    """Loop of the second thread: the jobs that the first calls it for."""
-    clock, nodes, called = scene.clock[0], scene.nodes, 0
-    while True:
-        called = worker.wait(scene.turns, worker.CALLED, called)
-        if called == worker.HOME:
-            return
-        job = scene.job[0]
-        if job.number == worker.OPEN:
-            open_share(clock, job.h, scene)
-        elif ELEMENT_LOADS and job.number == worker.LOAD:
-            worker.lend(scene)
-            load_share(job, scene)
-        elif job.number == worker.DEFORM:
-            clock.element_rate = 0.0
-            worker.lend(scene)
-            deform_share(clock, job.h, scene)
-        else:
-            clock.element_rate = 0.0
-            close_share(clock, job.h, nodes, scene)
-        worker.store_release(scene.turns, worker.DONE, called)
+def close_points(clock, h, scene):
+    """Second kick of the points. Writes: scene.points, clock."""
+    if THREADS:
+        rate = clock.element_rate
+        share(jobs.CLOSE, scene.pieces.shape[0], clock, h, scene)
+        clock.element_rate = max(rate, jobs.largest_rate(scene))
+    else:
+        for group in ELEMENTS:
+            p = group.parameters
+            for i in range(p.shape[0]):
+                points.close_points(clock, h, p[i], scene.points)

@@ -11,6 +11,7 @@ from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
 from crashsolve.system.loops.node_to_shape import node_to_shape
 from crashsolve.system.loops.node_to_surface import node_to_surface
+from crashsolve.system.loops.pieces import share_load
 from crashsolve.system.loops.unilateral import find_touching
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -25,9 +26,8 @@ from crashsolve.system.placeholders import (
     NODAL_DAMPERS,
     PAIR_DAMPERS,
     RESTING,
-    TWO_THREADS,
+    THREADS,
 )
-from crashsolve.system.threads import worker
 
 
 @kernel
@@ -75,19 +75,12 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                     group.law.force_on_points(
                         p[i], old, new, o, time, h, nodes, curves, scene, group.members
                     )
-            if hasattr(group.law, "load_half"):
-                if TWO_THREADS:
-                    worker.call_for_load(i, clock.current, h, scene)
-                    group.law.load_half(p[i], 0, old, o, h, scene)
-                    worker.wait_for_second(scene)
-                    worker.take_back(clock, scene)
-                    group.law.add_up(o, h, nodes, scene.work)
-                    group.law.add_up(o, h, nodes, scene.second_work)
+            if hasattr(group.law, "load_elements"):
+                if THREADS:
+                    share_load(group, group.spans[i], i, clock, h, scene)
                 else:
-                    group.law.load_half(p[i], 0, old, o, h, scene)
-                    group.law.add_up(o, h, nodes, scene.work)
-                    group.law.load_half(p[i], 1, old, o, h, scene)
-                    group.law.add_up(o, h, nodes, scene.work)
+                    group.law.load_elements(p[i], old, o, h, scene)
+                group.law.add_up(p[i], o, h, nodes, scene.block_sums)
             lose(clock, old, new, o.power, o.loss)
             if DENSE:
                 group.powers[clock.stage * p.shape[0] + i] = o.power

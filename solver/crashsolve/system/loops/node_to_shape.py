@@ -2,57 +2,58 @@
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import node_contact, passing, surface_friction, touches, work
+from crashsolve.system.loops.looks import look_at_shapes
+from crashsolve.system.loops.pieces import find_fastest, share_looks
 from crashsolve.system.loops.surface_friction import friction_on_shape
+from crashsolve.system.placeholders import THREADS
 
 
 @kernel
 def node_to_shape(group, clock, h, nodes, curves, scene):
     """Forces of all probes of a group. Writes: scene.points, cards, loads, probe_states, nodes."""
-    p, totals, probes = group.p[0], group.totals[0], group.probes
-    probe_states, turns, hit = group.probe_states, group.turns, group.found[0]
-    points, shapes, due = scene.points, group.b, group.due
+    p, totals, probes, due = group.p[0], group.totals[0], group.probes, group.due
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
-    count = counts[p.card]
-    frames, home, pen = group.frames, group.home, group.a[0]
-    node_contact.open_shapes(h, p, totals, probes, nodes, scene, frames, home)
-    for i in range(probes.shape[0]):
-        if due[i] > totals.way:
-            continue
-        x, v = node_contact.where(probes[i], h, nodes, points)
-        node_contact.pose(frames, x, hit)
-        now = node_contact.settle(turns, i)
-        old, new = probe_states[now, i], probe_states[1 - now, i]
-        held, over = False, -1.0
-        for e in range(shapes.shape[0]):
-            depth, n, _ = group.narrow.gap(pen, shapes[e], frames, group.data)
-            if (
-                group.keeps_faces
-                and old.face == e
-                and passing.is_another_face(old, depth, n, p.gap)
-            ):
-                u = node_contact.body_velocity(nodes[home[shapes[e].node]], x)
-                kept = group.narrow.gap_by(pen, shapes[e], frames, group.data, old.normal)
-                if passing.keeps_face(old, v, u, n, kept):
-                    held = True
-                    depth, n, _, over = kept
-            if group.knows_middle and old.face == e and depth > p.gap:
-                over = max(over, depth - group.narrow.middle(pen, shapes[e], frames, n))
-            node_contact.deeper(hit, e, depth, n)
-        node_contact.wait_for(i, hit, totals, due)
-        past = (0.0, 0.0, 0.0)
-        if old.active == 1:
-            home_before = nodes[home[shapes[old.face].node]]
-            past = work.way_over_body(p, probes[i], old, True, x, home_before, h, nodes, points)
-            work.push_along(old, past, count)
-        if hit.depth <= 0.0:
-            if old.active == 1:
-                leave_shape(group, clock, h, i, old, new, past, hit, held, over, count, scene)
-            continue
+    pens = group.a.shape[0]
+    if THREADS:
+        find_fastest(p, clock, h, scene)
+    node_contact.open_shapes(h, p, totals, probes, nodes, scene, pens, group.frames, group.home)
+    if THREADS and not group.keeps_faces:
+        share_looks(group, clock, h, scene)
+        for k in range(group.looks.shape[0]):
+            one = group.looks[k]
+            for j in range(one.first, one.first + one.count):
+                i = group.seen[j].probe
+                x, v = node_contact.where(probes[i], h, nodes, scene.points)
+                hit = group.found[i, 0]
+                touch_shape(group, clock, h, i, x, v, hit, False, -1.0, nodes, curves, scene)
+    else:
+        for i in range(probes.shape[0]):
+            if due[i] <= totals.way:
+                x, v = node_contact.where(probes[i], h, nodes, scene.points)
+                hit = group.found[0, 0]
+                held, over = look_at_shapes(group, i, group.a[0], v, hit, nodes, scene)
+                touch_shape(group, clock, h, i, x, v, hit, held, over, nodes, curves, scene)
+    node_contact.close_pass(totals, card, counts[p.card])
+
+
+@kernel
+def touch_shape(group, clock, h, i, x, v, hit, held, over, nodes, curves, scene):
+    """Forces of one probe on the shape it has found, or left. Writes: as above."""
+    p, probes, shapes, points = group.p[0], group.probes, group.b, scene.points
+    now, count = group.turns[i], scene.card_history[1 - clock.current, p.card]
+    old, new = group.probe_states[now, i], group.probe_states[1 - now, i]
+    past = (0.0, 0.0, 0.0)
+    if old.active == 1:
+        home_before = nodes[group.home[shapes[old.face].node]]
+        past = work.way_over_body(p, probes[i], old, True, x, home_before, h, nodes, points)
+        work.push_along(old, past, count)
+    if hit.depth > 0.0:
         press_on_shape(
             group, clock, h, i, x, v, old, new, hit, held, over, past, nodes, curves, scene
         )
-        node_contact.take_turn(h, turns, i)
-    node_contact.close_pass(totals, card, count)
+        node_contact.take_turn(h, group.turns, i)
+    elif old.active == 1:
+        leave_shape(group, clock, h, i, old, new, past, hit, held, over, count, scene)
 
 
 @stage

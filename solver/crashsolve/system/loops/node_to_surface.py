@@ -4,62 +4,73 @@ from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import (
     ellipsoids,
     node_contact,
-    normals,
     projection,
     surface_friction,
     touches,
     work,
 )
+from crashsolve.system.loops.looks import look_at_faces
+from crashsolve.system.loops.pieces import find_fastest, share_looks
 from crashsolve.system.loops.surface_friction import friction_on_face
+from crashsolve.system.placeholders import THREADS
 
 
 @kernel
 def node_to_surface(group, clock, h, nodes, curves, scene):
     """Forces of all probes of a group. Writes: scene.points, cards, loads, probe_states, nodes."""
-    p, totals, probes = group.p[0], group.totals[0], group.probes
-    probe_states, turns, found = group.probe_states, group.turns, group.found
-    points, corners, due = scene.points, scene.corners, group.due
+    p, totals, probes, due = group.p[0], group.totals[0], group.probes, group.due
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
-    count = counts[p.card]
     lists = (group.first, group.near, group.wait, due)
     grid = (group.cells, group.starts, group.sorted)
-    gone = group.gone
-    mesh = (points, corners, group.beside, group.around_first, group.around, gone)
     spared = (group.spared_first, group.spared)
+    if THREADS:
+        find_fastest(p, clock, h, scene)
     projection.open_faces(h, p, totals, probes, nodes, scene, grid, lists, spared)
     if group.can_fail:
-        projection.bury(p, scene.lanes, gone)
-    for i in range(probes.shape[0]):
-        if due[i] > totals.way:
+        projection.bury(p, scene.lanes, group.gone)
+    if THREADS:
+        share_looks(group, clock, h, scene)
+        for k in range(group.looks.shape[0]):
+            one = group.looks[k]
+            for j in range(one.first, one.first + one.count):
+                i = group.seen[j].probe
+                touch_faces(group, clock, h, i, group.found[i], nodes, curves, scene)
+    else:
+        for i in range(probes.shape[0]):
+            if due[i] <= totals.way:
+                look_at_faces(group, i, group.found[0], nodes, scene)
+                touch_faces(group, clock, h, i, group.found[0], nodes, curves, scene)
+    node_contact.close_pass(totals, card, counts[p.card])
+
+
+@kernel
+def touch_faces(group, clock, h, i, found, nodes, curves, scene):
+    """Forces of one probe on the faces it has found, or left. Writes: as above."""
+    p, probes = group.p[0], group.probes
+    points, corners = scene.points, scene.corners
+    probe_states, turns = group.probe_states, group.turns
+    count = scene.card_history[1 - clock.current, p.card]
+    mesh = (points, corners, group.beside, group.around_first, group.around, group.gone)
+    if group.is_round:
+        probe, v = group.balls[i], (0.0, 0.0, 0.0)
+    else:
+        probe = probes[i]
+        _, v = node_contact.where(probe, h, nodes, points)
+    for s in range(2):
+        j = 2 * i + s
+        hit, old, new = found[s], probe_states[turns[j], j], probe_states[1 - turns[j], j]
+        past = (0.0, 0.0, 0.0)
+        if old.active == 1:
+            past = work.way_over_face(p, probe, old, True, h, nodes, points, corners)
+            work.push_along(old, past, count)
+        if hit.depth <= 0.0:
+            if old.active == 1:
+                leave_face(group, clock, h, j, old, new, past, mesh, count, scene)
             continue
         if group.is_round:
-            probe, ellipsoid = group.balls[i], group.ellipsoids[i]
-            ellipsoids.look(i, p, totals, ellipsoid, nodes, probe_states, turns, mesh, lists, found)
-            if group.is_smooth:
-                x, pen = ellipsoids.pen_of(ellipsoid, nodes)
-                normals.smoothen(i, x, pen, p, mesh, spared, found)
-        else:
-            probe = probes[i]
-            x, v = node_contact.where(probe, h, nodes, points)
-            projection.look(i, x, p, totals, probe_states, turns, mesh, lists, found)
-            if group.is_smooth:
-                normals.smoothen(i, x, None, p, mesh, spared, found)
-        for s in range(2):
-            j = 2 * i + s
-            hit, old, new = found[s], probe_states[turns[j], j], probe_states[1 - turns[j], j]
-            past = (0.0, 0.0, 0.0)
-            if old.active == 1:
-                past = work.way_over_face(p, probe, old, True, h, nodes, points, corners)
-                work.push_along(old, past, count)
-            if hit.depth <= 0.0:
-                if old.active == 1:
-                    leave_face(group, clock, h, j, old, new, past, mesh, count, scene)
-                continue
-            if group.is_round:
-                v = ellipsoids.roll(probe, p, hit, nodes, points, corners)
-            press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves, scene)
-            node_contact.take_turn(h, turns, j)
-    node_contact.close_pass(totals, card, count)
+            v = ellipsoids.roll(probe, p, hit, nodes, points, corners)
+        press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves, scene)
+        node_contact.take_turn(h, turns, j)
 
 
 @stage

@@ -154,7 +154,7 @@ class Work:
         return [
             g
             for g in self._loads()
-            if hasattr(g.module, "load_half")
+            if hasattr(g.module, "load_elements")
             or (hasattr(g.module, "force_on_points") and not hasattr(g.module, "LEDGER"))
         ]
 

@@ -204,6 +204,6 @@ def _turning(group: Any) -> list[str]:
         if "turns" in names:
             turns |= p["turns"] != 0
         # of a pressure, along the normals of the elements
-        turns |= hasattr(group.module, "load_half")
+        turns |= hasattr(group.module, "load_elements")
     word = SECTIONS[group.keyword].singular
     return [f"{word} '{group.names[i]}'" for i in np.flatnonzero(turns)]

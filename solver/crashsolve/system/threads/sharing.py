@@ -1,4 +1,4 @@
-"""What two threads that share the elements are given: text, tables, and a start together."""
+"""What threads that share the elements are given: tables, and a start together."""
 
 from collections.abc import Callable
 from threading import Thread
@@ -8,51 +8,46 @@ import numpy as np
 
 from crashsolve.model.elements import line_up
 from crashsolve.model.partition import JOB
-from crashsolve.system.threads.worker import CALLED, HOME, TURNS
+from crashsolve.system.threads.worker import HOME, LINE, QUEUES, ROUND
 
 
-def arrays_of_first(model: Any) -> dict[str, Any]:
-    """What the two threads tell each other, and the first half."""
-    halves = model.elements.halves
-    rows = {f"{word}_share": rows for word, rows in halves.rows[0].items()}
-    return rows | {
-        "turns": np.zeros(TURNS, np.int64),
-        "job": np.zeros(1, JOB.dtype),
-        "loans": halves.loans,
-        "lent": halves.lent,
-        "holds": halves.holds,
-        "second_clock": halves.second_clock,
-        "second_work": line_up(len(model.elements.work)),
+def shared_arrays(model: Any) -> dict[str, Any]:
+    """What the threads tell each other, and the pieces."""
+    pieces = model.elements.pieces
+    job = np.zeros(1, JOB.dtype)
+    job["threads"] = pieces.threads
+    return {
+        "turns": np.zeros(QUEUES + LINE * pieces.threads, np.int64),
+        "job": job,
+        "seat": np.zeros(1, np.int64),
+        "pieces": pieces.pieces,
+        "loans": pieces.loans,
+        "lent": pieces.lent,
     }
 
 
-def arrays_of_second(model: Any, first: dict[str, Any]) -> dict[str, Any]:
-    """Arrays of the second thread: the same but for what it must not share."""
-    halves = model.elements.halves
-    own = {f"{word}_share": rows for word, rows in halves.rows[1].items()}
-    own |= {f"{word}_parameters": rows for word, rows in halves.loads.items()}
-    # of the ground, and of the history of a part, it writes nothing that counts
-    copies = [*(f"{g.word}_history" for g in model.element_groups()), "nodes"]
-    return (
-        first
-        | own
-        | {name: first[name].copy() for name in copies}
-        | {"corners": halves.corners, "points": halves.points, "clock": halves.second_clock}
-        | {"work": first["second_work"]}
-    )
+def own_arrays(model: Any) -> list[dict[str, Any]]:
+    """What threads other than the first must not share with it: number, clock, room for a block."""
+    clocks, room = model.elements.pieces.clocks, len(model.elements.work)
+    return [
+        {"seat": np.array([1 + k]), "clock": clocks[k : k + 1], "work": line_up(room)}
+        for k in range(len(clocks))
+    ]
 
 
-def together(first: Callable[..., None], second: Callable[..., None]) -> Callable[..., None]:
-    """The compiled step, beside which a second thread does its share while it runs."""
+def together(first: Callable[..., None], other: Callable[..., None]) -> Callable[..., None]:
+    """The compiled step, beside which other threads take their shares while it runs."""
 
     def step(number: float, flag: bool, tables: Any) -> None:
         tables.turns[:] = 0
-        thread = Thread(target=second, args=(0.0, False, tables.second))
-        thread.start()
+        threads = [Thread(target=other, args=(0.0, False, own)) for own in tables.others]
+        for thread in threads:
+            thread.start()
         try:
             first(number, flag, tables)
         finally:
-            tables.turns[CALLED] = HOME
-            thread.join()
+            tables.turns[ROUND] = HOME
+            for thread in threads:
+                thread.join()
 
     return step

@@ -1,103 +1,105 @@
-"""Two threads: the second does its share of the points and elements whenever the first calls it.
+"""Threads that share a job: they take its pieces, one after the other, until none is left.
 
-    first:   job, called += 1,   its own share,   until done == called
-    second:  until called has changed,   its share of the job,   done = called
+    first:   a queue of pieces for each thread,   round += 1,   pieces,   until done == pieces
+    others:  until round has changed,   pieces
 
-A part is cut into two halves at the border of two blocks, and its points into two. Each half has
-its own tables: rows of parts with fewer points and elements, room between loops, a clock. Corners
-of the second half at points of the first are points of their own, one to each corner, that follow
-those they stand for; the first thread adds their forces, in the order of the elements. So every
-sum has the order that it has in one thread. Consequence to test: the same bits in one and two.
+A thread takes the pieces of its own queue, which lie near each other in memory, and then what is
+left in those of others: one that the machine holds up, or that sleeps, costs no more than the piece
+it has begun. Which thread does a piece has no effect on what the piece yields, and sums of several
+pieces are taken by the first alone, in the order of the pieces (model/partition.py). Consequence to
+test: the same bits for any number of threads, and however they are held up.
+
+A queue is one word: the round, the next piece, and the end. So whoever takes a piece knows that it
+is of the present round.
 """
 
-from crashsolve.foundation.atomic import give_way, load_acquire, store_release
+from crashsolve.foundation.atomic import (
+    add_release,
+    give_way,
+    load_acquire,
+    replaced,
+    sleep,
+    store_release,
+)
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import load_point
-from crashsolve.foundation.vec3 import add_to, put, vec
-from crashsolve.system.points import hold
 
-OPEN, DEFORM, LOAD, CLOSE = range(4)
-# places in `turns`, as far apart as cache lines; what `called` is when the second thread is to end
-CALLED, DONE, TURNS, HOME = 0, 8, 16, -1
-# looks, some 20 microseconds, before the core is offered to others
-PATIENCE = 4000
-
-
-@kernel
-def call(job, h, scene):
-    """Have the second thread do its share of a job. Writes: scene.job, turns."""
-    scene.job[0].number, scene.job[0].h = job, h
-    store_release(scene.turns, CALLED, scene.turns[CALLED] + 1)
+# places in `turns`, as far apart as cache lines: round, pieces done, queues of the threads
+ROUND, DONE, QUEUES, LINE = 0, 8, 16, 8
+# the round in which the threads end
+HOME = -1
+# parts of the word of a queue
+NEXT, OF_ROUND = 2**16, 2**32
+MOST_PIECES = NEXT - 1
+# looks, some 20 microseconds, before the core is offered to others, and before it is left to them
+PATIENCE, OFFERS = 4000, 500
+NAP = 100  # microseconds
 
 
 @kernel
-def call_for_load(entry, current, h, scene):
-    """Have the second thread load its half of the elements. Writes: scene.job, turns."""
-    scene.job[0].entry, scene.job[0].current = entry, current
-    call(LOAD, h, scene)
+def call(pieces, threads, turns):
+    """Call all threads to so many pieces of a job; returns the round. Writes: turns."""
+    number = turns[ROUND] + 1
+    turns[DONE] = 0
+    for k in range(threads):
+        begin, end = pieces * k // threads, pieces * (k + 1) // threads
+        store_release(turns, QUEUES + LINE * k, number * OF_ROUND + begin * NEXT + end)
+    store_release(turns, ROUND, number)
+    return number
 
 
 @kernel
-def wait(turns, k, before):
-    """Until a word is no longer what it was; returns what it is."""
-    looks = 0
-    now = load_acquire(turns, k)
-    while now == before:
-        looks += 1
-        if looks > PATIENCE:
-            give_way()
-        now = load_acquire(turns, k)
+def next_piece(me, number, threads, turns):
+    """A piece of this round that nobody has begun; -1: there is none. Writes: turns."""
+    for k in range(threads):
+        piece = taken(QUEUES + LINE * ((me + k) % threads), number, turns)
+        if piece >= 0:
+            return piece
+    return -1
+
+
+@kernel
+def taken(queue, number, turns):
+    """The next piece of a queue; -1: there is none. Writes: turns."""
+    while True:
+        word = load_acquire(turns, queue)
+        piece, end = word // NEXT % NEXT, word % NEXT
+        if word // OF_ROUND != number or piece == end:
+            return -1
+        if replaced(turns, queue, word, word + NEXT):
+            return piece
+
+
+@kernel
+def finish(turns):
+    """A piece is done. Writes: turns."""
+    add_release(turns, DONE, 1)
+
+
+@kernel
+def wait_for_all(pieces, turns):
+    """Until all pieces are done."""
+    done, looks = load_acquire(turns, DONE), 0
+    while done < pieces:
+        looks = be_patient(looks)
+        done = load_acquire(turns, DONE)
+
+
+@kernel
+def wait_for_call(number, turns):
+    """Until there is another round; returns its number."""
+    now, looks = load_acquire(turns, ROUND), 0
+    while now == number:
+        looks = be_patient(looks)
+        now = load_acquire(turns, ROUND)
     return now
 
 
 @kernel
-def wait_for_second(scene):
-    """Until the second thread has done what it was called for."""
-    wait(scene.turns, DONE, scene.turns[CALLED] - 1)
-
-
-@kernel
-def lend(scene):
-    """Points that stand for others follow them, free of forces: for the second thread alone.
-
-    Writes: scene.lent.
-    """
-    points, loans = scene.points, scene.loans
-    for k in range(loans.shape[0]):
-        b, own = scene.lent[k], points[loans[k].point]
-        put(b.r, vec(own.r))
-        put(b.v, vec(own.v))
-        put(b.w, vec(own.w))
-        put(b.force, (0.0, 0.0, 0.0))
-        put(b.torque, (0.0, 0.0, 0.0))
-        b.mass_inv, b.J_inv, b.load, b.spin_load = own.mass_inv, own.J_inv, 0.0, 0.0
-
-
-@kernel
-def take_back(clock, scene):
-    """What points that stand for others have of elements, and the stiffest of the second half.
-
-    Writes: scene.points, clock.
-    """
-    loans, second = scene.loans, scene.second_clock[0]
-    for k in range(loans.shape[0]):
-        b, own = scene.lent[k], scene.points[loans[k].point]
-        add_to(own.force, vec(b.force))
-        add_to(own.torque, vec(b.torque))
-        load_point(own, b.load, b.spin_load, loans[k].slows)
-    rate, is_first = second.element_rate, second.limit_element < clock.limit_element
-    if rate > clock.element_rate or (rate > 0.0 and rate == clock.element_rate and is_first):
-        clock.element_rate, clock.limit_element = rate, second.limit_element
-
-
-@kernel
-def keep_faster(clock, scene):
-    """The larger bound of frequency of the two halves. Writes: clock."""
-    clock.element_rate = max(clock.element_rate, scene.second_clock[0].element_rate)
-
-
-@kernel
-def hold_all(nodes, scene):
-    """What holds points acts from outside; in the order of the points. Writes: points, nodes."""
-    for k in range(scene.holds.shape[0]):
-        hold(scene.points[scene.holds[k].point], nodes[0])
+def be_patient(looks):
+    """Another look soon, or later the longer this lasts; returns how many there have been."""
+    if looks > PATIENCE + OFFERS:
+        sleep(NAP)
+        return looks
+    if looks > PATIENCE:
+        give_way()
+    return looks + 1

@@ -15,7 +15,7 @@ Engineering 88, 311-340. Dvorkin and Bathe (1984), A continuum mechanics based f
 element for general nonlinear analysis, Engineering Computations 1, 77-88.
 """
 
-from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.kernels import apart, blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts.shells.damping import allow, damp
 from crashsolve.parts.shells.elements.corners import (
@@ -54,7 +54,7 @@ from crashsolve.parts.shells.resultants import clear_resultants
 PLACE_OF_POINT = 3.0**-0.5
 
 
-@kernel
+@apart
 def deform(p, clock, h, scene, material):
     """Strains, stresses and forces of the elements with 2 by 2 points after a step of h.
 

@@ -7,7 +7,7 @@ any patch of elements holds constant strain and constant curvature.
 References: those of the shell, and of quadrilateral.py.
 """
 
-from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.kernels import apart, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts.shells.damping import allow, damp
 from crashsolve.parts.shells.elements.corners import gather, note_rate, scatter, slow_corners
@@ -32,7 +32,7 @@ from crashsolve.parts.shells.layers import grow_rate, layers
 from crashsolve.parts.shells.records import BLOCK
 
 
-@kernel
+@apart
 def deform(p, clock, h, scene, material):
     """Strains, stresses and forces of the one-point elements of a part after a step of h.
 

@@ -17,7 +17,7 @@ for the Reissner-Mindlin plate model, Computer Methods in Applied Mechanics and 
 theory and assumed shear strain fields, part I, Int. J. Num. Meth. Eng. 36, 1859-1883.
 """
 
-from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.kernels import apart, blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts.shells.damping import allow, damp
 from crashsolve.parts.shells.elements.corners import (
@@ -71,7 +71,7 @@ def start_of(p):
     return p.first + filled * p.stride, p.first_corner + 4 * LANES * filled, quads
 
 
-@kernel
+@apart
 def deform(p, clock, h, scene, material):
     """Strains, stresses and forces of the triangles of a part after a step of h.
 

@@ -1,0 +1,190 @@
+"""Jobs in pieces, for several threads: what each piece is, who does it, and the loop of a thread.
+
+The first thread calls the others to a job, and takes part (system/threads/worker.py).
+"""
+
+from crashsolve.foundation.kernels import entry, kernel
+from crashsolve.system import points
+from crashsolve.system.contact import node_contact
+from crashsolve.system.loops.looks import look_at_faces, look_at_shapes
+from crashsolve.system.placeholders import ELEMENT_LOADS, ELEMENTS, NODAL
+from crashsolve.system.threads import jobs, worker
+
+
+@kernel
+def share(number, pieces, clock, h, scene):
+    """Do all pieces of a job, with all threads. Writes: what the job writes."""
+    scene.job[0].number, scene.job[0].h = number, h
+    called = worker.call(pieces, scene.job[0].threads, scene.turns)
+    do_pieces(0, called, clock, scene)
+    worker.wait_for_all(pieces, scene.turns)
+
+
+@kernel
+def share_looks(group, clock, h, scene):
+    """Look for the probes of a group with all threads. Writes: group.found, seen, looks."""
+    for number, other in enumerate(NODAL):
+        if other is group:
+            scene.job[0].group = number
+    share(jobs.LOOK, group.looks.shape[0], clock, h, scene)
+
+
+@kernel
+def find_fastest(p, clock, h, scene):
+    """Largest speed of the points that contact asks for, unless it is known. Writes: touched."""
+    if not node_contact.is_fastest_known(p, scene):
+        share(jobs.SPEED, scene.pieces.shape[0], clock, h, scene)
+        node_contact.note_fastest(p, jobs.largest_speed(p, scene), scene)
+
+
+@kernel
+def share_load(group, span, entry, clock, h, scene):
+    """Do a load on elements with all threads. Writes: scene.points, block_sums."""
+    for number, other in enumerate(ELEMENT_LOADS):
+        if other is group:
+            scene.job[0].group = number
+    scene.job[0].entry, scene.job[0].current = entry, clock.current
+    share(jobs.LOAD, span.count, clock, h, scene)
+    jobs.take_back(span.first_piece, span.count, scene)
+
+
+@kernel
+def do_pieces(me, called, clock, scene):
+    """Pieces of a job until none is left, by the thread `me`. Writes: what the job writes."""
+    threads = scene.job[0].threads
+    k = worker.next_piece(me, called, threads, scene.turns)
+    while k >= 0:
+        do_piece(k, me, clock, scene)
+        worker.finish(scene.turns)
+        k = worker.next_piece(me, called, threads, scene.turns)
+
+
+@kernel
+def do_piece(k, me, clock, scene):
+    """One piece of the present job. Writes: what the job writes."""
+    job = scene.job[0]
+    if ELEMENT_LOADS and job.number == jobs.LOAD:
+        load_piece(k, job, scene)
+    elif NODAL and job.number == jobs.LOOK:
+        look_piece(k, me, job.group, scene)
+    elif NODAL and job.number == jobs.SPEED:
+        speed_piece(k, scene)
+    elif job.number == jobs.OPEN:
+        open_piece(k, job.h, scene)
+    elif job.number == jobs.DEFORM:
+        deform_piece(k, clock, job.h, scene)
+    else:
+        close_piece(k, clock, job.h, scene)
+
+
+@kernel
+def open_piece(k, h, scene):
+    """First kick and drift of some points. Writes: scene.points."""
+    at = k
+    for group in ELEMENTS:
+        if at >= 0 and at < group.pieces.shape[0]:
+            points.open_points(h, group.pieces[at], scene.points)
+        at -= group.pieces.shape[0]
+
+
+@kernel
+def deform_piece(k, clock, h, scene):
+    """Forces of some elements. Writes: scene.points, lanes, pieces."""
+    jobs.lend(scene.pieces[k], scene)
+    clock.element_rate, clock.limit_element = 0.0, 0
+    at = k
+    for group in ELEMENTS:
+        if at >= 0 and at < group.pieces.shape[0]:
+            deform_part(group, group.pieces[at], clock, h, scene)
+        at -= group.pieces.shape[0]
+    scene.pieces[k].rate, scene.pieces[k].element = clock.element_rate, clock.limit_element
+
+
+@kernel
+def close_piece(k, clock, h, scene):
+    """Second kick of some points. Writes: scene.points, pieces."""
+    clock.element_rate = 0.0
+    at = k
+    for group in ELEMENTS:
+        if at >= 0 and at < group.pieces.shape[0]:
+            points.close_points(clock, h, group.pieces[at], scene.points)
+        at -= group.pieces.shape[0]
+    scene.pieces[k].rate = clock.element_rate
+
+
+@kernel
+def speed_piece(k, scene):
+    """Largest speed of some points. Writes: scene.pieces."""
+    at, fastest = k, 0.0
+    for group in ELEMENTS:
+        if at >= 0 and at < group.pieces.shape[0]:
+            one = group.pieces[at]
+            fastest = node_contact.fastest_of(one.first_point, one.point_count, scene.points)
+        at -= group.pieces.shape[0]
+    scene.pieces[k].speed = fastest
+
+
+@kernel
+def look_piece(k, me, number, scene):
+    """What some probes of a contact find. Writes: group.found, seen, looks."""
+    for number_of, group in enumerate(NODAL):
+        if number == number_of and not group.keeps_faces:
+            look_for(group, k, me, scene)
+
+
+@kernel
+def look_for(group, k, me, scene):
+    """Look for those probes of a range that are due. Writes: group.found, seen, looks."""
+    one, last, count = group.looks[k], group.probes.shape[0], 0
+    if k + 1 < group.looks.shape[0]:
+        last = group.looks[k + 1].first
+    for i in range(one.first, last):
+        if group.due[i] > group.totals[0].way:
+            continue
+        if group.narrow is None:
+            look_at_faces(group, i, group.found[i], scene.nodes, scene)
+            touches = node_contact.touches_faces(group.found[i], group.probe_states, group.turns, i)
+        else:
+            hit = group.found[i, 0]
+            look_at_shapes(group, i, group.a[me], (0.0, 0.0, 0.0), hit, scene.nodes, scene)
+            touches = hit.depth > 0.0 or group.probe_states[group.turns[i], i].active == 1
+        if touches:
+            group.seen[one.first + count].probe = i
+            count += 1
+    one.count = count
+
+
+@kernel
+def deform_part(group, p, clock, h, scene):
+    """Forces of the elements of a part, or of a piece of it. Writes: scene.points, lanes."""
+    for number, material in group.materials:
+        if p.law == number:
+            for kind in group.kinds:
+                kind.deform(p, clock, h, scene, material)
+
+
+@kernel
+def load_piece(k, job, scene):
+    """Some blocks of the load that is asked for. Writes: scene.points, block_sums."""
+    i = job.entry
+    for number, group in enumerate(ELEMENT_LOADS):
+        if job.group == number:
+            span = group.spans[i]
+            jobs.lend(scene.pieces[span.first_piece + k], scene)
+            p, old, out = (
+                group.pieces[span.first + k],
+                group.history[job.current, i],
+                group.output[i],
+            )
+            group.law.load_elements(p, old, out, job.h, scene)
+
+
+@entry
+def assist(until, sampling, scene):
+    """Loop of a thread: the jobs that the first calls it to."""
+    clock, me, called = scene.clock[0], scene.seat[0], 0
+    while True:
+        called = worker.wait_for_call(called, scene.turns)
+        if called == worker.HOME:
+            return
+        do_pieces(me, called, clock, scene)
