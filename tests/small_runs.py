@@ -1,7 +1,4 @@
-"""Runs of small scenes as plain Python, in processes of their own, and orders of their errors.
-
-A few hundred steps cost less than a compiler.
-"""
+"""Runs of small scenes, in processes of their own, and orders of their errors."""
 
 from pathlib import Path
 from typing import Any
@@ -13,15 +10,24 @@ from command import crashsolve
 from crashpost.results.result import Result
 
 
-def run(folder: Path, scene: dict[str, Any], end: float, step: float | None = None) -> Result:
-    """Result of the scene with a fixed step, or with the automatic one."""
+def run(
+    folder: Path,
+    scene: dict[str, Any],
+    end: float,
+    step: float | None = None,
+    plain: bool = False,
+) -> Result:
+    """Result of the scene with a fixed step, or with the automatic one.
+
+    `plain`: as plain Python, where some fifty steps cost what the compiling of a scene does.
+    """
     deck, out = folder / "deck.yaml", folder / f"{step}"
     control = {"end_time": end, "energy_limit": "off"} | ({"step": step} if step else {})
     # a sample cuts the step that would pass it: no more of them than these
     output = {"history": {"interval": end}, "states": {"interval": end}}
     text = yaml.safe_dump({"control": control, "output": output} | scene, sort_keys=False)
     deck.write_text(text, "utf-8")
-    done = crashsolve(deck, "-o", out, CRASHSOLVE_PLAIN="1")
+    done = crashsolve(deck, "-o", out, CRASHSOLVE_PLAIN="1" if plain else "0")
     assert done.returncode == 0, done.stdout + done.stderr
     return Result(out)
 

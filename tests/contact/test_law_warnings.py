@@ -38,7 +38,7 @@ def test_each_contact_outside_its_range_is_named(tmp_path: Path) -> None:
     scene = drop(
         fast=(1.05 * LIMIT, 0.95), slow=(0.95 * LIMIT, 0.95), soft=(0.5 * LIMIT, 0.5), dead=(0.5, 0)
     )
-    log = run(tmp_path, scene, 1e-3).log
+    log = run(tmp_path, scene, 1e-3, plain=True).log
     assert warned(log) == [
         f"contact 'soft': {LAW} 0.5 returns 0.725 in a free impact; "
         "exact_restitution returns what is asked",
@@ -53,6 +53,6 @@ def test_each_contact_outside_its_range_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("restitution", [0.9, 1.0])
 def test_nothing_is_said_within_the_range(tmp_path: Path, restitution: float) -> None:
-    result = run(tmp_path, drop(slow=(0.95 * LIMIT, restitution)), 1e-3)
+    result = run(tmp_path, drop(slow=(0.95 * LIMIT, restitution)), 1e-3, plain=True)
     assert result.series("rcforc.slow.onsets").values[-1] == 1.0
     assert "warning" not in result.log

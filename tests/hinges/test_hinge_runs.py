@@ -39,7 +39,7 @@ def test_a_restart_goes_on_to_the_same_bits(tmp_path: Path) -> None:
             text = yaml.safe_dump({"control": control, "output": output} | scene())
             deck.write_text(text, "utf-8")
             more = ["--restart"] * (end == 0.02 and name == "twice")
-            done = crashsolve(deck, "-o", tmp_path / name, *more, CRASHSOLVE_PLAIN="1")
+            done = crashsolve(deck, "-o", tmp_path / name, *more)
             assert done.returncode == 0, done.stdout + done.stderr
         result = Result(tmp_path / name)
         channels = [c.name for c in result.channels("hinge.*")]
@@ -73,7 +73,7 @@ def test_an_angle_beyond_the_curve_stops_the_run(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     control = {"end_time": 0.02, "step": 2e-4, "energy_limit": "off"}
     deck.write_text(yaml.safe_dump({"control": control} | known, sort_keys=False), "utf-8")
-    done = crashsolve(deck, "-o", tmp_path / "out", CRASHSOLVE_PLAIN="1")
+    done = crashsolve(deck, "-o", tmp_path / "out")
     assert done.returncode == 4
     told = r"hinge 'rotor': deformed to 0\.0\d+, beyond what it is known for, 0\.0473333"
     assert re.search(told, done.stdout + done.stderr)

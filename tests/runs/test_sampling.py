@@ -51,7 +51,7 @@ def solved(folder: Path, method: str, step: float | str = "auto") -> Result:
     ]
     deck = folder / "deck.yaml"
     deck.write_text(yaml.safe_dump({"control": control, "expect": expect} | SCENE))
-    done = crashsolve(deck, "-o", folder / method, CRASHSOLVE_PLAIN="1")
+    done = crashsolve(deck, "-o", folder / method)
     assert done.returncode == 0, done.stdout + done.stderr
     return Result(folder / method)
 

@@ -15,6 +15,7 @@ from crashsolve.compiler.specialise import (
     Copy,
     Source,
     SpecialiseError,
+    are_same,
     assigned_in,
     word_of,
 )
@@ -165,7 +166,7 @@ def _is_idle(node: ast.stmt) -> bool:
 def _written(source: Source, original: ast.FunctionDef, function: ast.FunctionDef) -> str:
     """Text of a copied function under the name of its file; its own text where nothing changed."""
     said = f"# {source.module}\n"
-    if ast.dump(original) != ast.dump(function):
+    if not are_same(original, function):
         return said + ast.unparse(function)
     first = min([original.lineno, *(d.lineno for d in original.decorator_list)])
     return said + "\n".join(source.text.splitlines()[first - 1 : original.end_lineno])

@@ -1,0 +1,84 @@
+"""Commands in processes that begin with the solver imported: imports cost more than a small run.
+
+A server that has imported the solver, and run nothing, forks itself for every command. The child
+has the environment, folder and streams that a process of its own would have. What a run imports,
+and how it answers to signals, is tested with real starts (`start` of command.py).
+"""
+
+import atexit
+import multiprocessing
+import os
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from crashsolve import cli
+
+PACKAGE = Path(cli.__file__).parent
+# packages of other commands than run, check and explain: they import more
+APART = ("__main__", "examples", "study", "sweep")
+# what is read when a run asks for it; whatever else changes in the environment needs a real start
+READ_LATE = {"CRASHSOLVE_CACHE", "CRASHSOLVE_PLAIN", "PYTEST_CURRENT_TEST"}
+
+
+@cache
+def _server() -> tuple[Any, dict[str, str]]:
+    """What starts processes from the server, and the environment that the server has."""
+    server = multiprocessing.get_context("forkserver")
+    server.set_forkserver_preload(["h5py", *_modules()])
+    return server, dict(os.environ)
+
+
+def _modules() -> list[str]:
+    """All modules of the solver but those of other commands."""
+    names = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(PACKAGE).with_suffix("").parts
+        if parts[0] not in APART:
+            words = parts[:-1] if parts[-1] == "__init__" else parts
+            names.append(".".join((PACKAGE.name, *words)))
+    return names
+
+
+def can_fork(environment: dict[str, str]) -> bool:
+    """Whether a process of the server would see this environment as one of its own does."""
+    _, has = _server()
+    different = {name for name, _ in environment.items() ^ has.items()}
+    return different <= READ_LATE
+
+
+def completed(
+    words: list[str], environment: dict[str, str], timeout: float
+) -> subprocess.CompletedProcess[str]:
+    """`crashsolve WORDS` at its end. Raises subprocess.TimeoutExpired after `timeout` [s]."""
+    server, _ = _server()
+    with tempfile.TemporaryDirectory() as folder:
+        streams = [str(Path(folder) / name) for name in ("out", "err")]
+        process = server.Process(target=_run, args=(words, environment, os.getcwd(), streams))
+        process.start()
+        process.join(timeout)
+        if process.exitcode is None:
+            process.kill()
+            raise subprocess.TimeoutExpired(words, timeout)
+        out, err = (Path(name).read_text("utf-8") for name in streams)
+    return subprocess.CompletedProcess(words, process.exitcode, out, err)
+
+
+def _run(words: list[str], environment: dict[str, str], folder: str, streams: list[str]) -> None:
+    """The command, in the process that is for it."""
+    for number, name in enumerate(streams, 1):
+        descriptor = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+        os.dup2(descriptor, number)
+        os.close(descriptor)
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    sys.argv = ["crashsolve", *words]
+    try:
+        sys.exit(cli.main())
+    finally:
+        # multiprocessing leaves them out
+        atexit._run_exitfuncs()
