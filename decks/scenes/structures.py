@@ -102,7 +102,9 @@ def numbers(result: Result) -> np.ndarray:
     """Peak force [N], largest way and way at rest [m], energy of plastic work [J]."""
     x = way(result)
     end = result.time > (1.0 - REST) * result.time[-1]
-    work = values(result, "glstat.model.energy.plastic")[-1]
+    work = sum(
+        values(result, f"glstat.model.energy.{k}")[-1] for k in ("plastic", "hinge_dissipated")
+    )
     return np.array([force(result).max(), x.max(), x[end].mean(), work])
 
 
