@@ -1,6 +1,7 @@
-"""Segments at rest: their whole tangent, also while they yield, and how they flow over a correction.
+"""Segments at rest: their whole tangent, also while they yield, and their flow over a correction.
 
-    F_a = (f, m_a + d_a x f),   dF_a = (df, dm_a + d_a x df + (w_a x d_a) x f),   dx_a = dr + w x d_a
+    F_a = (f, m_a + d_a x f),   dF_a = (df, dm_a + d_a x df + (w_a x d_a) x f)
+    dx_a = dr + w_a x d_a
 
 with f, m_a and their derivatives as of beam elements (parts/beams/static_tangent.py) between the
 points d_a and d_b of both bodies. By stretch and turns N, M_y and M_z change as `softened` tells
@@ -54,7 +55,7 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
 
 
 def predict(p: Any, state: Any, new: Any, nodes: Any, way: np.ndarray, curves: Any) -> None:
-    """How segments flow over motions `way` (n, 6) of all nodes, to first order. Writes: new.plastic.
+    """How segments flow over motions `way` (n, 6) of all nodes, to first order. Writes: new.
 
     Bodies that turn stretch what is between them by the square of their turns, which is no flow.
     """

@@ -1,4 +1,4 @@
-"""Finite segments that yield in quasi-static solutions: how a correction of Newton's method is taken.
+"""Segments that yield in quasi-static solutions: how a correction of Newton's method is taken.
 
 A correction turns the bodies of a stiff chain, and so stretches it by the squares of their turns.
 Elastic segments come back from that in the next passes; those that yield give way to it, and the
