@@ -2,7 +2,7 @@
 
 make structures  (or: python decks/scenes/structures.py [FOLDER], in an environment with matplotlib)
 
-Runs whose results are in FOLDER are not repeated; all of them take some ten minutes of CPU time.
+Runs whose results are in FOLDER are not repeated; all of them take some thirty minutes of CPU time.
 """
 
 import json
@@ -27,27 +27,38 @@ DESCRIPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "rigid": ("rigid", {"deformation": "rigid"}),
     "hinges": ("hinges", {"deformation": "hinges"}),
     "fold": ("hinges, kecman", {"deformation": "hinges", "collapse": "kecman"}),
+    "measured": ("hinges, curve of these shells", {"deformation": "hinges", "collapse": "given"}),
+    "limit": ("hinges, curve of a fine mesh", {"deformation": "hinges", "collapse": "given"}),
     "segments": ("segments, 8", {"deformation": "segments"}),
     "beams": ("fibre beams, 8", {"deformation": "beams"}),
     "shells3": ("shells, 3 across", {"deformation": "shells", "across": "3"}),
     "shells4": ("shells, 4 across", {"deformation": "shells"}),
     "shells6": ("shells, 6 across", {"deformation": "shells", "across": "6"}),
+    "shells8": ("shells, 8 across", {"deformation": "shells", "across": "8"}),
+    "shells12": ("shells, 12 across", {"deformation": "shells", "across": "12"}),
 }
-PLAIN = ("rigid", "hinges", "fold", "segments", "beams")
+PLAIN = ("rigid", "hinges", "fold", "measured", "limit", "segments", "beams")
 # meshes of each scene, the finest last, with which all others are compared
 SCENES = {
-    "cantilever": ("A cantilever tube", ("shells4", "shells6")),
+    "cantilever": ("A cantilever tube", ("shells4", "shells6", "shells8")),
     "portal": ("A portal frame", ("shells4", "shells6")),
     "rollover": ("A roll-over frame", ("shells3", "shells4")),
 }
 VIEWS = {"cantilever": "side", "portal": "side", "rollover": "-1,-2,0.7"}
-COLOURS = dict(
-    zip(
-        DESCRIPTIONS,
-        ("0.6", "#d1495b", "#edae49", "#66a182", "#00798c", "#8d96a3", "#8d96a3", "#1b1b1e"),
-        strict=True,
-    )
-)
+COLOURS = {
+    "rigid": "0.6",
+    "hinges": "#d1495b",
+    "fold": "#edae49",
+    "measured": "#7b2d8b",
+    "limit": "#c77dd6",
+    "segments": "#66a182",
+    "beams": "#00798c",
+} | dict.fromkeys(("shells3", "shells4", "shells6", "shells8", "shells12"), "#8d96a3")
+BEST = "#1b1b1e"
+# meshes that the tube is bent with slowly, and the plastic angles of the page's table
+BENT, TOLD = ("shells4", "shells6", "shells8", "shells12"), (0.02, 0.05, 0.1, 0.2, 0.3)
+# angles at which a curve is read; the first moments still swing
+ANGLES = np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.03, 0.04], np.arange(0.06, 0.5, 0.02)])
 # the last share of a run, over which the way at rest is the mean of a frame that still swings
 REST = 0.15
 
@@ -62,14 +73,30 @@ class Runs:
         """Result of a scene in a description; dots of fields set besides are written __."""
         folder = self.folder / ".".join([scene, name, *settings.values()])
         if not finished(folder):
-            deck = str(HERE / "structures" / f"{scene}.yaml")
-            command = [sys.executable, "-m", "crashsolve", deck, "-o", str(folder)]
+            deck = HERE / "structures" / f"{scene}.yaml"
+            if DESCRIPTIONS[name][1].get("collapse") == "given":
+                deck = self.with_curve(deck, scene, name)
+            command = [sys.executable, "-m", "crashsolve", str(deck), "-o", str(folder)]
             for word, value in DESCRIPTIONS[name][1].items():
                 command += ["--set", f"{FRAME}.{word}={value}"]
+            if DESCRIPTIONS[name][1].get("collapse") == "given":
+                command += ["--set", f"{FRAME}.collapse_curve=collapse"]
             for word, value in settings.items():
                 command += ["--set", f"{word.replace('__', '.')}={value}"]
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         return Result(folder)
+
+    def with_curve(self, deck: Path, scene: str, name: str) -> Path:
+        """The deck with moments of the slowly bent tube: of the scene's finest mesh, or of all."""
+        mesh = SCENES[scene][1][-1]
+        moments = limit(self) if name == "limit" else collapse(self("bent", mesh))
+        points = [[0.0, float(moments[0])]]
+        points += [[float(x), float(y)] for x, y in zip(ANGLES, moments, strict=True)]
+        path = self.folder / f"{scene}.{name}.yaml"
+        curve = {"collapse": {"points": points, "extrapolate": "hold"}}
+        frame = {"include": str(deck), "curves": curve}
+        path.write_text(json.dumps(frame), "utf-8")
+        return path
 
     def cost(self, scene: str, name: str) -> float:
         """CPU time of the steps [s]."""
@@ -88,6 +115,56 @@ def values(result: Result, channel: str) -> np.ndarray:
     return found
 
 
+def collapse(result: Result) -> np.ndarray:
+    """Moments at the foot of the bent tube at the plastic ANGLES of its tip [N m]."""
+    # of the tube in struck.yaml, between joints of 25 mm: theta = M L / 2 E I + plastic angle
+    second, length = (0.05**4 - 0.046**4) / 12.0, 0.95
+    moment = np.abs(values(result, "jntforc.floor.moment.y"))
+    angle = np.abs(values(result, "disbout.tip.angle")) - moment * length / (2 * 2.1e11 * second)
+    found: np.ndarray = np.interp(ANGLES, np.maximum.accumulate(angle), moment)
+    return found
+
+
+def limit(runs: Runs, finest: int = 4) -> np.ndarray:
+    """The same of elements of no length, by a line through two meshes: errors of first order."""
+    names = BENT[finest - 2 : finest]
+    size = [1.0 / float(DESCRIPTIONS[name][1].get("across", 4)) for name in names]
+    coarse, fine = (collapse(runs("bent", name)) for name in names)
+    return fine - size[1] / (size[0] - size[1]) * (coarse - fine)
+
+
+def bent_table(runs: Runs) -> str:
+    """Moments of the bent tube over its plastic angle, of all meshes."""
+    lines = {DESCRIPTIONS[name][0]: collapse(runs("bent", name)) for name in BENT}
+    lines["line through 8 and 12"] = limit(runs)
+    lines["line through 6 and 8"] = limit(runs, 3)
+    lines["hinges"] = collapse(runs("bent", "hinges"))
+    lines["hinges, kecman"] = collapse(runs("bent", "fold"))
+    head = "|moment [N m] at a plastic angle of|" + "".join(f"{x:g} rad|" for x in TOLD)
+    rows = [
+        f"| {name} | " + " | ".join(f"{np.interp(x, ANGLES, found):.0f}" for x in TOLD) + " |"
+        for name, found in lines.items()
+    ]
+    return "\n".join([head, "|---" * (len(TOLD) + 1) + "|", *rows])
+
+
+def draw_bent(runs: Runs, plt: Any) -> None:
+    """Moments over plastic angles."""
+    figure, axes = plt.subplots(figsize=(7, 4.2), layout="constrained")
+    for name, style in zip(BENT, (":", "-.", "--", "-"), strict=True):
+        found = collapse(runs("bent", name))
+        axes.plot(ANGLES, 1e-3 * found, style, color=BEST, lw=1.2, label=DESCRIPTIONS[name][0])
+    axes.plot(ANGLES, 1e-3 * limit(runs), color=COLOURS["limit"], lw=2.2, label="of a fine mesh")
+    for name in ("hinges", "fold"):
+        found = collapse(runs("bent", name))
+        axes.plot(ANGLES, 1e-3 * found, color=COLOURS[name], label=DESCRIPTIONS[name][0])
+    axes.set(xlabel="plastic angle [rad]", ylabel="moment at the foot [kN m]", ylim=(0.0, None))
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, fontsize=8)
+    figure.savefig(PICTURES / "bent.png", dpi=100)
+    plt.close(figure)
+
+
 def force(result: Result) -> np.ndarray:
     """Size of the force of the blow [N]."""
     return np.sqrt(sum(values(result, f"rcforc.blow.force.{k}") ** 2 for k in "xyz"))
@@ -102,7 +179,9 @@ def numbers(result: Result) -> np.ndarray:
     """Peak force [N], largest way and way at rest [m], energy of plastic work [J]."""
     x = way(result)
     end = result.time > (1.0 - REST) * result.time[-1]
-    work = values(result, "glstat.model.energy.plastic")[-1]
+    work = sum(
+        values(result, f"glstat.model.energy.{k}")[-1] for k in ("plastic", "hinge_dissipated")
+    )
     return np.array([force(result).max(), x.max(), x[end].mean(), work])
 
 
@@ -143,8 +222,9 @@ def draw(runs: Runs, scene: str, plt: Any) -> None:
     names = (*PLAIN[1:], *SCENES[scene][1])
     for name in names:
         result = runs(scene, name)
-        look: dict[str, Any] = {"color": COLOURS[name], "label": DESCRIPTIONS[name][0]}
-        look["lw"] = 2.2 if name == names[-1] else 1.2
+        look: dict[str, Any] = {"color": COLOURS[name], "label": DESCRIPTIONS[name][0], "lw": 1.2}
+        if name == names[-1]:
+            look |= {"color": BEST, "lw": 2.2}
         left.plot(1e3 * result.time, 1e3 * way(result), **look)
         right.plot(1e3 * result.time, 1e-3 * force(result), **look)
     left.set(xlabel="time [ms]", ylabel="way of the struck point [mm]")
@@ -199,6 +279,9 @@ def words(runs: Runs) -> dict[str, str]:
     """Numbers that the text of the page names."""
     # half of the eighth part of what bends between joints of 25 mm
     told = waves(runs) | {"cantilever_half": f"{0.5 * 950 / 8:.0f}"}
+    told["bent_table"] = bent_table(runs)
+    apart = np.abs(limit(runs, 3) / limit(runs) - 1.0)[TOLD[-1] >= ANGLES]
+    told["bent_apart"] = f"{100 * apart.max():.0f} %"
     for scene, (_, meshes) in SCENES.items():
         best = numbers(runs(scene, meshes[-1]))
         told[f"{scene}_finest"] = DESCRIPTIONS[meshes[-1]][0]
@@ -210,7 +293,7 @@ def words(runs: Runs) -> dict[str, str]:
             found = numbers(runs(scene, name))
             told[f"{scene}_{name}_rest"] = f"{100 * (found[2] / best[2] - 1):+.0f} %"
             told[f"{scene}_{name}_back"] = f"{1e3 * (found[1] - found[2]):.1f}"
-        coarse = numbers(runs(scene, meshes[0]))
+        coarse = numbers(runs(scene, meshes[-2]))
         told[f"{scene}_mesh"] = f"{100 * abs(coarse[2] / best[2] - 1):.0f} %"
     return told
 
@@ -224,6 +307,7 @@ def main(folder: Path) -> None:
     runs = Runs(folder)
     page = (PICTURES / "page.txt").read_text("utf-8")
     told = words(runs)
+    draw_bent(runs, plt)
     for scene in SCENES:
         draw(runs, scene, plt)
         picture(runs, scene)

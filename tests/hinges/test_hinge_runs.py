@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 import yaml
 from command import crashsolve
 from small_runs import last, run
@@ -46,6 +47,13 @@ def test_a_restart_goes_on_to_the_same_bits(tmp_path: Path) -> None:
         ends[name] = {channel: last(result, channel) for channel in channels}
     assert ends["whole"]["hinge.rotor.plastic_angle"] > 0.05
     assert ends["twice"] == ends["whole"]
+    # hinges of all types have entries of their own in the table of energies
+    taken = sum(ends["whole"][f"hinge.{name}.energy"] for name in ("rotor", "both"))
+    booked = [
+        last(result, f"glstat.model.energy.hinge_{word}") for word in ("stored", "dissipated")
+    ]
+    assert sum(booked) == pytest.approx(taken, rel=1e-12)
+    assert last(result, "glstat.model.energy.plastic") == 0.0
 
 
 def test_what_fails_flies_on(tmp_path: Path) -> None:

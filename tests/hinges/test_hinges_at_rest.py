@@ -94,6 +94,34 @@ def test_loads_lead_to_the_limit_load_and_no_further(tmp_path: Path) -> None:
     assert none - last < 0.004
 
 
+# as stiff as may be: the arm comes no closer before it flows
+SEGMENTS = """
+materials:
+  lead: {type: elastoplastic, young: 2e13, poisson: 0.3, density: 7850, yield_stress: 3e8}
+sections: {rod: {type: rectangle, width: 0.02, height: 0.02}}
+curves: {rise: {points: [[0, 0], [1, 1]]}}
+parts:
+  bar:
+    type: structure
+    points: [{name: foot, at: [0, 0, 0], joint: 1e-6}, {name: tip, at: [1, 0, 0], joint: 1e-6}]
+    members: [{from: foot, to: tip, divisions: 4}]
+    section: rod
+    material: lead
+    deformation: segments
+joints: {wall: {type: weld, b: bar_foot, at: [0, 0, 0]}}
+loads: {p: {type: force, body: bar_tip, force: [0, 0, 750], curve: rise}}
+"""
+
+
+def test_segments_bear_their_limit_load_and_no_more(tmp_path: Path) -> None:
+    """600 N m at the middle of the first fourth: 600 / (7 / 8) N."""
+    last, none = collapse(engine(tmp_path, SEGMENTS))
+    limit = 600.0 / 0.875 / 750.0
+    # the arm is shorter by the square of its bend, 1e-7; a load step over 2^7 is 0.002
+    assert last <= limit * (1.0 + 1e-6) < none
+    assert none - last < 0.004
+
+
 SKEW = f"""
 curves:
   first: {{points: [[0, 0], [1e-4, 3000], [1, 3000]]}}

@@ -312,7 +312,7 @@ def test_a_load_that_turns_stays_on_the_ellipse(tmp_path: Path) -> None:
         hinge.go(0.05 * a * np.cos(a), 0.05 * a * np.sin(a)) for a in np.linspace(0, 12, 160)
     ]
     # the second curve hardens: its present yield moment is that at the work done
-    work = float(hinge.law.old.work)
+    work = float(hinge.law.old.flow_work)
     flown = np.interp(work, [0, 0.5 * 42 * (0.078), 1e9], [20, 22, 22])
     late = np.array(moments[80:])
     assert (np.hypot(late[:, 0] / 10.0, late[:, 1] / flown) < 1.0 + 1e-6).all()

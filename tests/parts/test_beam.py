@@ -147,7 +147,7 @@ def test_forces_by_motions_are_their_derivatives(tmp_path: Path, text: str, turn
     law.bench.shake(1, 0.0, turn)
     rigid(law, np.array([1.1, -0.7, 0.4]))
     start, still, wanted = law.bench.state(), np.zeros(12), np.zeros((12, 12))
-    found = law.module.forces_by_motions(law.p.reshape(1), law.bench.nodes)[0]
+    found = law.module.forces_by_motions(law.p.reshape(1), None, law.bench.nodes, None)[0]
     for k, way in enumerate(np.eye(12)):
         # of fourth order: steps of 1e-3 leave 1e-12 of fifth derivatives, and round-off 1e-13
         for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):

@@ -50,7 +50,9 @@ class Cantilever:
         K = np.zeros((6 * self.count + 6, 6 * self.count + 6))
         for k, law in enumerate(self.laws):
             at = slice(6 * k, 6 * k + 12)
-            K[at, at] -= self.module.forces_by_motions(law.p.reshape(1), self.bench.nodes)[0]
+            K[at, at] -= self.module.forces_by_motions(
+                law.p.reshape(1), None, self.bench.nodes, None
+            )[0]
         return K[6:, 6:]
 
     def shift(self, way: np.ndarray) -> None:

@@ -144,6 +144,40 @@ def test_large_deflections_converge_with_the_square_of_the_length(tmp_path: Path
         assert orders([abs(e[k]) for e in errors]) == pytest.approx([2.0], abs=0.35)
 
 
+def buckling_load(folder: Path, count: int) -> float:
+    """Of a straight cantilever of segments over that of Euler: K of its turns is singular there."""
+    chain = Chain(folder, count)
+    p, start = chain.springs, chain.nodes.copy()
+
+    def softest(load: float) -> float:
+        chain.nodes[:] = start
+        for i, node in enumerate(chain.order):
+            # every spring before it is shorter by P l / E A
+            chain.nodes[node].r[0] -= (i + 1) * load / p[0].stiffness[0]
+        own = chain.law.forces_by_motions(p, chain.old, chain.nodes, None)
+        K = np.zeros((6 * len(chain.nodes), 6 * len(chain.nodes)))
+        for k, found in enumerate(own):
+            at = np.r_[6 * p[k].node_a : 6 * p[k].node_a + 6, 6 * p[k].node_b : 6 * p[k].node_b + 6]
+            K[np.ix_(at, at)] -= found
+        # the load keeps its direction, and its point is off the mass centre of the last half
+        free = np.concatenate([np.arange(6 * i, 6 * i + 6) for i in chain.order])
+        tip, arm = 6 * chain.order[-1], 1.0 - start[chain.order[-1]].r[0]
+        K[[tip + 4, tip + 5], [tip + 4, tip + 5]] -= load * arm
+        return float(np.linalg.eigvalsh(K[np.ix_(free, free)])[0])
+
+    euler, low, high = np.pi**2 * EI / 4.0, 0.5, 1.5
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if softest(middle * euler) > 0.0 else (low, middle)
+    return low
+
+
+def test_a_column_of_segments_buckles_at_eulers_load_to_second_order(tmp_path: Path) -> None:
+    errors = [abs(buckling_load(tmp_path, count) - 1.0) for count in (2, 4, 8, 16)]
+    assert errors[-1] < 2e-3
+    assert orders(errors) == pytest.approx([2.0] * 3, abs=0.15)
+
+
 def test_a_hinge_forms_in_the_middle_of_the_first_length(tmp_path: Path) -> None:
     """So a cantilever bears M_p / (L - l / 2) at its end, which converges with l."""
     for n in (1, 4, 200):

@@ -18,15 +18,20 @@ class TurnCurve(Card):
     """Moment over angle: a curve of the deck, or the collapse of a section; a name is enough."""
 
     shorthand: ClassVar = "name"
-    curve_axes: ClassVar = {"name": ("rad", "N m")}
+    curve_axes: ClassVar = {"name": ("rad", "N m"), "plastic_curve": ("rad", "N m")}
 
     name: CurveName | None = word("curve that begins at 0", default=None)
     section: SectionName | None = word("section whose bending makes the curve", default=None)
     material: MaterialName | None = word("its material, elastoplastic", default=None)
     about: Literal["y", "z"] = word("axis of the section that it bends about", default="y")
-    model: Literal["plastic", "kecman"] = word(
-        "plastic: constant plastic moment; kecman: collapse of a rectangular tube",
+    model: Literal["plastic", "kecman", "given"] = word(
+        "plastic: constant plastic moment; kecman: collapse of a rectangular tube; given: by "
+        "plastic_curve",
         default="plastic",
+    )
+    plastic_curve: CurveName | None = word(
+        "of model given: moment over plastic angle from 0, as measured less the elastic angle",
+        default=None,
     )
     length: float | None = quantity(
         "m", "of the member whose bending the elastic stiffness stands for", default=None, gt=0
@@ -43,6 +48,10 @@ class TurnCurve(Card):
 
     @model_validator(mode="after")
     def _one_source(self) -> "TurnCurve":
+        if (self.model == "given") != (self.plastic_curve is not None):
+            raise ValueError("model given and plastic_curve belong together")
+        if self.model == "given" and self.until is not None:
+            raise ValueError("until: plastic_curve ends where its last point is")
         return _named_or_made(self)
 
 
@@ -85,7 +94,16 @@ def _named_or_made(card: Any) -> Any:
     return card
 
 
-MAKING = ("section", "material", "about", "model", "length", "until", "flow_stress")
+MAKING = (
+    "section",
+    "material",
+    "about",
+    "model",
+    "length",
+    "until",
+    "flow_stress",
+    "plastic_curve",
+)
 
 
 class RateFactor(Card):

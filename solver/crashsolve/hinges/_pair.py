@@ -32,7 +32,7 @@ from crashsolve.hinges._law import (
 )
 
 PAIR = Record(is_elliptic=("flag", "whether both moments share one ellipse"))
-WORK = Record(work=("J", "W, plastic work at which elliptic curves are read"))
+WORK = Record(flow_work=("J", "W, plastic work at which elliptic curves are read"))
 # of the elastic range in one piece of a step, and most pieces
 PIECE, MOST_PIECES = 0.1, 1000
 PASSES = 100
@@ -43,7 +43,7 @@ def advance_pair(p, old, new, x, y, phi, curves):
     """Both moments, stored energy and loss. Writes: new, but for its common columns."""
     if p.is_elliptic == 1:
         return advance_ellipse(p, old, new, x, y, phi, curves)
-    new.work = old.work
+    new.flow_work = old.flow_work
     first, stored, loss = advance_motion(p, old, new, 0, x, phi, curves)
     second, more, lost = advance_motion(p, old, new, 1, y, phi, curves)
     return first, second, stored + more, loss + lost
@@ -61,7 +61,7 @@ def limits(p, work, phi, curves):
 def advance_ellipse(p, old, new, x, y, phi, curves):
     """The same on one ellipse. Writes: new."""
     k, j = p.stiffness[0], p.stiffness[1]
-    u, v, work = old.plastic[0], old.plastic[1], old.work
+    u, v, work = old.plastic[0], old.plastic[1], old.flow_work
     a, b, _, _ = limits(p, work, phi, curves)
     dx, dy = x - old.x[0], y - old.x[1]
     way = sqrt((k * dx) ** 2 / a + (j * dy) ** 2 / b)
@@ -82,7 +82,7 @@ def advance_ellipse(p, old, new, x, y, phi, curves):
             u, v = u + du, v + dv
             new.flow[0], new.flow[1] = new.flow[0] + abs(du), new.flow[1] + abs(dv)
         before, across = f, g
-    new.x[0], new.x[1], new.plastic[0], new.plastic[1], new.work = x, y, u, v, work
+    new.x[0], new.x[1], new.plastic[0], new.plastic[1], new.flow_work = x, y, u, v, work
     new.flowing[0] = new.flowing[1] = 1 if done > 0.0 else 0
     first, second = k * (x - u), j * (y - v)
     return first, second, 0.5 * (first * (x - u) + second * (y - v)), loss
@@ -155,7 +155,7 @@ def pair_tangent(p, state, x, y, rate, across, phi, slope, curves):
         return (1.0, 0.0, k), (0.0, 1.0, j)
     k, j = p.stiffness[0], p.stiffness[1]
     f, g = k * (x - state.plastic[0]), j * (y - state.plastic[1])
-    work = state.work
+    work = state.flow_work
     done = return_work(p, f, g, work, phi, curves)
     flow = scaled_flow(p, f, g, work, done, phi, curves)[0] if done > 0.0 else 0.0
     a, b, da, db = limits(p, work + done, phi, curves)
@@ -180,7 +180,7 @@ def beyond_pair(p, old, h, x, y, rate, across, phi, curves):
         first = beyond_motion(p, old, h, 0, x, rate, phi, curves)
         return max(first, beyond_motion(p, old, h, 1, y, across, phi, curves))
     k, j = p.stiffness[0], p.stiffness[1]
-    a, b, _, _ = limits(p, old.work, phi, curves)
+    a, b, _, _ = limits(p, old.flow_work, phi, curves)
     elastic = sqrt(a) / k
     f, g = k * (x - old.plastic[0]), j * (y - old.plastic[1])
     if old.flowing[0] == 1:
@@ -193,7 +193,7 @@ def overshoot_pair(p, old, x, y, curves):
     """Share of the step before static yield; above 1 where it is not met."""
     if p.is_elliptic == 0:
         return min(overshoot(p, old, 0, x, curves), overshoot(p, old, 1, y, curves))
-    a, b, _, _ = limits(p, old.work, 1.0, curves)
+    a, b, _, _ = limits(p, old.flow_work, 1.0, curves)
     k, j = p.stiffness[0], p.stiffness[1]
     f, g = k * (old.x[0] - old.plastic[0]), j * (old.x[1] - old.plastic[1])
     df, dg = k * (x - old.x[0]), j * (y - old.x[1])

@@ -52,6 +52,9 @@ def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> A
     """Moment over angle of a section: breakpoints, coefficients, the code of extrapolation."""
     young, stress = material_of(card, field, built, scene)
     module, section, constants = section_of(card, field, scene)
+    if card.model == "given":
+        second = constants["second"][0 if card.about == "y" else 1]
+        return given_curve(card, young * second / card.length, field, built, scene)
     if not hasattr(module, "fibres"):
         raise scene.fail("a section without a shape has no plastic moment; give a curve", field)
     stiffness = young * constants["second"][0 if card.about == "y" else 1] / card.length
@@ -59,6 +62,31 @@ def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> A
         return _collapse.curve(card, section, (young, stress, stiffness), field, scene)
     limit = stress * plastic_modulus(module.fibres(section, GRID), card.about)
     return plastic_curve(limit / stiffness, limit, card.until, field, scene)
+
+
+def given_curve(card: Any, stiffness: float, field: str, built: dict[str, Any], scene: Any) -> Any:
+    """M over theta = x + M / k of points M over x: breakpoints, coefficients, extrapolation."""
+    if card.plastic_curve not in built:
+        raise scene.fail(f"curve '{card.plastic_curve}' cannot be built", field)
+    x, c, beyond = built[card.plastic_curve]
+    if np.any(c[:, 2:]):
+        raise scene.fail("plastic_curve: must be straight between its points", field)
+    if x[0] != 0.0:
+        raise scene.fail(f"plastic_curve: must begin at 0, not at {x[0]:.4g}", field)
+    y = np.append(c[:, 0], c[-1, 0] + c[-1, 1] * (x[-1] - x[-2]))
+    if not y[0] > 0.0:
+        raise scene.fail("plastic_curve: must begin with the moment of first yield", field)
+    angle, moment = np.append(0.0, x + y / stiffness), np.append(0.0, y)
+    if not (np.diff(angle) > 0.0).all():
+        steepest = float(-np.min(np.diff(y) / np.diff(x)))
+        raise scene.fail(
+            f"plastic_curve: falls by {steepest:.4g}, more steeply than the elastic stiffness "
+            f"{stiffness:.4g}: the hinge would snap; give it a smaller length",
+            field,
+        )
+    rows = np.zeros((len(angle) - 1, 4))
+    rows[:, 0], rows[:, 1] = moment[:-1], np.diff(moment) / np.diff(angle)
+    return angle, rows, beyond
 
 
 def axial_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> Any:

@@ -189,7 +189,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     way, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
     stroke = way - p.initial[1]
     keep_old(old, new)
-    new.work = old.work
+    new.flow_work = old.flow_work
     speed = sqrt(along * along + (p.tip * rate) ** 2)
     share = overshoot_pair(p, old, angle, stroke, curves) if p.latched == 1 else 2.0
     phi = factor(p, old, new, speed, share)

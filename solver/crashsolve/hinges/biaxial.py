@@ -216,7 +216,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     if size > FOLDED:
         curves[0].fault, curves[0].x = p.backbone[0], size
     keep_old(old, new)
-    new.work = old.work
+    new.flow_work = old.flow_work
     speed = p.tip * sqrt(rate * rate + across * across)
     share = overshoot_pair(p, old, x, y, curves) if p.latched == 1 else 2.0
     phi = factor(p, old, new, speed, share)

@@ -182,7 +182,7 @@ def _triad(card: Beam, section: dict[str, Any], scene: Any) -> np.ndarray:
     return axes_of(card, along, section, scene)
 
 
-def forces_by_motions(p: Any, nodes: Any) -> np.ndarray:
+def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     return static_tangent.forces_by_motions(p, a["q"], b["q"], b["r"] - a["r"])

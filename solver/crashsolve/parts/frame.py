@@ -150,7 +150,7 @@ def _check(card: Frame, scene: Any) -> None:
         raise scene.fail(f"point {loose[0]} has no bar; take it out or join it", "points")
 
 
-def forces_by_motions(p: Any, nodes: Any) -> np.ndarray:
+def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     q_a, q_b = products(a["q"], p["turn"]), products(b["q"], p["turn"])

@@ -21,9 +21,20 @@ mass, mass centre, inertia and elastic stiffness are those of the members in clo
 descriptions.
 """
 
-from typing import Literal
+from typing import ClassVar, Literal
 
-from crashsolve.deck.card import Card, MaterialName, NewName, SectionName, Vec3, quantity, word
+from pydantic import model_validator
+
+from crashsolve.deck.card import (
+    Card,
+    CurveName,
+    MaterialName,
+    NewName,
+    SectionName,
+    Vec3,
+    quantity,
+    word,
+)
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts.structures.cards import expand
@@ -64,6 +75,8 @@ class Member(Card):
 class Structure(Card):
     """Members between named points: rigid, or deformed by hinges, segments, beams or shells."""
 
+    curve_axes: ClassVar = {"collapse_curve": ("rad", "N m")}
+
     points: tuple[Point, ...] = word("where members meet or end: bodies S_name of structure S")
     members: tuple[Member, ...] = word("what lies between them")
     deformation: Deformation = word("how members deform that say nothing of it")
@@ -87,9 +100,14 @@ class Structure(Card):
         le=100,
     )
     fibres: tuple[int, int] = word("of beams that yield, as in fibre_beam", default=(4, 16))
-    collapse: Literal["plastic", "kecman"] = word(
-        "moment of hinges: constant plastic moment, or that of a rectangular tube that folds",
+    collapse: Literal["plastic", "kecman", "given"] = word(
+        "moment of hinges: constant plastic moment, that of a rectangular tube that folds, or by "
+        "collapse_curve",
         default="plastic",
+    )
+    collapse_curve: CurveName | None = word(
+        "moment over plastic angle of all hinges, about both axes; with collapse: given",
+        default=None,
     )
     hinge_stress: float | None = quantity(
         "Pa",
@@ -102,3 +120,9 @@ class Structure(Card):
     )
     velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+
+    @model_validator(mode="after")
+    def _curve_of_collapse(self) -> "Structure":
+        if (self.collapse == "given") != (self.collapse_curve is not None):
+            raise ValueError("collapse: given and collapse_curve belong together")
+        return self

@@ -24,13 +24,11 @@ approach, Computers and Structures 6, 475-480. Powell and Chen (1986), ASCE J. E
 627-641 (the ellipse). Simo and Hughes (1998), Computational Inelasticity, 3 (return to it).
 """
 
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
-from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
@@ -68,15 +66,23 @@ from crashsolve.parts.beams.fibres import squares
 from crashsolve.sections._plastic import GRID, plastic_modulus
 from crashsolve.springs._between import POINTS
 from crashsolve.springs._card import PointSpringCard
+from crashsolve.springs._segment_statics import forces_by_motions, predict, share_to_yield
+from crashsolve.springs._segment_yield import (
+    FLOWS,
+    NO_STEP,
+    factor_of,
+    growth,
+    resisting,
+    softened,
+)
+
+__all__ = ["forces_by_motions", "predict", "share_to_yield"]
 
 STEPWISE = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 TANGENTS = 6
 # a side that is closer than this to the axis has no direction across it
 ALONG = 1e-6
-PASSES = 50
-# of the yield stress: some units of round-off
-CLOSE = 1e-14
 
 
 class Segment(PointSpringCard):
@@ -105,6 +111,7 @@ PARAMETERS = POINTS + Record(
     curve=("index", "Y over e; 0 for none"),
     rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
     rate_q=("1", "q of Cowper and Symonds"),
+    at_rest=("flag", "NO_STEP, FLOWS or FROZEN, in load steps"),
 )
 HISTORY = Record(
     plastic=("any", 3, "u_p along the beam, theta_p about y and z"),
@@ -150,6 +157,7 @@ def build(card: Segment, scene: Any) -> dict[str, Any]:
         "curve": material.get("curve", 0),
         "rate_D": material.get("rate_D", 0.0),
         "rate_q": material.get("rate_q", 1.0),
+        "at_rest": FLOWS if scene.deck.control.solution == "quasi_static" else NO_STEP,
     }
 
 
@@ -233,86 +241,6 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot):
-    """N, M_y, M_z, the energy they store and what is lost in the step. Writes: new."""
-    k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
-    q = (u[0], theta[1], theta[2])
-    trial = (
-        k[0] * (q[0] - old.plastic[0]),
-        k[1] * (q[1] - old.plastic[1]),
-        k[2] * (q[2] - old.plastic[2]),
-    )
-    flow, share = 0.0, 0.0
-    if p.yields == 1 and h > 0.0:
-        factor = factor_of(p, (u_dot[0], theta_dot[1], theta_dot[2]))
-        flow, share = growth(p, k, trial, old.strain, factor, curves)
-    new.strain = old.strain + flow / p.volume
-    held = scaled_back(p, k, trial, share)
-    stored, lost = 0.0, 0.0
-    for i in range(3):
-        new.plastic[i] = old.plastic[i] + (trial[i] - held[i]) / k[i]
-        stored += 0.5 * held[i] * held[i] / k[i]
-        # bodies feel the mean of the forces before and after the step
-        lost += 0.5 * (old.held[i] + held[i]) * (trial[i] - held[i]) / k[i]
-        new.held[i] = held[i]
-    return held, stored, lost
-
-
-@kernel
-def scaled_back(p, k, trial, share):
-    """Trial forces returned to the ellipse: F = trial / (1 + share k / Z^2)."""
-    return (
-        trial[0] / (1.0 + share * k[0] / p.moduli[0] ** 2),
-        trial[1] / (1.0 + share * k[1] / p.moduli[1] ** 2),
-        trial[2] / (1.0 + share * k[2] / p.moduli[2] ** 2),
-    )
-
-
-@kernel
-def growth(p, k, trial, strain, factor, curves):
-    """Plastic work over stress in a step [m^3], and the same over stress; 0 within the ellipse.
-
-    Newton's method on 1 / |F / Z| over Y, which is concave in the flow, and linear for one force.
-    """
-    flow, share = 0.0, 0.0
-    for _ in range(PASSES):
-        stress, slope = flow_stress(p, strain + flow / p.volume, curves)
-        stress, slope = factor * stress, factor * slope / p.volume
-        size, steep = 0.0, 0.0
-        for i in range(3):
-            s, c = trial[i] / p.moduli[i], k[i] / p.moduli[i] ** 2
-            x = stress + flow * c
-            size += (s / x) ** 2
-            steep += s * s * (slope + c) / x**3
-        share = flow / stress
-        if size <= 1.0 + CLOSE or not steep > 0.0:
-            break
-        size = sqrt(size)
-        flow += (1.0 - 1.0 / size) * size**3 / steep
-    return flow, share
-
-
-@kernel
-def flow_stress(p, strain, curves):
-    """Yield stress Y at no rate, and its slope."""
-    if p.curve > 0:
-        flow, slope, _ = curve_value(curves, p.curve, strain)
-        return flow, slope
-    return p.yield_stress + p.hardening * strain, p.hardening
-
-
-@kernel
-def factor_of(p, rate):
-    """By which the yield stress is higher at these rates of stretch and turns."""
-    if p.rate_D == 0.0:
-        return 1.0
-    A, per = p.moduli[0], 1.0 / p.length
-    bend_y, bend_z = p.moduli[1] / A * rate[1], p.moduli[2] / A * rate[2]
-    strained = per * sqrt(rate[0] * rate[0] + bend_y * bend_y + bend_z * bend_z)
-    return 1.0 + (strained / p.rate_D) ** (1.0 / p.rate_q)
-
-
-@kernel
 def act(p, nodes, R, v, w, d_a, d_b, u, f, m):
     """The force f and the moments m, which belong to u and theta, on both bodies. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
@@ -368,35 +296,6 @@ def tangent(p, state, nodes, curves, rows, first):
         mix(rows, first, 1.0, mixed[0], mixed[1], rows[first], weight[0])
         mix(rows, first, 0.0, 1.0, mixed[2], rows[first + 4], weight[1])
         rows[first + 5].stiffness, rows[first + 5].damping = weight[2], 0.0
-
-
-@kernel
-def softened(p, k, trial, flow, share, strain, factor, curves):
-    """Derivatives of N, M_y, M_z by stretch and turns while they flow (upper half, 6).
-
-    dF = (diag(k s) - b b^T / B) dq,   s = 1 / (1 + share k / Z^2),   b = F s k / Z^2,
-    B = sum F b / Z^2 + Y^2 Y' / (1 - Y' share), Y' per flow.
-    """
-    stress, slope = flow_stress(p, strain + flow / p.volume, curves)
-    stress, slope = factor * stress, factor * slope / p.volume
-    held = scaled_back(p, k, trial, share)
-    s_0 = k[0] / (1.0 + share * k[0] / p.moduli[0] ** 2)
-    s_1 = k[1] / (1.0 + share * k[1] / p.moduli[1] ** 2)
-    s_2 = k[2] / (1.0 + share * k[2] / p.moduli[2] ** 2)
-    b_0 = held[0] * s_0 / p.moduli[0] ** 2
-    b_1 = held[1] * s_1 / p.moduli[1] ** 2
-    b_2 = held[2] * s_2 / p.moduli[2] ** 2
-    B = stress * stress * slope / (1.0 - slope * share)
-    B += held[0] * b_0 / p.moduli[0] ** 2
-    B += held[1] * b_1 / p.moduli[1] ** 2 + held[2] * b_2 / p.moduli[2] ** 2
-    return (
-        s_0 - b_0 * b_0 / B,
-        -b_0 * b_1 / B,
-        -b_0 * b_2 / B,
-        s_1 - b_1 * b_1 / B,
-        -b_1 * b_2 / B,
-        s_2 - b_2 * b_2 / B,
-    )
 
 
 @kernel

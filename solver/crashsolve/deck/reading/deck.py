@@ -186,7 +186,9 @@ class _Reader:
                 continue
             names = list(_names(entry.card))
             self.check_names(item, names)
-            is_known = all(name in laws[name.keyword] for _, name in names)
+            # curves are asked for by the cards that are made
+            own = [name for _, name in names if name.keyword in laws]
+            is_known = all(name in laws[name.keyword] for name in own)
             self.written_out.append(entry)
             if not is_known or not expand(entry, laws, control, self.items, self.refuse):
                 self.unwritten.add(item.name)

@@ -18,6 +18,11 @@ def goes_by_steps(groups: list[Any]) -> bool:
     return any(g.keyword == "parts" and getattr(g.module, "STEPWISE", False) for g in groups)
 
 
+def follows_load_steps(group: Any) -> bool:
+    """Whether load steps, which have no length, take these path-dependent laws along their path."""
+    return "at_rest" in (group.parameters.dtype.names or ())
+
+
 def refuse_motion(deck: Any, groups: list[Any]) -> None:
     """Raises DeckErrors for the cards whose laws need the course of time."""
     if deck.control.solution != "quasi_static":
@@ -42,7 +47,7 @@ def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"
             yield entry, f"{message}, but joints"
     for g in groups:
-        remembers = set(g.history.dtype.names or ()) - KEPT
+        remembers = set(g.history.dtype.names or ()) - KEPT and not follows_load_steps(g)
         if hasattr(g.module, "force") and remembers and g.keyword not in WITHOUT_MEMORY:
             keyword = deck.entries[g.keyword]
             for entry in (e for e in keyword.values() if e.type == g.type):

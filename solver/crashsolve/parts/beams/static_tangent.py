@@ -29,29 +29,48 @@ def forces_by_motions(p: Any, q_a: np.ndarray, q_b: np.ndarray, way: np.ndarray)
     q_a and q_b (n, 4) are the orientations of the ends in the element's axes, way (n, 3) from a to
     b, world axes; of a the first six of rows and columns.
     """
-    R, theta = _halfway(q_a, q_b)
-    y = np.einsum("nji,nj->ni", R, way)
+    R, y, theta = strains(q_a, q_b, way)
     slopes, bent, e = _stretch(p, y, theta)
     axial, shear = p["stiffness"][:, 0], p["stiffness"] * [0.0, 1.0, 1.0]
     N = axial * e
     f = N[:, None] * slopes[:, :3] + shear * y
     m = N[:, None] * slopes[:, 3:] + p["turning_stiffness"] * theta
-    T, dT, g, dg = _turning(theta, m)
-    c = 0.5 * np.cross(f, y)
-    moment = np.einsum("nij,nj->ni", T, m) + 2.0 * np.cross(g, c)
-    to, none = R.transpose(0, 2, 1), np.zeros_like(R)
-    dr, s = np.concatenate([-to, none, to, none], 2), np.concatenate([none, -to, none, to], 2)
-    omega = np.concatenate([none, 0.5 * to, none, 0.5 * to], 2) - _skew(g) @ s
-    dy, d_theta = dr + _skew(y) @ omega, T @ s
     # of the strains y and theta: those of the stretch, and what resists them by itself
     own = np.hstack([shear, p["turning_stiffness"]])[:, :, None] * np.eye(6)
     own += N[:, None, None] * bent + axial[:, None, None] * slopes[:, :, None] * slopes[:, None]
+    return by_motions(R, y, theta, f, m, own)
+
+
+def strains(
+    q_a: np.ndarray, q_b: np.ndarray, way: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """R (n, 3, 3), y and theta (n, 3) of elements whose ends are oriented and apart like this."""
+    R, theta = _halfway(q_a, q_b)
+    return R, np.einsum("nji,nj->ni", R, way), theta
+
+
+def by_motions(
+    R: np.ndarray,
+    y: np.ndarray,
+    theta: np.ndarray,
+    f: np.ndarray,
+    m: np.ndarray,
+    own: np.ndarray,
+) -> np.ndarray:
+    """Derivatives (n, 12, 12) of what f and m (n, 3) do on both ends.
+
+    `own` (n, 6, 6) are those of f and m by y and theta.
+    """
+    T, dT, g, dg = _turning(theta, m)
+    omega, dy, d_theta = _changes(R, y, T, g)
+    c = 0.5 * np.cross(f, y)
+    moment = np.einsum("nij,nj->ni", T, m) + 2.0 * np.cross(g, c)
     df, dm = np.split(own @ np.concatenate([dy, d_theta], 1), 2, axis=1)
-    dc = 0.5 * (_skew(f) @ dy - _skew(y) @ df)
-    dm = T @ dm + dT @ d_theta + 2.0 * (_skew(g) @ dc - _skew(c) @ dg @ d_theta)
-    force = R @ (df - _skew(f) @ omega)
-    on_a = R @ (dm - dc - _skew(moment - c) @ omega)
-    on_b = -R @ (dm + dc - _skew(moment + c) @ omega)
+    dc = 0.5 * (skew(f) @ dy - skew(y) @ df)
+    dm = T @ dm + dT @ d_theta + 2.0 * (skew(g) @ dc - skew(c) @ dg @ d_theta)
+    force = R @ (df - skew(f) @ omega)
+    on_a = R @ (dm - dc - skew(moment - c) @ omega)
+    on_b = -R @ (dm + dc - skew(moment + c) @ omega)
     return np.concatenate([force, on_a, -force, on_b], axis=1)
 
 
@@ -72,7 +91,23 @@ def _stretch(p: Any, y: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, ...]
     return slopes, both, (d * (by_turns + half))[:, 0] - p["length"]
 
 
-def _skew(v: np.ndarray) -> np.ndarray:
+def slopes_of_strains(R: np.ndarray, y: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Derivatives (n, 6, 12) of y and theta by the motions of both ends."""
+    T, _, g, _ = _turning(theta, theta)
+    return np.concatenate(_changes(R, y, T, g)[1:], 1)
+
+
+def _changes(
+    R: np.ndarray, y: np.ndarray, T: np.ndarray, g: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """omega, dy and dtheta (n, 3, 12) of each motion of both ends."""
+    to, none = R.transpose(0, 2, 1), np.zeros_like(R)
+    dr, s = np.concatenate([-to, none, to, none], 2), np.concatenate([none, -to, none, to], 2)
+    omega = np.concatenate([none, 0.5 * to, none, 0.5 * to], 2) - skew(g) @ s
+    return omega, dr + skew(y) @ omega, T @ s
+
+
+def skew(v: np.ndarray) -> np.ndarray:
     """Matrices (n, 3, 3) of the cross product with v (n, 3)."""
     x, y, z = v.T
     none = np.zeros_like(x)

@@ -122,10 +122,12 @@ def hinge(
 
 def curve(member: Member, whole: Plan, material: str, about: str, length: float) -> dict[str, Any]:
     """Moment over angle of a hinge about an axis of the section."""
-    return {
+    made = {
         "section": member.section.name,
         "material": material,
         "about": about,
         "model": whole.card.collapse,
         "length": length,
     }
+    given = whole.card.collapse_curve
+    return made if given is None else made | {"plastic_curve": given}

@@ -21,6 +21,7 @@ from crashsolve.model import ledger as energy
 from crashsolve.model.model import Model, State
 from crashsolve.system.engine import Engine
 from crashsolve.system.static.balance import Forces, Work
+from crashsolve.system.static.flowing import Flowing
 from crashsolve.system.static.loading import Loading
 from crashsolve.system.static.motions import move, nudge, turns
 from crashsolve.system.static.problem import Problem, first_way_out
@@ -64,6 +65,7 @@ class StaticEngine(Engine):
             [i for i in range(1, len(state.nodes)) if i not in attached_nodes], int
         )
         self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]
+        self.flowing = Flowing(self.beams)
         self.differs = self._held_otherwise(attached_nodes)
         self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
         self.notes: list[str] = []
@@ -201,6 +203,8 @@ class StaticEngine(Engine):
         start = self.state.nodes.copy()
         if self.yielding.groups:
             time = self.yielding.foretold(self, time)
+        if self.flowing.groups:
+            time = self.flowing.foretold(self, time)
         passes = self.finds(time)
         if passes and self.yielding.groups:
             time, passes = self.yielding.first(self, start, time, passes)
@@ -211,16 +215,15 @@ class StaticEngine(Engine):
 
     def finds(self, time: float) -> int:
         """Passes of Newton's method to the equilibrium at a time; 0 where it leads to none."""
-        nodes, start = self.state.nodes, self.state.nodes.copy()
-        previous = np.inf
+        start, previous = self.state.nodes.copy(), np.inf
         for passes in range(PASSES):
             way = self.correction(time, self.known if passes == 0 else None)
             if passes == 0:
                 self.forces.meet(self._imbalance(time)[0], self)
             worst = self._size(way)
-            if not np.isfinite(worst):
+            if not np.isfinite(worst) or self.flowing.is_lost(self.cut(way)):
                 break
-            self.shift(nodes, way * self.cut(way))
+            self.flowing.take(self, time, way * self.cut(way))
             share = min(worst / previous, 1.0) if passes else 1.0
             stays = worst >= 0.5 * previous
             is_still = worst * share <= self.tolerance * self._whole_way(start) + NOWHERE
@@ -237,12 +240,12 @@ class StaticEngine(Engine):
     def _accept(self, passes: int) -> None:
         """What joints remember of the way, and what the run counts."""
         clock = self.clock
-        for g in self.model.joint_groups():
+        for g in (*self.model.joint_groups(), *self.flowing.groups):
             g.history[:] = g.history[1 - int(clock.current)]
         clock.cycle += 1
         clock.iterations += passes
         # where a hinge has just begun to yield, a tangent there cannot know which way it goes on
-        self.known = self.tangent if self.yielding.groups else None
+        self.known = self.tangent if self.yielding.groups or self.flowing.groups else None
 
     def _is_closed(self, phi: np.ndarray) -> bool:
         """Whether the joints are. Writes: clock.residual."""
@@ -374,7 +377,9 @@ class StaticEngine(Engine):
         place[self.free] = np.arange(n)
         for g in self.beams:
             p = g.parameters
-            found = g.module.forces_by_motions(p, nodes).reshape(-1, 2, 6, 2, 6)
+            state = self.flowing.state(g, int(self.clock.current))
+            curves = self.yielding.curves()
+            found = g.module.forces_by_motions(p, state, nodes, curves).reshape(-1, 2, 6, 2, 6)
             ends = place[p["node_a"]], place[p["node_b"]]
             for i, j in np.ndindex(2, 2):
                 np.add.at(columns, (ends[i], ends[j]), found[:, i, :, j])

@@ -81,7 +81,7 @@ class Yielding:
             if state.fails:
                 continue
             rows = [plain(row) for row in np.zeros(g.module.TANGENTS, COMPLIANT.dtype)]
-            g.module.tangent(p, state, here, self._curves(), rows, 0)
+            g.module.tangent(p, state, here, self.curves(), rows, 0)
             for row in rows:
                 d = np.array(row.D).reshape(2, 6)
                 for (i, a), (j, b) in product(enumerate((p.node_a, p.node_b)), repeat=2):
@@ -180,7 +180,7 @@ class Yielding:
         """How far each hinge has left the piece on which the load step began [rad or m]."""
         return np.array(
             [
-                g.module.beyond(p, state, 0.0, here, self._curves())
+                g.module.beyond(p, state, 0.0, here, self.curves())
                 for g, p, state, here in self._each(current, nodes, self.groups)
             ]
         )
@@ -196,7 +196,7 @@ class Yielding:
                 state.fails = bool(after["failed"])
                 yield g, p, state, {i: plain(nodes[i]) for i in (p.node_a, p.node_b)}
 
-    def _curves(self) -> list[SimpleNamespace]:
+    def curves(self) -> list[SimpleNamespace]:
         """Points of all curves; trials past the end of one leave no fault in the model."""
         if not self.points:
             self.points = [plain(point) for point in self.model.curves]

@@ -1,0 +1,132 @@
+"""Yield of a finite segment: tension and both bending moments on one ellipse.
+
+    (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
+
+The return to it is one step of backward Euler; what is lost in a step is the mean of the forces
+over the plastic way, as bodies feel the mean of the forces before and after it.
+
+References: Powell and Chen (1986), ASCE J. Eng. Mech. 112, 627-641; Simo and Hughes (1998),
+Computational Inelasticity, 3.
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.kernels import kernel
+
+PASSES = 50
+# of the yield stress: some units of round-off
+CLOSE = 1e-14
+# what load steps do, which have no length: nothing, as in runs in time; flow; keep what has flowed
+NO_STEP, FLOWS, FROZEN = 0, 1, 2
+
+
+@kernel
+def resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot):
+    """N, M_y, M_z, the energy they store and what is lost in the step. Writes: new."""
+    k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
+    q = (u[0], theta[1], theta[2])
+    for i in range(3):
+        new.plastic[i] = new.plastic[i] if p.at_rest == FROZEN else old.plastic[i]
+    trial = (
+        k[0] * (q[0] - new.plastic[0]),
+        k[1] * (q[1] - new.plastic[1]),
+        k[2] * (q[2] - new.plastic[2]),
+    )
+    flow, share = 0.0, 0.0
+    if p.yields == 1 and (h > 0.0 or p.at_rest == FLOWS):
+        factor = factor_of(p, (u_dot[0], theta_dot[1], theta_dot[2]))
+        flow, share = growth(p, k, trial, old.strain, factor, curves)
+    new.strain = old.strain + flow / p.volume
+    held = scaled_back(p, k, trial, share)
+    stored, lost = 0.0, 0.0
+    for i in range(3):
+        new.plastic[i] += (trial[i] - held[i]) / k[i]
+        stored += 0.5 * held[i] * held[i] / k[i]
+        # bodies feel the mean of the forces before and after the step
+        lost += 0.5 * (old.held[i] + held[i]) * (trial[i] - held[i]) / k[i]
+        new.held[i] = held[i]
+    return held, stored, lost
+
+
+@kernel
+def scaled_back(p, k, trial, share):
+    """Trial forces returned to the ellipse: F = trial / (1 + share k / Z^2)."""
+    return (
+        trial[0] / (1.0 + share * k[0] / p.moduli[0] ** 2),
+        trial[1] / (1.0 + share * k[1] / p.moduli[1] ** 2),
+        trial[2] / (1.0 + share * k[2] / p.moduli[2] ** 2),
+    )
+
+
+@kernel
+def growth(p, k, trial, strain, factor, curves):
+    """Plastic work over stress in a step [m^3], and the same over stress; 0 within the ellipse.
+
+    Newton's method on 1 / |F / Z| over Y, which is concave in the flow, and linear for one force.
+    """
+    flow, share = 0.0, 0.0
+    for _ in range(PASSES):
+        stress, slope = flow_stress(p, strain + flow / p.volume, curves)
+        stress, slope = factor * stress, factor * slope / p.volume
+        size, steep = 0.0, 0.0
+        for i in range(3):
+            s, c = trial[i] / p.moduli[i], k[i] / p.moduli[i] ** 2
+            x = stress + flow * c
+            size += (s / x) ** 2
+            steep += s * s * (slope + c) / x**3
+        share = flow / stress
+        if size <= 1.0 + CLOSE or not steep > 0.0:
+            break
+        size = sqrt(size)
+        flow += (1.0 - 1.0 / size) * size**3 / steep
+    return flow, share
+
+
+@kernel
+def flow_stress(p, strain, curves):
+    """Yield stress Y at no rate, and its slope."""
+    if p.curve > 0:
+        flow, slope, _ = curve_value(curves, p.curve, strain)
+        return flow, slope
+    return p.yield_stress + p.hardening * strain, p.hardening
+
+
+@kernel
+def factor_of(p, rate):
+    """By which the yield stress is higher at these rates of stretch and turns."""
+    if p.rate_D == 0.0:
+        return 1.0
+    A, per = p.moduli[0], 1.0 / p.length
+    bend_y, bend_z = p.moduli[1] / A * rate[1], p.moduli[2] / A * rate[2]
+    strained = per * sqrt(rate[0] * rate[0] + bend_y * bend_y + bend_z * bend_z)
+    return 1.0 + (strained / p.rate_D) ** (1.0 / p.rate_q)
+
+
+@kernel
+def softened(p, k, trial, flow, share, strain, factor, curves):
+    """Derivatives of N, M_y, M_z by stretch and turns while they flow (upper half, 6).
+
+    dF = (diag(k s) - b b^T / B) dq,   s = 1 / (1 + share k / Z^2),   b = F s k / Z^2,
+    B = sum F b / Z^2 + Y^2 Y' / (1 - Y' share), Y' per flow.
+    """
+    stress, slope = flow_stress(p, strain + flow / p.volume, curves)
+    stress, slope = factor * stress, factor * slope / p.volume
+    held = scaled_back(p, k, trial, share)
+    s_0 = k[0] / (1.0 + share * k[0] / p.moduli[0] ** 2)
+    s_1 = k[1] / (1.0 + share * k[1] / p.moduli[1] ** 2)
+    s_2 = k[2] / (1.0 + share * k[2] / p.moduli[2] ** 2)
+    b_0 = held[0] * s_0 / p.moduli[0] ** 2
+    b_1 = held[1] * s_1 / p.moduli[1] ** 2
+    b_2 = held[2] * s_2 / p.moduli[2] ** 2
+    B = stress * stress * slope / (1.0 - slope * share)
+    B += held[0] * b_0 / p.moduli[0] ** 2
+    B += held[1] * b_1 / p.moduli[1] ** 2 + held[2] * b_2 / p.moduli[2] ** 2
+    return (
+        s_0 - b_0 * b_0 / B,
+        -b_0 * b_1 / B,
+        -b_0 * b_2 / B,
+        s_1 - b_1 * b_1 / B,
+        -b_1 * b_2 / B,
+        s_2 - b_2 * b_2 / B,
+    )
