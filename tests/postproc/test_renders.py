@@ -11,7 +11,8 @@ from conftest import Command
 
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
-from crashpost.renders.drawing import Look, Scene, rotated
+from crashpost.renders.beams import rotated
+from crashpost.renders.drawing import Look, Scene
 from crashpost.renders.shades import Shades
 from crashpost.renders.sheet import Key
 from crashpost.renders.studio import clock

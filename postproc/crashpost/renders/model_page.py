@@ -13,8 +13,9 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.renders.camera import Camera
-from crashpost.renders.drawing import ARROW, LINE, Drawing, Look, Scene, Surface
+from crashpost.renders.drawing import Look, Scene
 from crashpost.renders.shades import Shades
+from crashpost.renders.shapes import ARROW, Drawing, Surface
 from crashpost.renders.studio import Task, _camera, clock
 from crashpost.results.result import Result
 from crashpost.results.states import States
@@ -194,10 +195,10 @@ def _put(
     for number, lines in enumerate(first.lines):
         ends = {key: drawing.lines[number].ends for key, drawing in frames.items()}
         shown += _segments(k3d, ends, lines.colour, 0.5 * width * lines.width)
-    if len(first.dots):
-        places = {key: drawing.dots.astype(np.float32) for key, drawing in frames.items()}
-        dots = k3d.points(places, point_size=6.0 * width, shader="mesh", color=_code(LINE))
-        shown += dots
+    for number, dots in enumerate(first.dots):
+        places = {key: one.dots[number].points.astype(np.float32) for key, one in frames.items()}
+        size = 2.0 * seen.dot
+        shown += k3d.points(places, point_size=size, shader="mesh", color=_code(dots.colour))
     if arrow:
         shown += _segments(k3d, _arrow_ends(frames, arrow), ARROW, 2.0 * width)
 

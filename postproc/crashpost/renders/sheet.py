@@ -21,8 +21,8 @@ from crashpost.errors import PostError
 from crashpost.figures.draw import tick
 from crashpost.figures.style import INK, MATPLOTLIB, MUTED
 from crashpost.renders.camera import Camera, round_length
-from crashpost.renders.drawing import ARROW
 from crashpost.renders.shades import Shades
+from crashpost.renders.shapes import ARROW
 from crashsolve.channels.display import factor, readable
 
 # inches
@@ -215,7 +215,7 @@ def _panel(
     most = max(int(w * 17), 10)
     shown = why if len(why) <= most else why[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
     figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
-    raised = low + (0.14 / height if is_tall else 0.0)
+    raised = low + (0.14 / height if is_tall and why else 0.0)
     figure.text(left / width, raised, time, fontsize=8.5, va="bottom")
 
 

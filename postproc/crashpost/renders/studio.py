@@ -18,15 +18,19 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
-from crashpost.renders.drawing import ARROW_LENGTH, Drawing, Look, Scene, arrows_of
+from crashpost.renders.arrows import arrows_of, unit_length
+from crashpost.renders.drawing import Look, Scene
 from crashpost.renders.shades import Shades
+from crashpost.renders.shapes import Drawing
 from crashpost.results.states import States
 from crashsolve.channels.display import factor, readable
 
 PACKAGES = "libgl1 libegl1 libgl1-mesa-dri libxrender1 libxext6"
 INSTALL = "pip install 'crashsolve[render]'"
 # of pictures in a strip
-NARROW, WIDEST = 0.45, 7.0
+NARROW, WIDEST = 0.45, 14.0
+# of arrows, share of their length that lies along the line of sight, above which they are dots
+HEAD_ON = 0.8
 # arrows of less, in N or m/s, are round-off
 NOTHING = 1e-9
 
@@ -151,17 +155,29 @@ def _camera(
     points = np.concatenate(near)
     points = np.concatenate([points, scene.footprints(points)])
     scene.reach = np.concatenate([points + moved for moved in shift]) if task.follow else points
-    first = cameras.camera(task.view, scene.states.up, points.min(axis=0), points.max(axis=0))
+    found = [arrows for number in numbers for arrows in scene.at(number).arrows]
+    vectors = np.concatenate([np.empty((0, 3)), *(v for _, v in found)])
+    if not len(vectors) or np.linalg.norm(vectors, axis=1).max() <= NOTHING:
+        vectors = np.empty((0, 3))
+    low, high = points.min(axis=0), points.max(axis=0)
+    first = cameras.camera(task.view, scene.states.up, low, high)
+    if task.view == "auto" and _point_at_the_eye(vectors, first):
+        first = cameras.camera("iso", scene.states.up, low, high)
     seen = cameras.fitted(first, points, *limits)
-    largest = _largest(scene, numbers)
-    if not largest:
+    if not len(vectors):
         return seen, 0.0
-    arrow = ARROW_LENGTH * 2.0 * min(seen.half_height, seen.half_height * seen.aspect) / largest
+    arrow = unit_length(vectors, seen)
     tips = []
     for number, moved in zip(numbers, shift, strict=True):
-        for starts, vectors in scene.at(number).arrows:
-            tips.append(starts + arrow * vectors - moved)
+        for starts, own in scene.at(number).arrows:
+            tips.append(starts + arrow * own - moved)
     return cameras.fitted(first, np.concatenate([points, *tips]), *limits), arrow
+
+
+def _point_at_the_eye(vectors: np.ndarray, seen: cameras.Camera) -> bool:
+    """Whether arrows would look like dots."""
+    sizes = np.linalg.norm(vectors, axis=1)
+    return bool(np.abs(vectors @ seen.towards).sum() > HEAD_ON * sizes.sum())
 
 
 def _largest(scene: Scene, numbers: Sequence[float]) -> float:
