@@ -79,7 +79,7 @@ class Scene:
             else:
                 self._skin(drawing, number, name, points)
         if self.look.arrows and not is_ghost:
-            drawing.arrows.append(self._forces(number))
+            drawing.arrows.append(self.forces(number))
         return drawing
 
     def ghost(self) -> Drawing:
@@ -201,11 +201,6 @@ class Scene:
                 low, high = min(low, values.min()), max(high, values.max())
         return float(low), float(high)
 
-    def largest_arrow(self, number: float) -> float:
-        """Of the arrows at a state."""
-        _, vectors = self._forces(number)
-        return float(np.linalg.norm(vectors, axis=1).max(initial=0.0))
-
     @property
     def arrow_unit(self) -> str:
         """Unit of the arrows."""
@@ -270,7 +265,7 @@ class Scene:
             raise unknown("arrows", word, known)
         return met
 
-    def _forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
+    def forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
         """Where arrows start, and what they show."""
         empty = np.empty((0, 3))
         if self.look.arrows == "velocity":

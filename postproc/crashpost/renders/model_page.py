@@ -16,7 +16,7 @@ from crashpost.renders.camera import Camera
 from crashpost.renders.drawing import Look, Scene
 from crashpost.renders.shades import Shades
 from crashpost.renders.shapes import ARROW, Drawing, Surface
-from crashpost.renders.studio import Task, _camera, clock
+from crashpost.renders.studio import Task, View, clock
 from crashpost.results.result import Result
 from crashpost.results.states import States
 
@@ -115,7 +115,8 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
     scene = Scene(states, Look(task.show, task.color, task.arrows, ghost=False))
     numbers = _thinned(scene, len(states.times))
     no_shift = [np.zeros(3)] * len(numbers)
-    seen, arrow = _camera(scene, task, [float(n) for n in numbers], no_shift, (1.6, 1.6))
+    view = View(scene, task, [float(n) for n in numbers], no_shift)
+    seen, arrow = view.camera((1.6, 1.6))
     shades = _shades(scene, numbers)
     first, last = float(states.times[numbers[0]]), float(states.times[numbers[-1]])
     # k3d plays seconds: a run of milliseconds is slowed, one of minutes quickened

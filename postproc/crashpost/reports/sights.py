@@ -19,8 +19,8 @@ from crashpost.results.states import States
 CHOICES = ("all", "strips", "none")
 WORDS = ("view", "color", "arrows", "follow")
 FIELDS = ("title", "at", "show", *WORDS)
-# of the film [pixels]; nobody waits for a film of the size of a cinema in a page
-SIZE = (720, 406)
+# of the film [pixels], its height as the scene asks; nobody waits for a cinema's size in a page
+SIZE = (720, 0)
 # the run in 3-D is left out where even two states would take this much [numbers]
 MOST_POINTS = 1_000_000
 
