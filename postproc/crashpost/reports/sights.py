@@ -88,8 +88,8 @@ def _strongest(result: Result) -> str:
     largest = {}
     for family in (f for f in result.families.values() if f.word == "rcforc"):
         for column in (c for c in family.columns if c.name == "normal"):
-            peaks = result.block(family, column).max(axis=0, initial=0.0)
-            for entity, peak in zip(family.ids, peaks, strict=True):
+            peaks = result.extremes(family, column).greatest if len(result.time) else ()
+            for entity, peak in zip(family.ids, peaks, strict=bool(len(peaks))):
                 largest[f"rcforc.'{entity}'.normal"] = (float(peak), entity)
     name = max(largest, key=lambda n: largest[n][0], default="")
     return f"rcforc.{largest[name][1]}.normal" if name and largest[name][0] > 0 else ""
