@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NODE = Path(__file__).parent / "one_node_slurm.sh"
 WAGON = ROOT / "decks" / "queue" / "wagon.yaml"
 CRASHSOLVE = f"{sys.executable} -m crashsolve"
-# [s] of a run at the pace of this machine now: its job is told to stop half a minute before
+# [s] of CPU that a run takes: its job is told to stop after half of it, or sooner where others run
 LASTS = 60.0
 
 pytestmark = [pytest.mark.queue, pytest.mark.xdist_group("slurm")]
@@ -69,14 +69,14 @@ def wait_for_end(job: str, seconds: float = 1500.0) -> None:
 
 
 def long_step(folder: Path) -> str:
-    """The step with which the wagon takes LASTS seconds, beside what else this machine does."""
+    """The step with which the steps of the wagon take LASTS seconds of CPU."""
     words = (WAGON, "-o", folder / "pace", "--set", "control.step=2e-7")
     words += ("--set", "control.estimate=off")
     # the first compiles
     assert crashsolve(*words).returncode == 0
     assert crashsolve(*words).returncode == 0
     status = json.loads((folder / "pace" / "status.json").read_text("utf-8"))
-    return f"{2e-7 * status['wall'] / LASTS:.3g}"
+    return f"{2e-7 * status['cpu_steps'] / LASTS:.3g}"
 
 
 def deck_of(folder: Path, step: str) -> Path:

@@ -61,6 +61,34 @@ def test_pairs_that_come_and_go_are_drawn_in_a_block_of_one_size(
     assert touching > 5
 
 
+def test_forces_on_nodes_of_shells_are_drawn_where_they_act(tmp_path: Path) -> None:
+    """Nodes on faces, a ball on faces, nodes on a shape, all with friction."""
+    deck = HERE.parents[1] / "decks" / "verification" / "contact" / "faces_friction.yaml"
+    short = ("control.end_time=2.5e-3", "control.estimate=off", "output.states.interval=2.5e-3")
+    words = [word for setting in short for word in ("--set", setting)]
+    done = crashsolve(deck, "-o", tmp_path / "out", *words, NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "out"
+    mesh, state = datasets(folder / "mesh.h5"), state_at(folder, 2.5e-3)
+    for card, name in enumerate(("thrown", "ball", "rests")):
+        own = (state["contacts/contact"] == card) & (state["contacts/vtkGhostType"] == 0)
+        drawn = state["contacts/force"][own]
+        asked = [channel(folder, f"rcforc.{name}.force.{axis}", 2.5e-3) for axis in "xyz"]
+        # single precision
+        np.testing.assert_allclose(drawn.sum(axis=0), asked, rtol=1e-6, atol=1e-7)
+        assert len(drawn) == channel(folder, f"rcforc.{name}.touching", 2.5e-3) == (4, 1, 4)[card]
+        # on the skin, half a thickness of 10 mm from the nodes; what bends under its load is deeper
+        places = state["contacts/points"][own]
+        depth = channel(folder, f"rcforc.{name}.depth", 2.5e-3)
+        if name == "rests":
+            along = np.arctan(0.2)
+            height = places @ [np.sin(along), 0.0, np.cos(along)]
+        else:
+            height = places[:, 2] - 5e-3
+        assert np.all((-1.01 * depth <= height) & (height < 0.0)), (name, height, depth)
+    assert mesh["contacts/displacement"].shape == state["contacts/points"].shape
+
+
 @pytest.fixture(scope="module")
 def shapes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("shapes")

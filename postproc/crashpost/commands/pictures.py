@@ -39,7 +39,9 @@ def add_commands(add: Add) -> None:
     sub.add_argument("--from", dest="start", default="start", metavar="MOMENT", help="first moment")
     sub.add_argument("--to", dest="end", default="end", metavar="MOMENT", help="last moment")
     sub.add_argument("--title", help="above the film; the deck's when absent")
-    sub.add_argument("--size", default="960x540", metavar="WxH", help="of a frame, even numbers")
+    sub.add_argument(
+        "--size", metavar="WxH", help="of a frame, even numbers; 960 wide, or fitted, when absent"
+    )
     sub.add_argument("-o", "--output", type=Path, help="mp4, gif or html; default RESULT/film.mp4")
     _add_look(sub)
     _add_pack(add)
@@ -163,7 +165,9 @@ def _title(result: "Result", options: argparse.Namespace) -> str:
     return result.title if title is None else title
 
 
-def _size(text: str) -> tuple[int, int]:
+def _size(text: str | None) -> tuple[int, int]:
+    if text is None:
+        return (960, 0)
     try:
         width, height = map(int, text.lower().split("x"))
     except ValueError:

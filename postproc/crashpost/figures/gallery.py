@@ -123,7 +123,7 @@ def force_displacement_figures(result: Result) -> list[Figure]:
     depths = [name.removesuffix("normal") + "depth" for name in names]
     if not names:
         return []
-    deepest = max(float(np.max(result.series(depth).values)) for depth in depths)
+    deepest = max(result.span(depth)[1] for depth in depths)
     if not deepest > 0:
         return []
     unit = readable("m", deepest)
@@ -147,8 +147,7 @@ def force_displacement_figures(result: Result) -> list[Figure]:
 def _is_single(result: Result, normal: str) -> bool:
     """Whether a contact never has more than one pair that touches."""
     touching = normal.removesuffix("normal") + "touching"
-    known = next(result.channels(touching), None)
-    return known is None or float(np.max(result.series(touching).values)) <= 1.0
+    return not result.has(touching) or result.span(touching)[1] <= 1.0
 
 
 def crush_figures(result: Result) -> list[Figure]:
@@ -160,7 +159,7 @@ def crush_figures(result: Result) -> list[Figure]:
 def _part_figures(result: Result) -> list[Figure]:
     """Contact forces over the travel of the body that moves most, where a part yields."""
     plastic = [f"matsum.{e}.plastic" for f in _families(result, "matsum") for e in f.ids]
-    known = [name for name in plastic if next(result.channels(name), None)]
+    known = [name for name in plastic if result.has(name)]
     forces = _largest(result, _contacts(result, "normal"))
     ways = [
         name
@@ -171,7 +170,7 @@ def _part_figures(result: Result) -> list[Figure]:
     ]
     if not _largest(result, known) or not forces or not ways:
         return []
-    way = max(ways, key=lambda name: float(np.ptp(result.series(name).values)))
+    way = max(ways, key=lambda name: _range(result, name))
     start = float(result.series(way).values[0])
     stroke = f"abs({plain(way)} - '{start!r} m')"
     labels = words.labels(forces) if len(forces) > 1 else [words.entity(forces[0])]
@@ -222,16 +221,22 @@ def _families(result: Result, word: str) -> list[Family]:
 
 def _largest(result: Result, names: Sequence[str]) -> list[str]:
     """Those that reach the largest sizes, in their order; none that is zero throughout."""
-    sizes = {name: float(np.max(np.abs(result.series(name).values))) for name in names}
+    sizes = {name: max(map(abs, result.span(name))) for name in names}
     most = sorted((n for n in sizes if sizes[n] > 0), key=lambda n: -sizes[n])[:MOST_CURVES]
     return [name for name in names if name in most]
 
 
 def _moving(result: Result, names: Sequence[str]) -> list[str]:
     """Those that move most, in their order; none that rests."""
-    ranges = {name: float(np.ptp(result.series(name).values)) for name in names}
+    ranges = {name: _range(result, name) for name in names}
     most = sorted((n for n in ranges if ranges[n] > 0), key=lambda n: -ranges[n])[:MOST_CURVES]
     return [name for name in names if name in most]
+
+
+def _range(result: Result, name: str) -> float:
+    """Greatest less least value of a channel."""
+    least, greatest = result.span(name)
+    return greatest - least
 
 
 def motion_figures(result: Result) -> list[Figure]:
@@ -239,7 +244,7 @@ def motion_figures(result: Result) -> list[Figure]:
     families = [f for f in result.families.values() if f.word not in ("glstat", "rcforc")]
     figures = [figure for family in families if (figure := _family_figure(result, family))]
     largest = {id(figure): _size(result, figure) for figure in figures}
-    forces = [float(np.max(result.series(n).values)) for n in _contacts(result, "normal")]
+    forces = [result.span(name)[1] for name in _contacts(result, "normal")]
     scale: dict[str, float] = {"N": max(forces, default=0.0)}
     for size, unit in largest.values():
         scale[unit] = max(scale.get(unit, 0.0), size)
@@ -280,7 +285,8 @@ def _family_figure(result: Result, family: Family) -> Figure | None:
 
 def _ranges(result: Result, family: Family, columns: list[Column]) -> dict[str, float]:
     """Greatest minus least value of every channel of the columns, entity by entity."""
-    ranges = np.array([np.ptp(result.block(family, column), axis=0) for column in columns])
+    found = [result.extremes(family, column) for column in columns]
+    ranges = np.array([one.greatest - one.least for one in found])
     return {
         f"{family.word}.{entity}.{column.name}": float(ranges[c, e])
         for e, entity in enumerate(family.ids)

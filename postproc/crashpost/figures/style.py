@@ -124,8 +124,10 @@ footer { margin-top: 4rem; padding-top: 1rem; border-top: 1px solid var(--rule);
 @page { size: A4; margin: 16mm; }
 @media print { video.sight, .turn { display: none; } .sight { break-inside: avoid; }
   body { padding: 0; max-width: none; font-size: 9.5pt; } nav { display: none; }
-  h2 { break-after: avoid; margin-top: 2rem; } .figures { display: block; }
-  figure { max-width: 13cm; margin-bottom: 1.8rem; }
+  h2 { break-after: avoid; margin-top: 2rem; }
+  .figures { display: block; columns: 2; column-gap: 8mm; }
+  figure { max-width: none; margin-bottom: 1.2rem; } h3 { break-after: avoid; }
+  #deck { display: none; }
   .scroll { overflow: visible; } table { font-size: 8pt; } .name { min-width: 0; }
   .scroll td:last-child:not(.num) { min-width: 4.2cm; }
   thead { display: table-header-group; } tr { break-inside: avoid; }

@@ -12,6 +12,8 @@ THIN = 0.3
 MARGIN = 0.04
 # of a window on a single point [m]
 LEAST = 1e-6
+# radius of a mass centre, of half of the smaller side of the picture
+DOT = 0.022
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,11 @@ class Camera:
             [self.right, self.up, self.towards]
         )
         return found
+
+    @property
+    def dot(self) -> float:
+        """Radius of a ball that stands for a mass centre [m]."""
+        return DOT * self.half_height * min(1.0, self.aspect)
 
     @property
     def width(self) -> float:

@@ -1,29 +1,35 @@
 """What is drawn of a run at a moment: surfaces, lines, dots and arrows with their colours.
 
 Bodies are drawn by their surfaces, beams by their sections, springs by lines, contact forces by
-arrows; what is deleted is not drawn. A painter (paint_vtk.py, paint_plain.py) needs nothing else.
+arrows; what is deleted is not drawn.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from itertools import pairwise
 
 import numpy as np
 
 from crashpost.errors import PostError, unknown
-from crashpost.renders.camera import Camera
+from crashpost.renders.beams import prisms, rings
+from crashpost.renders.planes import cut, footprints, planes
+from crashpost.renders.shapes import (
+    COLOURS,
+    GHOST,
+    GREY,
+    GROUND,
+    LINE,
+    Dots,
+    Drawing,
+    Lines,
+    Surface,
+)
 from crashpost.results.states import States
 
-GREY, GROUND, LINE, ARROW, GHOST = "#9aa3ab", "#d8d3c8", "#4a535c", "#b3341f", "#b9c0c6"
-# told apart by the colour-blind, and in grey by their lightness (Okabe and Ito 2008)
-BODY_COLOURS = ("#0072b2", "#e69f00", "#56b4e9", "#cc79a7", "#009e73", "#f0e442", "#d55e00")
 WHOLE = ("bodies", "links", "mass_centres")
-# largest arrow, of the picture's height, and its thickness over its length
-ARROW_LENGTH, ARROW_WIDTH = 0.28, 0.022
+# contact forces this far from what is shown, of its size, act on it
+BESIDE = 0.02
 # a moment this near a state is that state; edges drawn between two states may be this short
 LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
-# a plane this near to the model, of its size, is in the picture; how far planes reach beyond it
-CLOSE, PLANE_MARGIN = 0.5, 0.12
 
 
 @dataclass(frozen=True)
@@ -36,53 +42,24 @@ class Look:
     ghost: bool = True
 
 
-@dataclass
-class Surface:
-    """Polygons of one number of corners, one colour or one value for each."""
-
-    points: np.ndarray
-    corners: np.ndarray
-    colours: list[str]  # palette
-    which: np.ndarray  # place in the palette, of each polygon
-    rows: np.ndarray  # numbers of the polygons among those of the mesh, deleted ones left out
-    values: np.ndarray | None = None
-    edges: bool = False
-    is_flat: bool = False  # of one colour, whatever the light
-
-
-@dataclass
-class Lines:
-    """Segments (n, 2, 3)."""
-
-    ends: np.ndarray
-    colour: str
-    width: float = 1.6
-    values: np.ndarray | None = None
-
-
-@dataclass
-class Drawing:
-    """All that is seen at a moment."""
-
-    surfaces: list[Surface] = field(default_factory=list)
-    lines: list[Lines] = field(default_factory=list)
-    dots: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
-    arrows: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)  # from, vector
-
-
 class Scene:
     """Draws the states of a run by a look; raises PostError for a word that names nothing."""
 
     def __init__(self, states: States, look: Look) -> None:
         self.states, self.look = states, look
-        self.groups = _groups(states.names["bodies"])
+        names = states.names["bodies"]
+        self.groups = _groups(names)
+        # bodies but for the nodes of parts, which are drawn by their elements
+        own = (k for k in range(1, len(names)) if not _is_node(names[k], states.names["parts"]))
+        self.own = set(own)
+        self.wholes = sorted({self.groups[k] for k in self.own})
         self.bodies, self.parts = self._shown()
         self.drawn = [name for name in states.blocks if name != "contacts"]
         self.color_unit = ""
         if look.color:
             self._check_color()
         self.contacts = self._contacts_with_arrows()
-        self.planes = _planes(states)
+        self.planes = planes(states)
         # points that infinite planes are drawn below; as the run cut them when absent
         self.reach: np.ndarray | None = None
 
@@ -102,13 +79,13 @@ class Scene:
             else:
                 self._skin(drawing, number, name, points)
         if self.look.arrows and not is_ghost:
-            drawing.arrows.append(self._forces(number))
+            drawing.arrows.append(self.forces(number))
         return drawing
 
     def ghost(self) -> Drawing:
         """The start as a shade, without the ground."""
         drawing = self.at(0, is_ghost=True)
-        drawing.dots = np.empty((0, 3))
+        drawing.dots = []
         drawing.surfaces = [s for s in drawing.surfaces if s.colours != [GROUND]]
         for surface in drawing.surfaces:
             surface.colours, surface.values, surface.is_flat = [GHOST], None, True
@@ -135,15 +112,7 @@ class Scene:
 
     def footprints(self, near: np.ndarray) -> np.ndarray:
         """Where planes lie close below points (n, 3): these belong in the picture as well."""
-        found = [np.empty((0, 3))]
-        size = float(np.ptp(near, axis=0).max())
-        for corners in self._plane_corners():
-            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-            normal /= np.linalg.norm(normal)
-            height = (near - corners[0]) @ normal
-            if abs(height).min() < CLOSE * size:
-                found.append((near - height[:, None] * normal)[[np.argmin(abs(height))]])
-        return np.concatenate(found)
+        return footprints(self._plane_corners(), near)
 
     def _plane_corners(self) -> list[np.ndarray]:
         if "ground" not in self.states.blocks:
@@ -157,7 +126,7 @@ class Scene:
             return points
         points = points.copy()
         for row in self.planes:
-            points[row] = _cut(points[row], self.reach)
+            points[row] = cut(points[row], self.reach)
         return points
 
     def place(self, number: float, name: str) -> np.ndarray:
@@ -232,11 +201,6 @@ class Scene:
                 low, high = min(low, values.min()), max(high, values.max())
         return float(low), float(high)
 
-    def largest_arrow(self, number: float) -> float:
-        """Of the arrows at a state."""
-        _, vectors = self._forces(number)
-        return float(np.linalg.norm(vectors, axis=1).max(initial=0.0))
-
     @property
     def arrow_unit(self) -> str:
         """Unit of the arrows."""
@@ -257,10 +221,12 @@ class Scene:
                 if int(body) in self.bodies:
                     whole = names["bodies"][self.groups[int(body)]]
                     found.setdefault(whole, self._body_colour(int(body)))
+        for body in self._without_shape():
+            found.setdefault(names["bodies"][self.groups[body]], self._body_colour(body))
         for k, part in enumerate(names["parts"]):
             if part in self.parts:
                 found[part] = self._part_colour(k)
-        return list(found.items()) if len(found) <= len(BODY_COLOURS) else []
+        return list(found.items()) if len(found) <= len(COLOURS) else []
 
     def _shown(self) -> tuple[set[int], set[str]]:
         """Numbers of the bodies and names of the parts that the look shows."""
@@ -299,7 +265,7 @@ class Scene:
             raise unknown("arrows", word, known)
         return met
 
-    def _forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
+    def forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
         """Where arrows start, and what they show."""
         empty = np.empty((0, 3))
         if self.look.arrows == "velocity":
@@ -311,11 +277,21 @@ class Scene:
         if "contacts" not in self.states.blocks:
             return empty, empty
         found = self.states.read(int(number), "contacts", "force", "contact")
-        cards = found.get("contact", np.zeros(len(found["force"]))).astype(int)
-        chosen = np.isin(cards, list(self.contacts)) & np.any(found["force"], axis=1)
-        return self.states.positions(int(number), "contacts")[chosen], found["force"][
-            chosen
-        ].astype(float)
+        forces = found["force"].astype(float)
+        cards = found.get("contact", np.zeros(len(forces))).astype(int)
+        starts = self.states.positions(int(number), "contacts")
+        chosen = np.isin(cards, list(self.contacts)) & np.any(forces, axis=1)
+        if self.look.show:
+            chosen &= self._near(starts, number)
+        return starts[chosen], forces[chosen]
+
+    def _near(self, points: np.ndarray, number: float) -> np.ndarray:
+        """Which points (n,) lie in the box around what is shown at a state."""
+        shown = self.extent(number)
+        low, high = shown.min(axis=0), shown.max(axis=0)
+        margin = BESIDE * float(np.max(high - low))
+        inside: np.ndarray = np.all((low - margin <= points) & (points <= high + margin), axis=1)
+        return inside
 
     def _used_points(self, name: str, number: float) -> np.ndarray:
         """Numbers of the points of cells that are drawn."""
@@ -340,11 +316,13 @@ class Scene:
         return everything & (not self.look.show or name == "ground")
 
     def _body_colour(self, body: int) -> str:
-        wholes = sorted(set(self.groups[1:]))
-        return BODY_COLOURS[wholes.index(self.groups[body]) % len(BODY_COLOURS)]
+        whole = self.groups[body]
+        place = self.wholes.index(whole) if whole in self.wholes else body
+        return COLOURS[place % len(COLOURS)]
 
     def _part_colour(self, number: int) -> str:
-        return BODY_COLOURS[number % len(BODY_COLOURS)]
+        # colours of parts come after those of bodies
+        return COLOURS[(len(self.wholes) + number) % len(COLOURS)]
 
     def _skin(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:
         """Surfaces of bodies, of the ground and of shells."""
@@ -386,38 +364,23 @@ class Scene:
                 )
 
     def _beams(self, drawing: Drawing, number: float, points: np.ndarray) -> None:
-        """Elements of beams with their sections, each end turned with its node."""
+        """Elements of beams with their sections."""
         block, shown = self.states.blocks["beams"], self._cells_shown("beams")
         values, ends = self.values(number, "beams"), points.reshape(-1, 2, 3)
         if "side" not in block.fixed:
             drawing.lines.append(Lines(ends[shown], LINE, 3.0))
             return
-        turned = rotated(
-            self.states.read(int(number), "beams", "rotation")["rotation"].astype(float)
-        )
-        start = block.points.reshape(-1, 2, 3)
-        axis = start[:, 1] - start[:, 0]
-        y = block.fixed["side"].astype(float)
-        z = np.cross(axis / np.linalg.norm(axis, axis=1)[:, None], y)
         of, part = block.fixed["section"].astype(int), block.fixed["part"].astype(int)
+        palette = [GREY]
+        if not self.look.color:
+            palette = [self._part_colour(k) for k in range(len(self.states.names["parts"]))]
         for kind, outline in enumerate(self.states.sections):
             own = np.flatnonzero((of == kind) & shown)
             if not len(own):
                 continue
-            flat = y[own, None] * outline[:, :1] + z[own, None] * outline[:, 1:]
-            rings = [
-                ends[own, end][:, None]
-                + np.einsum("nij,nkj->nki", turned.reshape(-1, 2, 3, 3)[own, end], flat)
-                for end in (0, 1)
-            ]
-            corners, caps = _prisms(len(own), len(outline))
-            cloud = np.stack(rings, axis=1).reshape(-1, 3)
-            palette = (
-                [GREY]
-                if self.look.color
-                else [self._part_colour(k) for k in range(len(self.states.names["parts"]))]
-            )
-            for polygons, repeat in ((corners, len(outline)), (caps, 2)):
+            cloud = rings(self.states, int(number), own, kind, ends).reshape(-1, 3)
+            sides, caps = prisms(len(own), len(outline))
+            for polygons, repeat in ((sides, len(outline)), (caps, 2)):
                 which = np.zeros(len(polygons), int)
                 if not self.look.color:
                     which = np.repeat(part[own], repeat)
@@ -433,15 +396,15 @@ class Scene:
         drawing.lines.append(Lines(points.reshape(-1, 2, 3), LINE, 1.6, values))
 
     def _dots(self, drawing: Drawing, points: np.ndarray) -> None:
-        """Mass centres of bodies that nothing else shows."""
-        hidden = set[int]()
-        for name in ("bodies",):
-            if name in self.states.blocks:
-                hidden |= set(self.states.blocks[name].fixed.get("body", np.empty(0)).astype(int))
-        names = self.states.names["bodies"]
-        nodes = {k for k in range(len(names)) if _is_node(names[k], self.states.names["parts"])}
-        rows = np.array(sorted(self.bodies - hidden - nodes), int) - 1
-        drawing.dots = points[rows]
+        """Mass centres of bodies without surfaces."""
+        for body in self._without_shape():
+            drawing.dots.append(Dots(points[[body - 1]], self._body_colour(body)))
+
+    def _without_shape(self) -> list[int]:
+        """Bodies without surfaces, of which the mass centre is drawn."""
+        block = self.states.blocks.get("bodies")
+        hidden = set() if block is None else set(block.fixed.get("body", np.empty(0)).astype(int))
+        return sorted((self.bodies & self.own) - hidden)
 
     def _links(self, drawing: Drawing, points: np.ndarray) -> None:
         block, shown = self.states.blocks["links"], self._cells_shown("links")
@@ -450,35 +413,6 @@ class Scene:
         for body in np.unique(bodies[shown]):
             own = points[corners[bodies == body]]
             drawing.lines.append(Lines(own, self._body_colour(int(body)), 4.0))
-
-
-def _planes(states: States) -> np.ndarray:
-    """Numbers (n, 4) of the corners of rectangles of the ground that stand for infinite planes."""
-    block = states.blocks.get("ground")
-    if block is None or not block.cells or block.cells[0][1].shape[1] != 3:
-        return np.empty((0, 4), int)
-    cells = block.cells[0][1]
-    uses, found = np.bincount(cells.ravel(), minlength=len(block.points)), []
-    for one, two in pairwise(cells):
-        first = int(one[0])
-        corners = first + np.arange(4)
-        is_pair = (one == corners[:3]).all() and (two == corners[[0, 2, 3]]).all()
-        if is_pair and (uses[corners] == [2, 1, 2, 1]).all():
-            found.append(corners)
-    return np.array(found, int).reshape(-1, 4)
-
-
-def _cut(corners: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """The rectangle (4, 3) in the plane of another that lies below points (n, 3), with a margin."""
-    axes = np.array([corners[1] - corners[0], corners[3] - corners[0]])
-    axes /= np.linalg.norm(axes, axis=1)[:, None]
-    flat = (near - corners[0]) @ axes.T
-    low, high = flat.min(axis=0), flat.max(axis=0)
-    margin = PLANE_MARGIN * float(np.max(high - low))
-    low, high = low - margin, high + margin
-    around = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
-    found: np.ndarray = corners[0] + around @ axes
-    return found
 
 
 def _edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
@@ -502,84 +436,9 @@ def _groups(names: list[str]) -> list[int]:
     return found
 
 
-def _prisms(count: int, corners: int) -> tuple[np.ndarray, np.ndarray]:
-    """Sides (quads) and ends (polygons) of prisms, each with two rings of corners."""
-    here = np.arange(corners)
-    after = np.roll(here, -1)
-    one = np.column_stack([here, after, after + corners, here + corners])
-    first = 2 * corners * np.arange(count)[:, None, None]
-    ends = np.stack([here[::-1], here + corners])
-    return (first + one).reshape(-1, 4), (first + ends).reshape(-1, corners)
-
-
-def rotated(vectors: np.ndarray) -> np.ndarray:
-    """Rotation matrices (n, 3, 3) of rotation vectors (n, 3) (Rodrigues)."""
-    angle = np.linalg.norm(vectors, axis=1)
-    axis = vectors / np.where(angle > 0.0, angle, 1.0)[:, None]
-    x, y, z = axis.T
-    zero = np.zeros_like(x)
-    K = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
-    sine, rest = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
-    found: np.ndarray = np.eye(3) + sine * K + rest * (K @ K)
-    return found
-
-
 def outermost(points: np.ndarray) -> np.ndarray:
     """The points that reach furthest in 26 directions: enough to fit a picture around them."""
     steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)], float)
     steps = steps[np.any(steps, axis=1)]
     found: np.ndarray = points[np.unique((points @ steps.T).argmax(axis=0))]
     return found
-
-
-def arrows_of(drawing: Drawing, seen: Camera, arrow: float) -> Drawing:
-    """Only the arrows of a drawing, `arrow` [m] long for each unit."""
-    found = Drawing()
-    for starts, vectors in drawing.arrows:
-        width = ARROW_WIDTH * min(1.0, seen.aspect) * seen.half_height
-        points, quads, triangles = arrow_polygons(starts, vectors, arrow, width)
-        for corners in (quads, triangles):
-            if len(corners):
-                which = np.zeros(len(corners), int)
-                found.surfaces.append(Surface(points, corners, [ARROW], which, which, is_flat=True))
-    return found
-
-
-def arrow_polygons(
-    starts: np.ndarray, vectors: np.ndarray, unit_length: float, width: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points, sides (quads) and heads (triangles) of arrows, `unit_length` [m] for each unit.
-
-    All are `width` [m] thick; those shorter than their head are left out.
-    """
-    lengths = unit_length * np.linalg.norm(vectors, axis=1)
-    kept = lengths > 2.0 * width
-    starts, lengths = starts[kept], lengths[kept]
-    along = vectors[kept] / np.linalg.norm(vectors[kept], axis=1)[:, None]
-    helper = np.eye(3)[np.argmin(np.abs(along), axis=1)]
-    side = np.cross(along, helper)
-    side /= np.linalg.norm(side, axis=1)[:, None]
-    other = np.cross(along, side)
-    n = 10
-    angle = 2.0 * np.pi * np.arange(n) / n
-    ring = side[:, None] * np.cos(angle)[:, None] + other[:, None] * np.sin(angle)[:, None]
-    head = np.minimum(6.0 * width, 0.5 * lengths)[:, None, None]
-    neck = (starts + along * lengths[:, None])[:, None] - along[:, None] * head
-    tip = (starts + along * lengths[:, None])[:, None]
-    cloud = np.concatenate(
-        [
-            starts[:, None] + 0.5 * width * ring,
-            neck + 0.5 * width * ring,
-            neck + 1.6 * width * ring,
-            tip,
-        ],
-        axis=1,
-    )
-    here = np.arange(n)
-    after = np.roll(here, -1)
-    shaft = np.column_stack([here, after, after + n, here + n])
-    brim = np.column_stack([here + n, after + n, after + 2 * n, here + 2 * n])
-    cone = np.column_stack([here + 2 * n, after + 2 * n, np.full(n, 3 * n)])
-    first = (3 * n + 1) * np.arange(len(starts))[:, None, None]
-    quads = (first + np.concatenate([shaft, brim])).reshape(-1, 4)
-    return cloud.reshape(-1, 3), quads, (first + cone).reshape(-1, 3)

@@ -13,9 +13,10 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.renders.camera import Camera
-from crashpost.renders.drawing import ARROW, LINE, Drawing, Look, Scene, Surface
+from crashpost.renders.drawing import Look, Scene
 from crashpost.renders.shades import Shades
-from crashpost.renders.studio import Task, _camera, clock
+from crashpost.renders.shapes import ARROW, Drawing, Surface
+from crashpost.renders.studio import Task, View, clock
 from crashpost.results.result import Result
 from crashpost.results.states import States
 
@@ -114,7 +115,8 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
     scene = Scene(states, Look(task.show, task.color, task.arrows, ghost=False))
     numbers = _thinned(scene, len(states.times))
     no_shift = [np.zeros(3)] * len(numbers)
-    seen, arrow = _camera(scene, task, [float(n) for n in numbers], no_shift, (1.6, 1.6))
+    view = View(scene, task, [float(n) for n in numbers], no_shift)
+    seen, arrow = view.camera((1.6, 1.6))
     shades = _shades(scene, numbers)
     first, last = float(states.times[numbers[0]]), float(states.times[numbers[-1]])
     # k3d plays seconds: a run of milliseconds is slowed, one of minutes quickened
@@ -194,10 +196,10 @@ def _put(
     for number, lines in enumerate(first.lines):
         ends = {key: drawing.lines[number].ends for key, drawing in frames.items()}
         shown += _segments(k3d, ends, lines.colour, 0.5 * width * lines.width)
-    if len(first.dots):
-        places = {key: drawing.dots.astype(np.float32) for key, drawing in frames.items()}
-        dots = k3d.points(places, point_size=6.0 * width, shader="mesh", color=_code(LINE))
-        shown += dots
+    for number, dots in enumerate(first.dots):
+        places = {key: one.dots[number].points.astype(np.float32) for key, one in frames.items()}
+        size = 2.0 * seen.dot
+        shown += k3d.points(places, point_size=size, shader="mesh", color=_code(dots.colour))
     if arrow:
         shown += _segments(k3d, _arrow_ends(frames, arrow), ARROW, 2.0 * width)
 

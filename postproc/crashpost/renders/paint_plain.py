@@ -12,8 +12,8 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from crashpost.renders.camera import Camera
-from crashpost.renders.drawing import LINE, Drawing, Surface
 from crashpost.renders.shades import Shades, rgb
+from crashpost.renders.shapes import Drawing, Surface
 
 DPI = 100
 LIGHT = np.array([0.35, 0.55, 0.76])
@@ -54,9 +54,12 @@ class Painter:
             axes.add_collection(
                 LineCollection(list(flat), colors=colour, linewidths=widths, zorder=order + 0.5)
             )
-        if len(drawing.dots):
-            flat = camera.flat(drawing.dots)
-            axes.plot(flat[:, 0], flat[:, 1], "o", color=LINE, markersize=4, zorder=order + 0.6)
+        # a dot as large as paint_vtk.py draws it, its width in points of 1/72 inch
+        size = 2.0 * camera.dot / (2.0 * camera.half_height) * self.size[1] / DPI * 72.0
+        for dots in drawing.dots:
+            flat = camera.flat(dots.points)
+            x, y, layer = flat[:, 0], flat[:, 1], order + 0.6
+            axes.plot(x, y, "o", color=dots.colour, markersize=size, zorder=layer)
 
     def close(self) -> None:
         """Nothing is kept open."""

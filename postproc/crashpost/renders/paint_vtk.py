@@ -8,10 +8,9 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from crashpost.renders.camera import Camera
-from crashpost.renders.drawing import LINE, Drawing, Surface
 from crashpost.renders.shades import Shades, rgb
+from crashpost.renders.shapes import Drawing, Surface
 
-DOT = 0.012  # radius of a mass centre over the half height of the picture
 EDGE = "#3a424a"
 # degrees between two faces that make an edge
 SHARP = 40.0
@@ -73,10 +72,10 @@ class Painter:
             if len(lines.ends):
                 mesh = segments(lines.ends)
                 _add(renderer, mesh, colours, lines.colour, width=2.0 * lines.width)
-        if len(drawing.dots):
-            ball = pyvista.Sphere(radius=DOT * camera.half_height)
-            dots = pyvista.PolyData(drawing.dots).glyph(geom=ball, scale=False, orient=False)
-            _add(renderer, dots, None, LINE, is_lit=True)
+        ball = pyvista.Sphere(radius=camera.dot)
+        for dots in drawing.dots:
+            balls = pyvista.PolyData(dots.points).glyph(geom=ball, scale=False, orient=False)
+            _add(renderer, balls, None, dots.colour, is_lit=True)
 
     def _surface(self, renderer: vtk.vtkRenderer, surface: Surface, shades: Shades) -> None:
         mesh = polygons(surface.points, surface.corners)

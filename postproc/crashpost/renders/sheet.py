@@ -21,8 +21,8 @@ from crashpost.errors import PostError
 from crashpost.figures.draw import tick
 from crashpost.figures.style import INK, MATPLOTLIB, MUTED
 from crashpost.renders.camera import Camera, round_length
-from crashpost.renders.drawing import ARROW
 from crashpost.renders.shades import Shades
+from crashpost.renders.shapes import ARROW
 from crashsolve.channels.display import factor, readable
 
 # inches
@@ -32,6 +32,10 @@ PAD = 0.07
 # a picture this many times as wide as high is put below the one before, not beside it
 WIDE, HALF_WIDE = 3.2, 2.2
 MOST_COLUMNS, MOST_NAMES = 4, 8
+# of a film: heights of the picture over the film's width, least width [pixels], frame above and
+# below the picture [inches], letters of a title for each pixel
+FILM_HEIGHTS, NARROWEST = (0.16, 0.6), 480
+FILM_FRAME, LETTERS = (0.52, FOOTER), 84 / 960
 DPI = 160
 
 
@@ -139,7 +143,8 @@ class Sheet:
         self.window = film_window(size)
         with mpl.rc_context(MATPLOTLIB):
             figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
-            fitted = title if len(title) <= 84 else title[:81] + "..."
+            most = round(width * LETTERS)
+            fitted = title if len(title) <= most else title[: most - 3] + "..."
             figure.text(
                 0.02, 1 - 0.17 * DPI / height, fitted, va="center", fontsize=8.5, weight="bold"
             )
@@ -170,9 +175,18 @@ class Sheet:
         return np.asarray(image)
 
 
+def film_size(aspect: float, width: int) -> tuple[int, int]:
+    """Width and height of a film, both even, for a picture of this aspect, at most `width` wide."""
+    least, most = FILM_HEIGHTS
+    window = float(np.clip(width / aspect, least * width, most * width))
+    whole = float(np.clip(window * aspect, NARROWEST, width))
+    beside = sum(FILM_FRAME) * DPI
+    return 2 * round(whole / 2), 2 * round((window + beside) / 2)
+
+
 def film_window(size: tuple[int, int]) -> tuple[int, int, int, int]:
     """Left, top, width and height of the picture on the sheet of a film [pixels]."""
-    top, bottom = round(0.52 * DPI), round(FOOTER * DPI)
+    top, bottom = (round(part * DPI) for part in FILM_FRAME)
     return 0, top, size[0], size[1] - top - bottom
 
 
@@ -215,7 +229,7 @@ def _panel(
     most = max(int(w * 17), 10)
     shown = why if len(why) <= most else why[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
     figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
-    raised = low + (0.14 / height if is_tall else 0.0)
+    raised = low + (0.14 / height if is_tall and why else 0.0)
     figure.text(left / width, raised, time, fontsize=8.5, va="bottom")
 
 

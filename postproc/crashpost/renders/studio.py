@@ -18,15 +18,19 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
-from crashpost.renders.drawing import ARROW_LENGTH, Drawing, Look, Scene, arrows_of
+from crashpost.renders.arrows import arrows_of, unit_length
+from crashpost.renders.drawing import Look, Scene
 from crashpost.renders.shades import Shades
+from crashpost.renders.shapes import Drawing
 from crashpost.results.states import States
 from crashsolve.channels.display import factor, readable
 
 PACKAGES = "libgl1 libegl1 libgl1-mesa-dri libxrender1 libxext6"
 INSTALL = "pip install 'crashsolve[render]'"
 # of pictures in a strip
-NARROW, WIDEST = 0.45, 7.0
+NARROW, WIDEST = 0.45, 14.0
+# of arrows, share of their length that lies along the line of sight, above which they are dots
+HEAD_ON = 0.8
 # arrows of less, in N or m/s, are round-off
 NOTHING = 1e-9
 
@@ -49,7 +53,8 @@ class Task:
     is_film: bool = False
     fps: float = 25.0
     speed: str = ""
-    size: tuple[int, int] = (960, 540)
+    # of a film; the height is chosen by what is seen where it is 0
+    size: tuple[int, int] = (960, 0)
 
 
 def make(
@@ -87,25 +92,28 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
 
     scene = Scene(states, look_of(task))
     numbers = [number for number, _ in task.frames]
-    window = compose.film_window(task.size)
-    aspect = window[2] / window[3]
-    limits = (aspect, aspect) if task.is_film else (NARROW, WIDEST)
     shift = _shifts(scene, task)
-    seen, arrow = _camera(scene, task, numbers, shift, limits)
+    view = View(scene, task, numbers, shift)
+    seen, arrow = view.camera((NARROW, WIDEST))
+    size = task.size if task.size[1] else compose.film_size(seen.aspect, task.size[0])
+    if task.is_film:
+        window = compose.film_window(size)
+        aspect = window[2] / window[3]
+        seen, arrow = view.camera((aspect, aspect))
     key = compose.Key(
         seen,
         _shades(scene, numbers),
         scene.legend(),
         arrow,
         scene.arrow_unit,
-        _largest(scene, numbers),
+        view.largest if arrow else 0.0,
     )
     captions = [caption for _, caption in task.frames]
     sizes = compose.layout(captions, seen.aspect, task.title)
     width, height = window[2:] if task.is_film else sizes.pixels
     easel = painter(width, height)
     start = scene.ghost() if task.ghost else Drawing()
-    sheet = compose.Sheet(task.title, key, task.size, task.speed) if task.is_film else None
+    sheet = compose.Sheet(task.title, key, size, task.speed) if task.is_film else None
 
     def pictures() -> Any:
         for k, (number, _) in enumerate(task.frames):
@@ -121,7 +129,7 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
         frames = (sheet.frame(p, c) for p, c in zip(pictures(), captions, strict=True))
         from crashpost.renders.film_file import write_film
 
-        write_film(Path(task.output), frames, task.fps, task.size)
+        write_film(Path(task.output), frames, task.fps, size)
     easel.close()
 
 
@@ -137,38 +145,48 @@ def _moved(seen: cameras.Camera, shift: np.ndarray) -> cameras.Camera:
     return replace(seen, middle=seen.middle + shift)
 
 
-def _camera(
-    scene: Scene,
-    task: Task,
-    numbers: Sequence[float],
-    shift: Sequence[np.ndarray],
-    limits: tuple[float, float],
-) -> tuple[cameras.Camera, float]:
-    """The camera that holds all pictures, and the length of arrows, m for each unit."""
-    near = [scene.extent(number) - moved for number, moved in zip(numbers, shift, strict=True)]
-    if task.ghost:
-        near.append(scene.extent(0) - shift[0])
-    points = np.concatenate(near)
-    points = np.concatenate([points, scene.footprints(points)])
-    scene.reach = np.concatenate([points + moved for moved in shift]) if task.follow else points
-    first = cameras.camera(task.view, scene.states.up, points.min(axis=0), points.max(axis=0))
-    seen = cameras.fitted(first, points, *limits)
-    largest = _largest(scene, numbers)
-    if not largest:
-        return seen, 0.0
-    arrow = ARROW_LENGTH * 2.0 * min(seen.half_height, seen.half_height * seen.aspect) / largest
-    tips = []
-    for number, moved in zip(numbers, shift, strict=True):
-        for starts, vectors in scene.at(number).arrows:
-            tips.append(starts + arrow * vectors - moved)
-    return cameras.fitted(first, np.concatenate([points, *tips]), *limits), arrow
+class View:
+    """What pictures at some states must hold: points of the model, and arrows."""
+
+    def __init__(
+        self, scene: Scene, task: Task, numbers: Sequence[float], shift: Sequence[np.ndarray]
+    ) -> None:
+        self.scene, self.task = scene, task
+        near = [scene.extent(number) - moved for number, moved in zip(numbers, shift, strict=True)]
+        if task.ghost:
+            near.append(scene.extent(0) - shift[0])
+        points = np.concatenate(near)
+        self.points = np.concatenate([points, scene.footprints(points)])
+        scene.reach = self.points
+        if task.follow:
+            scene.reach = np.concatenate([self.points + moved for moved in shift])
+        starts, vectors = [np.empty((0, 3))], [np.empty((0, 3))]
+        for number, moved in zip(numbers, shift, strict=True):
+            if task.arrows:
+                at, along = scene.forces(number)
+                starts.append(at - moved)
+                vectors.append(along)
+        self.starts, self.vectors = np.concatenate(starts), np.concatenate(vectors)
+        self.largest = float(np.linalg.norm(self.vectors, axis=1).max(initial=0.0))
+
+    def camera(self, limits: tuple[float, float]) -> tuple[cameras.Camera, float]:
+        """The camera that holds all within limits of its aspect; length of arrows, m a unit."""
+        up, view = self.scene.states.up, self.task.view
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        first = cameras.camera(view, up, low, high)
+        if self.largest <= NOTHING:
+            return cameras.fitted(first, self.points, *limits), 0.0
+        if view == "auto" and _point_at_the_eye(self.vectors, first):
+            first = cameras.camera("iso", up, low, high)
+        arrow = unit_length(self.vectors, cameras.fitted(first, self.points, *limits))
+        tips = self.starts + arrow * self.vectors
+        return cameras.fitted(first, np.concatenate([self.points, tips]), *limits), arrow
 
 
-def _largest(scene: Scene, numbers: Sequence[float]) -> float:
-    if not scene.look.arrows:
-        return 0.0
-    found = max(scene.largest_arrow(number) for number in numbers)
-    return found if found > NOTHING else 0.0
+def _point_at_the_eye(vectors: np.ndarray, seen: cameras.Camera) -> bool:
+    """Whether arrows would look like dots."""
+    sizes = np.linalg.norm(vectors, axis=1)
+    return bool(np.abs(vectors @ seen.towards).sum() > HEAD_ON * sizes.sum())
 
 
 def _shades(scene: Scene, numbers: Sequence[float]) -> Shades:

@@ -44,7 +44,7 @@ def film_task(
     fps: float = FPS,
     slow: float | None = None,
     span: tuple[str, str] = ("start", "end"),
-    size: tuple[int, int] = (960, 540),
+    size: tuple[int, int] = (960, 0),
     **look: Any,
 ) -> "Task":
     """Frames over a span in words; raises PostError."""

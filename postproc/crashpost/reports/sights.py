@@ -19,8 +19,8 @@ from crashpost.results.states import States
 CHOICES = ("all", "strips", "none")
 WORDS = ("view", "color", "arrows", "follow")
 FIELDS = ("title", "at", "show", *WORDS)
-# of the film [pixels]; nobody waits for a film of the size of a cinema in a page
-SIZE = (720, 406)
+# of the film [pixels], its height as the scene asks; nobody waits for a cinema's size in a page
+SIZE = (720, 0)
 # the run in 3-D is left out where even two states would take this much [numbers]
 MOST_POINTS = 1_000_000
 
@@ -88,8 +88,8 @@ def _strongest(result: Result) -> str:
     largest = {}
     for family in (f for f in result.families.values() if f.word == "rcforc"):
         for column in (c for c in family.columns if c.name == "normal"):
-            peaks = result.block(family, column).max(axis=0, initial=0.0)
-            for entity, peak in zip(family.ids, peaks, strict=True):
+            peaks = result.extremes(family, column).greatest if len(result.time) else ()
+            for entity, peak in zip(family.ids, peaks, strict=bool(len(peaks))):
                 largest[f"rcforc.'{entity}'.normal"] = (float(peak), entity)
     name = max(largest, key=lambda n: largest[n][0], default="")
     return f"rcforc.{largest[name][1]}.normal" if name and largest[name][0] > 0 else ""

@@ -52,7 +52,9 @@ def channels(result: "Result", words: Sequence[str]) -> list[str]:
 
 def _fitting(result: "Result", word: str) -> list[str]:
     """The channels that fit a word, or the expression it is; raises PostError."""
-    names = [channel.name for channel in result.channels(word)]
+    if result.has(word):
+        return [word]
+    names = [channel.name for channel in result.channels(word)] if PATTERN & set(word) else []
     if names:
         return names
     try:

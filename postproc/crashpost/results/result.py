@@ -18,6 +18,7 @@ import h5py
 import numpy as np
 
 from crashpost.errors import PostError, unknown
+from crashpost.results.extremes import Extremes, Slab, extremes, rows_of_a_slab
 from crashpost.results.status import read_status
 from crashpost.results.text import plain_text, printable
 from crashsolve.channels.expression import evaluate
@@ -86,6 +87,7 @@ class Result:
             if not self.file.is_file():
                 raise PostError(f"{self.file}: no plain file")
             self._history = h5py.File(self.file, "r")
+        self._extremes: dict[str, Extremes] = {}
         with _readable(self.file, FOREIGN):
             self.attributes: dict[str, Any] = dict(self._history.attrs)
             self._check_format()
@@ -133,9 +135,38 @@ class Result:
 
         return scene(self, time)
 
-    def block(self, family: Family, column: Column) -> np.ndarray:
-        """One quantity of all entities of a family, (n_time, n_id)."""
-        return self._read(f"{family.name}/{column.path}", slice(None))
+    def slabs(self, family: Family, column: Column) -> Iterator[Slab]:
+        """One quantity of all entities of a family, (n, n_id) for some samples after the other."""
+        count = rows_of_a_slab(len(family.ids))
+        for first in range(0, len(self.time), count):
+            rows = slice(first, min(first + count, len(self.time)))
+            yield first, self._read(f"{family.name}/{column.path}", slice(None), rows)
+
+    def last(self, family: Family, column: Column) -> np.ndarray:
+        """The same (n_id,) at the last sample."""
+        rows = slice(len(self.time) - 1, len(self.time))
+        return self._read(f"{family.name}/{column.path}", slice(None), rows)[0]
+
+    def extremes(self, family: Family, column: Column) -> Extremes:
+        """Least and greatest value of each entity; remembered, as many questions are about them."""
+        path = f"{family.name}/{column.path}"
+        if path not in self._extremes:
+            self._extremes[path] = extremes(self.slabs(family, column), len(family.ids))
+        return self._extremes[path]
+
+    def span(self, name: str) -> tuple[float, float]:
+        """Least and greatest value of a channel; raises PostError for one that does not exist."""
+        family, at, column = self._place(name)
+        found = self.extremes(family, column)
+        return float(found.least[at]), float(found.greatest[at])
+
+    def has(self, name: str) -> bool:
+        """Whether there is a channel of this name."""
+        try:
+            self._place(name)
+        except PostError:
+            return False
+        return True
 
     @cached_property
     def status(self) -> dict[str, Any]:
@@ -232,21 +263,24 @@ class Result:
         """The samples of one channel by its exact name."""
         if name == "time":
             return Series(self.time, self.time, "s")
-        word, entity, column = _words(name)
-        holders = (f for f in self.families.values() if f.word == word and entity in f.ids)
-        family = next(holders, None)
-        if family is None:
-            raise self._unknown_channel(name)
-        found = next((c for c in family.columns if c.name == column), None)
-        if found is None:
-            raise self._unknown_channel(name)
-        values = self._read(f"{family.name}/{found.path}", family.ids.index(entity))
-        return Series(self.time, values, found.unit)
+        family, at, column = self._place(name)
+        return Series(self.time, self._read(f"{family.name}/{column.path}", at), column.unit)
 
-    def _read(self, path: str, entities: int | slice) -> np.ndarray:
+    def _place(self, name: str) -> tuple[Family, int, Column]:
+        """Where a channel stands: family, number of the entity, column. Raises PostError."""
+        word, entity, path = _words(name)
+        for family in self.families.values():
+            if family.word == word and entity in family.ids:
+                for column in family.columns:
+                    if column.name == path:
+                        return family, family.ids.index(entity), column
+                break
+        raise self._unknown_channel(name)
+
+    def _read(self, path: str, entities: int | slice, rows: slice | None = None) -> np.ndarray:
         """The existing rows of a dataset (n_time, n_id), of one entity or of several."""
         with _readable(self.file, f"'{path}' is damaged"):
-            values: np.ndarray = self._history[path][: len(self.time), entities]
+            values: np.ndarray = self._history[path][rows or slice(len(self.time)), entities]
             if not np.isfinite(values).all():
                 raise PostError(f"{self.file}: '{path}' is damaged: it holds what is no number")
         return values

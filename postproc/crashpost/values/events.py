@@ -53,19 +53,19 @@ def events(result: Result) -> list[Event]:
 def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
     """First touch, largest force and last release of every contact that touches."""
     start, end = float(result.time[0]), float(result.time[-1])
-    wanted = ("normal", "first_touch", "last_release")
-    columns = {c.name: result.block(family, c) for c in family.columns if c.name in wanted}
-    normal = columns.get("normal")
+    before = start - 1.0
+    columns = {column.name: column for column in family.columns}
+    forces = result.extremes(family, columns["normal"]) if "normal" in columns else None
+    touches, releases = (
+        result.last(family, columns[name]) if name in columns else np.full(len(family.ids), before)
+        for name in ("first_touch", "last_release")
+    )
     for at, entity in enumerate(family.ids):
-        touch, release = (
-            float(columns[name][-1, at]) if name in columns else start - 1.0
-            for name in ("first_touch", "last_release")
-        )
+        touch, release = float(touches[at]), float(releases[at])
         if touch >= start:
             yield Event(touch, f"{_name(entity)}: first contact")
-        if normal is not None and np.max(normal[:, at]) > 0:
-            top = int(np.argmax(normal[:, at]))
-            force = float(normal[top, at])
+        if forces is not None and forces.greatest[at] > 0:
+            force, top = float(forces.greatest[at]), int(forces.greatest_row[at])
             unit = readable("N", force)
             told = f"{number(force * factor('N', unit))} {unit}"
             yield Event(float(result.time[top]), f"{_name(entity)}: largest contact force, {told}")
@@ -74,13 +74,16 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
 
 
 def _starts(result: Result, family: Family, column: Column) -> Iterator[Event]:
-    values = np.abs(result.block(family, column))
-    for at, entity in enumerate(family.ids):
-        begun = np.flatnonzero(values[:, at] > LEAST * np.max(values[:, at]))
+    largest = result.extremes(family, column).largest
+    begun = np.full(len(family.ids), -1)
+    for first, values in result.slabs(family, column):
+        moved = np.abs(values) > LEAST * largest
+        new = (begun < 0) & moved.any(axis=0)
+        begun[new] = first + moved.argmax(axis=0)[new]
+    for entity, row in zip(family.ids, begun, strict=True):
         # what has been so from the start has not happened
-        if len(begun) and begun[0] > 0:
-            text = f"{_name(entity)} {STARTS[column.name]}"
-            yield Event(float(result.time[begun[0]]), text)
+        if row > 0:
+            yield Event(float(result.time[row]), f"{_name(entity)} {STARTS[column.name]}")
 
 
 def _name(entity: str) -> str:

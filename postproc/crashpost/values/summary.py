@@ -4,8 +4,6 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import NamedTuple
 
-import numpy as np
-
 from crashpost.results import ledger, logbook
 from crashpost.results.result import Result
 from crashpost.results.table import number, text_table
@@ -52,12 +50,15 @@ class Peak(NamedTuple):
 
 def peaks(result: Result) -> Iterator[Peak]:
     """The peaks of every channel that moves, one by one as there may be many."""
-    for channel in result.channels() if len(result.time) else ():
-        time, values, unit = result.series(channel.name)
-        low, high = int(np.argmin(values)), int(np.argmax(values))
-        peak = Peak(channel.name, unit, values[low], time[low], values[high], time[high])
-        if peak.least != peak.greatest:
-            yield peak
+    for family in result.families.values() if len(result.time) else ():
+        found = [(column, result.extremes(family, column)) for column in family.columns]
+        for at, entity in enumerate(family.ids):
+            for column, own in found:
+                if own.least[at] != own.greatest[at]:
+                    name = f"{family.word}.{entity}.{column.name}"
+                    least, greatest = float(own.least[at]), float(own.greatest[at])
+                    times = result.time[own.least_row[at]], result.time[own.greatest_row[at]]
+                    yield Peak(name, column.unit, least, times[0], greatest, times[1])
 
 
 def _heading(result: Result) -> str:

@@ -8,10 +8,11 @@ import numpy as np
 from crashsolve.deck.family import ELEMENTS, LINE, families
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.orientation import matrix, turned_by
-from crashsolve.model.model import ContactGroup, Group
+from crashsolve.model.model import Group
 from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.simulation import body_shapes
 from crashsolve.simulation.body_shapes import Piece
+from crashsolve.simulation.contact_points import ContactPoints
 from crashsolve.system.engine import Engine
 
 VELOCITY = FieldSpec("velocity", "m/s", 3, "node")
@@ -40,8 +41,6 @@ YIELDING_BEAM = {
 PER_LENGTH = ("stored", "plastic_work")
 # value of GHOST for cells that are not drawn
 DELETED = 32
-# contact points drawn per element where pairs come and go; balls in a heap have three each
-TOUCHES = 3
 
 
 class Pictures:
@@ -62,7 +61,7 @@ class Pictures:
             for g in engine.model.element_groups()
             for name, row in zip(g.names, g.parameters, strict=True)
         ]
-        self._pairs = [(g, n) for g in engine.model.contact_groups if (n := _places(g))]
+        self._contact_points = ContactPoints(engine)
         self._skin = self._pieces()
         # body of every point
         self._skin_owners = {
@@ -153,8 +152,7 @@ class Pictures:
             both = (("quad", meshed.mesh.quads[:n]), ("triangle", meshed.mesh.quads[n:, :3]))
             cells = tuple(own for own in both if len(own[1]))
             blocks.append(Block(f"part_{name}", points, cells, (VELOCITY, *specs)))
-        if self._pairs:
-            count = sum(places for _, places in self._pairs)
+        if count := self._contact_points.count:
             cells = (("vertex", np.arange(count)[:, None]),)
             specs = (FORCE, CONTACT, HIDDEN)
             blocks.append(Block("contacts", np.zeros((count, 3)), cells, specs, is_placed=True))
@@ -185,7 +183,7 @@ class Pictures:
             fields[block.name] = motion | _split_values(found)
             if self._meshed(name).can_fail:
                 fields[block.name][GHOST] = DELETED * (found["thickness"] == 0.0)
-        if self._pairs:
+        if self._contact_points.count:
             fields["contacts"] = self._contact_fields()
         return fields
 
@@ -276,32 +274,10 @@ class Pictures:
         return fields
 
     def _contact_fields(self) -> dict[str, np.ndarray]:
-        """Contact points with their forces; a pair that is apart rests on its body."""
-        found = zip(*(self._touches(g, n) for g, n in self._pairs), strict=True)
-        points, forces, cards = map(np.concatenate, found)
+        """Contact points with their forces; what is apart is hidden."""
+        points, forces, cards = self._contact_points.found()
         hidden = DELETED * ~np.any(forces, axis=1)
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
-
-    def _touches(self, g: ContactGroup, places: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Points, forces and cards of a group; of pairs that come and go, the largest forces."""
-        strength = np.linalg.norm(g.output["force"], axis=1)
-        shown = np.arange(len(strength))
-        if g.search is not None:
-            shown = np.sort(np.argsort(-strength, kind="stable")[:places])
-        home = self.engine.nodes["r"][g.elements_a["node"][g.parameters["a"][shown]]]
-        point = np.where(strength[shown, None] > 0.0, g.output["point"][shown], home)
-        # what is left over waits at the first body, without a force
-        rest = places - len(shown)
-        point = np.concatenate([point, np.tile(self.engine.nodes["r"][1], (rest, 1))])
-        force = np.concatenate([g.output["force"][shown], np.zeros((rest, 3))])
-        return point, force, np.concatenate([g.parameters["card"][shown], np.zeros(rest)])
-
-
-def _places(g: ContactGroup) -> int:
-    """Contact points drawn for a group: all its pairs, or, where these come and go, enough."""
-    if g.search is None:
-        return len(g.parameters)
-    return TOUCHES * (len(g.elements_a) + len(g.elements_b))
 
 
 def _cells(pieces: list[Piece]) -> tuple[tuple[str, np.ndarray], ...]:

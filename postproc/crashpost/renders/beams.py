@@ -1,0 +1,49 @@
+"""Elements of beams as prisms with the outline of their section."""
+
+import numpy as np
+
+from crashpost.results.states import States
+
+
+def rings(states: States, number: int, own: np.ndarray, kind: int, ends: np.ndarray) -> np.ndarray:
+    """Outlines (n, 2, k, 3) of a section at both ends of elements, each turned with its node.
+
+    `own` are the numbers of the elements, `ends` (m, 2, 3) the places of the ends of all.
+    """
+    block = states.blocks["beams"]
+    vectors = states.read(number, "beams", "rotation")["rotation"].astype(float)
+    turned = rotated(vectors).reshape(-1, 2, 3, 3)
+    start = block.points.reshape(-1, 2, 3)
+    axis = start[:, 1] - start[:, 0]
+    y = block.fixed["side"].astype(float)
+    z = np.cross(axis / np.linalg.norm(axis, axis=1)[:, None], y)
+    outline = states.sections[kind]
+    flat = y[own, None] * outline[:, :1] + z[own, None] * outline[:, 1:]
+    both = [
+        ends[own, end][:, None] + np.einsum("nij,nkj->nki", turned[own, end], flat)
+        for end in (0, 1)
+    ]
+    found: np.ndarray = np.stack(both, axis=1)
+    return found
+
+
+def prisms(count: int, corners: int) -> tuple[np.ndarray, np.ndarray]:
+    """Sides (quads) and ends (polygons) of prisms, each with two rings of corners."""
+    here = np.arange(corners)
+    after = np.roll(here, -1)
+    one = np.column_stack([here, after, after + corners, here + corners])
+    first = 2 * corners * np.arange(count)[:, None, None]
+    ends = np.stack([here[::-1], here + corners])
+    return (first + one).reshape(-1, 4), (first + ends).reshape(-1, corners)
+
+
+def rotated(vectors: np.ndarray) -> np.ndarray:
+    """Rotation matrices (n, 3, 3) of rotation vectors (n, 3) (Rodrigues)."""
+    angle = np.linalg.norm(vectors, axis=1)
+    axis = vectors / np.where(angle > 0.0, angle, 1.0)[:, None]
+    x, y, z = axis.T
+    zero = np.zeros_like(x)
+    K = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+    sine, rest = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
+    found: np.ndarray = np.eye(3) + sine * K + rest * (K @ K)
+    return found

@@ -1,0 +1,53 @@
+"""Infinite planes, drawn as rectangles below what is near them."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from crashpost.results.states import States
+
+# a plane this near to the model, of its size, is in the picture; how far planes reach beyond it
+CLOSE, PLANE_MARGIN = 0.5, 0.12
+
+
+def planes(states: States) -> np.ndarray:
+    """Numbers (n, 4) of the corners of rectangles of the ground that stand for infinite planes."""
+    block = states.blocks.get("ground")
+    if block is None or not block.cells or block.cells[0][1].shape[1] != 3:
+        return np.empty((0, 4), int)
+    cells = block.cells[0][1]
+    uses, found = np.bincount(cells.ravel(), minlength=len(block.points)), []
+    for one, two in pairwise(cells):
+        first = int(one[0])
+        corners = first + np.arange(4)
+        is_pair = (one == corners[:3]).all() and (two == corners[[0, 2, 3]]).all()
+        if is_pair and (uses[corners] == [2, 1, 2, 1]).all():
+            found.append(corners)
+    return np.array(found, int).reshape(-1, 4)
+
+
+def cut(corners: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """The rectangle (4, 3) in the plane of another that lies below points (n, 3), with a margin."""
+    axes = np.array([corners[1] - corners[0], corners[3] - corners[0]])
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    flat = (near - corners[0]) @ axes.T
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    # below a single point that falls a plane still reaches beyond it
+    margin = PLANE_MARGIN * float(np.ptp(near, axis=0).max())
+    low, high = low - margin, high + margin
+    around = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+    found: np.ndarray = corners[0] + around @ axes
+    return found
+
+
+def footprints(rectangles: list[np.ndarray], near: np.ndarray) -> np.ndarray:
+    """Where planes lie close below points (n, 3): these belong in the picture as well."""
+    found = [np.empty((0, 3))]
+    size = float(np.ptp(near, axis=0).max())
+    for corners in rectangles:
+        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        normal /= np.linalg.norm(normal)
+        height = (near - corners[0]) @ normal
+        if abs(height).min() < CLOSE * size:
+            found.append((near - height[:, None] * normal)[[np.argmin(abs(height))]])
+    return np.concatenate(found)

@@ -1,0 +1,54 @@
+"""What a drawing is made of: polygons, segments, dots and arrows with their colours.
+
+A painter (paint_vtk.py, paint_plain.py) needs nothing else.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+GREY, GROUND, LINE, ARROW, GHOST = "#9aa3ab", "#d8d3c8", "#4a535c", "#b3341f", "#b9c0c6"
+# told apart by the colour-blind, and in grey by their lightness (Okabe and Ito 2008)
+COLOURS = ("#0072b2", "#e69f00", "#56b4e9", "#cc79a7", "#009e73", "#f0e442", "#d55e00")
+
+
+@dataclass
+class Surface:
+    """Polygons of one number of corners, one colour or one value for each."""
+
+    points: np.ndarray
+    corners: np.ndarray
+    colours: list[str]  # palette
+    which: np.ndarray  # place in the palette, of each polygon
+    rows: np.ndarray  # numbers of the polygons among those of the mesh, deleted ones left out
+    values: np.ndarray | None = None
+    edges: bool = False
+    is_flat: bool = False  # of one colour, whatever the light
+
+
+@dataclass
+class Lines:
+    """Segments (n, 2, 3)."""
+
+    ends: np.ndarray
+    colour: str
+    width: float = 1.6
+    values: np.ndarray | None = None
+
+
+@dataclass
+class Dots:
+    """Balls of one colour at points (n, 3)."""
+
+    points: np.ndarray
+    colour: str = LINE
+
+
+@dataclass
+class Drawing:
+    """All that is seen at a moment."""
+
+    surfaces: list[Surface] = field(default_factory=list)
+    lines: list[Lines] = field(default_factory=list)
+    dots: list[Dots] = field(default_factory=list)
+    arrows: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)  # from, vector
