@@ -1,6 +1,7 @@
 """Claims of fibre beams: elastic they are the beam; beyond yield closed forms hold."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
+from crashsolve.parts.beams import fibres
 from crashsolve.parts.fibre_beam import IMPLICIT
 
 DECK = """
@@ -275,3 +277,17 @@ def test_a_section_of_listed_fibres_is_a_sandwich(tmp_path: Path) -> None:
     section = f"type: fibres, fibres: {flanges}, torsion: 1, shear_y: 1, shear_z: 1"
     out = bend(element(tmp_path, PERFECT, section), 0.1)
     assert float(out.moment_a[1]) == pytest.approx(4.0 * 0.4 * 1.0, rel=1e-12)
+
+
+def test_a_law_that_stiffens_tells_the_step() -> None:
+    # sigma = E (eps + c eps^3) has the slope E (1 + 3 c eps^2)
+    E, c = 2e11, 1e7
+    section = SimpleNamespace(
+        count=2, y=[0.0, 0.0], z=[0.01, -0.01], material=SimpleNamespace(young=E)
+    )
+    law = SimpleNamespace(
+        fibre_tangent=lambda m, old, i, eps, rate, curves: (0.0, -3.0 * E * c * eps**2, 0.0)
+    )
+    # stretched by 1e-3 and bent: fibres at 2e-3 and 0
+    found = fibres.stiffening(section, None, None, (1e-3, 0.1, 0.0), (0.0, 0.0, 0.0), law)
+    assert found == pytest.approx(3.0 * c * 4e-6)

@@ -210,6 +210,11 @@ def test_errors_that_grow_as_steps_shrink_are_told_and_not_extrapolated() -> Non
     assert all(e >= abs(wrong) for e, wrong in zip(told, errors.values(), strict=True))
     assert max(told[:2]) < min(told[2:])
     assert cheapest([found], trials, 4e-4) is None
+    # runs that agree better and better, about a value that is not the exact one
+    trials = [trial(1, h, 1.0 + h**2 - 4e-6) for h in (4e-3, 2e-3, 1e-3, 5e-4)]
+    exact = Watch("x", ("x",), "final", value=1.0, because="exact")
+    found = find(exact, 0, trials, None)
+    assert "its errors grow as the steps shrink" in found.notes[-1]
     # long steps that agreed by luck do not spoil what follows in order
     lucky = [1.0, 1.0 + 1e-6, *(1.0 + h**2 for h in (0.2, 0.1, 0.05, 0.025))]
     steps = [0.8 / 2**k for k in range(6)]

@@ -121,7 +121,11 @@ def force(p, old, new, out, t, h, nodes, rows, curves, material):
     out.power = dot(lag, u_dot) + dot(turn, theta_dot)
     out.loss = lost * p.length
     new.work = old.work + out.loss
-    element.act(p, out, a, b, R, v, w, strained, add(f, lag), add(m, turn), slow)
+    growth = element.act(p, out, a, b, R, v, w, strained, add(f, lag), add(m, turn), slow)
+    if not material.VON_MISES:
+        growth *= fibres.stiffening(p, old, curves, strain, rate, material)
+        a.stiffness += growth * p.rate_a
+        b.stiffness += growth * p.rate_b
     element.drag(p, out, nodes)
     out.plastic_work, out.plastic_strain = new.work, 0.0
     if material.VON_MISES:

@@ -146,7 +146,8 @@ class Run:
             self._clear_folder()
         elif dump is None:
             self.notes.append("no restart dump in the folder: the run begins anew")
-        if self.state_step < self.history_step:
+        asked = self.deck.output.states.interval
+        if asked is not None and asked < self.history_step:
             text = f"states are written with the samples, {self.history_step:.3g} s apart"
             self.notes.append(text)
         self.account = Account(

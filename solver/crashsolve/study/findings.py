@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.study.convergence import (
+    GROWS,
     NEAR,
     ROUND_OFF,
     Convergence,
@@ -297,6 +298,10 @@ def _told(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str:
         error = finding.error(curve.trials[-1])
         what = "true" if finding.kind == "exact" else f"against the {finding.kind}"
         words.append(f"{what} {_size(error, finding)}")
+        least = min(finding.error(trial) for trial in curve.trials)
+        # its own runs may agree about the wrong value
+        if error > max(GROWS * least, left, ROUND_OFF):
+            words.append("its errors grow as the steps shrink")
         if len(curve.trials) > 2 and error > 10.0 * max(left, ROUND_OFF):
             words.append("shorter steps do not lead there: the difference is not the step's")
     return "; ".join(words)

@@ -27,6 +27,7 @@ from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.system.compose import compose, load
+from crashsolve.system.contact.set_in import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
 from crashsolve.system.threads.sharing import own_arrays
@@ -130,9 +131,11 @@ class Engine:
         s = self.state
         reactions = s.rows["reaction"].tolist()
         # friction in joints needs the reactions, which need the friction
-        for _ in range(PASSES):
+        for count in range(PASSES):
             known = reactions
             self._advance(self.clock["time"], True, self._present)
+            if count == 0 and find_impact_speeds(self.model, s):
+                continue
             reactions = s.rows["reaction"].tolist()
             change = max((abs(a - b) for a, b in zip(reactions, known, strict=True)), default=0.0)
             if change <= 1e-12 * max(map(abs, known), default=0.0):

@@ -130,6 +130,10 @@ def _is_list(given: Any) -> bool:
     return isinstance(given, list | tuple)
 
 
+def _is_number(given: Any) -> bool:
+    return isinstance(given, int | float) and not isinstance(given, bool)
+
+
 class Scene(Card):
     """Pictures of the run side by side in the report, as `crashpost render` makes them."""
 
@@ -149,10 +153,14 @@ class Scene(Card):
     @classmethod
     def _known_moments(cls, given: Any) -> Any:
         """Moments keep their words, so that a bare number would mean what no unit says."""
-        words = [f"{part:g}" if part == 0 else part for part in given] if _is_list(given) else given
-        for part in words if _is_list(given) else ():
-            if not isinstance(part, str):
+        if not _is_list(given):
+            return given
+        words = ["0" if _is_number(part) and part == 0 else part for part in given]
+        for part in words:
+            if _is_number(part):
                 raise ValueError(f"a moment needs its unit: {part:g} s")
+            if not isinstance(part, str):
+                raise ValueError("a moment is text, such as 50 ms, start or max:CHANNEL")
             if part != "0" and not MOMENT.fullmatch(part.strip()):
                 raise ValueError(
                     f"unknown moment '{part}' (50 ms, start, end, or max:, min: or abs_max: before "

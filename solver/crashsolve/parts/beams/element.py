@@ -68,7 +68,7 @@ def deformation(p, a, b, R, v, w):
 def act(p, out, a, b, R, v, w, strained, f, m, slow):
     """The force f and the moments m, which belong to u and theta, on both nodes.
 
-    Writes: a, b, out.
+    Returns by how much the element is stiffer than a straight one. Writes: a, b, out.
     """
     y, u, theta, _, _, bent, _ = strained
     eta, tension = half_angle_over_sine(v, w), f[0]
@@ -93,6 +93,7 @@ def act(p, out, a, b, R, v, w, strained, f, m, slow):
     bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
     tell(p, a, growth * p.rate_a, bow * p.taut_a, taut * p.taut_a, slow)
     tell(p, b, growth * p.rate_b, bow * p.taut_b, taut * p.taut_b, slow)
+    return growth
 
 
 @kernel

@@ -64,6 +64,19 @@ def resultants(p, old, new, h, curves, strain, rate, material):
     return N, M_y, M_z, stored, lost
 
 
+@kernel
+def stiffening(p, old, curves, strain, rate, material):
+    """By how much of E the stiffest fibre of a law of its own is stiffer than E; 0 at least."""
+    most = 0.0
+    for i in range(p.count):
+        y, z = p.y[i], p.z[i]
+        eps = strain[0] + z * strain[1] - y * strain[2]
+        fast = rate[0] + z * rate[1] - y * rate[2]
+        _, softer, _ = material.fibre_tangent(p.material, old, i, eps, fast, curves)
+        most = max(most, -softer / p.material.young)
+    return most
+
+
 @inlined
 def flow_on(m, old, new, i, eps, rate, h, curves, material):
     """Stress, stored and lost energy of a fibre that yields by von Mises' stress. Writes: new."""

@@ -103,6 +103,9 @@ def laws(card: Any, scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         raise scene.fail(f"needs a material of type elastic; or {advice}", "material")
     if law.FIBRE is None:
         raise scene.fail(f"type {word} is for shells; strains of beams are small", "material")
+    if getattr(material_card, "failure_strain", None) is not None:
+        message = f"material '{card.material}' has failure_strain, which fibres do not follow"
+        raise scene.fail(f"{message}; take shells for it", "material")
     # nodes are built before curves are: what a fibre does beyond small strain is not asked here
     material = elastic.build(material_card, scene)
     law, section_card = scene.law("sections", card.section)

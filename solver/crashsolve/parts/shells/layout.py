@@ -51,6 +51,9 @@ class DiscretisedShell:
         if self.law.LARGE_STRAIN and not card.thinning:
             raise scene.fail("at large strain a shell needs true: it gets thinner", "thinning")
         self.can_fail = getattr(self.material, "failure_strain", None) is not None
+        if self.can_fail and not self.law.VON_MISES:
+            message = f"material '{card.material}' has failure_strain, and no law that fails by it"
+            raise scene.fail(message, "material")
         self._refuse_explicit(scene)
         self.rule = rule(card, scene)
         self.points = POINTS[card.element]
