@@ -21,20 +21,13 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Vec3, quantity, word
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen, turn_tangent
 from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
-from crashsolve.foundation.vec3 import (
-    add_scaled,
-    dot,
-    matvec_t,
-    norm,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 from crashsolve.hinges._card import Motion, PairCard, TurnCurve, law, pair_backbones, tip
 from crashsolve.hinges._joint import (
     COMMON,

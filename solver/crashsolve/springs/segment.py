@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
+from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
@@ -44,20 +45,7 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
-from crashsolve.foundation.vec3 import (
-    ZERO,
-    add,
-    add_scaled,
-    cross,
-    dot,
-    matvec,
-    matvec_t,
-    put,
-    scale,
-    sub,
-    unit,
-    vec,
-)
+from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
 from crashsolve.parts.beams.corotational import (
     half_angle_over_sine,
     halfway_of,

@@ -12,21 +12,10 @@ References: Howe and Cutkosky (1996), Int. J. Robotics Research 15, 557-572.
 """
 
 from crashsolve.contact.narrow._convex import tangents
+from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_force, apply_torque, note_late, point_tangent
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.touches import closing, count_stiffness, pair_mobility
 from crashsolve.system.contact.work import begin_push, way_from
 

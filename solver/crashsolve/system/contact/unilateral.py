@@ -9,22 +9,10 @@ a node of its own. Between impacts the order is that of the step, 2.
 """
 
 from crashsolve.contact.unilateral import press
+from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_force, mobility
-from crashsolve.foundation.vec3 import (
-    ZERO,
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.touches import along, separate, sum_losses
 from crashsolve.system.kinetics import drift_body
 

@@ -10,18 +10,9 @@ stable step they have little to do with the way that is gone.
 """
 
 from crashsolve.contact.cells import corner_points
+from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    cross,
-    dot,
-    matvec,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
 from crashsolve.system.points import half_turn
 
 # a pair that has not moved

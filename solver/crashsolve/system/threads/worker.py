@@ -11,9 +11,10 @@ sum has the order that it has in one thread. Consequence to test: the same bits 
 """
 
 from crashsolve.foundation.atomic import give_way, load_acquire, store_release
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import load_point
-from crashsolve.foundation.vec3 import add_to, put, vec
+from crashsolve.foundation.vec3 import put, vec
 from crashsolve.system.points import hold
 
 OPEN, DEFORM, LOAD, CLOSE = range(4)
