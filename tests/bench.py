@@ -183,15 +183,17 @@ class Rows:
         self.t += h if time else 0.0
 
     def phi(self) -> np.ndarray:
-        function = plain(self.module.residual)
-        function(self.p, self.old, self.new, self.t, self.nodes, self.rows, self.curves)
+        call = (self.p, self.old, self.new, self.t, self.nodes, self.rows, self.curves)
+        write_rows(self.module, "residual", *call)
         return self.total(self.rows.phi)
 
     def jacobian(self) -> None:
-        plain(self.module.jacobian)(self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        call = (self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        write_rows(self.module, "jacobian", *call)
 
     def gamma(self) -> np.ndarray:
-        plain(self.module.convective)(self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        call = (self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        write_rows(self.module, "convective", *call)
         return self.total(self.rows.gamma)
 
     def total(self, column: np.ndarray) -> np.ndarray:
@@ -216,6 +218,19 @@ class Rows:
 
     def velocity(self) -> np.ndarray:
         return np.array([[*node.v, *node.w] for node in self.nodes]).ravel()
+
+
+def write_rows(law: Any, word: str, p: Any, old: Any, *rest: Any) -> None:
+    """Residual, Jacobian or convective term of all rows of a joint, as the step has them."""
+    nodes, rows, _ = rest[-3:]
+    first = p.first_row
+    for basic in law.CONSTRAINTS:
+        plain(getattr(basic, word))(p, nodes, rows, first)
+        first += len(basic.ANGULAR)
+    if hasattr(law, word):
+        plain(getattr(law, word))(p, old, *rest)
+    if hasattr(law, "let_go"):
+        plain(law.let_go)(p, old, rows, law.ROWS)
 
 
 def pair_of_blocks(flips: int) -> tuple[Any, Any]:

@@ -2,11 +2,19 @@
 
 from dataclasses import dataclass, field
 from importlib import import_module
+from itertools import accumulate
 from typing import Any, ClassVar
 
 import numpy as np
 
-from crashsolve.deck.roles import FibreLaw, NormalLaw, StepFriction, StepGap, StepLaw
+from crashsolve.deck.roles import (
+    BasicConstraint,
+    FibreLaw,
+    NormalLaw,
+    StepFriction,
+    StepGap,
+    StepLaw,
+)
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.model import ledger
 
@@ -47,6 +55,23 @@ class Group:
         """Module of its kernels."""
         law: StepLaw = self.module
         return law
+
+    @property
+    def constraints(self) -> tuple[tuple[BasicConstraint, int], ...]:
+        """Basic constraints of a joint, each with the place of its first row among the joint's."""
+        basic = self.module.CONSTRAINTS
+        first = accumulate((len(b.ANGULAR) for b in basic), initial=0)
+        return tuple(zip(basic, first, strict=False))
+
+    @property
+    def has_own_rows(self) -> bool:
+        """Whether a joint has more rows than those."""
+        return hasattr(self.module, "residual")
+
+    @property
+    def comes_apart(self) -> bool:
+        """Whether a joint may let go of its bodies."""
+        return hasattr(self.module, "let_go")
 
     @property
     def fibre_law(self) -> FibreLaw:
@@ -354,7 +379,7 @@ class Model:
 
     def joint_groups(self) -> list[Group]:
         """Groups with constraint rows."""
-        return [g for g in self.groups if hasattr(g.module, "residual")]
+        return [g for g in self.groups if hasattr(g.module, "CONSTRAINTS")]
 
     def force_groups(self) -> list[Group]:
         return [g for g in self.groups if hasattr(g.module, "force")]
