@@ -105,7 +105,7 @@ class TurningForce(Protocol):
 class Branches(Protocol):
     """A law of force with corners, at which Runge-Kutta steps end."""
 
-    def beyond(self, p, old, h, nodes, curves):
+    def event(self, p, old, h, nodes, curves):
         """How far it is past the branch on which the step of h began, 0 at the corner."""
 
 

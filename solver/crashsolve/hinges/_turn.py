@@ -46,7 +46,7 @@ from crashsolve.joints.basic import rows_of
 __all__ = ["ANGULAR", "CONSTRAINTS", "FREE", "HISTORY", "LEDGER", "OUTPUT", "PARAMETERS", "ROWS"]
 __all__ += [
     "TANGENTS",
-    "beyond",
+    "event",
     "build",
     "curves",
     "force",
@@ -132,8 +132,8 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this has left the piece of the law on which the step began [rad]."""
+def event(p, old, h, nodes, curves):
+    """How far this has left the branch of the law on which the step began [rad]."""
     if old.failed == 1:
         return -1e300
     angle, rate, _ = turned(p, old.x[0], nodes)

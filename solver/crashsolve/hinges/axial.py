@@ -161,8 +161,8 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this has left the piece of the law on which the step began [m]."""
+def event(p, old, h, nodes, curves):
+    """How far this has left the branch of the law on which the step began [m]."""
     if old.failed == 1:
         return -1e300
     way, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)

@@ -241,8 +241,8 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this has left the piece of the law on which the step began [rad]."""
+def event(p, old, h, nodes, curves):
+    """How far this has left the branch of the law on which the step began [rad]."""
     if old.failed == 1:
         return -1e300
     x, y, rate, across, _, _, _, _ = turned(p, nodes)

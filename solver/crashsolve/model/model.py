@@ -384,9 +384,9 @@ class Model:
     def force_groups(self) -> list[Group]:
         return [g for g in self.groups if hasattr(g.module, "force")]
 
-    def piecewise_groups(self) -> list[Group]:
-        """Laws of several pieces that can say how far they are past the one they were on."""
-        return [g for g in self.groups if hasattr(g.module, "beyond")]
+    def branching_groups(self) -> list[Group]:
+        """Laws of several branches, with an event function that tells where one ends."""
+        return [g for g in self.groups if hasattr(g.module, "event")]
 
     def rubbing_groups(self) -> list[ContactGroup]:
         """Contacts whose friction can say how far it is past the regime it was in."""
