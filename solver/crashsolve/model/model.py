@@ -119,8 +119,31 @@ class Group:
         return ledger.entries_of(self)[1]
 
 
+class Touching:
+    """What groups of contacts say of their laws; a group has a gap routine, friction, histories."""
+
+    narrow: StepGap | None
+    friction: StepFriction | None
+    has_ends: Any
+
+    @property
+    def keeps_faces(self) -> bool:
+        """Whether a touch may go on by another face than the nearest."""
+        return self.has_ends and hasattr(self.narrow, "gap_by")
+
+    @property
+    def knows_middle(self) -> bool:
+        """Whether its gap routine can say how deep the middle of a round face is."""
+        return self.keeps_faces and hasattr(self.narrow, "middle")
+
+    @property
+    def friction_damps(self) -> bool:
+        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
+        return is_damper(self.friction)
+
+
 @dataclass
-class ContactGroup:
+class ContactGroup(Touching):
     """All contact pairs of one gap routine, one normal law and one friction law."""
 
     TABLES: ClassVar = (
@@ -166,11 +189,6 @@ class ContactGroup:
         return self.friction is not None and (self.is_flat or self.has_radius)
 
     @property
-    def friction_damps(self) -> bool:
-        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
-        return is_damper(self.friction)
-
-    @property
     def has_ends(self) -> bool:
         """Whether pairs remember their way out."""
         return "passed" in (self.history.dtype.names or ())
@@ -179,16 +197,6 @@ class ContactGroup:
     def rests(self) -> bool:
         """Whether a pair is left alone until it may have moved as far as it was apart."""
         return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
-
-    @property
-    def keeps_faces(self) -> bool:
-        """Whether a touch may go on by another face than the nearest."""
-        return self.has_ends and hasattr(self.narrow, "gap_by")
-
-    @property
-    def knows_middle(self) -> bool:
-        """Whether its gap routine can say how deep the middle of a round face is."""
-        return self.keeps_faces and hasattr(self.narrow, "middle")
 
     @property
     def looks_ahead(self) -> bool:
@@ -221,7 +229,7 @@ class ContactGroup:
 
 
 @dataclass
-class NodalGroup:
+class NodalGroup(Touching):
     """Nodes of shells on a shape, or nodes and balls on the faces of a shell, under one card."""
 
     word: str
@@ -255,21 +263,6 @@ class NodalGroup:
     def is_round(self) -> bool:
         """Whether ellipsoids press."""
         return "ellipsoids" in self.arrays
-
-    @property
-    def keeps_faces(self) -> bool:
-        """Whether a touch may go on by another face than the nearest."""
-        return self.has_ends and hasattr(self.narrow, "gap_by")
-
-    @property
-    def knows_middle(self) -> bool:
-        """Whether its gap routine can say how deep the middle of a round face is."""
-        return self.keeps_faces and hasattr(self.narrow, "middle")
-
-    @property
-    def friction_damps(self) -> bool:
-        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
-        return is_damper(self.friction)
 
     def __getattr__(self, name: str) -> Any:
         arrays = self.__dict__.get("arrays", {})
