@@ -57,7 +57,9 @@ BATTERY = {
     "verification/hinges/stops": 40,
     "verification/joints/screw": 40,
     "verification/joints/slide_driver": 40,
+    "verification/joints/slide_limit": 60,
     "verification/joints/turn_friction": 40,
+    "verification/joints/turn_limit": 60,
     "verification/joints/universal 2": 40,
     "verification/joints/weld": 40,
     "verification/parts/fibre_beam": 40,
@@ -70,6 +72,8 @@ BATTERY = {
     "verification/parts/welded": 40,
     "verification/springs/brake": 40,
     "verification/springs/bushing": 40,
+    "verification/springs/curve": 60,
+    "verification/springs/curve_torsional": 60,
 }
 # names of tables in older versions
 SHORT = {
