@@ -9,9 +9,11 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
+import pytest
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.bordered import BLOCK, PLACE
+from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
 from crashsolve.model.build import build
@@ -28,6 +30,23 @@ bodies:
     position: [0.9, 0.4, 0.3]
     rotation: {axis: [1, 2, 3], angle: 0.4}
     mass_centre: [0, -0.1, 0]
+"""
+
+
+# an element of a beam, with WORDS of its part
+ONE_BEAM = """
+title: one element
+control: {end_time: 1}
+materials: {soft: {type: elastic, young: 2000, poisson: 0.3, density: 3}}
+sections: {plate: {type: rectangle, width: 0.5, height: 0.8}}
+parts:
+  s:
+    type: beam
+    mesh: {shape: line, from: [0.2, -0.1, 0.4], to: [1.2, 0.9, 0.1], elements: 1}
+    section: plate
+    material: soft
+    side: [0, 0, 1]
+    WORDS
 """
 
 
@@ -183,15 +202,17 @@ class Rows:
         self.t += h if time else 0.0
 
     def phi(self) -> np.ndarray:
-        function = plain(self.module.residual)
-        function(self.p, self.old, self.new, self.t, self.nodes, self.rows, self.curves)
+        call = (self.p, self.old, self.new, self.t, self.nodes, self.rows, self.curves)
+        write_rows(self.module, "residual", *call)
         return self.total(self.rows.phi)
 
     def jacobian(self) -> None:
-        plain(self.module.jacobian)(self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        call = (self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        write_rows(self.module, "jacobian", *call)
 
     def gamma(self) -> np.ndarray:
-        plain(self.module.convective)(self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        call = (self.p, self.old, self.t, self.nodes, self.rows, self.curves)
+        write_rows(self.module, "convective", *call)
         return self.total(self.rows.gamma)
 
     def total(self, column: np.ndarray) -> np.ndarray:
@@ -216,6 +237,37 @@ class Rows:
 
     def velocity(self) -> np.ndarray:
         return np.array([[*node.v, *node.w] for node in self.nodes]).ravel()
+
+
+def write_rows(law: Any, word: str, p: Any, old: Any, *rest: Any) -> None:
+    """Residual, Jacobian or convective term of all rows of a joint, as the step has them."""
+    nodes, rows, _ = rest[-3:]
+    first = p.first_row
+    for basic in law.CONSTRAINTS:
+        plain(getattr(basic, word))(p, nodes, rows, first)
+        first += len(basic.ANGULAR)
+    if hasattr(law, word):
+        plain(getattr(law, word))(p, old, *rest)
+    if hasattr(law, "let_go"):
+        plain(law.let_go)(p, old, rows, law.ROWS)
+
+
+def refusal(folder: Path, text: str) -> str:
+    """What is told of a deck that cannot be built."""
+    path = folder / "deck.yaml"
+    path.write_text(text, "utf-8")
+    with pytest.raises(DeckErrors) as caught:
+        build(read_deck(path))
+    return str(caught.value)
+
+
+def assert_balanced(nodes: Any) -> None:
+    """That there are forces on the bodies, and that their sum and their moment vanish."""
+    assert np.abs(nodes.torque).max() > 0.1
+    moment = (nodes.torque + np.cross(nodes.r, nodes.force)).sum(axis=0)
+    # sums of six products of numbers below 1e3
+    np.testing.assert_allclose(nodes.force.sum(axis=0), 0.0, atol=1e-11)
+    np.testing.assert_allclose(moment, 0.0, atol=1e-11)
 
 
 def pair_of_blocks(flips: int) -> tuple[Any, Any]:

@@ -15,7 +15,9 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(ROOT / "postproc")]
+sys.path[:0] = [str(ROOT / "postproc"), str(ROOT / "decks")]
+
+from pages import values, write_page  # noqa: E402
 
 from crashpost.results.result import Result  # noqa: E402
 
@@ -77,10 +79,6 @@ def status(out: Path) -> dict[str, Any]:
 def cost(out: Path) -> float:
     """CPU time of steps and output [s]."""
     return sum(status(out)["cpu_stages"][stage] for stage in ("steps", "output"))
-
-
-def values(result: Result, channel: str) -> np.ndarray:
-    return np.asarray(result.series(channel).values)
 
 
 def force(result: Result) -> tuple[np.ndarray, np.ndarray]:
@@ -252,10 +250,7 @@ def main() -> None:
         draw_film(runs["reduced, 5 mm"], plt)
         parts = {"COMPARED": compared(runs), "CHECKED": checked(runs), "FOLD": fold(coarse)}
         parts["STEPS"] = steps
-    text = (PICTURES / "page.txt").read_text("utf-8")
-    for name, part in parts.items():
-        text = text.replace(f"@{name}@", part)
-    (HERE / "tube_crush.md").write_text(text, "utf-8")
+    write_page(HERE / "tube_crush.md", parts)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,9 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(ROOT / "postproc")]
+sys.path[:0] = [str(ROOT / "postproc"), str(ROOT / "decks")]
+
+from pages import values, write_page  # noqa: E402
 
 from crashpost.results.result import Result  # noqa: E402
 
@@ -65,10 +67,6 @@ class Runs:
     def beam(self, model: str, elements: int, mu: float, **settings: Any) -> Result:
         kind, given = MODELS[model]
         return self(f"beam_impact_10_{kind}", elements=elements, mu=mu, **given, **settings)
-
-
-def values(result: Result, channel: str) -> np.ndarray:
-    return np.asarray(result.series(channel).values)
 
 
 def places(result: Result, time: float, nodes: list[str]) -> np.ndarray:
@@ -302,10 +300,7 @@ def main() -> None:
             "GROUPS": groups_table(runs),
             "EQUIVALENCE": equivalence_table(runs),
         }
-    text = (PICTURES / "page.txt").read_text("utf-8")
-    for name, part in parts.items():
-        text = text.replace(f"@{name}@", part)
-    (HERE / "beam_impact.md").write_text(text, "utf-8")
+    write_page(HERE / "beam_impact.md", parts)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,9 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(ROOT / "postproc")]
+sys.path[:0] = [str(ROOT / "postproc"), str(ROOT / "decks")]
+
+from pages import finished, values  # noqa: E402
 
 from crashpost.results.result import Result  # noqa: E402
 
@@ -102,17 +104,6 @@ class Runs:
         """CPU time of the steps [s]."""
         status = json.loads((self.folder / f"{scene}.{name}" / "status.json").read_text("utf-8"))
         return float(status["cpu_steps"])
-
-
-def finished(folder: Path) -> bool:
-    """Whether a run has come to its normal end there."""
-    log = folder / "log.txt"
-    return log.exists() and "N o r m a l" in log.read_text("utf-8")
-
-
-def values(result: Result, channel: str) -> np.ndarray:
-    found: np.ndarray = result.series(channel).values
-    return found
 
 
 def collapse(result: Result) -> np.ndarray:

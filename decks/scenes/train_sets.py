@@ -16,7 +16,9 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(ROOT / "postproc")]
+sys.path[:0] = [str(ROOT / "postproc"), str(ROOT / "decks")]
+
+from pages import finished, values, write_page  # noqa: E402
 
 from crashpost.results.result import Result  # noqa: E402
 
@@ -62,17 +64,6 @@ class Runs:
                 command += ["--set", word]
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         return Result(folder)
-
-
-def finished(folder: Path) -> bool:
-    """Whether a run has come to its normal end there."""
-    log = folder / "log.txt"
-    return log.exists() and "N o r m a l" in log.read_text("utf-8")
-
-
-def values(result: Result, channel: str) -> np.ndarray:
-    found: np.ndarray = result.series(channel).values
-    return found
 
 
 def interface(i: int) -> str:
@@ -399,10 +390,7 @@ def main() -> None:
             "AGREE": plane_and_space(runs),
             "SPACE": space_table(runs),
         }
-    text = (PICTURES / "page.txt").read_text("utf-8")
-    for name, part in parts.items():
-        text = text.replace(f"@{name}@", part)
-    (HERE / "train_sets.md").write_text(text, "utf-8")
+    write_page(HERE / "train_sets.md", parts)
 
 
 if __name__ == "__main__":

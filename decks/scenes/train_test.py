@@ -6,15 +6,16 @@ One number at a time at both ends of the range that its comment in train_test.ya
 together, by `crashsolve sweep`. A sweep whose table is in FOLDER is not repeated.
 """
 
-import csv
-import json
 import re
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent)]
+
+from pages import swept  # noqa: E402
+
 DECK = HERE / "train_test.yaml"
 _LINE = re.compile(
     r'^  (?P<name>\w+): "?(?P<value>[^\s"]+)(?P<unit> t)?"? +# (?:assumed|shaped)\b.*?: '
@@ -116,16 +117,7 @@ def run(folder: Path) -> list[dict[str, str]]:
         "vary": vary,
         "measure": measures,
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    # JSON is YAML
-    path = folder / "train_test.plan.yaml"
-    path.write_text(json.dumps(plan, indent=1), "utf-8")
-    made = folder / "train_test.sweep" / "sweep.csv"
-    if not made.exists():
-        command = [sys.executable, "-m", "crashsolve", "sweep", str(path), "-o", str(made.parent)]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    with made.open(encoding="utf-8") as rows:
-        return list(csv.DictReader(rows))
+    return swept(plan, folder / "train_test.plan.yaml", folder / "train_test.sweep")
 
 
 def line(name: str, row: dict[str, str]) -> str:

@@ -52,9 +52,16 @@ BATTERY = {
     "verification/contact/unilateral": 60,
     "verification/friction/bristle": 60,
     "verification/friction/stribeck 4": 30,
+    "verification/hinges/loops": 60,
+    "verification/hinges/portal": 40,
+    "verification/hinges/stops": 40,
+    "verification/joints/screw": 40,
     "verification/joints/slide_driver": 40,
+    "verification/joints/slide_limit": 60,
     "verification/joints/turn_friction": 40,
+    "verification/joints/turn_limit": 60,
     "verification/joints/universal 2": 40,
+    "verification/joints/weld": 40,
     "verification/parts/fibre_beam": 40,
     "verification/parts/fibre_implicit": 4,
     "verification/parts/shell_blast": 10,
@@ -63,8 +70,10 @@ BATTERY = {
     "verification/parts/shell_implicit": 2,
     "verification/parts/shell_triangles": 3,
     "verification/parts/welded": 40,
-    "verification/springs/brake 2": 40,
+    "verification/springs/brake": 40,
     "verification/springs/bushing": 40,
+    "verification/springs/curve": 60,
+    "verification/springs/curve_torsional": 60,
 }
 # names of tables in older versions
 SHORT = {

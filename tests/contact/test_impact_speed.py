@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from touching import Contact
+from touching import Contact, pressed_apart
 
 from crashsolve.contact.normal._restitution import damping_factor, returned
 
@@ -61,7 +61,7 @@ def test_what_is_set_in_leaves_as_from_the_impact_that_goes_as_deep(
     chi, x = float(contact.p.chi), float(contact.p.returned)
     # (E2) and (E1) of theory/contact.md
     v = sqrt(K * depth ** (N + 1) / ((N + 1) * MASS * (1 / chi - np.log1p(chi) / chi**2)))
-    speed = leaving(contact, depth, h=2e-6)
+    speed = pressed_apart(contact, depth, 0.0, 2e-6, MASS)[0]
     # some 2000 steps of a method of order 2
     assert speed == pytest.approx(x * v, rel=1e-4)
 
@@ -77,27 +77,11 @@ def test_what_is_pressed_slowly_and_let_go_leaves_whatever_the_speed_of_pressing
         contact.accept()
         contact.press(depth, 0.0, h=1.0, mass=MASS)
         contact.accept()
-        speed = leaving(contact, depth, h=2e-6)
+        speed = pressed_apart(contact, depth, 0.0, 2e-6, MASS)[0]
         energy = K * depth ** (N + 1) / (N + 1)
         expected = sqrt(2 * energy * (1 - damping_factor(e) * e) / MASS)
         # the pressing speed is a thousandth of the other, or less
         assert speed == pytest.approx(expected, rel=2e-3)
-
-
-def leaving(contact: Contact, depth: float, h: float) -> float:
-    """Speed at which a mass leaves that is at rest at this depth, by the velocity Verlet method."""
-    x, v = depth, 0.0
-    now = contact.press(x, v, 0.0, MASS)
-    contact.accept()
-    while True:
-        half = v - 0.5 * h * now.force / MASS
-        x += h * half
-        if x <= 0.0:
-            return -half
-        after = contact.press(x, half - 0.5 * h * now.force / MASS, h, MASS)
-        v = half - 0.5 * h * after.force / MASS
-        now = after
-        contact.accept()
 
 
 @pytest.mark.parametrize("name", LAWS)

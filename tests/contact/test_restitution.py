@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from touching import Contact
+from touching import Contact, pressed_apart
 
 from crashsolve.contact.normal._restitution import damping_factor, returned
 from crashsolve.contact.normal.kelvin_voigt import damping_ratio
@@ -58,7 +58,7 @@ def test_no_damping_returns_everything() -> None:
 def test_an_impact_step_by_step_obeys_the_exact_relation(tmp_path: Path, law: str) -> None:
     contact = Contact(tmp_path, law)
     chi = float(contact.p.chi)
-    v_out, _ = impact(contact, mass=3.0, speed=2.0, h=1e-5)
+    v_out, _ = pressed_apart(contact, 0.0, 2.0, 1e-5, mass=3.0)
     # second order: about 1000 steps in a contact
     assert v_out == pytest.approx(2.0 * returned(chi), rel=2e-5)
 
@@ -67,27 +67,10 @@ def test_an_impact_step_by_step_obeys_the_exact_relation(tmp_path: Path, law: st
 @pytest.mark.parametrize("mass", (0.5, 3.0))
 def test_spring_and_damper_return_what_is_asked(tmp_path: Path, e: float, mass: float) -> None:
     contact = Contact(tmp_path, f"{{type: kelvin_voigt, stiffness: 1e4, restitution: {e}}}")
-    v_out, lost = impact(contact, mass, speed=2.0, h=5e-6 * sqrt(mass))
+    v_out, lost = pressed_apart(contact, 0.0, 2.0, 5e-6 * sqrt(mass), mass)
     # second order, over 2000 steps in a contact
     assert v_out == pytest.approx(2.0 * e, abs=2e-5)
     assert lost == pytest.approx(2.0 * mass * (1.0 - e * e), rel=5e-5)
-
-
-def impact(contact: Contact, mass: float, speed: float, h: float) -> tuple[float, float]:
-    """Speed and energy lost after a free impact, by the velocity Verlet method."""
-    x, v, lost = 0.0, speed, 0.0
-    now = contact.press(x, v, 0.0, mass)
-    contact.accept()
-    while True:
-        half = v - 0.5 * h * now.force / mass
-        x += h * half
-        if x <= 0.0:
-            return -half, lost
-        after = contact.press(x, half - 0.5 * h * now.force / mass, h, mass)
-        v = half - 0.5 * h * after.force / mass
-        lost += 0.5 * h * (now.power + after.power) + after.loss
-        now = after
-        contact.accept()
 
 
 @pytest.mark.parametrize("law", RETURNED)

@@ -112,3 +112,25 @@ class Contact:
 
     def _spoil(self, law: Any) -> None:
         spoil(self.new, law.HISTORY)
+
+
+def pressed_apart(
+    contact: Contact, depth: float, speed: float, h: float, mass: float
+) -> tuple[float, float]:
+    """Speed at which a free mass leaves, and the energy lost, by the velocity Verlet method.
+
+    It begins at a depth with a closing speed [m, m/s].
+    """
+    x, v, lost = depth, speed, 0.0
+    now = contact.press(x, v, 0.0, mass)
+    contact.accept()
+    while True:
+        half = v - 0.5 * h * now.force / mass
+        x += h * half
+        if x <= 0.0:
+            return -half, lost
+        after = contact.press(x, half - 0.5 * h * now.force / mass, h, mass)
+        v = half - 0.5 * h * after.force / mass
+        lost += 0.5 * h * (now.power + after.power) + after.loss
+        now = after
+        contact.accept()

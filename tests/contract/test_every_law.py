@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from bench import Bench, Law, Rows, plain, written
 
-from crashsolve.deck.family import ANY, families, provided
+from crashsolve.deck.family import ANY, constants, families, provided
 from crashsolve.deck.laws import law_class, types_in
 from crashsolve.foundation.record import Record
 from crashsolve.model.nodes import COMPLIANT
@@ -25,12 +25,12 @@ IMPLICIT = {"radau_iia_5", "generalized_alpha"}
 SEEDS = range(2)
 
 
-def laws_with(function: str) -> list[tuple[str, str]]:
-    """Sections and types of the families whose laws provide a function."""
+def laws_with(what: str) -> list[tuple[str, str]]:
+    """Sections and types of the families whose laws provide a function or constant."""
     return [
         (name, word)
         for name, family in families().items()
-        if function in provided(family.law) and family.entry is not None
+        if what in (*provided(family.law), *constants(family.law)) and family.entry is not None
         for word in types_in(family.folder)
     ]
 
@@ -47,7 +47,7 @@ def acts_on_points(law: tuple[str, str]) -> bool:
 
 FORCES = [law for law in laws_with("force") if not acts_on_points(law)]
 BETWEEN = [law for law in FORCES if not hasattr(module_of(law), "AMPLITUDE")]
-ROWS = laws_with("residual")
+ROWS = laws_with("CONSTRAINTS")
 # central differences with steps of 1e-5: truncation 1e-10 times third derivatives of order 100,
 # round-off 1e-16 / 1e-5
 STEP, TOLERANCE = 1e-5, 2e-8

@@ -142,12 +142,8 @@ control: {end_time: 2e-4, step: 1e-6}
 materials: {steel: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
 sections: {rod: {type: circle, radius: 0.01}}
 parts:
-  bar:
-    type: beam
-    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 1}
-    section: rod
-    material: steel
-    velocity: [0, 0, 1]
+  bar: {type: beam, section: rod, material: steel, velocity: [0, 0, 1],
+        mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 1}}
 output: {history: {interval: 1e-4}}
 watch: [rbdout.bar_end.velocity.z]
 """

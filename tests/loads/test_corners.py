@@ -72,13 +72,8 @@ materials:
   steel: {type: elastoplastic, young: 1e9, poisson: 0, density: 1000, yield_stress: 1e6, hardening: 1e8}
 sections: {bar: {type: rectangle, width: 0.01, height: 0.01}}
 parts:
-  bar:
-    type: fibre_beam
-    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 1}
-    section: bar
-    material: steel
-    side: [0, 1, 0]
-    fibres: [2, 2]
+  bar: {type: fibre_beam, section: bar, material: steel, side: [0, 1, 0], fibres: [2, 2],
+        mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 1}}
 curves: {pull: {points: [[0, 0], [0.5, 1], [1, 0]]}}
 joints: {wall: {type: weld, b: bar_start, at: [0, 0, 0]}}
 loads: {pull: {type: force, body: bar_end, force: [200, 0, 0], curve: pull}}

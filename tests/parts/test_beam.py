@@ -4,27 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, Law, exponential, matrix_of_pair, pair_of_blocks, plain, written
+from bench import ONE_BEAM, Bench, Law, exponential, matrix_of_pair, pair_of_blocks, plain, written
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.orientation import matrix
 from crashsolve.model.build import build
 from crashsolve.model.nodes import COMPLIANT
 
-DECK = """
-title: one element
-control: {end_time: 1}
-materials: {soft: {type: elastic, young: 2000, poisson: 0.3, density: 3}}
-sections: {plate: {type: rectangle, width: 0.5, height: 0.8}}
-parts:
-  s:
-    type: beam
-    mesh: {shape: line, from: [0.2, -0.1, 0.4], to: [1.2, 0.9, 0.1], elements: 1}
-    section: plate
-    material: soft
-    side: [0, 0, 1]
-    damping: DAMPING
-"""
+DECK = ONE_BEAM.replace("WORDS", "damping: DAMPING")
 # a step of differences: relative error h^2 = 1e-10 times third derivatives over first, some units,
 # and round-off 1e-16 / h
 STEP = 1e-5

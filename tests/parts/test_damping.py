@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import Bench, Law
+from bench import ONE_BEAM, Bench, Law
 from shells import SQUARE, Elements
 
 from crashsolve.deck.reading.deck import read_deck
@@ -13,20 +13,7 @@ from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.system.diagnosis import limiter
 
-DECK = """
-title: damped
-control: {end_time: 1, safety: 0.5}
-materials: {soft: {type: elastic, young: 2000, poisson: 0.3, density: 3}}
-sections: {plate: {type: rectangle, width: 0.5, height: 0.8}}
-parts:
-  s:
-    type: beam
-    mesh: {shape: line, from: [0.2, -0.1, 0.4], to: [1.2, 0.9, 0.1], elements: 1}
-    section: plate
-    material: soft
-    side: [0, 0, 1]
-    WORDS
-"""
+DECK = ONE_BEAM.replace("end_time: 1", "end_time: 1, safety: 0.5")
 VISCOUS = "viscosity: {linear: 0.2, quadratic: 1.1}"
 AXIS = np.array([1.0, 1.0, -0.3])
 LENGTH = float(np.linalg.norm(AXIS))

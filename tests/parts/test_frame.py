@@ -17,19 +17,13 @@ parts:
   line:
     type: beam
     mesh: {shape: line, from: [0, 0, 0], to: [0.6, 0.8, 0], elements: 3}
-    section: flat
-    material: steel
-    side: [0, 0, 1]
-    damping: 1e-3
+    <<: &alike {section: flat, material: steel, side: [0, 0, 1], damping: 1e-3}
   bar:
     type: frame
     points: [[0, 0, 0], [0.6, 0.8, 0]]
     bars: [[1, 2]]
     elements: 3
-    section: flat
-    material: steel
-    side: [0, 0, 1]
-    damping: 1e-3
+    <<: *alike
 """
 LINE = ["line_start", "line_1", "line_2", "line_end"]
 BAR = ["bar_1", "bar_bar1_1", "bar_bar1_2", "bar_2"]

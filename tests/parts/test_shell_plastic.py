@@ -10,7 +10,7 @@ from shells import KINDS, ODD, SQUARE, Elements
 
 from crashsolve.foundation.curve import curve_line, curve_value, pack
 from crashsolve.materials._von_mises import LAYER
-from crashsolve.parts.shells.plasticity import beside_at
+from crashsolve.parts.shells.plasticity import transverse_square
 from crashsolve.parts.shells.records import (
     BLOCK,
     SLOT,
@@ -47,14 +47,14 @@ def size(xi: np.ndarray) -> np.ndarray:
 
 
 def whole(shell: Elements, slot: int, xi: np.ndarray) -> float:
-    """Von Mises' stress of the layer in a slot, with what is beside its plane."""
+    """Von Mises' stress of the layer in a slot, with transverse shear and hourglass."""
     work = shell.scene.work
     left = 1.0 / (
         1.0 + shell.p.material.falls_2 * work.reshape(-1, 16)[SLOT.SIZE * slot + SLOT.g, 0]
     )
     zeta = shell.p.zeta[int(work.reshape(-1, 16)[WORK.yielding, slot])]
-    beside: Any = plain(beside_at)
-    return float(np.hypot(size(xi[None])[0], left * np.sqrt(beside(work, 0, zeta))))
+    transverse: Any = plain(transverse_square)
+    return float(np.hypot(size(xi[None])[0], left * np.sqrt(transverse(work, 0, zeta))))
 
 
 def stretched(strain: Any) -> np.ndarray:

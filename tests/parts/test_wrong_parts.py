@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
+from bench import refusal
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.model.build import build
 
 DECK = """title: wrong beam
 control: {end_time: 1}
@@ -40,11 +40,7 @@ WRONG = {
 def test_a_wrong_beam_is_refused(tmp_path: Path, right: str) -> None:
     wrong, message = WRONG[right]
     assert right in DECK
-    path = tmp_path / "beam.yaml"
-    path.write_text(DECK.replace(right, wrong), "utf-8")
-    with pytest.raises(DeckErrors) as caught:
-        build(read_deck(path))
-    assert message in str(caught.value)
+    assert message in refusal(tmp_path, DECK.replace(right, wrong))
 
 
 def test_a_node_that_does_not_exist_is_named_with_those_that_do(tmp_path: Path) -> None:

@@ -279,11 +279,8 @@ output: {history: {interval: 0.01}}
 materials: {m: {type: elastic, young: 1e5, poisson: 0, density: 1000}}
 sections: {s: {type: circle, radius: 0.05}}
 parts:
-  bar:
-    type: beam
-    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}
-    section: s
-    material: m
+  bar: {type: beam, section: s, material: m,
+        mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}}
 joints: {clamp: {type: weld, b: bar_start, at: [0, 0, 0]}}
 loads: {pull: {type: gravity, acceleration: [1, 0, 0]}}
 expect:

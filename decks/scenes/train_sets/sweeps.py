@@ -3,13 +3,14 @@
 The ranges are those in the comments of shared/rail_numbers.yaml and shared/rail_trains.yaml.
 """
 
-import csv
-import json
 import re
-import subprocess
 import sys
 from pathlib import Path
 from typing import NamedTuple
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2])]
+
+from pages import swept  # noqa: E402
 
 SHARED = Path(__file__).resolve().parents[1] / "shared"
 DECK = SHARED.parent / "train_sets.yaml"
@@ -94,7 +95,6 @@ def _measures() -> list[dict[str, str]]:
 
 def _sweep(folder: Path, design: dict[str, object], vary: dict[str, object]) -> list[Extreme]:
     """Write the plan, run it by `crashsolve sweep`, and read its table."""
-    folder.mkdir(parents=True, exist_ok=True)
     plan = {
         "title": "What the assumed numbers of the train sets are worth",
         "deck": str(DECK),
@@ -108,15 +108,7 @@ def _sweep(folder: Path, design: dict[str, object], vary: dict[str, object]) -> 
         "vary": vary,
         "measure": _measures(),
     }
-    # JSON is YAML
-    path = folder / "assumed.plan.yaml"
-    path.write_text(json.dumps(plan, indent=1), "utf-8")
-    made = folder / "runs" / "sweep.csv"
-    if not made.exists():
-        command = [sys.executable, "-m", "crashsolve", "sweep", str(path), "-o", str(made.parent)]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    with made.open(encoding="utf-8") as rows:
-        return [_extreme(row) for row in csv.DictReader(rows)]
+    return [_extreme(row) for row in swept(plan, folder / "assumed.plan.yaml", folder / "runs")]
 
 
 def _extreme(row: dict[str, str]) -> Extreme:

@@ -68,7 +68,7 @@ def check(card: Unilateral, scene: Any, nodes_a: set[int], nodes_b: set[int]) ->
 
 
 @kernel
-def press(p, P, u, n, lift, mobility, mobility_along):
+def unilateral_impulse(p, P, u, n, lift, mobility, mobility_along):
     """Impulse on side a, from P at velocity u over b, that leaves no v_n below `lift` [N s].
 
     The mobilities [1/kg] are those along n and along the slip.

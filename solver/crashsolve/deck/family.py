@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
 
-from crashsolve.deck.roles import Expanded
+from crashsolve.deck.roles import Expanded, OwnRows
 from crashsolve.foundation.errors import CrashsolveError
 
 PACKAGE = __name__.partition(".")[0]
@@ -67,7 +67,7 @@ class Family:
     @property
     def has_rows(self) -> bool:
         """Whether its laws bring constraint rows, as joints do."""
-        return "residual" in provided(self.law)
+        return "CONSTRAINTS" in constants(self.law)
 
     @property
     def acts(self) -> bool:
@@ -106,6 +106,8 @@ def check_law(module: Any) -> None:
         return
     law = Expanded if hasattr(module, "expand") else family.law
     wanted = {name: getattr(law, name) for name in provided(law)}
+    if family.has_rows and _has_own_rows(module):
+        wanted |= {name: getattr(OwnRows, name) for name in provided(OwnRows)}
     told = [f"{name} ({_first_line(wanted[name])})" for name in wanted if not hasattr(module, name)]
     told += [name for name in constants(law) if not hasattr(module, name)]
     if told:
@@ -122,6 +124,19 @@ def check_law(module: Any) -> None:
         ):
             message = f"{name}({', '.join(asked)}), not {name}({', '.join(given)})"
             raise FamilyError(f"{module.__name__} must provide {message}")
+
+
+def _has_own_rows(module: Any) -> bool:
+    """Whether a joint has rows that none of its basic constraints brings.
+
+    Raises FamilyError where their number is not that of all its rows.
+    """
+    basic = sum(len(part.ANGULAR) for part in getattr(module, "CONSTRAINTS", ()))
+    rows, told = getattr(module, "ROWS", basic), len(getattr(module, "ANGULAR", ()))
+    if rows != told or rows < basic:
+        count = f"{basic} of CONSTRAINTS, {told} of ANGULAR"
+        raise FamilyError(f"{module.__name__}: ROWS is {rows}, beside {count}")
+    return bool(rows > basic)
 
 
 def _arguments(function: Any) -> tuple[str, ...]:

@@ -22,11 +22,31 @@ class Expanded(Protocol):
         """Entries by keyword and name, as a deck has them."""
 
 
-class Constraint(Protocol):
-    """Constraint rows between bodies, from row p.first_row on."""
+class BasicConstraint(Protocol):
+    """Rows of which joints are made, from row r on (joints/basic)."""
 
+    ANGULAR: tuple[bool, ...]
+
+    def residual(self, p, nodes, rows, r):
+        """Phi(q). Writes: rows.phi."""
+
+    def jacobian(self, p, nodes, rows, r):
+        """D, and nu = 0. Writes: rows.D, nu."""
+
+    def convective(self, p, nodes, rows, r):
+        """gamma = -D_dot v. Writes: rows.gamma."""
+
+
+class Constraint(Protocol):
+    """Constraint rows between bodies, from row p.first_row on: basic ones, then its own."""
+
+    CONSTRAINTS: tuple[Any, ...]
     ROWS: int
     ANGULAR: tuple[bool, ...]
+
+
+class OwnRows(Protocol):
+    """A constraint with rows that its file writes itself, behind its basic ones."""
 
     def residual(self, p, old, new, t, nodes, rows, curves):
         """Phi(q, t). Writes: rows.phi, new."""
@@ -36,6 +56,13 @@ class Constraint(Protocol):
 
     def convective(self, p, old, t, nodes, rows, curves):
         """gamma = -D_dot v - Phi_tt. Writes: rows.gamma."""
+
+
+class Releasing(Protocol):
+    """A constraint that comes apart."""
+
+    def let_go(self, p, old, rows, count):
+        """Rows that hold nothing, where it has. Writes: rows.phi, D, nu, gamma."""
 
 
 class Force(Protocol):
@@ -78,7 +105,7 @@ class TurningForce(Protocol):
 class Branches(Protocol):
     """A law of force with corners, at which Runge-Kutta steps end."""
 
-    def beyond(self, p, old, h, nodes, curves):
+    def event(self, p, old, h, nodes, curves):
         """How far it is past the branch on which the step of h began, 0 at the corner."""
 
 
@@ -190,7 +217,8 @@ class FibreLaw(Protocol):
 
 
 class StepLaw(
-    Constraint,
+    OwnRows,
+    Releasing,
     Force,
     Reading,
     Following,

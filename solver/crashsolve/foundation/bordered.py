@@ -19,7 +19,7 @@ import numpy as np
 from crashsolve.foundation import saddle
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.saddle import REDUNDANT, Saddle, subtract
+from crashsolve.foundation.saddle import REDUNDANT, Saddle, hand_down, subtract, take_up
 
 COLUMN = saddle.COLUMN + Record(
     node=("index", "the node; 0 for a joint"),
@@ -340,13 +340,7 @@ def solve_down(c, columns, blocks, m):
     for i in range(m):
         for k in range(i):
             w[i] -= x[6 * i + k] * w[k]
-    for e in range(c.block + 1, c.block_end):
-        b, below = blocks[e].x, columns[blocks[e].column]
-        for i in range(below.rows):
-            y = 0.0
-            for k in range(m):
-                y += b[6 * i + k] * w[k]
-            below.work[i] -= y
+    hand_down(c, columns, blocks, m)
 
 
 @inlined
@@ -354,11 +348,7 @@ def solve_up(c, columns, blocks, m):
     """Backward substitution of one block of m rows. Writes: c.work."""
     x, w = blocks[c.block].x, c.work
     for e in range(c.block + 1, c.block_end):
-        b, below = blocks[e].above, columns[blocks[e].column]
-        for i in range(below.rows):
-            y = below.work[i]
-            for k in range(m):
-                w[k] -= b[6 * i + k] * y
+        take_up(blocks[e].above, columns[blocks[e].column], w, m)
     for i in range(m - 1, -1, -1):
         y = w[i]
         for j in range(i + 1, m):

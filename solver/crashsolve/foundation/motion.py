@@ -4,8 +4,9 @@
 f there adds f to the body's force and d x f to its torque about the mass centre.
 """
 
+from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import add, add_to, cross, dot, matvec, scale, sub, vec
+from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
 
 
 @kernel

@@ -6,8 +6,9 @@ the rotation of the energy and momentum conserving midpoint rule (Simo and Wong 
 
 from math import sqrt, tan
 
+from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import add, cross, dot, matvec, scale, sub
+from crashsolve.foundation.vec3 import add, cross, dot, scale, sub
 
 
 @kernel

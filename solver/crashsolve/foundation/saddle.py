@@ -322,6 +322,26 @@ def solve_down(c, columns, blocks, m):
         for k in range(i):
             y -= x[6 * i + k] * w[k]
         w[i] = y * c.inverse[i]
+    hand_down(c, columns, blocks, m)
+
+
+@inlined
+def solve_up(c, columns, blocks, m):
+    """Backward substitution of one joint of m rows. Writes: c.work."""
+    x, w = blocks[c.block].x, c.work
+    for e in range(c.block + 1, c.block_end):
+        take_up(blocks[e].x, columns[blocks[e].column], w, m)
+    for i in range(m - 1, -1, -1):
+        y = w[i]
+        for k in range(i + 1, m):
+            y -= x[6 * k + i] * w[k]
+        w[i] = y * c.inverse[i]
+
+
+@inlined
+def hand_down(c, columns, blocks, m):
+    """What the m solved values of a block take from the blocks below. Writes: columns.work."""
+    w = c.work
     for e in range(c.block + 1, c.block_end):
         b, below = blocks[e].x, columns[blocks[e].column]
         for i in range(below.rows):
@@ -332,20 +352,12 @@ def solve_down(c, columns, blocks, m):
 
 
 @inlined
-def solve_up(c, columns, blocks, m):
-    """Backward substitution of one joint of m rows. Writes: c.work."""
-    x, w = blocks[c.block].x, c.work
-    for e in range(c.block + 1, c.block_end):
-        b, below = blocks[e].x, columns[blocks[e].column]
-        for i in range(below.rows):
-            y = below.work[i]
-            for k in range(m):
-                w[k] -= b[6 * i + k] * y
-    for i in range(m - 1, -1, -1):
-        y = w[i]
-        for k in range(i + 1, m):
-            y -= x[6 * k + i] * w[k]
-        w[i] = y * c.inverse[i]
+def take_up(b, below, w, m):
+    """What the values of a block below take from the m of its column. Writes: w."""
+    for i in range(below.rows):
+        y = below.work[i]
+        for k in range(m):
+            w[k] -= b[6 * i + k] * y
 
 
 @kernel

@@ -28,14 +28,6 @@ def put(a, x):
 
 
 @kernel
-def add_to(a, x):
-    """Add vector x to a column. Writes: a."""
-    a[0] += x[0]
-    a[1] += x[1]
-    a[2] += x[2]
-
-
-@kernel
 def add(a, b):
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
@@ -69,23 +61,3 @@ def cross(a, b):
 @kernel
 def norm(a):
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-
-
-@kernel
-def matvec(m, x):
-    """Product of a 3 x 3 matrix, a column of length 9 stored by rows, with x."""
-    return (
-        m[0] * x[0] + m[1] * x[1] + m[2] * x[2],
-        m[3] * x[0] + m[4] * x[1] + m[5] * x[2],
-        m[6] * x[0] + m[7] * x[1] + m[8] * x[2],
-    )
-
-
-@kernel
-def matvec_t(m, x):
-    """Product of the transposed matrix with x."""
-    return (
-        m[0] * x[0] + m[3] * x[1] + m[6] * x[2],
-        m[1] * x[0] + m[4] * x[1] + m[7] * x[2],
-        m[2] * x[0] + m[5] * x[1] + m[8] * x[2],
-    )

@@ -51,7 +51,7 @@ PATH = Record(
     reached=("rad or m", 4, "largest x_p in positive and in negative direction of both motions"),
     origin=("rad or m", 2, "x_0"),
     flowing=("flag", 2, "1 or -1: x_p grows or falls; 0: it rests"),
-    corner=("rad or m", 2, "plastic way to the end of the piece of y"),
+    corner=("rad or m", 2, "plastic way to the end of the segment of y"),
     factor=("1", "phi"),
     latch=("m/s or rad/s", "V at first yield; -1 before"),
     failed=("flag", "1: there is no hinge any more"),
@@ -229,7 +229,7 @@ def to_corner(p, new, c, side, curves):
 
 @kernel
 def next_point(curves, here, at):
-    """Way to the end of the piece of a curve; far where there is none."""
+    """Way to the end of the segment of a curve; far where there is none."""
     last = curves[here].last
     i = segment(curves, here, last, at)
     return curves[i + 1].x - at if curves[i + 1].x > at else 1e300
@@ -267,7 +267,7 @@ def at_yield(p, state, c, x, rate, phi, curves):
 
 @kernel
 def beyond_motion(p, old, h, c, x, rate, phi, curves):
-    """How far a motion has left the piece of the law on which the step began [rad or m].
+    """How far a motion has left the branch of the law on which the step began [rad or m].
 
     A load step (h = 0) has no rates: one that turns back does so from its start on.
     """

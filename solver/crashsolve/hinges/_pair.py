@@ -175,7 +175,7 @@ def pair_tangent(p, state, x, y, rate, across, phi, slope, curves):
 
 @kernel
 def beyond_pair(p, old, h, x, y, rate, across, phi, curves):
-    """How far both motions have left the piece of the law on which the step began [rad or m]."""
+    """How far both motions have left the branch of the law on which the step began [rad or m]."""
     if p.is_elliptic == 0:
         first = beyond_motion(p, old, h, 0, x, rate, phi, curves)
         return max(first, beyond_motion(p, old, h, 1, y, across, phi, curves))

@@ -18,6 +18,7 @@ from crashsolve.foundation.vec3 import dot, scale, sub, vec
 from crashsolve.hinges._card import Motion, backbones, law, tip
 from crashsolve.hinges._joint import (
     COMMON,
+    LEDGER,
     at_start,
     close_outputs,
     fails,
@@ -39,8 +40,22 @@ from crashsolve.hinges._law import (
 )
 from crashsolve.joints import revolute
 from crashsolve.joints._card import FRAME
+from crashsolve.joints.basic import rows_of
 
-ROWS, ANGULAR, FREE = revolute.ROWS, revolute.ANGULAR, revolute.FREE
+# what makes a file a hinge, but for its card
+__all__ = ["ANGULAR", "CONSTRAINTS", "FREE", "HISTORY", "LEDGER", "OUTPUT", "PARAMETERS", "ROWS"]
+__all__ += [
+    "TANGENTS",
+    "event",
+    "build",
+    "curves",
+    "force",
+    "initial_history",
+    "let_go",
+    "tangent",
+]
+CONSTRAINTS, FREE = revolute.CONSTRAINTS, revolute.FREE
+ROWS, ANGULAR = rows_of(CONSTRAINTS)
 TANGENTS = 1
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),)
 PARAMETERS = FRAME + LAW + Record(tip=("m or 1", "speed of the factor over the rate"))
@@ -66,27 +81,6 @@ def build(card: Any, scene: Any) -> dict[str, Any]:
 def initial_history(card: Any, p: Any, scene: Any) -> dict[str, Any]:
     axis = scene.matrix(p["node_a"]) @ p["axis_a"]
     return at_start(p, p["tip"] * float(np.dot(axis, motion_of(scene, p)[1])))
-
-
-@kernel
-def residual(p, old, new, t, nodes, rows, curves):
-    """Writes: rows.phi."""
-    revolute.residual(p, old, new, t, nodes, rows, curves)
-    let_go(p, old, rows, ROWS)
-
-
-@kernel
-def jacobian(p, old, t, nodes, rows, curves):
-    """Writes: rows.D, nu."""
-    revolute.jacobian(p, old, t, nodes, rows, curves)
-    let_go(p, old, rows, ROWS)
-
-
-@kernel
-def convective(p, old, t, nodes, rows, curves):
-    """Writes: rows.gamma."""
-    revolute.convective(p, old, t, nodes, rows, curves)
-    let_go(p, old, rows, ROWS)
 
 
 @kernel
@@ -138,8 +132,8 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this has left the piece of the law on which the step began [rad]."""
+def event(p, old, h, nodes, curves):
+    """How far this has left the branch of the law on which the step began [rad]."""
     if old.failed == 1:
         return -1e300
     angle, rate, _ = turned(p, old.x[0], nodes)

@@ -50,9 +50,11 @@ from crashsolve.hinges._law import (
 )
 from crashsolve.joints import prismatic
 from crashsolve.joints._card import FRAME
+from crashsolve.joints.basic import rows_of
 
-__all__ = ["LEDGER"]
-ROWS, ANGULAR, FREE = prismatic.ROWS, prismatic.ANGULAR, prismatic.FREE
+__all__ = ["LEDGER", "let_go"]
+CONSTRAINTS, FREE = prismatic.CONSTRAINTS, prismatic.FREE
+ROWS, ANGULAR = rows_of(CONSTRAINTS)
 TANGENTS = 1
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_stroke", "failure_stroke"),)
 
@@ -98,27 +100,6 @@ def build(card: Axial, scene: Any) -> dict[str, Any]:
 def initial_history(card: Axial, p: Any, scene: Any) -> dict[str, Any]:
     axis = scene.matrix(p["node_a"]) @ p["axis_a"]
     return at_start(p, float(np.dot(axis, motion_of(scene, p)[0])))
-
-
-@kernel
-def residual(p, old, new, t, nodes, rows, curves):
-    """Writes: rows.phi."""
-    prismatic.residual(p, old, new, t, nodes, rows, curves)
-    let_go(p, old, rows, ROWS)
-
-
-@kernel
-def jacobian(p, old, t, nodes, rows, curves):
-    """Writes: rows.D, nu."""
-    prismatic.jacobian(p, old, t, nodes, rows, curves)
-    let_go(p, old, rows, ROWS)
-
-
-@kernel
-def convective(p, old, t, nodes, rows, curves):
-    """Writes: rows.gamma."""
-    prismatic.convective(p, old, t, nodes, rows, curves)
-    let_go(p, old, rows, ROWS)
 
 
 @kernel
@@ -180,8 +161,8 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this has left the piece of the law on which the step began [m]."""
+def event(p, old, h, nodes, curves):
+    """How far this has left the branch of the law on which the step began [m]."""
     if old.failed == 1:
         return -1e300
     way, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)

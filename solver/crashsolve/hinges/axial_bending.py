@@ -50,16 +50,12 @@ from crashsolve.hinges._pair import (
 from crashsolve.hinges._turn import turned
 from crashsolve.hinges.axial import pull, stroke_along
 from crashsolve.joints._card import FRAME, direction
-from crashsolve.joints._rows import (
-    parallel_convective,
-    parallel_jacobian,
-    parallel_residual,
-    slide_along,
-    slide_jacobian,
-    slide_turning,
-)
+from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
+from crashsolve.joints.basic import parallel
 
-__all__ = ["LEDGER"]
+__all__ = ["LEDGER", "let_go"]
+# the axes of its rows are not those of a line
+CONSTRAINTS = ()
 ROWS = 4
 ANGULAR = (False, False, True, True)
 TANGENTS = 2
@@ -158,8 +154,7 @@ def residual(p, old, new, t, nodes, rows, curves):
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
     rows[r].phi = slide_along(a, b, p.point_a, p.point_b, p.axis_a)
     rows[r + 1].phi = slide_along(a, b, p.point_a, p.point_b, p.across_a)
-    parallel_residual(p, nodes, rows, r + 2)
-    let_go(p, old, rows, ROWS)
+    parallel.residual(p, nodes, rows, r + 2)
 
 
 @kernel
@@ -168,8 +163,7 @@ def jacobian(p, old, t, nodes, rows, curves):
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
     slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, rows[r])
     slide_jacobian(a, b, p.point_a, p.point_b, p.across_a, rows[r + 1])
-    parallel_jacobian(p, nodes, rows, r + 2)
-    let_go(p, old, rows, ROWS)
+    parallel.jacobian(p, nodes, rows, r + 2)
 
 
 @kernel
@@ -178,8 +172,7 @@ def convective(p, old, t, nodes, rows, curves):
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
     rows[r].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.axis_a)
     rows[r + 1].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.across_a)
-    parallel_convective(p, nodes, rows, r + 2)
-    let_go(p, old, rows, ROWS)
+    parallel.convective(p, nodes, rows, r + 2)
 
 
 @kernel
@@ -240,8 +233,8 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this has left the piece of the law on which the step began [rad]."""
+def event(p, old, h, nodes, curves):
+    """How far this has left the branch of the law on which the step began [rad]."""
     if old.failed == 1:
         return -1e300
     angle, rate, _ = turned(p, old.x[0], nodes)

@@ -9,39 +9,9 @@ References: Ambrosio (2003), Eq. 6-7, Fig. 3 and 4.
 """
 
 from crashsolve.hinges._card import TurningCard
-from crashsolve.hinges._joint import LEDGER
-from crashsolve.hinges._turn import (
-    ANGULAR,
-    FREE,
-    HISTORY,
-    OUTPUT,
-    PARAMETERS,
-    ROWS,
-    TANGENTS,
-    beyond,
-    build,
-    convective,
-    curves,
-    force,
-    initial_history,
-    jacobian,
-    residual,
-    tangent,
-)
 
-__all__ = [
-    "ANGULAR",
-    "FREE",
-    "HISTORY",
-    "LEDGER",
-    "OUTPUT",
-    "PARAMETERS",
-    "ROWS",
-    "TANGENTS",
-    "beyond",
-]
-__all__ += ["build", "convective", "curves", "force", "initial_history", "jacobian", "residual"]
-__all__ += ["tangent"]
+# all else is that of every hinge that turns about one axis
+from crashsolve.hinges._turn import *  # noqa: F403
 
 
 class Bending(TurningCard):

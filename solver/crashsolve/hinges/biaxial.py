@@ -21,20 +21,13 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Vec3, quantity, word
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen, turn_tangent
 from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
-from crashsolve.foundation.vec3 import (
-    add_scaled,
-    dot,
-    matvec_t,
-    norm,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 from crashsolve.hinges._card import Motion, PairCard, TurnCurve, law, pair_backbones, tip
 from crashsolve.hinges._joint import (
     COMMON,
@@ -57,18 +50,12 @@ from crashsolve.hinges._pair import (
     pair_tangent,
 )
 from crashsolve.joints._card import FRAME, direction
-from crashsolve.joints._rows import (
-    point_convective,
-    point_jacobian,
-    point_residual,
-    square_convective,
-    square_jacobian,
-    square_residual,
-)
+from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
+from crashsolve.joints.basic import point, rows_of
 
-__all__ = ["LEDGER"]
-ROWS = 4
-ANGULAR = (False, False, False, True)
+__all__ = ["LEDGER", "let_go"]
+CONSTRAINTS = (point,)
+ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
 TANGENTS = 2
 MOTIONS = (
     Motion("curve", "", "stiffness", "", "failure_angle"),
@@ -159,39 +146,33 @@ def initial_history(card: Biaxial, p: Any, scene: Any) -> dict[str, Any]:
 @kernel
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
-    r = p.first_row
-    point_residual(p, nodes, rows, r)
-    square_residual(p, p.side_a, p.third_b, nodes, rows[r + 3])
-    crossed = rows[r + 3].phi
-    square_residual(p, p.third_a, p.side_b, nodes, rows[r + 3])
-    rows[r + 3].phi -= crossed
-    let_go(p, old, rows, ROWS)
+    row = rows[p.first_row + 3]
+    square_residual(p, p.side_a, p.third_b, nodes, row)
+    crossed = row.phi
+    square_residual(p, p.third_a, p.side_b, nodes, row)
+    row.phi -= crossed
 
 
 @kernel
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
-    r = p.first_row
-    point_jacobian(p, nodes, rows, r)
-    D = rows[r + 3].D
-    square_jacobian(p, p.side_a, p.third_b, nodes, rows[r + 3])
+    row = rows[p.first_row + 3]
+    D = row.D
+    square_jacobian(p, p.side_a, p.third_b, nodes, row)
     x, y, z = D[3], D[4], D[5]
-    square_jacobian(p, p.third_a, p.side_b, nodes, rows[r + 3])
+    square_jacobian(p, p.third_a, p.side_b, nodes, row)
     D[3], D[4], D[5] = D[3] - x, D[4] - y, D[5] - z
     D[9], D[10], D[11] = D[9] + x, D[10] + y, D[11] + z
-    let_go(p, old, rows, ROWS)
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    r = p.first_row
-    point_convective(p, nodes, rows, r)
-    square_convective(p, p.side_a, p.third_b, nodes, rows[r + 3])
-    crossed = rows[r + 3].gamma
-    square_convective(p, p.third_a, p.side_b, nodes, rows[r + 3])
-    rows[r + 3].gamma -= crossed
-    let_go(p, old, rows, ROWS)
+    row = rows[p.first_row + 3]
+    square_convective(p, p.side_a, p.third_b, nodes, row)
+    crossed = row.gamma
+    square_convective(p, p.third_a, p.side_b, nodes, row)
+    row.gamma -= crossed
 
 
 @kernel
@@ -260,8 +241,8 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this has left the piece of the law on which the step began [rad]."""
+def event(p, old, h, nodes, curves):
+    """How far this has left the branch of the law on which the step began [rad]."""
     if old.failed == 1:
         return -1e300
     x, y, rate, across, _, _, _, _ = turned(p, nodes)

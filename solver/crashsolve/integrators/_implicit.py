@@ -3,7 +3,7 @@
     stages of the method, by iteration, then positions onto Phi = 0 and velocities onto D v = nu
 
 A step whose estimated error is above `tolerance`, or whose iteration does not converge, is tried
-again shorter; one in which a contact or a piece of a law begins ends there. This file is the
+again shorter; one in which a contact or a branch of a law begins ends there. This file is the
 stepper of all methods of this kind, with the stages of the deck's.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
@@ -19,7 +19,7 @@ from crashsolve.model.clock import (
 )
 from crashsolve.system.implicit.stages import add_kick, add_outside, fastest_point, next_length
 from crashsolve.system.kinetics import accelerations, refresh, save
-from crashsolve.system.loops.events import approach_before, beyond
+from crashsolve.system.loops.events import approach_before, event
 from crashsolve.system.loops.joints import residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, open_bracket, seek
@@ -74,7 +74,7 @@ def finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene
 
 @stage
 def take(h, clock, control, nodes, rows, saddle, curves, scene):
-    """One step of at most h that is accurate and ends where a contact or a piece of a law begins.
+    """One step of at most h that is accurate and ends where a contact or a branch of a law begins.
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
@@ -141,7 +141,7 @@ def gap_before(clock, nodes, curves, scene):
     if CONTACTS:
         gap = approach_before(clock.current, scene)
     if EVENTS:
-        gap = max(gap, beyond(clock.current, 0.0, nodes, curves, scene))
+        gap = max(gap, event(clock.current, 0.0, nodes, curves, scene))
     return min(gap, 0.0)
 
 

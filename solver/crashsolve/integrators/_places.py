@@ -27,7 +27,7 @@ from crashsolve.system.implicit.stages import (
     typical_speed,
 )
 from crashsolve.system.kinetics import any_late, clear_forces, refresh, take_late
-from crashsolve.system.loops.events import approach, beyond
+from crashsolve.system.loops.events import approach, event
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import convective, jacobian, residual
 from crashsolve.system.placeholders import CONTACTS, EVENTS, JOINTS
@@ -50,13 +50,13 @@ def begin(clock, control, nodes):
 
 @kernel
 def onset_gap(h, clock, control, nodes, curves, scene):
-    """Largest depth of what begins in a step of h: a contact, its end, or a piece of a law."""
+    """Largest depth of what begins in a step of h: a contact, its end, or a branch of a law."""
     gap = -1e300
     if CONTACTS:
         gap = approach(clock.current, nodes, scene, -1e300)
     if EVENTS:
         # what rests at a corner passes it by round-off again and again
-        past = beyond(clock.current, h, nodes, curves, scene) - ROUND_OFF * control.length
+        past = event(clock.current, h, nodes, curves, scene) - ROUND_OFF * control.length
         gap = max(gap, past)
     return gap
 

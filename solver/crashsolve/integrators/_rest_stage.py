@@ -9,10 +9,11 @@ to test: as h grows, one step leads to the equilibrium.
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
+from crashsolve.foundation.columns import add_to, matvec_t
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.rotation import rotate_by_vector, write_matrix, write_world_tensor
-from crashsolve.foundation.saddle import Saddle
-from crashsolve.foundation.vec3 import add_scaled, add_to, matvec_t, norm, put, scale, vec
+from crashsolve.foundation.vec3 import add_scaled, norm, put, scale, vec
+from crashsolve.integrators._alpha_stage import end_factor
 from crashsolve.integrators._places import evaluate
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.constraints import scatter_trial, worst_residual
@@ -142,13 +143,6 @@ def stand_at_rest(nodes, stages, tt):
         put(b.v, zero)
         put(b.w, zero)
         put(b.L, zero)
-
-
-@kernel
-def end_factor(scene):
-    """Where the factor of the matrix stands."""
-    pairs = scene.compliant_pairs
-    return Saddle(scene.columns_0, scene.blocks_0, scene.compliant_updates, pairs)
 
 
 @stage

@@ -52,7 +52,7 @@ from crashsolve.system.kinetics import (
     take_late,
 )
 from crashsolve.system.loops.energy import sum_powers
-from crashsolve.system.loops.events import approach_before, beyond
+from crashsolve.system.loops.events import approach_before, event
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.sensors import measure
@@ -247,7 +247,7 @@ def gap_before(h, clock, nodes, curves, scene):
     if EVENTS:
         reach(nodes, scene.stages, scene.A, 0, h)
         refresh(nodes)
-        gap = max(gap, beyond(clock.current, h, nodes, curves, scene))
+        gap = max(gap, event(clock.current, h, nodes, curves, scene))
     return min(gap, 0.0)
 
 

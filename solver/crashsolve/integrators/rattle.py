@@ -52,7 +52,7 @@ from crashsolve.system.loops.events import approach, approach_before
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import convective, jacobian, residual
 from crashsolve.system.loops.sensors import measure
-from crashsolve.system.loops.unilateral import hold, react
+from crashsolve.system.loops.unilateral import impulses_of_first_half, impulses_of_second_half
 from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.placeholders import CONTACTS, JOINTS, RESTING, UNILATERAL
 from crashsolve.system.timestep import fit, wanted_step
@@ -135,7 +135,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, scene):
         if JOINTS:
             kick_half_by_joints(nodes, 0.5 * h)
         if UNILATERAL:
-            hold(h, clock, control, nodes, scene)
+            impulses_of_first_half(h, clock, control, nodes, scene)
         drift(nodes, h)
         if not JOINTS:
             break
@@ -207,7 +207,7 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, scene):
             solve_rows(saddle, rows, 1.0)
             scatter_delta(rows, nodes)
     if UNILATERAL:
-        react(h, clock, nodes, scene)
+        impulses_of_second_half(h, clock, nodes, scene)
     add_impulse(clock, nodes, 0.5 * h)
     if CONTACTS:
         take_late(nodes, 1.0)

@@ -46,33 +46,6 @@ def centripetal(body, s):
 
 
 @kernel
-def point_residual(p, nodes, rows, r):
-    """Three rows: the points coincide. Writes: rows."""
-    d, _, _ = separation(nodes[p.node_a], nodes[p.node_b], p.point_a, p.point_b)
-    for k in range(3):
-        rows[r + k].phi = d[k]
-
-
-@kernel
-def point_jacobian(p, nodes, rows, r):
-    """Writes: rows."""
-    _, s_a, s_b = separation(nodes[p.node_a], nodes[p.node_b], p.point_a, p.point_b)
-    for k in range(3):
-        e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-        write_row(rows[r + k], scale(-1.0, e), cross(e, s_a), e, cross(s_b, e))
-
-
-@kernel
-def point_convective(p, nodes, rows, r):
-    """Writes: rows."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    _, s_a, s_b = separation(a, b, p.point_a, p.point_b)
-    g = sub(centripetal(a, s_a), centripetal(b, s_b))
-    for k in range(3):
-        rows[r + k].gamma = g[k]
-
-
-@kernel
 def slide_along(a, b, point_a, point_b, axis_a):
     """Separation along an axis of body a [m]."""
     d, _, _ = separation(a, b, point_a, point_b)
@@ -99,30 +72,6 @@ def slide_turning(a, b, point_a, point_b, axis_a):
 
 
 @kernel
-def line_residual(p, nodes, rows, r):
-    """Two rows: the point of b lies on the joint axis of a. Writes: rows."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    rows[r].phi = slide_along(a, b, p.point_a, p.point_b, p.side_a)
-    rows[r + 1].phi = slide_along(a, b, p.point_a, p.point_b, p.third_a)
-
-
-@kernel
-def line_jacobian(p, nodes, rows, r):
-    """Writes: rows."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    slide_jacobian(a, b, p.point_a, p.point_b, p.side_a, rows[r])
-    slide_jacobian(a, b, p.point_a, p.point_b, p.third_a, rows[r + 1])
-
-
-@kernel
-def line_convective(p, nodes, rows, r):
-    """Writes: rows."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    rows[r].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.side_a)
-    rows[r + 1].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.third_a)
-
-
-@kernel
 def square_residual(p, axis_a, axis_b, nodes, row):
     """One row: an axis of a stays at right angles to an axis of b. Writes: row."""
     row.phi = dot(arm(nodes[p.node_a], vec(axis_a)), arm(nodes[p.node_b], vec(axis_b)))
@@ -144,27 +93,6 @@ def square_convective(p, axis_a, axis_b, nodes, row):
     a_dot, b_dot = cross(vec(a.w), u_a), cross(vec(b.w), u_b)
     turn = dot(cross(vec(a.w), a_dot), u_b) + dot(u_a, cross(vec(b.w), b_dot))
     row.gamma = -(turn + 2.0 * dot(a_dot, b_dot))
-
-
-@kernel
-def parallel_residual(p, nodes, rows, r):
-    """Two rows: the joint axes of both bodies are parallel. Writes: rows."""
-    square_residual(p, p.side_a, p.axis_b, nodes, rows[r])
-    square_residual(p, p.third_a, p.axis_b, nodes, rows[r + 1])
-
-
-@kernel
-def parallel_jacobian(p, nodes, rows, r):
-    """Writes: rows."""
-    square_jacobian(p, p.side_a, p.axis_b, nodes, rows[r])
-    square_jacobian(p, p.third_a, p.axis_b, nodes, rows[r + 1])
-
-
-@kernel
-def parallel_convective(p, nodes, rows, r):
-    """Writes: rows."""
-    square_convective(p, p.side_a, p.axis_b, nodes, rows[r])
-    square_convective(p, p.third_a, p.axis_b, nodes, rows[r + 1])
 
 
 @kernel

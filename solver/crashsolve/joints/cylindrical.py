@@ -8,19 +8,11 @@ upright axis with g while it keeps its spin.
 
 from typing import Any
 
-from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
-from crashsolve.joints._rows import (
-    line_convective,
-    line_jacobian,
-    line_residual,
-    parallel_convective,
-    parallel_jacobian,
-    parallel_residual,
-)
+from crashsolve.joints.basic import line, parallel, rows_of
 
-ROWS = 4
-ANGULAR = (False, False, True, True)
+CONSTRAINTS = (line, parallel)
+ROWS, ANGULAR = rows_of(CONSTRAINTS)
 FREE = ("angle", "travel")
 PARAMETERS = FRAME
 
@@ -31,24 +23,3 @@ class Cylindrical(AxisJointCard):
 
 def build(card: Cylindrical, scene: Any) -> dict[str, Any]:
     return dict(scene.joint_frame(card))
-
-
-@kernel
-def residual(p, old, new, t, nodes, rows, curves):
-    """Writes: rows.phi."""
-    line_residual(p, nodes, rows, p.first_row)
-    parallel_residual(p, nodes, rows, p.first_row + 2)
-
-
-@kernel
-def jacobian(p, old, t, nodes, rows, curves):
-    """Writes: rows.D, nu."""
-    line_jacobian(p, nodes, rows, p.first_row)
-    parallel_jacobian(p, nodes, rows, p.first_row + 2)
-
-
-@kernel
-def convective(p, old, t, nodes, rows, curves):
-    """Writes: rows.gamma."""
-    line_convective(p, nodes, rows, p.first_row)
-    parallel_convective(p, nodes, rows, p.first_row + 2)

@@ -16,6 +16,7 @@ from crashsolve.foundation.vec3 import cross, dot, scale, sub
 from crashsolve.joints._card import POINTS
 from crashsolve.joints._rows import centripetal, separation, write_row
 
+CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
 PARAMETERS = POINTS + Record(length=("m", "L"))

@@ -20,6 +20,7 @@ from crashsolve.joints.slide_driver import ANGULAR, ROWS, convective, jacobian, 
 
 __all__ = ["ANGULAR", "ROWS", "convective", "jacobian", "residual"]
 
+CONSTRAINTS = ()
 CURVES_OF_TIME = ("curve",)
 PARAMETERS = POINTS + Record(
     axis_a=("1", 3, "u, world axes"),

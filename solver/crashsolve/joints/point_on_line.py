@@ -7,12 +7,11 @@ Consequence to test: four degrees of freedom; the ends of a ladder on a wall and
 
 from typing import Any
 
-from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
-from crashsolve.joints._rows import line_convective, line_jacobian, line_residual
+from crashsolve.joints.basic import line, rows_of
 
-ROWS = 2
-ANGULAR = (False, False)
+CONSTRAINTS = (line,)
+ROWS, ANGULAR = rows_of(CONSTRAINTS)
 PARAMETERS = FRAME
 
 
@@ -22,21 +21,3 @@ class PointOnLine(AxisJointCard):
 
 def build(card: PointOnLine, scene: Any) -> dict[str, Any]:
     return dict(scene.joint_frame(card))
-
-
-@kernel
-def residual(p, old, new, t, nodes, rows, curves):
-    """Writes: rows.phi."""
-    line_residual(p, nodes, rows, p.first_row)
-
-
-@kernel
-def jacobian(p, old, t, nodes, rows, curves):
-    """Writes: rows.D, nu."""
-    line_jacobian(p, nodes, rows, p.first_row)
-
-
-@kernel
-def convective(p, old, t, nodes, rows, curves):
-    """Writes: rows.gamma."""
-    line_convective(p, nodes, rows, p.first_row)

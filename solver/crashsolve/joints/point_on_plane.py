@@ -7,12 +7,11 @@ Consequence to test: five degrees of freedom; a ladder on a smooth wall and floo
 
 from typing import Any
 
-from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
-from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
+from crashsolve.joints.basic import plane, rows_of
 
-ROWS = 1
-ANGULAR = (False,)
+CONSTRAINTS = (plane,)
+ROWS, ANGULAR = rows_of(CONSTRAINTS)
 PARAMETERS = FRAME
 
 
@@ -22,24 +21,3 @@ class PointOnPlane(AxisJointCard):
 
 def build(card: PointOnPlane, scene: Any) -> dict[str, Any]:
     return dict(scene.joint_frame(card))
-
-
-@kernel
-def residual(p, old, new, t, nodes, rows, curves):
-    """Writes: rows.phi."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    rows[p.first_row].phi = slide_along(a, b, p.point_a, p.point_b, p.axis_a)
-
-
-@kernel
-def jacobian(p, old, t, nodes, rows, curves):
-    """Writes: rows.D, nu."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, rows[p.first_row])
-
-
-@kernel
-def convective(p, old, t, nodes, rows, curves):
-    """Writes: rows.gamma."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    rows[p.first_row].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.axis_a)

@@ -8,19 +8,11 @@ a pendulum on it has the period 4 K(sin(theta_0 / 2)) sqrt(L / g).
 
 from typing import Any
 
-from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import FRAME, AxisJointCard
-from crashsolve.joints._rows import (
-    parallel_convective,
-    parallel_jacobian,
-    parallel_residual,
-    point_convective,
-    point_jacobian,
-    point_residual,
-)
+from crashsolve.joints.basic import parallel, point, rows_of
 
-ROWS = 5
-ANGULAR = (False, False, False, True, True)
+CONSTRAINTS = (point, parallel)
+ROWS, ANGULAR = rows_of(CONSTRAINTS)
 FREE = ("angle",)
 PARAMETERS = FRAME
 
@@ -31,24 +23,3 @@ class Revolute(AxisJointCard):
 
 def build(card: Revolute, scene: Any) -> dict[str, Any]:
     return dict(scene.joint_frame(card))
-
-
-@kernel
-def residual(p, old, new, t, nodes, rows, curves):
-    """Writes: rows.phi."""
-    point_residual(p, nodes, rows, p.first_row)
-    parallel_residual(p, nodes, rows, p.first_row + 3)
-
-
-@kernel
-def jacobian(p, old, t, nodes, rows, curves):
-    """Writes: rows.D, nu."""
-    point_jacobian(p, nodes, rows, p.first_row)
-    parallel_jacobian(p, nodes, rows, p.first_row + 3)
-
-
-@kernel
-def convective(p, old, t, nodes, rows, curves):
-    """Writes: rows.gamma."""
-    point_convective(p, nodes, rows, p.first_row)
-    parallel_convective(p, nodes, rows, p.first_row + 3)

@@ -16,21 +16,11 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import angle_about, angle_gradient, angle_turning, counted
 from crashsolve.foundation.vec3 import scale
 from crashsolve.joints._card import FRAME, AxisJointCard
-from crashsolve.joints._rows import (
-    line_convective,
-    line_jacobian,
-    line_residual,
-    parallel_convective,
-    parallel_jacobian,
-    parallel_residual,
-    slide_along,
-    slide_jacobian,
-    slide_turning,
-    turn_also,
-)
+from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning, turn_also
+from crashsolve.joints.basic import line, parallel, rows_of
 
-ROWS = 5
-ANGULAR = (False, False, True, True, False)
+CONSTRAINTS = (line, parallel)
+ROWS, ANGULAR = rows_of(CONSTRAINTS, False)
 FREE = ("angle", "travel")
 PARAMETERS = FRAME + Record(advance=("m/rad", "h, travel over angle"))
 HISTORY = Record(angle=("rad", "theta, with all turns"))
@@ -51,30 +41,25 @@ def build(card: Screw, scene: Any) -> dict[str, Any]:
 @kernel
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi, new."""
-    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
-    line_residual(p, nodes, rows, r)
-    parallel_residual(p, nodes, rows, r + 2)
+    a, b = nodes[p.node_a], nodes[p.node_b]
     new.angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
     travel = slide_along(a, b, p.point_a, p.point_b, p.axis_a)
-    rows[r + 4].phi = travel - p.advance * new.angle
+    rows[p.first_row + 4].phi = travel - p.advance * new.angle
 
 
 @kernel
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
-    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
-    line_jacobian(p, nodes, rows, r)
-    parallel_jacobian(p, nodes, rows, r + 2)
-    slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, rows[r + 4])
-    turn_also(rows[r + 4], scale(-p.advance, angle_gradient(a, b, p.axis_a, p.side_b)))
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    row = rows[p.first_row + 4]
+    slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, row)
+    turn_also(row, scale(-p.advance, angle_gradient(a, b, p.axis_a, p.side_b)))
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
-    line_convective(p, nodes, rows, r)
-    parallel_convective(p, nodes, rows, r + 2)
+    a, b = nodes[p.node_a], nodes[p.node_b]
     sliding = slide_turning(a, b, p.point_a, p.point_b, p.axis_a)
     turning = angle_turning(a, b, p.axis_a, p.side_b)
-    rows[r + 4].gamma = p.advance * turning - sliding
+    rows[p.first_row + 4].gamma = p.advance * turning - sliding

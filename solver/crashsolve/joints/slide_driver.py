@@ -16,6 +16,7 @@ from crashsolve.joints._card import POINTS, named_frame
 from crashsolve.joints._driven import DrivenCard, motion
 from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
 
+CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
 CURVES_OF_TIME = ("curve",)

@@ -8,12 +8,11 @@ omega^2 = g / (L cos alpha).
 
 from typing import Any
 
-from crashsolve.foundation.kernels import kernel
 from crashsolve.joints._card import POINTS, JointCard
-from crashsolve.joints._rows import point_convective, point_jacobian, point_residual
+from crashsolve.joints.basic import point, rows_of
 
-ROWS = 3
-ANGULAR = (False, False, False)
+CONSTRAINTS = (point,)
+ROWS, ANGULAR = rows_of(CONSTRAINTS)
 FREE = ("ball",)
 PARAMETERS = POINTS
 
@@ -24,21 +23,3 @@ class Spherical(JointCard):
 
 def build(card: Spherical, scene: Any) -> dict[str, Any]:
     return dict(scene.joint_frame(card))
-
-
-@kernel
-def residual(p, old, new, t, nodes, rows, curves):
-    """Writes: rows.phi."""
-    point_residual(p, nodes, rows, p.first_row)
-
-
-@kernel
-def jacobian(p, old, t, nodes, rows, curves):
-    """Writes: rows.D, nu."""
-    point_jacobian(p, nodes, rows, p.first_row)
-
-
-@kernel
-def convective(p, old, t, nodes, rows, curves):
-    """Writes: rows.gamma."""
-    point_convective(p, nodes, rows, p.first_row)

@@ -14,17 +14,11 @@ from crashsolve.deck.card import Vec3, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, AxisJointCard, direction
-from crashsolve.joints._rows import (
-    point_convective,
-    point_jacobian,
-    point_residual,
-    square_convective,
-    square_jacobian,
-    square_residual,
-)
+from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
+from crashsolve.joints.basic import point, rows_of
 
-ROWS = 4
-ANGULAR = (False, False, False, True)
+CONSTRAINTS = (point,)
+ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
 PARAMETERS = POINTS + Record(
     axis_a=("1", 3, "arm of the cross in a, axes of a"),
     axis_b=("1", 3, "arm of the cross in b, axes of b"),
@@ -55,22 +49,16 @@ def build(card: Universal, scene: Any) -> dict[str, Any]:
 @kernel
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
-    r = p.first_row
-    point_residual(p, nodes, rows, r)
-    square_residual(p, p.axis_a, p.axis_b, nodes, rows[r + 3])
+    square_residual(p, p.axis_a, p.axis_b, nodes, rows[p.first_row + 3])
 
 
 @kernel
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
-    r = p.first_row
-    point_jacobian(p, nodes, rows, r)
-    square_jacobian(p, p.axis_a, p.axis_b, nodes, rows[r + 3])
+    square_jacobian(p, p.axis_a, p.axis_b, nodes, rows[p.first_row + 3])
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    r = p.first_row
-    point_convective(p, nodes, rows, r)
-    square_convective(p, p.axis_a, p.axis_b, nodes, rows[r + 3])
+    square_convective(p, p.axis_a, p.axis_b, nodes, rows[p.first_row + 3])

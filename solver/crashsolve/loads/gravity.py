@@ -6,11 +6,12 @@ f_i = m_i g,   potential energy -m_i g . r_i
 from typing import Any
 
 from crashsolve.deck.card import Card, Vec3, quantity
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import act_from_outside, apply_external
 from crashsolve.foundation.point import RIDES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add_scaled, add_to, cross, dot, put, scale, vec
+from crashsolve.foundation.vec3 import add_scaled, cross, dot, put, scale, vec
 
 LEDGER = "potential"
 AMPLITUDE = "acceleration"

@@ -13,11 +13,12 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from crashsolve.deck.card import Card, CurveName, PartName, SetName, Vec3, quantity, word
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add_scaled, add_to, cross, dot, put, scale, vec
+from crashsolve.foundation.vec3 import add_scaled, cross, dot, put, scale, vec
 
 
 class NodalForce(Card):

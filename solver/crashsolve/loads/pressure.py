@@ -9,13 +9,14 @@ Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 from typing import Any, ClassVar
 
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import apart, blockwise, inlined, kernel
 from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
 from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.point import BLOCKS, LANES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, add_to, cross, dot, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
 
 
 class Pressure(Card):

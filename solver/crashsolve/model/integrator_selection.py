@@ -52,8 +52,8 @@ def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Cho
 
 
 def has_corners(model: Any) -> bool:
-    """Whether a law has several pieces, or a curve a corner, whoever reads it."""
-    if any(_has_pieces(group) for group in model.piecewise_groups()):
+    """Whether a law has several branches, or a curve a corner, whoever reads it."""
+    if any(_has_branches(group) for group in model.branching_groups()):
         return True
     curves = model.curves
     for start in model.curve_names.values():
@@ -66,8 +66,8 @@ def has_corners(model: Any) -> bool:
     return False
 
 
-def _has_pieces(group: Any) -> bool:
-    """Whether a law goes over to another piece: at yield, at a stop, or where it turns back."""
+def _has_branches(group: Any) -> bool:
+    """Whether a law goes over to another branch: at yield, at a stop, or where it turns back."""
     p = group.parameters
     # of a curve that is followed both ways the corners are those of its points
     return "loose" not in p.dtype.names or bool((p["loose"] != 0).any())

@@ -2,11 +2,19 @@
 
 from dataclasses import dataclass, field
 from importlib import import_module
+from itertools import accumulate
 from typing import Any, ClassVar
 
 import numpy as np
 
-from crashsolve.deck.roles import FibreLaw, NormalLaw, StepFriction, StepGap, StepLaw
+from crashsolve.deck.roles import (
+    BasicConstraint,
+    FibreLaw,
+    NormalLaw,
+    StepFriction,
+    StepGap,
+    StepLaw,
+)
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.model import ledger
 
@@ -48,6 +56,23 @@ class Group:
         """Module of its kernels."""
         law: StepLaw = self.module
         return law
+
+    @property
+    def constraints(self) -> tuple[tuple[BasicConstraint, int], ...]:
+        """Basic constraints of a joint, each with the place of its first row among the joint's."""
+        basic = self.module.CONSTRAINTS
+        first = accumulate((len(b.ANGULAR) for b in basic), initial=0)
+        return tuple(zip(basic, first, strict=False))
+
+    @property
+    def has_own_rows(self) -> bool:
+        """Whether a joint has more rows than those."""
+        return hasattr(self.module, "residual")
+
+    @property
+    def comes_apart(self) -> bool:
+        """Whether a joint may let go of its bodies."""
+        return hasattr(self.module, "let_go")
 
     @property
     def fibre_law(self) -> FibreLaw:
@@ -95,8 +120,31 @@ class Group:
         return ledger.entries_of(self)[1]
 
 
+class Touching:
+    """What groups of contacts say of their laws; a group has a gap routine, friction, histories."""
+
+    narrow: StepGap | None
+    friction: StepFriction | None
+    has_ends: Any
+
+    @property
+    def keeps_faces(self) -> bool:
+        """Whether a touch may go on by another face than the nearest."""
+        return self.has_ends and hasattr(self.narrow, "gap_by")
+
+    @property
+    def knows_middle(self) -> bool:
+        """Whether its gap routine can say how deep the middle of a round face is."""
+        return self.keeps_faces and hasattr(self.narrow, "middle")
+
+    @property
+    def friction_damps(self) -> bool:
+        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
+        return is_damper(self.friction)
+
+
 @dataclass
-class ContactGroup:
+class ContactGroup(Touching):
     """All contact pairs of one gap routine, one normal law and one friction law."""
 
     TABLES: ClassVar = (
@@ -142,11 +190,6 @@ class ContactGroup:
         return self.friction is not None and (self.is_flat or self.has_radius)
 
     @property
-    def friction_damps(self) -> bool:
-        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
-        return is_damper(self.friction)
-
-    @property
     def has_ends(self) -> bool:
         """Whether pairs remember their way out."""
         return "passed" in (self.history.dtype.names or ())
@@ -155,16 +198,6 @@ class ContactGroup:
     def rests(self) -> bool:
         """Whether a pair is left alone until it may have moved as far as it was apart."""
         return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
-
-    @property
-    def keeps_faces(self) -> bool:
-        """Whether a touch may go on by another face than the nearest."""
-        return self.has_ends and hasattr(self.narrow, "gap_by")
-
-    @property
-    def knows_middle(self) -> bool:
-        """Whether its gap routine can say how deep the middle of a round face is."""
-        return self.keeps_faces and hasattr(self.narrow, "middle")
 
     @property
     def looks_ahead(self) -> bool:
@@ -197,7 +230,7 @@ class ContactGroup:
 
 
 @dataclass
-class NodalGroup:
+class NodalGroup(Touching):
     """Nodes of shells on a shape, or nodes and balls on the faces of a shell, under one card."""
 
     word: str
@@ -232,21 +265,6 @@ class NodalGroup:
     def is_round(self) -> bool:
         """Whether ellipsoids press."""
         return "ellipsoids" in self.arrays
-
-    @property
-    def keeps_faces(self) -> bool:
-        """Whether a touch may go on by another face than the nearest."""
-        return self.has_ends and hasattr(self.narrow, "gap_by")
-
-    @property
-    def knows_middle(self) -> bool:
-        """Whether its gap routine can say how deep the middle of a round face is."""
-        return self.keeps_faces and hasattr(self.narrow, "middle")
-
-    @property
-    def friction_damps(self) -> bool:
-        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
-        return is_damper(self.friction)
 
     def __getattr__(self, name: str) -> Any:
         arrays = self.__dict__.get("arrays", {})
@@ -358,14 +376,14 @@ class Model:
 
     def joint_groups(self) -> list[Group]:
         """Groups with constraint rows."""
-        return [g for g in self.groups if hasattr(g.module, "residual")]
+        return [g for g in self.groups if hasattr(g.module, "CONSTRAINTS")]
 
     def force_groups(self) -> list[Group]:
         return [g for g in self.groups if hasattr(g.module, "force")]
 
-    def piecewise_groups(self) -> list[Group]:
-        """Laws of several pieces that can say how far they are past the one they were on."""
-        return [g for g in self.groups if hasattr(g.module, "beyond")]
+    def branching_groups(self) -> list[Group]:
+        """Laws of several branches, with an event function that tells where one ends."""
+        return [g for g in self.groups if hasattr(g.module, "event")]
 
     def rubbing_groups(self) -> list[ContactGroup]:
         """Contacts whose friction can say how far it is past the regime it was in."""

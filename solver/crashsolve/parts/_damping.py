@@ -17,9 +17,10 @@ References: von Neumann and Richtmyer (1950), Journal of Applied Physics 21, 232
 from typing import Any
 
 from crashsolve.deck.card import Card, quantity, word
+from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_external
-from crashsolve.foundation.vec3 import dot, matvec, matvec_t, scale, vec
+from crashsolve.foundation.vec3 import dot, scale, vec
 
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 

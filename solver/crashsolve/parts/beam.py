@@ -32,7 +32,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts._damping import Damped, report_added
 from crashsolve.parts.beams import element, static_tangent
-from crashsolve.parts.beams.corotational import halfway
+from crashsolve.parts.beams.corotational import mean_frame
 from crashsolve.parts.beams.element import deformation, drag, pull, yield_rows
 from crashsolve.parts.beams.properties import (
     axes_of,
@@ -192,7 +192,7 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway(a, b)
+    R, v, w = mean_frame(a, b)
     pull(p, out, a, b, R, v, w)
     drag(p, out, nodes)
 
@@ -201,7 +201,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def tangent(p, state, nodes, curves, rows, first):
     """By the velocities; by the places see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway(a, b)
+    R, v, w = mean_frame(a, b)
     yield_rows(p, a, b, R, v, w, rows, first)
 
 
@@ -209,6 +209,6 @@ def tangent(p, state, nodes, curves, rows, first):
 def bend(p, state, nodes, curves, place, blocks):
     """Tangent by the places. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway(a, b)
+    R, v, w = mean_frame(a, b)
     strained = deformation(p, a, b, R, v, w)
     bend_blocks(p, None, a, b, R, v, w, strained, place, blocks)

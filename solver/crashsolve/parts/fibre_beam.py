@@ -25,7 +25,12 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub
 from crashsolve.parts import beam
 from crashsolve.parts.beams import element, fibres, properties
-from crashsolve.parts.beams.corotational import half_angle_over_sine, halfway, swing_of, turned_rate
+from crashsolve.parts.beams.corotational import (
+    half_angle_over_sine,
+    mean_frame,
+    swing_of,
+    turned_rate,
+)
 from crashsolve.parts.beams.tangent import bend_blocks
 
 STEPWISE = CALLS_MATERIAL = True
@@ -102,7 +107,7 @@ def _table(card: FibreBeam, scene: Any) -> np.ndarray:
 def force(p, old, new, out, t, h, nodes, rows, curves, material):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway(a, b)
+    R, v, w = mean_frame(a, b)
     strained = element.deformation(p, a, b, R, v, w)
     _, u, theta, u_dot, theta_dot, _, _ = strained
     strain, rate = at_section(p, strained)
@@ -158,7 +163,7 @@ def yielding(p, old, curves, strained, material):
 def bend(p, state, nodes, curves, place, blocks, material):
     """Tangent by the places. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway(a, b)
+    R, v, w = mean_frame(a, b)
     strained = element.deformation(p, a, b, R, v, w)
     section = yielding(p, state, curves, strained, material)
     bend_blocks(p, section, a, b, R, v, w, strained, place, blocks)
@@ -168,7 +173,7 @@ def bend(p, state, nodes, curves, place, blocks, material):
 def tangent(p, state, nodes, curves, rows, first, material):
     """By the velocities; by the places see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway(a, b)
+    R, v, w = mean_frame(a, b)
     element.yield_rows(p, a, b, R, v, w, rows, first)
     first += element.TANGENTS
     for k in range(RATES):

@@ -23,7 +23,7 @@ from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts import beam
 from crashsolve.parts._damping import Damped, report_added
 from crashsolve.parts.beams import element, properties, releases, static_tangent
-from crashsolve.parts.beams.corotational import halfway_of
+from crashsolve.parts.beams.corotational import mean_frame_of
 from crashsolve.parts.beams.tangent import bend_blocks
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, element.TANGENTS
@@ -168,7 +168,7 @@ def turned(body, turn):
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
+    R, v, w = mean_frame_of(turned(a, p.turn), turned(b, p.turn))
     element.pull(p, out, a, b, R, v, w)
     element.drag(p, out, nodes)
 
@@ -177,7 +177,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def bend(p, state, nodes, curves, place, blocks):
     """Tangent by the places. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
+    R, v, w = mean_frame_of(turned(a, p.turn), turned(b, p.turn))
     strained = element.deformation(p, a, b, R, v, w)
     bend_blocks(p, None, a, b, R, v, w, strained, place, blocks)
 
@@ -186,5 +186,5 @@ def bend(p, state, nodes, curves, place, blocks):
 def tangent(p, state, nodes, curves, rows, first):
     """By the velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway_of(turned(a, p.turn), turned(b, p.turn))
+    R, v, w = mean_frame_of(turned(a, p.turn), turned(b, p.turn))
     element.yield_rows(p, a, b, R, v, w, rows, first)

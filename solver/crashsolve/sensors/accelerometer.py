@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_velocity
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, cross, matvec_t, norm, put, sub, vec
+from crashsolve.foundation.vec3 import add, cross, norm, put, sub, vec
 
 FAMILY = "nodout"
 

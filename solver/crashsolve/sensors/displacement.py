@@ -8,10 +8,11 @@ Consequence to test: a point fixed in b beside a turning a has, in the axes of a
 from typing import Any, Literal
 
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, relative
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import cross, dot, matvec_t, norm, put, sub, vec
+from crashsolve.foundation.vec3 import cross, dot, norm, put, sub, vec
 
 FAMILY = "disbout"
 

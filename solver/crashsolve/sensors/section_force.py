@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import BodyName, Card, JointName, Vec3, quantity, word
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, cross, matvec_t, put, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, cross, put, sub, vec
 
 FAMILY = "secforc"
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
@@ -18,7 +19,7 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import angle_about, angle_gradient, counted
-from crashsolve.foundation.vec3 import add, dot, matvec_t, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import add, dot, norm, scale, sub, vec
 
 # below this length a line has no direction; the spring then pulls along x, with its rate zero
 SHORTEST = 1e-12

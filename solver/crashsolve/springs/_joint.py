@@ -99,7 +99,7 @@ def stop_tangent(p, x, rate, curves):
 
 
 @kernel
-def beyond_stop(p, old, x):
+def stop_event(p, old, x):
     """How far x has left where it began the step, between the stops or beyond one [m or rad]."""
     if old.at == 0:
         return max(x - p.upper, p.lower - x)

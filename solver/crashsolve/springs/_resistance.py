@@ -25,7 +25,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 SAME, SET, BETWEEN = 0, 1, 2
-# pieces of the law: no force, on the elastic line, on y, on u
+# branches of the law: no force, on the elastic line, on y, on u
 SLACK, LINE, LOADING, LOWER = range(4)
 
 RESISTANCE = Record(
@@ -47,7 +47,7 @@ SLIDER = Record(
     set=("m or rad", 2, "s in tension, in compression"),
     kept=("J", 2, "P of both"),
     side=("flag", "1 or -1: direction of the deformation"),
-    piece=("flag", "SLACK, LINE, LOADING or LOWER"),
+    branch=("flag", "SLACK, LINE, LOADING or LOWER"),
     segment=("index", "of the curve that is read"),
 )
 
@@ -154,7 +154,7 @@ def resist(p, old, new, out, h, x, rate, curves):
             f, out.stored, loss = along_curve(p, side, e, upper, curves)
         else:
             f, out.stored, loss = on_slider(p, old, new, side, e, upper, curves)
-    note_piece(p, new, side, e, f, upper, speed, curves)
+    note_branch(p, new, side, e, f, upper, speed, curves)
     # a state without a step has no history to lose energy in
     out.loss = loss if h > 0.0 else 0.0
     factor, viscosity = growth(p, abs(rate), curves)
@@ -168,34 +168,34 @@ def resist(p, old, new, out, h, x, rate, curves):
 
 
 @kernel
-def note_piece(p, new, side, e, f, upper, speed, curves):
-    """On which piece of the law this is: its corners are where pieces meet. Writes: new.
+def note_branch(p, new, side, e, f, upper, speed, curves):
+    """On which branch of the law this is: its corners are where branches meet. Writes: new.
 
     `upper` is y(e).
     """
-    new.side, new.piece, new.segment = side, LOADING, 0
+    new.side, new.branch, new.segment = side, LOADING, 0
     if p.loose == 1 and f == 0.0:
-        new.piece = SLACK
+        new.branch = SLACK
     elif p.unloading != SAME:
         j = 0 if side > 0.0 else 1
         # at rest on a curve the way back is the elastic line
         if f < upper or speed <= 0.0:
-            new.piece = LINE
+            new.branch = LINE
         if p.unloading == BETWEEN and f > 0.0 and speed < 0.0:
             lower = side * curve_value(curves, p.unloading_curve, side * e)[0]
             if f <= lower and new.set[j] < e:
-                new.piece = LOWER
-    if new.piece == LOADING:
+                new.branch = LOWER
+    if new.branch == LOADING:
         new.segment = segment(curves, p.curve, curves[p.curve].last, side * e)
 
 
 @kernel
-def beyond_piece(p, old, h, x, rate, curves):
-    """How far x is past the piece of the law on which the step began [m or rad]; below 0: on it.
+def branch_event(p, old, h, x, rate, curves):
+    """How far x is past the branch of the law on which the step began [m or rad]; below 0: on it.
 
-    On y and u the piece ends where the motion turns back, and that is far by its way in h.
+    On y and u the branch ends where the motion turns back, and that is far by its way in h.
     """
-    if old.piece == SLACK:
+    if old.branch == SLACK:
         past = -1e300
         for j in range(2):
             side = 1.0 - 2.0 * j
@@ -204,7 +204,7 @@ def beyond_piece(p, old, h, x, rate, curves):
         return past
     side = 1.0 * old.side
     e, k = side * x - p.gap, p.unloading_stiffness
-    if old.piece == LOADING:
+    if old.branch == LOADING:
         first, last = old.segment, curves[p.curve].last
         low = curves[first].x if first > p.curve else -1e300
         high = curves[first + 1].x if first + 1 < last else 1e300
@@ -212,7 +212,7 @@ def beyond_piece(p, old, h, x, rate, curves):
         if p.unloading != SAME:
             past = max(past, -side * rate * h)
         return max(past, -e) if p.loose == 1 else past
-    if old.piece == LOWER:
+    if old.branch == LOWER:
         return max(side * rate * h, -e)
     s = old.set[0 if side > 0.0 else 1]
     upper = side * curve_value(curves, p.curve, side * max(e, 0.0))[0]

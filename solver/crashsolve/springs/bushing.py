@@ -17,6 +17,7 @@ from math import sqrt
 from typing import Any
 
 from crashsolve.deck.card import Vec3, quantity
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_torque,
@@ -29,7 +30,7 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
-from crashsolve.foundation.vec3 import ZERO, dot, matvec_t, scale, sub, vec
+from crashsolve.foundation.vec3 import ZERO, dot, scale, sub, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along
 from crashsolve.springs._card import PointSpringCard
 

@@ -12,17 +12,10 @@ from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent
 from crashsolve.foundation.record import Record
+from crashsolve.springs import _resistance
 from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
 from crashsolve.springs._line_turn import turn_line
-from crashsolve.springs._resistance import (
-    RESISTANCE,
-    SLIDER,
-    beyond_piece,
-    resist,
-    resist_tangent,
-    resistance,
-)
 
 
 class Curve(PointSpringCard, ResistanceCard):
@@ -50,8 +43,8 @@ class Curve(PointSpringCard, ResistanceCard):
     damping: float = quantity("N s/m", "force over rate", default=0.0, ge=0)
 
 
-PARAMETERS = POINTS + RESISTANCE + Record(length=("m", "l_0"))
-HISTORY = SLIDER
+PARAMETERS = POINTS + _resistance.RESISTANCE + Record(length=("m", "l_0"))
+HISTORY = _resistance.SLIDER
 TANGENTS = 1
 OUTPUT = Record(
     force=("N", "tension positive"),
@@ -64,7 +57,7 @@ OUTPUT = Record(
 
 def build(card: Curve, scene: Any) -> dict[str, Any]:
     ends = scene.attachments(card)
-    return ends | resistance(card, scene) | {"length": rest_length(card, scene, ends)}
+    return ends | _resistance.resistance(card, scene) | {"length": rest_length(card, scene, ends)}
 
 
 @kernel
@@ -72,7 +65,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
     x = length - p.length
-    tension, stiffness, damping = resist(p, old, new, out, h, x, rate, curves)
+    tension, stiffness, damping = _resistance.resist(p, old, new, out, h, x, rate, curves)
     out.force = tension
     out.length = length
     out.elongation = x
@@ -85,7 +78,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
-    stiffness, damping = resist_tangent(p, state, length - p.length, rate, curves)
+    stiffness, damping = _resistance.resist_tangent(p, state, length - p.length, rate, curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
     line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, damping)
 
@@ -94,7 +87,7 @@ turn_force = turn_line
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this is past the piece of the law on which the step began [m]."""
+def event(p, old, h, nodes, curves):
+    """How far this is past the branch of the law on which the step began [m]."""
     _, length, rate, _, _ = line_of_action(p, nodes)
-    return beyond_piece(p, old, h, length - p.length, rate, curves)
+    return _resistance.branch_event(p, old, h, length - p.length, rate, curves)

@@ -11,16 +11,9 @@ from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
+from crashsolve.springs import _resistance
 from crashsolve.springs._between import TURN, turned, twist
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
-from crashsolve.springs._resistance import (
-    RESISTANCE,
-    SLIDER,
-    beyond_piece,
-    resist,
-    resist_tangent,
-    resistance,
-)
 
 
 class CurveTorsional(AxisSpringCard, ResistanceCard):
@@ -46,8 +39,8 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
     damping: float = quantity("N m s/rad", "torque over rate", default=0.0, ge=0)
 
 
-PARAMETERS = TURN + RESISTANCE + Record(angle=("rad", "theta_0"))
-HISTORY = SLIDER + Record(angle=("rad", "counted turn"))
+PARAMETERS = TURN + _resistance.RESISTANCE + Record(angle=("rad", "theta_0"))
+HISTORY = _resistance.SLIDER + Record(angle=("rad", "counted turn"))
 TANGENTS = 1
 OUTPUT = Record(
     torque=("N m", "positive turns b back"),
@@ -58,7 +51,7 @@ OUTPUT = Record(
 
 
 def build(card: CurveTorsional, scene: Any) -> dict[str, Any]:
-    return scene.turning(card) | resistance(card, scene) | {"angle": card.angle}
+    return scene.turning(card) | _resistance.resistance(card, scene) | {"angle": card.angle}
 
 
 @kernel
@@ -67,7 +60,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     angle, rate, g = turned(p, old.angle, nodes)
     new.angle = angle
     x = angle - p.angle
-    torque, stiffness, damping = resist(p, old, new, out, h, x, rate, curves)
+    torque, stiffness, damping = _resistance.resist(p, old, new, out, h, x, rate, curves)
     out.torque = torque
     out.angle = angle
     out.rate = rate
@@ -79,12 +72,12 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = turned(p, state.angle, nodes)
-    stiffness, damping = resist_tangent(p, state, angle - p.angle, rate, curves)
+    stiffness, damping = _resistance.resist_tangent(p, state, angle - p.angle, rate, curves)
     turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
-    """How far this is past the piece of the law on which the step began [rad]."""
+def event(p, old, h, nodes, curves):
+    """How far this is past the branch of the law on which the step began [rad]."""
     angle, rate, _ = turned(p, old.angle, nodes)
-    return beyond_piece(p, old, h, angle - p.angle, rate, curves)
+    return _resistance.branch_event(p, old, h, angle - p.angle, rate, curves)

@@ -121,7 +121,7 @@ turn_force = turn_line
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
+def event(p, old, h, nodes, curves):
     """How far this is past yield, or past the turn of the motion while it flows [m]."""
     _, length, rate, _, _ = line_of_action(p, nodes)
     if old.flowing != 0:

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
+from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
@@ -42,23 +43,10 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import times
-from crashsolve.foundation.vec3 import (
-    ZERO,
-    add,
-    add_scaled,
-    cross,
-    dot,
-    matvec,
-    matvec_t,
-    put,
-    scale,
-    sub,
-    unit,
-    vec,
-)
+from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
 from crashsolve.parts.beams.corotational import (
     half_angle_over_sine,
-    halfway_of,
+    mean_frame_of,
     swing_of,
     turned_rate,
 )
@@ -197,7 +185,7 @@ def _triad(card: Segment, scene: Any) -> np.ndarray:
 def seen(p, nodes):
     """R, v, w of corotational.py, arms of both ends, u, theta, and the rates of these two."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = halfway_of(turned(a, p.turn_a), turned(b, p.turn_b))
+    R, v, w = mean_frame_of(turned(a, p.turn_a), turned(b, p.turn_b))
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)
     eta, spin = half_angle_over_sine(v, w), matvec_t(R, sub(vec(b.w), vec(a.w)))

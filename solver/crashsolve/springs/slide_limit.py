@@ -13,22 +13,13 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, axis_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
+from crashsolve.springs import _joint
 from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
-from crashsolve.springs._joint import (
-    STOPPED,
-    STOPS,
-    StopCard,
-    beyond_stop,
-    named_joint,
-    stop,
-    stop_tangent,
-    stops,
-)
 
 LEDGER = "joint"
 
 
-class SlideLimit(StopCard):
+class SlideLimit(_joint.StopCard):
     """Stops of the travel of a joint, counted from its position at the start."""
 
     curve_axes: ClassVar = {"curve": ("m", "N")}
@@ -39,8 +30,8 @@ class SlideLimit(StopCard):
     damping: float = quantity("N s/m", "c", default=0.0, ge=0)
 
 
-PARAMETERS = POINTS + STOPS + Record(axis_a=("1", 3, "joint axis, axes of a"))
-HISTORY = STOPPED
+PARAMETERS = POINTS + _joint.STOPS + Record(axis_a=("1", 3, "joint axis, axes of a"))
+HISTORY = _joint.STOPPED
 TANGENTS = 1
 OUTPUT = Record(
     force=("N", "positive pushes b back"),
@@ -50,9 +41,9 @@ OUTPUT = Record(
 
 
 def build(card: SlideLimit, scene: Any) -> dict[str, Any]:
-    frame = named_joint(scene, card.joint, "travel").frame
+    frame = _joint.named_joint(scene, card.joint, "travel").frame
     columns = {column.name: frame[column.name] for column in POINTS.columns}
-    return columns | stops(card, scene) | {"axis_a": frame["axis_a"]}
+    return columns | _joint.stops(card, scene) | {"axis_a": frame["axis_a"]}
 
 
 @kernel
@@ -62,7 +53,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     axis = vec(p.axis_a)
     out.travel = dot(axis, x)
     out.rate = dot(axis, x_dot)
-    out.force = stop(p, new, out.travel, out.rate, out, curves)
+    out.force = _joint.stop(p, new, out.travel, out.rate, out, curves)
     push(p, nodes, scale(-out.force, axis), d_a, d_b)
     # counted in the gap as well: nothing else shortens the step before the stop is met
     stiffen_along(p, nodes, p.axis_a, d_a, d_b, p.stiffest, p.damping)
@@ -73,12 +64,12 @@ def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     axis = vec(p.axis_a)
-    stiffness, damping = stop_tangent(p, dot(axis, x), dot(axis, x_dot), curves)
+    stiffness, damping = _joint.stop_tangent(p, dot(axis, x), dot(axis, x_dot), curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
     axis_tangent(rows[first], a, b, arm(a, axis), d_a, d_b, stiffness, damping)
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
+def event(p, old, h, nodes, curves):
     """How far the travel has left where it began the step, between the stops or beyond one [m]."""
-    return beyond_stop(p, old, dot(vec(p.axis_a), seen_from_a(p, nodes)[0]))
+    return _joint.stop_event(p, old, dot(vec(p.axis_a), seen_from_a(p, nodes)[0]))

@@ -19,11 +19,12 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, JointName, quantity, word
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import posture_in, turn_between
-from crashsolve.foundation.vec3 import add, add_scaled, dot, matvec_t, norm, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share, lost
 from crashsolve.springs._joint import named_joint
 

@@ -12,22 +12,13 @@ from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import turn_tangent
 from crashsolve.foundation.record import Record
+from crashsolve.springs import _joint
 from crashsolve.springs._between import TURN, turned, twist
-from crashsolve.springs._joint import (
-    STOPPED,
-    STOPS,
-    StopCard,
-    beyond_stop,
-    named_joint,
-    stop,
-    stop_tangent,
-    stops,
-)
 
 LEDGER = "joint"
 
 
-class TurnLimit(StopCard):
+class TurnLimit(_joint.StopCard):
     """Stops of the angle of a joint, counted from its configuration at the start."""
 
     curve_axes: ClassVar = {"curve": ("rad", "N m")}
@@ -38,8 +29,8 @@ class TurnLimit(StopCard):
     damping: float = quantity("N m s/rad", "c", default=0.0, ge=0)
 
 
-PARAMETERS = TURN + STOPS
-HISTORY = STOPPED + Record(angle=("rad", "theta, with all turns"))
+PARAMETERS = TURN + _joint.STOPS
+HISTORY = _joint.STOPPED + Record(angle=("rad", "theta, with all turns"))
 TANGENTS = 1
 OUTPUT = Record(
     torque=("N m", "positive turns b back"),
@@ -49,8 +40,8 @@ OUTPUT = Record(
 
 
 def build(card: TurnLimit, scene: Any) -> dict[str, Any]:
-    frame = named_joint(scene, card.joint, "angle").frame
-    return {column.name: frame[column.name] for column in TURN.columns} | stops(card, scene)
+    frame = _joint.named_joint(scene, card.joint, "angle").frame
+    return {column.name: frame[column.name] for column in TURN.columns} | _joint.stops(card, scene)
 
 
 @kernel
@@ -58,7 +49,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = turned(p, old.angle, nodes)
     new.angle = angle
-    out.torque = stop(p, new, angle, rate, out, curves)
+    out.torque = _joint.stop(p, new, angle, rate, out, curves)
     out.angle = angle
     out.rate = rate
     # counted in the gap as well: nothing else shortens the step before the stop is met
@@ -69,11 +60,11 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = turned(p, state.angle, nodes)
-    stiffness, damping = stop_tangent(p, angle, rate, curves)
+    stiffness, damping = _joint.stop_tangent(p, angle, rate, curves)
     turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
 
 
 @kernel
-def beyond(p, old, h, nodes, curves):
+def event(p, old, h, nodes, curves):
     """How far the angle has left where it began the step, between the stops or beyond one [rad]."""
-    return beyond_stop(p, old, turned(p, old.angle, nodes)[0])
+    return _joint.stop_event(p, old, turned(p, old.angle, nodes)[0])

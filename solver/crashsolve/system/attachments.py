@@ -8,11 +8,12 @@ prints the couples of Eq. 8 with the opposite sign, and Eq. 10 as if it were ano
 Consequence to test: a free body of rigid and flexible parts keeps its angular momentum.
 """
 
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_at, point_velocity
 from crashsolve.foundation.rotation import write_matrix
 from crashsolve.foundation.turn import times
-from crashsolve.foundation.vec3 import add, add_to, cross, put, vec
+from crashsolve.foundation.vec3 import add, cross, put, vec
 
 
 @kernel

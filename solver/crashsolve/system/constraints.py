@@ -7,17 +7,10 @@ Sign: D^T lambda is the force of the constraint on the bodies (Ambrosio (2003), 
 Eq. 5 prints the opposite sign of lambda).
 """
 
+from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.saddle import factorise
-from crashsolve.foundation.vec3 import (
-    add_scaled,
-    add_to,
-    dot,
-    matvec,
-    put,
-    scale,
-    vec,
-)
+from crashsolve.foundation.vec3 import add_scaled, dot, put, scale, vec
 from crashsolve.system.kinetics import accelerations
 
 

@@ -11,6 +11,7 @@ References: Simo and Wong (1991), Int. J. Num. Meth. Eng. 31, 19-52; Krysl and E
 
 from math import sqrt
 
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.rotation import (
     midpoint_spin,
@@ -18,20 +19,7 @@ from crashsolve.foundation.rotation import (
     write_matrix,
     write_world_tensor,
 )
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    matvec_t,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Search for the end of a step at which something begins: a contact, or another piece of a law.
+"""Search for the end of a step at which something begins: a contact, or another branch of a law.
 
     gap(h) <= 0 at the start of the step,   end it where 0 < gap(h) <= allowed
 

@@ -63,7 +63,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "FOLLOWERS": tuple(model.following_groups()),
         "ELEMENTS": tuple(model.element_groups()),
         "ELEMENT_LOADS": tuple(model.element_loads()),
-        "BRANCHES": tuple(model.piecewise_groups()),
+        "BRANCHES": tuple(model.branching_groups()),
         "TANGENTS": tuple(tangent_groups(model)),
         "CONTACTS": tuple(contacts),
         "UNILATERAL": tuple(c for c in contacts if c.is_unilateral),
@@ -80,8 +80,8 @@ def placeholders(model: Model) -> dict[str, Any]:
         "ASSEMBLED": is_assembled(model),
         "THREADS": is_shared(model),
         "DENSE": samples_within_steps(model),
-        "ONSETS": bool(contacts or model.piecewise_groups()),
-        "EVENTS": bool(model.piecewise_groups() or model.rubbing_groups()),
+        "ONSETS": bool(contacts or model.branching_groups()),
+        "EVENTS": bool(model.branching_groups() or model.rubbing_groups()),
         "LOOKS_AHEAD": bool(nodal or any(c.looks_ahead for c in contacts)),
     }
 

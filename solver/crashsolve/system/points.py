@@ -7,21 +7,10 @@ alpha is a drag proportional to mass. A step of no length leaves everything as i
 to test: the drag takes alpha m v_half^2 h, and nothing else is lost.
 """
 
+from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import apart, inlined, kernel
 from crashsolve.foundation.point import RIDES
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.model.clock import NOT_FINITE
 
 

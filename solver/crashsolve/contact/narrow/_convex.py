@@ -16,21 +16,11 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    cross,
-    dot,
-    matvec,
-    matvec_t,
-    norm,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
 
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True

@@ -1,8 +1,9 @@
 """Directions between the world and the axes of a shape within a body."""
 
+from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
-from crashsolve.foundation.vec3 import matvec, matvec_t, sub, vec
+from crashsolve.foundation.vec3 import sub, vec
 
 
 @kernel

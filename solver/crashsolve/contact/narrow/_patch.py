@@ -16,10 +16,11 @@ Consequence to test: r of discs, squares and lines; shares add up to 1, their mo
 from math import log, sqrt
 
 from crashsolve.contact.narrow._convex import tangents
+from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, cross, dot, matvec, matvec_t, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
 
 SPOT = Record(
     u=("m", "corner of the patch from its middle, along the first tangent"),

@@ -22,13 +22,13 @@ from crashsolve.foundation.vec3 import add_scaled, cross, dot, scale
 
 
 @kernel
-def halfway(a, b):
+def mean_frame(a, b):
     """R by rows (9), v and w."""
-    return halfway_of((a.q[0], a.q[1], a.q[2], a.q[3]), (b.q[0], b.q[1], b.q[2], b.q[3]))
+    return mean_frame_of((a.q[0], a.q[1], a.q[2], a.q[3]), (b.q[0], b.q[1], b.q[2], b.q[3]))
 
 
 @kernel
-def halfway_of(p, q):
+def mean_frame_of(p, q):
     """The same between two triads given by their quaternions."""
     w, x, y, z = times((p[0], -p[1], -p[2], -p[3]), q)
     # q and -q are one orientation: take the shorter turn

@@ -8,23 +8,10 @@ step that the element sets. Consequence to test: forces are the gradient of the 
 References: those of the beam.
 """
 
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import no_tangent
-from crashsolve.foundation.vec3 import (
-    ZERO,
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    matvec_t,
-    put,
-    scale,
-    sub,
-    unit,
-    vec,
-)
+from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
 from crashsolve.parts._damping import brake
 from crashsolve.parts.beams.bowing import bowed, stretched
 from crashsolve.parts.beams.corotational import half_angle_over_sine, swing_of, turned_rate

@@ -1,4 +1,4 @@
-"""Stresses of a shell beside those of its layers, which yield with them.
+"""Transverse shear and hourglass of a shell, which yield with its layers.
 
 Transverse shear tau is one number for all layers. What one point does not see has in a layer at the
 height z stresses whose mean squares over the element are those of

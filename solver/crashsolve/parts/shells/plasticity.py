@@ -4,7 +4,7 @@ With xi = sigma - alpha, the plastic strain of a layer beyond its yield stress i
 
     s1 / (1 + c1 g)^2 + s2 / (1 + c2 g)^2 = Y(e + 2/3 g Y)^2
     s1 = (xi_x + xi_y)^2 / 4,   s2 = 3 (xi_x - xi_y)^2 / 4 + 3 xi_xy^2   of the trial stress,
-                                s2 with the square of what is beside it (hourglass_return.py)
+    with the square of transverse shear and hourglass in s2 (hourglass_return.py)
     c1 = E / (3 - 3 nu) + 2/3 H_k,   c2 = 2 G + 2/3 H_k
 
 whose root g Householder's method finds, where Y is a straight line. It works on
@@ -130,7 +130,7 @@ def drop_failed(blocks, at, work, slots, to, m, weight):
             slots[to + (SLOT.trial + row) * LANES + e] *= keep
             if m.kinematic > 0.0:
                 blocks[at + (LAYER.alpha + row) * LANES + e] *= keep
-        # what is beside the layers stays with those that are left
+        # transverse shear and hourglass stay with the layers that are left
         slots[to + LANES * SLOT.s1 + e] *= keep
         slots[to + LANES * SLOT.s2 + e] *= keep
         slots[to + LANES * SLOT.gap + e] = -1.0 if has_failed else slots[to + LANES * SLOT.gap + e]
@@ -151,17 +151,17 @@ def find_trial(blocks, at, work, slots, to, m, zeta):
             s_y -= blocks[back + LANES + e]
             s_xy -= blocks[back + 2 * LANES + e]
         both, apart = s_x + s_y, s_x - s_y
-        s2 = 0.75 * apart * apart + 3.0 * s_xy * s_xy + beside_at(work, e, zeta)
+        s2 = 0.75 * apart * apart + 3.0 * s_xy * s_xy + transverse_square(work, e, zeta)
         put_three(slots, to + LANES * SLOT.trial + e, (s_x, s_y, s_xy))
         put_three(slots, to + LANES * SLOT.s1 + e, (0.25 * both * both, s2, 0.0))
 
 
 @inlined
-def beside_at(work, e, zeta):
-    """Square of the trial stresses beside a layer."""
+def transverse_square(work, e, zeta):
+    """Square of the trial stresses of transverse shear and hourglass at the height of a layer."""
     a_x, a_y = modes_at(work, e, zeta)
-    beside = work[LANES * WORK.shear_square + e] + work[LANES * WORK.mode_square + e] * a_x * a_x
-    return beside + work[LANES * (WORK.mode_square + 1) + e] * a_y * a_y
+    square = work[LANES * WORK.shear_square + e] + work[LANES * WORK.mode_square + e] * a_x * a_x
+    return square + work[LANES * (WORK.mode_square + 1) + e] * a_y * a_y
 
 
 @inlined
@@ -268,7 +268,7 @@ def settle(blocks, at, work, slots, to, m, zeta, weight):
 
 @inlined
 def take(work, e, share, z):
-    """Share k of a layer in what yielding takes from the stresses beside layers. Writes: work."""
+    """Share k of a layer in what yielding takes from shear and hourglass. Writes: work."""
     at = LANES * WORK.taken + e
     work[at] += share
     work[at + LANES] += share * z

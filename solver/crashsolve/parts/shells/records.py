@@ -46,7 +46,7 @@ EROSION = rows_of(
 _SLOT = Record(
     trial=("Pa", 3, "xi = sigma - alpha if nothing yields"),
     s1=("Pa^2", "of the sum of its normal parts"),
-    s2=("Pa^2", "of the deviator, with what is beside the layer"),
+    s2=("Pa^2", "of the deviator, with transverse shear and hourglass"),
     g=("1/Pa", "plastic multiplier"),
     flow=("Pa", "yield stress"),
     slope=("Pa", "its slope by the plastic strain"),
@@ -76,7 +76,7 @@ _STEP = Record(
     dropped=("J", "energy of the layers that fail"),
     growth=("1", "largest stiffness over that without strain"),
 )
-_BESIDE = Record(
+_SHEAR_RETURN = Record(
     shear_square=("Pa^2", "three times the square of the trial transverse shear"),
     amplitude=("N", 4, "a_x and a_y of the hourglass at all heights, and over the height"),
     mode_square=("1/m^4", 2, "1 / (t r)^2"),
@@ -94,7 +94,7 @@ _POINTS = Record(
     mean_dropped=("J", "of the points"),
     mean_taken=("1", "of the points"),
 )
-_BEFORE = _STEP + _BESIDE
+_BEFORE = _STEP + _SHEAR_RETURN
 SLOT = rows_of(_SLOT, rows_of(_BEFORE).SIZE)
 _SLOTS = Record(slots=("1", MOST_LAYERS * SLOT.SIZE, "of the layers that yield"))
 WORK = rows_of(_BEFORE + _SLOTS + _POINTS)

@@ -7,10 +7,11 @@ and stays. They are computed once more at every sample, so that steps cost nothi
 test: f and m are all that changes the momenta of what lies in front.
 """
 
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_to, cross, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add, cross, put, scale, sub, vec
 from crashsolve.parts.shells.elements.corners import corner
 from crashsolve.parts.shells.records import WORK
 

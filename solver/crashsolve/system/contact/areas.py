@@ -12,21 +12,10 @@ References: Howe and Cutkosky (1996), Int. J. Robotics Research 15, 557-572.
 """
 
 from crashsolve.contact.narrow._convex import tangents
+from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_force, apply_torque, note_late, point_tangent
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.touches import closing, count_stiffness, pair_mobility
 from crashsolve.system.contact.work import begin_push, way_from
 
@@ -70,9 +59,10 @@ def end_first_half(h, old, motion, a, card):
 
 
 @kernel
-def begin_second_half(felt, way, glide, f, rub, n, x, radius, out, new, card):
+def begin_second_half(felt, pair, sliding, x, rub, glide, radius, card):
     """Work of the forces at the end of the step, which are kept for the next. Writes: new, card."""
-    begin_push(felt, way, f, n, x, out, new, card)
+    out, new = pair.out, pair.new
+    begin_push(felt, sliding.way, sliding.f, sliding.n, x, out, new, card)
     card.friction_work += 0.5 * felt * dot(rub, glide)
     card.bristled += out.friction_stored
     put(new.rub, rub)
@@ -105,23 +95,24 @@ def respond(body, d, force, moment):
 
 
 @kernel
-def press(a, b, spots, count, n, x, felt, f, rate, damping, most_stiffness, most_damping):
-    """Normal force f at closing speed `rate` in the points of an area, where speeds differ.
+def press_over_area(a, b, spots, count, n, x, felt, push):
+    """Normal force in the points of an area, where closing speeds differ from that of its middle.
 
     Laws are linear in the speed where they press. Returns the force [N], the power that the
     differences dissipate [W] and the point of the line on which all of it acts. Writes: a, b.
     """
+    f, rate, damping, most_stiffness, most_damping = push
     total, power, moment = 0.0, -f * rate, NO_TURN
     for k in range(count):
         y, share = vec(spots[k].point), spots[k].share
         rate_k, _, d_a, d_b = closing(a, b, y, n)
         f_k = share * max(0.0, f + damping * (rate_k - rate))
-        push = scale(f_k, n)
-        apply_force(a, push, d_a)
-        apply_force(b, scale(-1.0, push), d_b)
+        own = scale(f_k, n)
+        apply_force(a, own, d_a)
+        apply_force(b, scale(-1.0, own), d_b)
         if felt < 1.0:
-            note_late(a, scale(1.0 - felt, push), d_a)
-            note_late(b, scale(felt - 1.0, push), d_b)
+            note_late(a, scale(1.0 - felt, own), d_a)
+            note_late(b, scale(felt - 1.0, own), d_b)
         mob_a, mob_b = pair_mobility(a, b, d_a, d_b, n)
         count_stiffness(a, b, mob_a, mob_b, share * most_stiffness, share * most_damping)
         total += f_k
@@ -138,10 +129,11 @@ def add_pressure(f, n, out):
 
 
 @kernel
-def tilt_tangents(first, second, spots, count, n, x, f, damping, edge):
+def tilt_tangents(first, second, spots, count, n, x, stiffness, damping):
     """Tangents of the torque against tilting about both tangents. Writes: first, second.
 
-    The centre of pressure crosses the area while the sides tilt by their rounding over its size.
+    The centre of pressure crosses the area while the sides tilt by their rounding over its size:
+    `stiffness` is 3 f over the sum of both roundings.
     """
     s, t = tangents(n)
     about_s, about_t = 0.0, 0.0
@@ -149,8 +141,8 @@ def tilt_tangents(first, second, spots, count, n, x, f, damping, edge):
         d = sub(vec(spots[k].point), x)
         about_s += spots[k].share * dot(d, t) ** 2
         about_t += spots[k].share * dot(d, s) ** 2
-    tilt_tangent(first, s, 3.0 * f / edge * about_s, damping * about_s)
-    tilt_tangent(second, t, 3.0 * f / edge * about_t, damping * about_t)
+    tilt_tangent(first, s, stiffness * about_s, damping * about_s)
+    tilt_tangent(second, t, stiffness * about_t, damping * about_t)
 
 
 @kernel

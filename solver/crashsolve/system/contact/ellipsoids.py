@@ -17,9 +17,10 @@ from math import sqrt
 from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow._ellipsoid_face import nearest_to_ellipsoid
 from crashsolve.contact.narrow._frame import into, out_of, seen_from
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, place, point_velocity
-from crashsolve.foundation.vec3 import add_scaled, dot, matvec_t, norm, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.projection import begin_look, take, tell_depth
 
 

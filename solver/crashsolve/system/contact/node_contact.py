@@ -10,6 +10,7 @@ all probes in all steps.
 
 from math import sqrt
 
+from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
@@ -21,18 +22,7 @@ from crashsolve.foundation.motion import (
     stiffen,
 )
 from crashsolve.foundation.point import RIDES
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    dot,
-    matvec,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 
 # mobility below which two sides cannot move [1/kg]
 STUCK = 1e-30

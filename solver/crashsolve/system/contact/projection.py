@@ -18,9 +18,10 @@ from math import acos, sqrt
 
 from crashsolve.contact.cells import corner_points, list_near, measure, sort
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.foundation.vec3 import add, add_scaled, add_to, dot, norm, put, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.parts.shells.records import BLOCK
 from crashsolve.system.contact.node_contact import (
     count,

@@ -10,21 +10,11 @@ the last step stands for the friction itself.
 """
 
 from crashsolve.contact.cells import corner_points
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_force, arm, mobility, stiffen
 from crashsolve.foundation.point import RIDES
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.node_contact import foretold, free_part, load
 from crashsolve.system.contact.work import arms, rub_along
 

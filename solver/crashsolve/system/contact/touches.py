@@ -126,9 +126,10 @@ def begun_before(clock, old, h):
 
 
 @kernel
-def touch(a, b, d_a, d_b, felt, f, t, n, x, out):
-    """Normal force f along n and friction t on both sides. Writes: a, b, out."""
-    total = add_scaled(t, f, n)
+def touch(pair, sliding, felt, f, t, x):
+    """Normal force f and friction t on both sides, in the place x. Writes: pair.a, b, out."""
+    a, b, out, d_a, d_b = pair.a, pair.b, pair.out, sliding.d_a, sliding.d_b
+    total = add_scaled(t, f, sliding.n)
     apply_force(a, total, d_a)
     apply_force(b, scale(-1.0, total), d_b)
     if felt < 1.0:

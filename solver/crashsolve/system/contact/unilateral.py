@@ -8,23 +8,13 @@ several pairs of one body are found by sweeps (Gauss-Seidel), which end at once 
 a node of its own. Between impacts the order is that of the step, 2.
 """
 
-from crashsolve.contact.unilateral import press
+from typing import Any, NamedTuple
+
+from crashsolve.contact.unilateral import unilateral_impulse
+from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_force, mobility
-from crashsolve.foundation.vec3 import (
-    ZERO,
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.touches import along, separate, sum_losses
 from crashsolve.system.kinetics import drift_body
 
@@ -32,6 +22,15 @@ PASSES = 20  # over the drift, until gaps on curved surfaces are closed
 SWEEPS = 200  # over the pairs, until their impulses agree
 SETTLED = 1e-14  # change of an impulse in a sweep, over the largest, that is round-off
 CLOSED = 1e-12  # gap of what is held, in model sizes
+
+
+class Pairs(NamedTuple):
+    """Tables of a group of pairs: parameters, histories, outputs, elements of both sides."""
+
+    parameters: Any
+    history: Any
+    output: Any
+    elements: Any
 
 
 @kernel
@@ -66,11 +65,12 @@ def give(is_half, b, P, d):
 
 
 @kernel
-def sweep(is_half, is_blow, current, params, history, elements, nodes, change, most):
+def sweep(is_half, is_blow, current, pairs, nodes, change, most):
     """New impulses of every pair that is held, one after the other; of new ones in a blow too.
 
     Takes and returns the largest change and the largest impulse [N s]. Writes: history, nodes.
     """
+    params, history, _, elements = pairs
     for i in range(params.shape[0]):
         p, old, new = params[i], history[current, i], history[1 - current, i]
         if (old.active == 0 and not is_blow) or (new.active == 0 and not is_half):
@@ -81,7 +81,7 @@ def sweep(is_half, is_blow, current, params, history, elements, nodes, change, m
         d_a, d_b, n = vec(here.arm_a), vec(here.arm_b), vec(here.normal)
         u = over(is_half, here, m, w)
         slip = along(ZERO, add_scaled(u, -dot(u, n), n), n)
-        wanted = press(
+        wanted = unilateral_impulse(
             p,
             vec(P),
             u,
@@ -139,11 +139,13 @@ def across(x, n):
 
 
 @kernel
-def look(clock, h, old, new, out, m, w, depth, n, x):
-    """Whether a pair is held after the drift, and where. Writes: new, out.
+def look(clock, h, pair, meeting):
+    """Whether a pair is held after the drift, and where. Writes: pair.new, out.
 
     Held before, it is let go where nothing pushed and a gap has opened. At a sample all stays.
     """
+    old, new, out, m, w = pair.old, pair.new, pair.out, pair.a, pair.b
+    depth, n, x = meeting.depth, meeting.n, meeting.x
     if h <= 0.0:
         new.active = old.active
     elif old.active == 1:
@@ -202,8 +204,9 @@ def note_blows(current, params, history, elements, nodes, cards):
 
 
 @kernel
-def settle(h, clock, params, history, output, elements, nodes, cards, card_history):
+def settle(h, clock, pairs, nodes, cards, card_history):
     """Sums of every pair: losses, impulses, outputs; at a sample, forces. Writes: all of these."""
+    params, history, output, elements = pairs
     for i in range(params.shape[0]):
         p, new, out = params[i], history[1 - clock.current, i], output[i]
         card, card_new = cards[p.card], card_history[1 - clock.current, p.card]

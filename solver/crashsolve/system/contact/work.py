@@ -10,18 +10,9 @@ stable step they have little to do with the way that is gone.
 """
 
 from crashsolve.contact.cells import corner_points
+from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    cross,
-    dot,
-    matvec,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
 from crashsolve.system.points import half_turn
 
 # a pair that has not moved
@@ -121,13 +112,14 @@ def end_first_half(h, old, motion, a, card):
 
 
 @kernel
-def begin_second_half(felt, u, f, t, n, x, out, new, card):
+def begin_second_half(felt, pair, sliding, x, t, card):
     """Work of the forces at the end of the step, which are kept for the next.
 
-    u is the displacement of a over b at x, felt the share of them that acts in this step.
+    `felt` is the share of them that acts in this step, x where they act, t the friction.
     Writes: new, card.
     """
-    begin_push(felt, u, f, n, x, out, new, card)
+    u, out, new = sliding.way, pair.out, pair.new
+    begin_push(felt, u, sliding.f, sliding.n, x, out, new, card)
     card.friction_work += 0.5 * felt * dot(t, u)
     card.bristled += out.friction_stored
     put(new.rub, t)

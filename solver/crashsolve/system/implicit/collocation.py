@@ -10,23 +10,11 @@ linear problem whose exact solution does not grow, and to 0.15 on a damper.
 Reference: van der Houwen and de Swart (1997), SIAM J. Sci. Comput. 18, 41-55.
 """
 
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rotation import rotate_by_cayley, write_matrix, write_world_tensor
 from crashsolve.foundation.saddle import solve_rows
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    matvec_t,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.implicit.stages import add_column, along_row
 
 

@@ -15,22 +15,11 @@ Multibody System Dynamics 18, 185-202; Bruels, Cardona and Arnold (2012), Mechan
 Theory 48, 121-137 (Lie group).
 """
 
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rotation import rotate_by_vector, write_matrix, write_world_tensor
 from crashsolve.foundation.saddle import solve_rows
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    matvec,
-    matvec_t,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, norm, put, scale, sub, vec
 from crashsolve.system.implicit.collocation import gather_kicks, start_spin
 from crashsolve.system.implicit.stages import along_row
 

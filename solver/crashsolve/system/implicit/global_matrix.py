@@ -14,18 +14,10 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 """
 
 from crashsolve.foundation.bordered import assemble, factorise, solve
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rotation import write_world_tensor
-from crashsolve.foundation.vec3 import (
-    add_to,
-    matvec,
-    matvec_t,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import norm, put, scale, sub, vec
 from crashsolve.system.implicit.collocation import (  # noqa: F401
     correction_size,
     guess,

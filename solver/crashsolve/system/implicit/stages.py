@@ -12,23 +12,11 @@ Reference: Hairer, Lubich and Wanner (2006), Geometric Numerical Integration, IV
 
 from math import sqrt
 
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rotation import rotate_by_cayley, write_matrix
 from crashsolve.foundation.saddle import solve_rows
-from crashsolve.foundation.vec3 import (
-    add,
-    add_scaled,
-    add_to,
-    cross,
-    dot,
-    matvec,
-    matvec_t,
-    norm,
-    put,
-    scale,
-    sub,
-    vec,
-)
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.constraints import clear_joint_forces, driver_power
 
 EPSILON = 2.0**-52

@@ -11,8 +11,9 @@ middle of the step, forces those of its end, and the symmetric part alone has -E
 against a step that turns by theta, more than bending resists.
 """
 
+from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import matvec, vec
+from crashsolve.foundation.vec3 import vec
 
 
 @kernel

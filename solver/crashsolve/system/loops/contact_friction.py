@@ -10,9 +10,10 @@ from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
 @stage
-def friction_in_point(group, clock, h, p, old, new, out, sides, n, slip, f, mass, way, curves):
+def friction_in_point(group, clock, h, pair, sliding, curves):
     """Friction against the slip: force, power, loss without a rate. Writes: new, out, m, w."""
-    m, w, d_a, d_b = sides
+    p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
+    n, slip, way, f, mass, d_a, d_b = sliding
     ease = 0.0
     if KICK_DRIFT_KICK and group.friction_damps:
         u = touches.ahead(old, slip, n)
@@ -30,11 +31,10 @@ def friction_in_point(group, clock, h, p, old, new, out, sides, n, slip, f, mass
 
 
 @stage
-def friction_in_area(
-    group, clock, h, p, old, new, out, sides, n, slip, f, mass, motion, way, radius, curves
-):
+def friction_in_area(group, clock, h, pair, sliding, motion, radius, curves):
     """Friction against slip and spin, and the way of both; power, loss. Writes: new, out, m, w."""
-    m, w, d_a, d_b = sides
+    p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
+    n, slip, way, f, mass, d_a, d_b = sliding
     slip = areas.sliding(m, w, slip, n, radius)
     ease = 0.0
     glide = areas.way_of_sliding(motion, way, n, radius) if KICK_DRIFT_KICK else None

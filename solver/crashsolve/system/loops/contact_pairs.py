@@ -8,6 +8,7 @@ nearest (system/contact/passing.py), and one that cannot have met is left alone
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import areas, passing, resting, touches, work
+from crashsolve.system.contact.pair import Meeting, Pair, Push, Sliding
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
 from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
@@ -61,9 +62,8 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
                 work.part_pair(old, new, friction_loss)
             touches.sum_losses(scene.cards[p.card], new)
             continue
-        press(
-            group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, nodes, curves, scene
-        )
+        pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
+        press_pair(group, clock, h, pair, meeting, nodes, curves, scene)
         if group.keeps_faces and old.held == 1 and not held:
             # it leaves its own face sideways, deep within
             new.dissipated += max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)
@@ -84,8 +84,10 @@ def gap(group, p, old, a, b, nodes, scene):
 
 
 @stage
-def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, nodes, curves, scene):
+def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
     """Forces of one pair in touch. Writes: nodes, scene.cards, output, new history."""
+    p, old, new, out, a, b, m, w = pair
+    depth, n, x, motion = meeting
     counts = scene.card_history[1 - clock.current]
     rate, slip, d_a, d_b = touches.closing(m, w, x, n)
     touches.latch(p, old, new, depth, rate, counts)
@@ -107,7 +109,8 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
     if group.is_flat:
         _, c_now = group.normal.normal_tangent(p, new, depth, rate, mass, curves)
         spots = group.data[0]
-        f, more, x = areas.press(m, w, spots, count, n, x, felt, f, rate, c_now, k, c)
+        push = Push(f, rate, c_now, k, c)
+        f, more, x = areas.press_over_area(m, w, spots, count, n, x, felt, push)
         power += more
         _, slip, d_a, d_b = touches.closing(m, w, x, n)
     elif group.has_shares:
@@ -116,32 +119,30 @@ def press(group, clock, h, p, old, new, out, a, b, m, w, motion, depth, n, x, no
         loss, k, c = a.share * loss, a.share * k, a.share * c
     t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0
     out.friction_stored = 0.0
-    sides = (m, w, d_a, d_b)
     way = work.way_to(motion, m, x) if KICK_DRIFT_KICK else None
+    sliding = Sliding(n, slip, way, f, mass, d_a, d_b)
     if group.resists_spin:
         rub, glide, t_power, t_loss = friction_in_area(
-            group, clock, h, p, old, new, out, sides, n, slip, f, mass, motion, way, radius, curves
+            group, clock, h, pair, sliding, motion, radius, curves
         )
         t = areas.along_surface(rub, n)
     elif group.friction:
-        t, t_power, t_loss = friction_in_point(
-            group, clock, h, p, old, new, out, sides, n, slip, f, mass, way, curves
-        )
+        t, t_power, t_loss = friction_in_point(group, clock, h, pair, sliding, curves)
     if group.is_flat:
-        touches.touch(m, w, d_a, d_b, felt, 0.0, t, n, x, out)
+        touches.touch(pair, sliding, felt, 0.0, t, x)
         areas.add_pressure(f, n, out)
     else:
         felt = share_of_step(clock, h, old, depth, rate)
-        touches.touch(m, w, d_a, d_b, felt, f, t, n, x, out)
+        touches.touch(pair, sliding, felt, f, t, x)
         touches.count_stiffness(m, w, mob_a, mob_b, k, c)
     if group.resists_spin:
         areas.twist(m, w, rub, n, radius, felt)
     touches.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)
     touches.sum_card(scene.cards[p.card], counts[p.card], p.order, felt, f, t, new, out)
     if KICK_DRIFT_KICK and group.resists_spin:
-        areas.begin_second_half(felt, way, glide, f, rub, n, x, radius, out, new, counts[p.card])
+        areas.begin_second_half(felt, pair, sliding, x, rub, glide, radius, counts[p.card])
     elif KICK_DRIFT_KICK and group.friction:
-        work.begin_second_half(felt, way, f, t, n, x, out, new, counts[p.card])
+        work.begin_second_half(felt, pair, sliding, x, t, counts[p.card])
     elif KICK_DRIFT_KICK:
         work.begin_push(felt, way, f, n, x, out, new, counts[p.card])
 

@@ -39,10 +39,8 @@ def contact_tangents(group, first, clock, nodes, curves, compliant, scene):
             count, radius = group.narrow.patch(a, b, nodes, group.data, n, x)
             if group.has_radius:
                 radius = max(radius, p.torsion_radius)
-            spots, edge = group.data[0], a.edge + b.edge
-            areas.tilt_tangents(
-                compliant[at + 1], compliant[at + 2], spots, count, n, x, f, c, edge
-            )
+            spots, tilt = group.data[0], 3.0 * f / (a.edge + b.edge)
+            areas.tilt_tangents(compliant[at + 1], compliant[at + 2], spots, count, n, x, tilt, c)
         elif group.has_radius:
             radius = p.torsion_radius
         if group.resists_spin:

@@ -53,13 +53,13 @@ def approach_before(current, scene):
 
 
 @kernel
-def beyond(current, h, nodes, curves, scene):
+def event(current, h, nodes, curves, scene):
     """How far laws are past the branches on which a step of h began [m or rad]; 0: not yet."""
     farthest = -1e300
     for group in BRANCHES:
         p, history = group.parameters, group.history
         for i in range(p.shape[0]):
-            past = group.law.beyond(p[i], history[current, i], h, nodes, curves)
+            past = group.law.event(p[i], history[current, i], h, nodes, curves)
             farthest = max(farthest, past)
     for pairs in SLIDING:
         params, history = pairs.parameters, pairs.history

@@ -1,4 +1,8 @@
-"""Constraints: residuals, Jacobians and convective terms of all joints."""
+"""Constraints: residuals, Jacobians and convective terms of all joints.
+
+The rows of a joint are those of its basic constraints, one after the other, then those of its own;
+what has come apart has rows that hold nothing.
+"""
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.system.placeholders import JOINTS
@@ -11,7 +15,12 @@ def residual(current, time, nodes, rows, curves, scene):
         p, history = group.parameters, group.history
         for i in range(p.shape[0]):
             old, new = history[current, i], history[1 - current, i]
-            group.law.residual(p[i], old, new, time, nodes, rows, curves)
+            for basic, first in group.constraints:
+                basic.residual(p[i], nodes, rows, p[i].first_row + first)
+            if group.has_own_rows:
+                group.law.residual(p[i], old, new, time, nodes, rows, curves)
+            if group.comes_apart:
+                group.law.let_go(p[i], old, rows, group.module.ROWS)
 
 
 @kernel
@@ -20,7 +29,12 @@ def jacobian(current, time, nodes, rows, curves, scene):
     for group in JOINTS:
         p, history = group.parameters, group.history
         for i in range(p.shape[0]):
-            group.law.jacobian(p[i], history[current, i], time, nodes, rows, curves)
+            for basic, first in group.constraints:
+                basic.jacobian(p[i], nodes, rows, p[i].first_row + first)
+            if group.has_own_rows:
+                group.law.jacobian(p[i], history[current, i], time, nodes, rows, curves)
+            if group.comes_apart:
+                group.law.let_go(p[i], history[current, i], rows, group.module.ROWS)
 
 
 @kernel
@@ -29,4 +43,9 @@ def convective(current, time, nodes, rows, curves, scene):
     for group in JOINTS:
         p, history = group.parameters, group.history
         for i in range(p.shape[0]):
-            group.law.convective(p[i], history[current, i], time, nodes, rows, curves)
+            for basic, first in group.constraints:
+                basic.convective(p[i], nodes, rows, p[i].first_row + first)
+            if group.has_own_rows:
+                group.law.convective(p[i], history[current, i], time, nodes, rows, curves)
+            if group.comes_apart:
+                group.law.let_go(p[i], history[current, i], rows, group.module.ROWS)

@@ -6,6 +6,7 @@ See system/contact/unilateral.py.
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.model.clock import UNHELD
 from crashsolve.system.contact import times, unilateral
+from crashsolve.system.contact.pair import Meeting, Pair
 from crashsolve.system.placeholders import UNILATERAL
 
 
@@ -18,7 +19,8 @@ def find_touching(group, clock, h, nodes, scene):
         a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
         depth, n, x = group.narrow.gap(a, b, nodes, group.data)
         m, w = nodes[a.node], nodes[b.node]
-        unilateral.look(clock, h, old, new, output[i], m, w, depth, n, x)
+        pair = Pair(params[i], old, new, output[i], a, b, m, w)
+        unilateral.look(clock, h, pair, Meeting(depth, n, x, None))
 
 
 @stage
@@ -27,23 +29,17 @@ def sweep(is_half, is_blow, clock, nodes, scene):
     for _ in range(unilateral.SWEEPS):
         change, most = 0.0, 0.0
         for group in UNILATERAL:
+            sides = (group.elements_a, group.elements_b)
+            pairs = unilateral.Pairs(group.parameters, group.history, group.output, sides)
             change, most = unilateral.sweep(
-                is_half,
-                is_blow,
-                clock.current,
-                group.parameters,
-                group.history,
-                (group.elements_a, group.elements_b),
-                nodes,
-                change,
-                most,
+                is_half, is_blow, clock.current, pairs, nodes, change, most
             )
         if change <= unilateral.SETTLED * most:
             break
 
 
 @kernel
-def hold(h, clock, control, nodes, scene):
+def impulses_of_first_half(h, clock, control, nodes, scene):
     """Impulses in the first half of a step on what is held. Writes: nodes, new histories."""
     for group in UNILATERAL:
         unilateral.forget(clock.current, group.history)
@@ -71,7 +67,7 @@ def hold(h, clock, control, nodes, scene):
 
 
 @kernel
-def react(h, clock, nodes, scene):
+def impulses_of_second_half(h, clock, nodes, scene):
     """Impulses in the second half, and on what has just touched. Writes: nodes, new histories."""
     if h > 0.0:
         sweep(False, False, clock, nodes, scene)
@@ -87,10 +83,8 @@ def react(h, clock, nodes, scene):
             sides = (group.elements_a, group.elements_b)
             unilateral.note_blows(clock.current, params, history, sides, nodes, scene.card_history)
     for group in UNILATERAL:
-        params, history, output = group.parameters, group.history, group.output
         sides = (group.elements_a, group.elements_b)
-        unilateral.settle(
-            h, clock, params, history, output, sides, nodes, scene.cards, scene.card_history
-        )
+        pairs = unilateral.Pairs(group.parameters, group.history, group.output, sides)
+        unilateral.settle(h, clock, pairs, nodes, scene.cards, scene.card_history)
     time = clock.time + h
     times.time_cards(time, h, clock, scene.cards, scene.card_history)

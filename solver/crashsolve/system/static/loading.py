@@ -36,7 +36,7 @@ class Loading:
                     p["curve"] == 0 if "curve" in (p.dtype.names or ()) else np.ones(len(p), bool)
                 )
                 self.rising.append((g, has_none, p[g.module.AMPLITUDE].copy()))
-            elif hasattr(g.module, "residual") and hasattr(g.module, "CURVES_OF_TIME"):
+            elif hasattr(g.module, "CONSTRAINTS") and hasattr(g.module, "CURVES_OF_TIME"):
                 self.driven.append((g.names, p, p["curve"].copy(), p["offset"].copy()))
                 p["curve"] = still
         self.place(self.begin)

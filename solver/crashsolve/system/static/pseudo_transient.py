@@ -196,7 +196,7 @@ def _turning(group: Any) -> list[str]:
     p = group.parameters
     names = set(p.dtype.names or ())
     turns = np.zeros(len(p), bool)
-    if hasattr(group.module, "residual"):
+    if hasattr(group.module, "CONSTRAINTS"):
         for side in "ab":
             if f"point_{side}" in names:
                 turns |= (p[f"point_{side}"] != 0.0).any(axis=1) & (p[f"node_{side}"] > 0)

@@ -6,8 +6,8 @@ A hinge that yields has two slopes where it stands, onward and back, which diffe
 would mix. They are taken of elastic hinges, K_e, and what yield leaves of their stiffness is put in
 the place of it, by the hinge's own rows d. An ellipse has no corner but first yield, and a tangent
 that depends on the way: there differences serve. The work of a load step is that of the mean of its
-forces, and the law of a hinge is made of straight pieces: a step ends where the first hinge leaves
-its piece, at the share s found by the Illinois method. Between corners a structure of hinges is
+forces, and the law of a hinge has straight branches: a step ends where the first hinge leaves
+its own, at the share s found by the Illinois method. Between corners a structure of hinges is
 linear but for its geometry. Consequence to test: limit loads, work and dissipated energy are those
 of limit analysis, however long the load steps.
 
@@ -48,7 +48,7 @@ class Yielding:
 
     def __init__(self, model: Model) -> None:
         """Writes: model.curves."""
-        self.groups = [g for g in model.joint_groups() if hasattr(g.module, "beyond")]
+        self.groups = [g for g in model.joint_groups() if hasattr(g.module, "event")]
         self.straight = [g for g in self.groups if not _is_curved(g)]
         self.model, self.elastic = model, len(model.curves)
         self.points: list[SimpleNamespace] = []
@@ -136,7 +136,7 @@ class Yielding:
         if end <= 0.0 or self.is_least:
             return time, passes
         at_low = min(self._pasts(current, start).max(), 0.0)
-        # a little behind the corner, so that the next load step begins on the new piece
+        # a little behind the corner, so that the next load step begins on the new branch
         goal = 0.5 * CLOSE * (end - at_low)
         low, high, at_low, at_high = 0.0, 1.0, at_low - goal, end - goal
         found, side = (engine.keep(), engine.tangent), 0
@@ -177,10 +177,10 @@ class Yielding:
         )
 
     def _pasts(self, current: int, nodes: np.ndarray) -> np.ndarray:
-        """How far each hinge has left the piece on which the load step began [rad or m]."""
+        """How far each hinge has left the branch on which the load step began [rad or m]."""
         return np.array(
             [
-                g.module.beyond(p, state, 0.0, here, self.curves())
+                g.module.event(p, state, 0.0, here, self.curves())
                 for g, p, state, here in self._each(current, nodes, self.groups)
             ]
         )

@@ -1,8 +1,9 @@
 """Jobs that threads share, what a piece borrows before, and what the first thread does after."""
 
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import load_point
-from crashsolve.foundation.vec3 import add_to, put, vec
+from crashsolve.foundation.vec3 import put, vec
 
 OPEN, DEFORM, LOAD, CLOSE, SPEED, LOOK = range(6)
 

@@ -2,7 +2,7 @@
 
     d sigma = C d eps - (C n + ...) dg,   dg from the yield condition, whose root g is
 
-and so what the layers take from the stresses beside them (hourglass_return.py). What enters at a
+and so what the layers take from shear and hourglass (hourglass_return.py). What enters at a
 point of the plane, and what comes out,
 
     X = (eps, kappa, amplitudes of the trial hourglass in the plane and by height, trial tau)
@@ -25,7 +25,7 @@ from crashsolve.foundation.kernels import blockwise, inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.parts.shells.elements.corners import three
 from crashsolve.parts.shells.layers import add_layer
-from crashsolve.parts.shells.plasticity import beside_at, modes_at, plastic_layers
+from crashsolve.parts.shells.plasticity import modes_at, plastic_layers, transverse_square
 from crashsolve.parts.shells.records import (
     SLOT,
     WORK,
@@ -102,10 +102,10 @@ def flow_of(work, e, d, q, zeta, h, m, c1, c2, material):
     factor, (x, y, xy) = work[LANES * SLOT.factor + e], three(work, LANES * SLOT.trial + e)
     u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * slope * g
     both, apart, s = (x + y) / u1, (x - y) / u2, xy / u2
-    size, beside = flow / u3, beside_at(work, e, zeta) / (u2 * u2)
+    size, transverse = flow / u3, transverse_square(work, e, zeta) / (u2 * u2)
     square = size * size
     falls = 0.5 * c1 / u1 * both * both
-    falls += c2 / u2 * (1.5 * apart * apart + 6.0 * s * s + 2.0 * beside)
+    falls += c2 / u2 * (1.5 * apart * apart + 6.0 * s * s + 2.0 * transverse)
     falls += 4.0 / 3.0 * square * slope / u3
     over = 1.0 / falls if g > 0.0 else 0.0
     f_x, f_y, f_s = factor_slopes(d, factor, h, m, material)
