@@ -38,7 +38,7 @@ POST_LAYERS = (
 SIDEWAYS = {(family, "deck") for family in FLOORS[2]}
 SIDEWAYS |= {(name, other) for name, family in families().items() for other in family.uses}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
-LONGEST_FUNCTION = 60
+LONGEST_FUNCTION, LONGEST_FILE = 60, 450
 
 MODULES = sorted(SOLVER.rglob("*.py"))
 
@@ -160,6 +160,13 @@ def test_functions_are_short(package: Path) -> None:
         for node in functions(path)
         if node.end_lineno is not None and node.end_lineno - node.lineno >= LONGEST_FUNCTION
     ]
+    assert not long, "\n".join(long)
+
+
+@pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
+def test_files_are_short(package: Path) -> None:
+    lines = {path: len(path.read_text("utf-8").splitlines()) for path in package.rglob("*.py")}
+    long = [f"{p.relative_to(ROOT)}: {n} lines" for p, n in lines.items() if n > LONGEST_FILE]
     assert not long, "\n".join(long)
 
 
