@@ -96,7 +96,7 @@ def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
     mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
     mass = 1.0 / (mob_a + mob_b)
     if group.is_flat or group.has_radius:
-        count, radius = patch_of(group, pair, meeting, nodes)
+        count, radius = patch_of(group, pair, meeting, nodes, scene)
     if group.is_flat:
         felt = share_of_step(clock, h, old, depth, rate)
     f, out.stored, power, loss, k, c = group.normal.normal_force(
@@ -144,7 +144,7 @@ def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
 
 
 @stage
-def patch_of(group, pair, meeting, nodes):
+def patch_of(group, pair, meeting, nodes, scene):
     """Corners of the area over which the sides press, and the radius of friction's spin [m]."""
     count, radius = 0, 0.0
     if group.is_flat:
