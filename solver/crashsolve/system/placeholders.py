@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.implicit.compliance import (
     has_nodal_tangents,
     tangent_contacts,
     tangent_groups,
 )
-from crashsolve.model.model import ContactGroup, Group, Model, NodalGroup
+from crashsolve.model.model import Group, Model
 from crashsolve.system.threads.sharing import shared_arrays
 
 # groups by what their laws do
