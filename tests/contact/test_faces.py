@@ -15,6 +15,7 @@ from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow import _face
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.model.contact.near_faces import faces_beside, spare
 from crashsolve.system.contact import node_contact, normals, projection
@@ -128,13 +129,10 @@ class Bench:
         self.groups = [self._group(group.arrays | loads) for group in model.nodal_groups]
 
     def _group(self, arrays: Any) -> Any:
-        tables = {
-            name: array.view(np.recarray) if array.dtype.names else array
-            for name, array in arrays.items()
-        }
+        tables = {name: as_rows(array) for name, array in arrays.items()}
         g = SimpleNamespace(**tables)
-        g.points, g.corners = self.state.points.view(np.recarray), self.elements.corners
-        g.nodes = self.state.nodes.view(np.recarray)
+        g.points, g.corners = as_rows(self.state.points), self.elements.corners
+        g.nodes = as_rows(self.state.nodes)
         g.lists = (g.first, g.near, g.wait, g.due)
         g.grid = (g.cells, g.starts, g.sorted)
         g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
