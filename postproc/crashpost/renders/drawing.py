@@ -17,7 +17,7 @@ from crashpost.results.states import States
 GREY, GROUND, LINE, ARROW, GHOST = "#9aa3ab", "#d8d3c8", "#4a535c", "#b3341f", "#b9c0c6"
 # told apart by the colour-blind, and in grey by their lightness (Okabe and Ito 2008)
 BODY_COLOURS = ("#0072b2", "#e69f00", "#56b4e9", "#cc79a7", "#009e73", "#f0e442", "#d55e00")
-WHOLE = ("bodies", "links", "mass_centres")
+WHOLE = ("bodies", "links", "mass_centres", "hinges")
 # largest arrow, of the picture's height, and its thickness over its length
 ARROW_LENGTH, ARROW_WIDTH = 0.28, 0.022
 # a moment this near a state is that state; edges drawn between two states may be this short
@@ -77,7 +77,9 @@ class Scene:
         self.states, self.look = states, look
         self.groups = _groups(states.names["bodies"])
         self.bodies, self.parts = self._shown()
-        self.drawn = [name for name in states.blocks if name != "contacts"]
+        # balls in hinges stand for a colour alone
+        hidden = {"contacts"} if look.color.startswith("plastic_") else {"contacts", "hinges"}
+        self.drawn = [name for name in states.blocks if name not in hidden]
         self.color_unit = ""
         if look.color:
             self._check_color()
