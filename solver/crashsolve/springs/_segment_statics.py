@@ -23,7 +23,7 @@ from crashsolve.springs._segment_yield import (
 )
 
 # what yields together, among u and theta
-FLOWING = [0, 4, 5]
+FLOWING = np.array([0, 4, 5])
 # a load step leads so far beyond the first yield that it meets; square over that of yield of what
 # has begun
 OVER, YIELDING = 0.05, 1.0 - 1e-6
@@ -42,7 +42,7 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
             args = (named[i], k[i, FLOWING], held[i, FLOWING])
             C = np.zeros((3, 3))
             C[np.triu_indices(3)] = softened(*args, flow, share, past[i].strain, 1.0, curves)
-            own[np.ix_([i], FLOWING, FLOWING)] = C + np.triu(C, 1).T
+            own[i][np.ix_(FLOWING, FLOWING)] = C + np.triu(C, 1).T
             held[i, FLOWING] = scaled_back(*args, share)
     K = by_motions(R, q[:, :3], q[:, 3:], held[:, :3], held[:, 3:], own)
     to = _from_mass_centres(d_a, d_b)
