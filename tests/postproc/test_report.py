@@ -266,6 +266,18 @@ def test_thinning_keeps_the_peaks_and_the_ends() -> None:
     assert np.all(np.diff(thin_x) > 0)
 
 
+def test_a_loop_is_thinned_without_losing_where_it_turns() -> None:
+    """A curve over an abscissa that goes to and fro: its box stays, in few points."""
+    along = np.linspace(0, 60, 200_001)
+    x, y = np.sin(along), along * np.cos(along)
+    thin_x, thin_y = draw._thinned(x, y)
+    assert len(thin_x) < 5000
+    for thin, whole in ((thin_x, x), (thin_y, y)):
+        assert (thin.min(), thin.max()) == (whole.min(), whole.max())
+    # in the order of time: no step is longer than one bucket
+    assert np.max(np.hypot(np.diff(thin_x), np.diff(thin_y))) < 60 * 60 / 700
+
+
 @pytest.mark.parametrize(
     ("channels", "expected"),
     [
