@@ -155,7 +155,15 @@ def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     for number, line in enumerate(scaled.lines):
         colour, dashes = line_look(number)
         style = (0, dashes) if dashes else "-"
-        axes.plot(line.x, line.y, linestyle=style, color=colour, label=line.label, zorder=3)
+        # a single sample has no line
+        mark = "o" if len(line.x) == 1 else ""
+        look: dict[str, Any] = {
+            "linestyle": style,
+            "marker": mark,
+            "color": colour,
+            "label": line.label,
+        }
+        axes.plot(line.x, line.y, zorder=3, **look)
         keys.append(Key(line.label, colour, "line", dashes))
     for number, reference in enumerate(figure.reference):
         colour = REFERENCE_COLOURS[number % len(REFERENCE_COLOURS)]
