@@ -42,6 +42,7 @@ from crashsolve.joints._card import FRAME
 
 ROWS, ANGULAR, FREE = revolute.ROWS, revolute.ANGULAR, revolute.FREE
 TANGENTS = 1
+COUNTS_TURNS = True
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),)
 PARAMETERS = FRAME + LAW + Record(tip=("m or 1", "speed of the factor over the rate"))
 HISTORY = PATH

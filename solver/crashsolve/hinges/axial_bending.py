@@ -61,6 +61,7 @@ from crashsolve.joints._rows import (
 
 __all__ = ["LEDGER"]
 ROWS = 4
+COUNTS_TURNS = True
 ANGULAR = (False, False, True, True)
 TANGENTS = 2
 MOTIONS = (

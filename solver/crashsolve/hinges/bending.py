@@ -12,6 +12,7 @@ from crashsolve.hinges._card import TurningCard
 from crashsolve.hinges._joint import LEDGER
 from crashsolve.hinges._turn import (
     ANGULAR,
+    COUNTS_TURNS,
     FREE,
     HISTORY,
     OUTPUT,
@@ -31,6 +32,7 @@ from crashsolve.hinges._turn import (
 
 __all__ = [
     "ANGULAR",
+    "COUNTS_TURNS",
     "FREE",
     "HISTORY",
     "LEDGER",

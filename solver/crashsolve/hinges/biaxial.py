@@ -25,7 +25,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen, turn_tangent
 from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
+from crashsolve.foundation.turn import FOLDED, rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.vec3 import (
     add_scaled,
     dot,
@@ -70,12 +70,11 @@ __all__ = ["LEDGER"]
 ROWS = 4
 ANGULAR = (False, False, False, True)
 TANGENTS = 2
+COUNTS_TURNS = True
 MOTIONS = (
     Motion("curve", "", "stiffness", "", "failure_angle"),
     Motion("second_curve", "", "second_stiffness", "", ""),
 )
-# largest angle at which the rotation vector is trusted [rad]
-FOLDED = 3.0
 
 
 class Biaxial(PairCard):

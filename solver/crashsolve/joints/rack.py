@@ -21,6 +21,7 @@ from crashsolve.joints._rows import (
     turn_jacobian,
 )
 
+COUNTS_TURNS = True
 ROWS = 1
 ANGULAR = (False,)
 FURTHER_NODES = ("node_c", "node_d")

@@ -29,6 +29,7 @@ from crashsolve.joints._rows import (
     turn_also,
 )
 
+COUNTS_TURNS = True
 ROWS = 5
 ANGULAR = (False, False, True, True, False)
 FREE = ("angle", "travel")

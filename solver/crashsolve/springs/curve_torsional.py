@@ -46,6 +46,7 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
     damping: float = quantity("N m s/rad", "torque over rate", default=0.0, ge=0)
 
 
+COUNTS_TURNS = True
 PARAMETERS = TURN + RESISTANCE + Record(angle=("rad", "theta_0"))
 HISTORY = SLIDER + Record(angle=("rad", "counted turn"))
 TANGENTS = 1

@@ -43,7 +43,7 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import times
+from crashsolve.foundation.turn import note_fold, times
 from crashsolve.foundation.vec3 import (
     ZERO,
     add,
@@ -210,6 +210,7 @@ def turned(body, turn):
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     R, v, w, d_a, d_b, u, theta, u_dot, theta_dot = seen(p, nodes)
+    note_fold(curves, p.node_b, w)
     k, k_r = vec(p.stiffness), vec(p.turning_stiffness)
     held, stored, lost = resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot)
     f = (held[0], k[1] * u[1], k[2] * u[2])

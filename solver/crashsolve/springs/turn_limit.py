@@ -38,6 +38,7 @@ class TurnLimit(StopCard):
     damping: float = quantity("N m s/rad", "c", default=0.0, ge=0)
 
 
+COUNTS_TURNS = True
 PARAMETERS = TURN + STOPS
 HISTORY = STOPPED + Record(angle=("rad", "theta, with all turns"))
 TANGENTS = 1
