@@ -72,8 +72,8 @@ from crashsolve.springs._card import PointSpringCard
 STEPWISE = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 TANGENTS = 6
-# a side that is closer than this to the axis has no direction across it
-ALONG = 1e-6
+# of a side to the axis, across which it has no direction then; of both ends, over l
+CLOSE_ENOUGH = 1e-6
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
@@ -125,7 +125,7 @@ OUTPUT = Record(
 
 def build(card: Segment, scene: Any) -> dict[str, Any]:
     section, material, moduli = _laws(card, scene)
-    ends, T = scene.attachments(card), _triad(card, scene)
+    ends, T = _ends(card, scene), _triad(card, scene)
     a, b = ends["node_a"], ends["node_b"]
     in_b = scene.matrix(b).T @ scene.matrix(a) @ T
     E, G, A, length = material["young"], material["shear"], section["area"], card.length
@@ -151,6 +151,15 @@ def build(card: Segment, scene: Any) -> dict[str, Any]:
         "rate_D": material.get("rate_D", 0.0),
         "rate_q": material.get("rate_q", 1.0),
     }
+
+
+def _ends(card: Segment, scene: Any) -> dict[str, Any]:
+    """Both sides of the cut, which must be in one place at the start."""
+    ends: dict[str, Any] = scene.attachments(card)
+    if (apart := scene.distance(ends)) > CLOSE_ENOUGH * card.length:
+        message = f"is {apart:.3g} m from at_a at the start; they are two sides of one cut"
+        raise scene.fail(message, "at_b")
+    return ends
 
 
 def _laws(card: Segment, scene: Any) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
@@ -179,7 +188,7 @@ def _triad(card: Segment, scene: Any) -> np.ndarray:
     """Axes of the beam as columns, in the frame of a."""
     axis, side = scene.unit(card.axis, "axis"), scene.unit(card.side, "side")
     across = side - axis * float(axis @ side)
-    if np.linalg.norm(across) < ALONG:
+    if np.linalg.norm(across) < CLOSE_ENOUGH:
         raise scene.fail("points along the beam; give a direction across it", "side")
     side = scene.unit(across, "side")
     return np.column_stack([axis, side, np.cross(axis, side)])
