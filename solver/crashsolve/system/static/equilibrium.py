@@ -138,7 +138,7 @@ class StaticEngine(Engine):
         target = reached
         self.work.count(start, begun, target)
         clock.time, clock.step, clock.next_step = target, target - begun, target - begun
-        is_beyond = self.model.curves[0]["fault"] > 0
+        is_beyond = self.model.curves[0]["fault"] != 0
         place = self._way_out()
         if place:
             return Problem("way out", target, place)
