@@ -53,7 +53,7 @@ class Watched:
         self.engine = Engine(*build(read_deck(deck, {"control.threads": str(threads)})))
         self.tables = self.engine._present
         if alone:
-            self.tables.others.clear()
+            self.tables.of_threads.clear()
         self.engine.start()
         self.cpu: list[float] = []
         self.clock: list[float] = []

@@ -24,7 +24,7 @@ class Tables:
         self.places: dict[str, Place] = {}
         # the address of all of them, and the tables of other threads, which have some of their own
         self.pointer = self.addresses.ctypes.data
-        self.others: list[Tables] = []
+        self.of_threads: list[Tables] = []
         for address, (name, array) in zip(self.addresses, arrays.items(), strict=True):
             if not array.flags.c_contiguous:
                 raise ValueError(f"table {name} must lie in one piece")

@@ -107,7 +107,7 @@ class Engine:
         )
         if is_shared(m):
             others = [Tables(shared | state | own) for own in own_arrays(m)]
-            self._present.others = self._sampled.others = others
+            self._present.of_threads = self._sampled.of_threads = others
 
     def _tableau(self) -> dict[str, np.ndarray]:
         """Coefficients of a Runge-Kutta method; a sample is one more stage of it."""
