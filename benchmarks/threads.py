@@ -1,13 +1,13 @@
 """What several threads bring: share of a step that they do, what pieces cost, speed by the clock.
 
-    python benchmarks/threads.py [threads, ...]        (2 when absent; also 1)
+    python benchmarks/threads.py [threads ...]        2 when absent
 
 "shared" is how often, at moments that have nothing to do with the step, the one thread of a run
-that is cut for several was in a job that they would share: Amdahl's share p, which other programs
-on the machine do not change. "pieces" is c, the CPU time of that run over that of a run which is
-not cut. From both follows what N cores to themselves can bring at most, N / c / (N - (N - 1) p).
-Speed by the clock is that of runs in turn, stretch by stretch, and says something only where nothing
-else runs: the load is told. The bits are those of one thread, asserted at the end.
+that is cut for several is found in a job that they would share: Amdahl's share p, which other
+programs on the machine do not change. "pieces" is c, the CPU time of that run over that of a run
+which is not cut. From both follows what N cores to themselves bring at most, N / c / (N - (N - 1) p).
+Speed by the clock is that of runs in turn, stretch by stretch, and says something only where
+nothing else runs: the load is told. The bits are those of one thread, asserted at the end.
 """
 
 import os
@@ -47,7 +47,7 @@ LOOK = 2e-3
 
 
 class Watched:
-    """A run, with what it has taken: CPU time, time by the clock, looks at it, those in a job."""
+    """A run, with what its stretches have taken [s]: CPU of its first thread, of all, the clock."""
 
     def __init__(self, deck: Path, threads: int, alone: bool = False) -> None:
         self.engine = Engine(*build(read_deck(deck, {"control.threads": str(threads)})))
@@ -55,56 +55,60 @@ class Watched:
         if alone:
             self.tables.of_threads.clear()
         self.engine.start()
+        self.first: list[float] = []
         self.cpu: list[float] = []
         self.clock: list[float] = []
         self.looks = self.shared = 0
 
-    def advance(self, until: float, looks: bool = False) -> None:
-        """Go on, and take the time; look at what it does if asked to."""
-        ended, watch = Event(), Thread(target=lambda: self._watch(ended))
-        if looks:
-            watch.start()
-        begun = time.perf_counter(), time.process_time()
+    def advance(self, until: float) -> None:
+        """Go on, and take the time."""
+        begun = time.thread_time(), time.process_time(), time.perf_counter()
         self.engine.advance(until)
-        self.clock.append(time.perf_counter() - begun[0])
+        self.first.append(time.thread_time() - begun[0])
         self.cpu.append(time.process_time() - begun[1])
+        self.clock.append(time.perf_counter() - begun[2])
+
+    def watched(self, until: float) -> None:
+        """Go on, and be looked at now and then."""
+        ended = Event()
+        watch = Thread(target=self._watch, args=(ended,))
+        watch.start()
+        self.advance(until)
         ended.set()
-        if looks:
-            watch.join()
+        watch.join()
 
     def _watch(self, ended: Event) -> None:
-        rng = np.random.default_rng(1)
-        job = self.tables.job
+        rng, job = np.random.default_rng(1), self.tables.job
         while not ended.wait(rng.uniform(0.0, 2.0 * LOOK)):
             self.looks += 1
             self.shared += int(job["number"][0]) != NONE
 
 
 def measure(name: str, deck: Path, times: np.ndarray, threads: list[int]) -> None:
-    """Go through a deck with one thread, with one that is cut for several, and with several."""
-    one, alone = Watched(deck, 1), Watched(deck, max(threads), alone=True)
+    """Go through a deck with one thread, and with one that is cut for several, and with several."""
+    one = Watched(deck, 1)
+    alone = {n: Watched(deck, n, alone=True) for n in threads}
     several = {n: Watched(deck, n) for n in threads}
-    for until in times:
-        one.advance(until)
-        alone.advance(until, looks=True)
-        for run in several.values():
+    for k, until in enumerate(times):
+        for run in (one, *several.values()):
             run.advance(until)
-    for run in (alone, *several.values()):
-        assert run.engine.state.points.tobytes() == one.engine.state.points.tobytes()
-    p = alone.shared / alone.looks
-    c = median(a / b for a, b in zip(alone.cpu, one.cpu, strict=True))
-    print(
-        f"{name}: {int(one.engine.clock['cycle'])} steps, shared {100 * p:.1f} % "
-        f"({alone.looks} looks), pieces {c:.3f}"
-    )
-    for n, run in several.items():
+        for run in alone.values():
+            # looks disturb what is measured
+            (run.advance if k % 2 else run.watched)(until)
+    begun = int(one.engine.clock["cycle"])
+    print(f"{name}, {begun} steps, {1e6 * sum(one.first) / begun:.0f} us of CPU each")
+    for n in threads:
+        run, cut = several[n], alone[n]
+        for other in (run, cut):
+            assert other.engine.state.points.tobytes() == one.engine.state.points.tobytes()
+        p = cut.shared / cut.looks
+        c = median(a / b for a, b in zip(cut.first[1::2], one.first[1::2], strict=True))
         pairs = [a / b for a, b in zip(one.clock, run.clock, strict=True)]
         print(
-            f"  {n} threads: at most {n / c / (n - (n - 1) * p):.2f} times one; by the clock "
-            f"{median(pairs):.2f} (median), {sum(one.clock) / sum(run.clock):.2f} (whole), "
-            f"{min(one.clock) / min(run.clock):.2f} (fastest); "
-            f"CPU {sum(run.cpu) / sum(one.cpu):.2f} of one; "
-            f"{os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores",
+            f"  {n} threads: shared {100 * p:.1f} % of {cut.looks} looks, pieces {c:.3f}, so at most "
+            f"{n / c / (n - (n - 1) * p):.2f} times one; by the clock {median(pairs):.2f} (median), "
+            f"{sum(one.clock) / sum(run.clock):.2f} (whole); CPU {sum(run.cpu) / sum(one.cpu):.2f} "
+            f"times one; {os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores",
             flush=True,
         )
 

@@ -441,6 +441,11 @@ class Model:
         ]
         return next((name, row) for name, row in reversed(rows) if row[column] <= number)
 
+    @property
+    def threads(self) -> int:
+        """Threads that share its steps."""
+        return self.elements.pieces.threads if self.elements and self.elements.pieces else 1
+
     def sensor_groups(self) -> list[Group]:
         """Groups that are read at samples."""
         return [g for g in self.groups if hasattr(g.module, "measure")]

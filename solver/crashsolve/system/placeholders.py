@@ -103,7 +103,7 @@ def is_assembled(model: Model) -> bool:
 
 def is_shared(model: Model) -> bool:
     """Whether several threads share the elements."""
-    return model.elements is not None and model.elements.pieces is not None
+    return model.threads > 1
 
 
 def samples_within_steps(model: Model) -> bool:
