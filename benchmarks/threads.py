@@ -5,7 +5,7 @@
 "shared" is how often, at moments that have nothing to do with the step, the one thread of a run
 that is cut for several is found in a job that they would share: Amdahl's share p, which other
 programs on the machine do not change. "pieces" is c, the CPU time of that run over that of a run
-which is not cut. From both follows what N cores to themselves bring at most, N / c / (N - (N - 1) p).
+which is not cut. Of N cores of one's own follows from both, at most, N / c / (N - (N - 1) p).
 Speed by the clock is that of runs in turn, stretch by stretch, and says something only where
 nothing else runs: the load is told. The bits are those of one thread, asserted at the end.
 """
@@ -104,11 +104,12 @@ def measure(name: str, deck: Path, times: np.ndarray, threads: list[int]) -> Non
         p = cut.shared / cut.looks
         c = median(a / b for a, b in zip(cut.first[1::2], one.first[1::2], strict=True))
         pairs = [a / b for a, b in zip(one.clock, run.clock, strict=True)]
+        limit = n / c / (n - (n - 1) * p)
         print(
-            f"  {n} threads: shared {100 * p:.1f} % of {cut.looks} looks, pieces {c:.3f}, so at most "
-            f"{n / c / (n - (n - 1) * p):.2f} times one; by the clock {median(pairs):.2f} (median), "
+            f"  {n} threads: shared {100 * p:.1f} % of {cut.looks} looks, pieces {c:.3f}: at most "
+            f"{limit:.2f} times one; by the clock {median(pairs):.2f} (median), "
             f"{sum(one.clock) / sum(run.clock):.2f} (whole); CPU {sum(run.cpu) / sum(one.cpu):.2f} "
-            f"times one; {os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores",
+            f"of one; {os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores",
             flush=True,
         )
 
