@@ -153,16 +153,20 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
             g.turns,
             mesh,
             lists,
-            g.found,
+            g.found[0],
         ),
     )
     if is_smooth:
         centre, pen = plain(ellipsoids.pen_of)(g.ellipsoids[0], g.nodes)
         spared = (g.spared_first, g.spared)
-        plain(normals.smoothen)(0, centre, pen, g.p[0], mesh, spared, g.found)
+        plain(normals.smoothen)(0, centre, pen, g.p[0], mesh, spared, g.found[0])
     hits = []
     for s in range(2):
-        old, new, hit = g.probe_states[g.turns[s], s], g.probe_states[1 - g.turns[s], s], g.found[s]
+        old, new, hit = (
+            g.probe_states[g.turns[s], s],
+            g.probe_states[1 - g.turns[s], s],
+            g.found[0][s],
+        )
         new.depth, new.active, new.face = hit.depth, int(hit.depth > 0.0), hit.face
         new.normal = hit.normal
         if new.active or old.active:

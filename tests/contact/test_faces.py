@@ -155,20 +155,20 @@ class Bench:
         self.search(g)
         place = tuple(map(float, x))
         plain(projection.look)(
-            0, place, g.p[0], g.totals[0], g.probe_states, g.turns, g.mesh, g.lists, g.found
+            0, place, g.p[0], g.totals[0], g.probe_states, g.turns, g.mesh, g.lists, g.found[0]
         )
         if is_smooth:
             spared = (g.spared_first, g.spared)
-            plain(normals.smoothen)(0, place, None, g.p[0], g.mesh, spared, g.found)
+            plain(normals.smoothen)(0, place, None, g.p[0], g.mesh, spared, g.found[0])
         hits = []
         for s in range(2):
             old, new = g.probe_states[g.turns[s], s], g.probe_states[1 - g.turns[s], s]
-            new.depth, new.active = g.found[s].depth, int(g.found[s].depth > 0.0)
-            new.face, new.normal = g.found[s].face, g.found[s].normal
+            new.depth, new.active = g.found[0][s].depth, int(g.found[0][s].depth > 0.0)
+            new.face, new.normal = g.found[0][s].face, g.found[0][s].normal
             if new.active or old.active:
                 plain(node_contact.take_turn)(h, g.turns, s)
             if new.active:
-                hits.append((s, float(g.found[s].depth), np.array(g.found[s].normal)))
+                hits.append((s, float(g.found[0][s].depth), np.array(g.found[0][s].normal)))
         return hits
 
 
@@ -313,7 +313,7 @@ def test_a_continuous_field_points_to_the_axis_of_a_drum(
         way = np.array([np.cos(phi), np.sin(phi), 0.0]) * np.sign(r - 1.0)
         np.testing.assert_allclose(normal, way, atol=1e-12)
         # the force acts along the line through the ball and the place on the face
-        hit = bench.groups[0].found[0 if r > 1.0 else 1]
+        hit = bench.groups[0].found[0][0 if r > 1.0 else 1]
         g = bench.groups[0]
         at = plain(corner_points)(g.p[0], hit.face, g.corners)
         place = np.array(hit.N) @ np.array(g.points.r)[list(at)]
