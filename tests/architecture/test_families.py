@@ -112,15 +112,15 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
     folders = (home / "solver", ROOT / "postproc", tests)
     given = environment(PYTHONPATH=os.pathsep.join(map(str, folders)), CRASHSOLVE_PLAIN="1")
     words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rA", str(tests)]
-    asked = "tethers or (imports_only and down) or has_its_floor"
+    asked = "tethers or (imports_only and down) or has_its_layer"
     done = subprocess.run(
         [*words, "-k", asked], env=given, capture_output=True, text=True, cwd=home, check=False
     )
     assert done.returncode == 0, done.stdout
     for claim in (
         "test_a_law_has_card_build_and_kernels[tethers/rope]",
-        "test_imports_only_go_down_the_house",
-        "test_every_package_of_the_solver_has_its_floor",
+        "test_imports_only_go_down_the_layers",
+        "test_every_package_of_the_solver_has_its_layer",
         "test_every_column_is_written_and_the_past_is_kept[tethers/rope]",
         "test_action_equals_reaction_also_in_moment[0-tethers/rope]",
         "test_work_is_stored_or_lost_or_done_from_outside[1-tethers/rope]",

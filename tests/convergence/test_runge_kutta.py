@@ -250,7 +250,7 @@ def test_the_seven_bodies_to_nine_digits() -> None:
         assert abs(error) < 1e-9 * angle, body
 
 
-def test_the_flat_posture_is_passed() -> None:
+def test_the_flat_configuration_is_passed() -> None:
     deck = BENCHMARKS / "four_bar_singular.yaml"
     engine = solved(deck, integrator="dormand_prince_8", tolerance=1e-10)
     # 3 theta'' = -3.5 g cos theta (benchmarks/peers/reference.py); twenty passes of the fold

@@ -241,24 +241,24 @@ def listed(nodes: list[list[float]], quads: list[list[int]]) -> dict[str, Any]:
 
 SIX: list[list[float]] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
 WRONG = {
-    "doubled": (
+    "duplicate": (
         listed([*SIX, [1, 0, 0], [1, 1, 0]], [[1, 2, 5, 4], [7, 3, 6, 8]]),
         "nodes 2 and 7 lie in one place (1, 0, 0) m; merge them",
     ),
-    "turned over": (
+    "inverted": (
         listed(SIX, [[1, 2, 5, 4], [2, 5, 6, 3]]),
         "elements 1 and 2 face opposite ways",
     ),
-    "pieces": (
+    "unconnected": (
         listed([*SIX, [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], [[1, 2, 5, 4], [7, 8, 9, 10]]),
         "node 3 belongs to no element",
     ),
-    "in two": (
+    "disjoint": (
         listed(
             [SIX[0], SIX[1], SIX[4], SIX[3], [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]],
             [[1, 2, 3, 4], [5, 6, 7, 8]],
         ),
-        "falls into 2 pieces: no way leads from node 1 to node 5; make two parts",
+        "is disjoint, in 2 parts: no way leads from node 1 to node 5; make two parts of it",
     ),
     "crossed": (
         listed([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[1, 2, 3, 4]]),

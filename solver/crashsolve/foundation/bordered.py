@@ -109,7 +109,7 @@ def _places(
     joints: list[tuple[int, tuple[int, ...]]],
     found: dict[tuple[int, int], int],
 ) -> list[tuple[int, int, int, bool]]:
-    """Blocks of every row: of joints, of which number k is called -1 - k, and of what gives way."""
+    """Blocks of every row: of joints, of which number k is called -1 - k, and of compliant ones."""
     places = []
     for k, (rows, own) in enumerate(joints):
         for part in range(0, len(own), 2):
@@ -123,7 +123,7 @@ def _places(
 
 @kernel
 def assemble(matrix, rows, joint_rows, position, velocity):
-    """A = M + position K, with what gives way, and D. Writes: matrix.blocks, rows.X.
+    """A = M + position K, with compliant rows, and D. Writes: matrix.blocks, rows.X.
 
     X becomes sigma B (see compliance.py).
     """

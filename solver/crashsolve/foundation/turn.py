@@ -66,7 +66,7 @@ def angle_turning(a, b, axis_a, side_b):
 
 
 @kernel
-def posture_in(a, b):
+def orientation_in(a, b):
     """Quaternion (w, x, y, z) that takes components in b to components in a: conj(q_a) q_b."""
     return times((a.q[0], -a.q[1], -a.q[2], -a.q[3]), (b.q[0], b.q[1], b.q[2], b.q[3]))
 

@@ -23,7 +23,7 @@ from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import posture_in, turn_between
+from crashsolve.foundation.turn import orientation_in, turn_between
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share, lost
 from crashsolve.springs._joint import named_joint
@@ -96,7 +96,7 @@ def initial_history(card: TurnFriction, p: Any, scene: Any) -> dict[str, Any]:
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    now = posture_in(a, b)
+    now = orientation_in(a, b)
     before = (
         old.configuration[0],
         old.configuration[1],

@@ -7,10 +7,10 @@ import numpy as np
 
 def faults(mesh: Any) -> str:
     """The first thing wrong with how elements hang together; empty if nothing is."""
-    return _lonely(mesh) or _doubled(mesh) or _turned_over(mesh) or _pieces(mesh)
+    return _unconnected(mesh) or _duplicate(mesh) or _inverted(mesh) or _disjoint(mesh)
 
 
-def _lonely(mesh: Any) -> str:
+def _unconnected(mesh: Any) -> str:
     used = np.zeros(len(mesh.points), bool)
     used[mesh.quads] = True
     if used.all():
@@ -18,7 +18,7 @@ def _lonely(mesh: Any) -> str:
     return f"node {int(np.argmin(used)) + 1} belongs to no element; leave it out"
 
 
-def _doubled(mesh: Any) -> str:
+def _duplicate(mesh: Any) -> str:
     """Nodes nearer than a millionth of the shortest side, found in two nets of cells."""
     sides = mesh.points[mesh.quads] - mesh.points[np.roll(mesh.quads, -1, axis=1)]
     # a triangle names a corner twice
@@ -37,7 +37,7 @@ def _doubled(mesh: Any) -> str:
     return ""
 
 
-def _turned_over(mesh: Any) -> str:
+def _inverted(mesh: Any) -> str:
     """Two elements that run along a side in the same direction face opposite ways."""
     ends = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=-1).reshape(-1, 2)
     order = np.lexsort(ends.T)
@@ -50,7 +50,7 @@ def _turned_over(mesh: Any) -> str:
     return f"elements {a} and {b} face opposite ways; turn the corners of one round"
 
 
-def _pieces(mesh: Any) -> str:
+def _disjoint(mesh: Any) -> str:
     """Every element must be joined to every other by common nodes."""
     label = np.arange(len(mesh.points))
     while True:
@@ -65,4 +65,5 @@ def _pieces(mesh: Any) -> str:
     if count == 1:
         return ""
     other = int(np.argmax(label != label[0])) + 1
-    return f"falls into {count} pieces: no way leads from node 1 to node {other}; make two parts"
+    message = f"is disjoint, in {count} parts: no way leads from node 1 to node {other}"
+    return f"{message}; make two parts of it"

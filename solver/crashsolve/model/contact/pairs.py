@@ -47,8 +47,8 @@ class Elements:
 
     def spread(self) -> np.ndarray:
         """How much farther each reaches than it is thick [m]; 0 where it has no end."""
-        is_endless = np.isinf(self.radius)
-        return np.where(is_endless, 0.0, self.radius - np.where(is_endless, 0.0, self.thick))
+        is_infinite = np.isinf(self.radius)
+        return np.where(is_infinite, 0.0, self.radius - np.where(is_infinite, 0.0, self.thick))
 
 
 @dataclass

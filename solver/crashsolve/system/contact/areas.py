@@ -89,7 +89,7 @@ def rubbing_mobility(a, b, d_a, d_b, u, n, radius):
 
 @kernel
 def respond(body, d, force, moment):
-    """How a body gives way to a force at d with a torque, along both [1/kg]."""
+    """Acceleration of a body by a force at d with a torque, along both [1/kg]."""
     turn = add(cross(d, force), moment)
     return dot(force, force) * body.mass_inv + dot(turn, matvec(body.W, turn))
 

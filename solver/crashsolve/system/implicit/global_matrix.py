@@ -32,7 +32,7 @@ from crashsolve.system.implicit.collocation import (  # noqa: F401
 )
 from crashsolve.system.implicit.compliance import lean
 
-# the chapters take all they ask of these three from here
+# the stages take all they ask of these three from here
 from crashsolve.system.implicit.generalized_alpha import (  # noqa: F401
     alpha_weights,
     ask_positions,
