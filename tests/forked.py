@@ -1,27 +1,36 @@
 """Commands in processes that begin with the solver imported: imports cost more than a small run.
 
-A server that has imported the solver, and run nothing, forks itself for every command. The child
-has the environment, folder and streams that a process of its own would have. What a run imports,
-and how it answers to signals, is tested with real starts (`start` of command.py).
+A server that has imported the solver, and run nothing, forks itself for every command, and for the
+compiler of a command. The child has the environment, folder and streams that a process of its own
+would have. What a run imports, how it answers to signals, and runs that compile at once are tested
+with real starts (`start` of command.py).
 """
 
 import atexit
+import io
 import multiprocessing
 import os
+import pickle
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from crashsolve import cli
+from crashsolve.compiler import machine, process
+from crashsolve.compiler.cache import read_sealed
 
 PACKAGE = Path(cli.__file__).parent
 # packages of other commands than run, check and explain: they import more
 APART = ("__main__", "examples", "study", "sweep")
 # what is read when a run asks for it; whatever else changes in the environment needs a real start
 READ_LATE = {"CRASHSOLVE_CACHE", "CRASHSOLVE_PLAIN", "PYTEST_CURRENT_TEST"}
+
+# what runs have in the place of this, here
+_apart = machine._compile_apart
 
 
 @cache
@@ -77,8 +86,61 @@ def _run(words: list[str], environment: dict[str, str], folder: str, streams: li
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = ["crashsolve", *words]
+    compiler = Compiler()
+    machine._compile_apart = compiler.code
     try:
         sys.exit(cli.main())
     finally:
+        compiler.end()
         # multiprocessing leaves them out
         atexit._run_exitfuncs()
+
+
+class Compiler:
+    """A process that forks itself whenever its run compiles.
+
+    It is there before the run, which has a thread by then and must not be forked any more.
+    """
+
+    def __init__(self) -> None:
+        self._asked, there = multiprocessing.Pipe()
+        self._process = os.fork()
+        if self._process == 0:
+            self._asked.close()
+            # until the run has closed its end, or died
+            with suppress(EOFError):
+                while True:
+                    there.send(_compile(*there.recv()))
+            os._exit(0)
+        there.close()
+
+    def code(
+        self,
+        source: Path,
+        names: tuple[str, ...],
+        tables: Any,
+        path: Path,
+        lock: int | None = None,
+    ) -> bytes:
+        """Machine code at `path`; what goes wrong is told by machine._compile_apart, anew."""
+        self._asked.send((source, path, list(names), tables.places))
+        code = read_sealed(path) if self._asked.recv() == 0 else None
+        return _apart(source, names, tables, path, lock) if code is None else code
+
+    def end(self) -> None:
+        self._asked.close()
+        os.waitpid(self._process, 0)
+
+
+def _compile(source: Path, path: Path, names: list[str], places: dict[str, Any]) -> int:
+    """Compile in a process of its own; its exit code."""
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            sys.stdin = io.TextIOWrapper(io.BytesIO(pickle.dumps(places)))
+            process.main(source, path, names)
+            code = 0
+        finally:
+            os._exit(code)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])

@@ -19,7 +19,7 @@ def run(
 ) -> Result:
     """Result of the scene with a fixed step, or with the automatic one.
 
-    `plain`: as plain Python, where some fifty steps cost what the compiling of a scene does.
+    `plain`: as plain Python, where some hundred steps cost what the compiling of a scene does.
     """
     deck, out = folder / "deck.yaml", folder / f"{step}"
     control = {"end_time": end, "energy_limit": "off"} | ({"step": step} if step else {})
