@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from command import crashsolve
+from command import crashsolve, datasets
 from small_runs import last, run
 
+from crashpost.cli import main as crashpost
 from crashpost.results.result import Result
 
 
@@ -54,6 +55,23 @@ def test_a_restart_goes_on_to_the_same_bits(tmp_path: Path) -> None:
     ]
     assert sum(booked) == pytest.approx(taken, rel=1e-12)
     assert last(result, "glstat.model.energy.plastic") == 0.0
+    check_balls(tmp_path / "whole", ends["whole"])
+
+
+def check_balls(folder: Path, known: dict[str, float]) -> None:
+    """Pictures have a ball in every hinge, with its plastic angle."""
+    mesh, state = (datasets(path) for path in (folder / "mesh.h5", last_state(folder)))
+    points = (mesh["hinges/points"] + state["hinges/displacement"]).reshape(2, -1, 3)
+    # in the order of types; both stay where they are; the points of a ball lie evenly about its centre
+    np.testing.assert_allclose(points.mean(axis=1), [[5, 0, 0], [0, 0, 0]], atol=1e-6)
+    drawn = state["hinges/plastic_angle"].reshape(2, -1)[:, 0]
+    both = np.hypot(*(known[f"hinge.both.plastic_angle.{k}"] for k in (1, 2)))
+    # single precision
+    np.testing.assert_allclose(drawn, [both, known["hinge.rotor.plastic_angle"]], rtol=1e-6)
+
+
+def last_state(folder: Path) -> Path:
+    return max((folder / "states").glob("*.h5"))
 
 
 def test_what_fails_flies_on(tmp_path: Path) -> None:
@@ -85,3 +103,25 @@ def test_an_angle_beyond_the_curve_stops_the_run(tmp_path: Path) -> None:
     assert done.returncode == 4
     told = r"hinge 'rotor': deformed to 0\.0\d+, beyond what it is known for, 0\.0473333"
     assert re.search(told, done.stdout + done.stderr)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "method", ["dormand_prince_5", "dormand_prince_8", "generalized_alpha", "radau_iia_5"]
+)
+def test_every_integrator_stops_hinges_of_all_types_where_theory_says(
+    tmp_path: Path, method: str
+) -> None:
+    """The deck's own expectations; of generalized alpha within errors of its second order."""
+    deck = Path(__file__).resolve().parents[2] / "decks" / "verification" / "hinges" / "stops.yaml"
+    words = (f"control.integrator={method}", "control.step=1e-4", "control.estimate=off")
+    sets = [text for word in words for text in ("--set", word)]
+    done = crashsolve(deck, "-o", tmp_path, *sets)
+    assert done.returncode == 0, done.stdout + done.stderr
+    if method != "generalized_alpha":
+        assert crashpost(["expect", str(tmp_path)]) == 0
+    found = Result(tmp_path)
+    # corners within steps of 1e-4 s at 12 rad/s: (w h)^2 / 8 of 0.1 rad, a few times
+    for hinge in ("rotor", "shaft", "bent"):
+        largest = found.series(f"hinge.{hinge}.angle").values.max()
+        assert largest == pytest.approx(0.48 + 300 / 2 / 3e5, abs=3e-5)

@@ -25,7 +25,7 @@ from crashpost.renders.shapes import (
 )
 from crashpost.results.states import States
 
-WHOLE = ("bodies", "links", "mass_centres")
+WHOLE = ("bodies", "links", "mass_centres", "hinges")
 # contact forces this far from what is shown, of its size, act on it
 BESIDE = 0.02
 # a moment this near a state is that state; edges drawn between two states may be this short
@@ -54,7 +54,9 @@ class Scene:
         self.own = set(own)
         self.wholes = sorted({self.groups[k] for k in self.own})
         self.bodies, self.parts = self._shown()
-        self.drawn = [name for name in states.blocks if name != "contacts"]
+        # balls in hinges stand for a colour alone
+        hidden = {"contacts"} if look.color.startswith("plastic_") else {"contacts", "hinges"}
+        self.drawn = [name for name in states.blocks if name not in hidden]
         self.color_unit = ""
         if look.color:
             self._check_color()

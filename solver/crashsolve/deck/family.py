@@ -19,6 +19,7 @@ from crashsolve.foundation.errors import CrashsolveError
 PACKAGE = __name__.partition(".")[0]
 LINE = "line"  # a picture: from point a of one body to point b of another
 ELEMENTS = "elements"  # as elements between nodes
+MARK = "mark"  # a ball in its point, with what it has yielded
 ANY = ("any",)  # integrators
 DEFAULT_INTEGRATOR = "rattle"
 FIRST = ""  # follows no section
@@ -42,7 +43,7 @@ class Family:
     law: Any = _Missing  # which Protocol says what the file of a law must provide?
     energy: Any = _Missing  # entries of the ledger, the default first: NAME_stored and _dissipated
     channels: Any = _Missing  # first words of its channels and what they hold, the default first
-    picture: Any = _Missing  # how is it drawn: LINE, ELEMENTS, or None
+    picture: Any = _Missing  # how is it drawn: LINE, ELEMENTS, MARK, or None
     uses: Any = _Missing  # of which other families may its files import?
     integrators: Any = _Missing  # by which methods can it be stepped: names, or ANY
     default: str = ""  # type of an entry that names none

@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.family import ANY, MARK, Family
 from crashsolve.deck.roles import Built, Constraint, Force
 
 
@@ -16,7 +16,7 @@ FAMILY = Family(
     law=HingeLaw,
     energy=("hinge",),
     channels={"hinge": "moments, angles and energies of plastic hinges"},
-    picture=None,
+    picture=MARK,
     uses=("joints", "sections"),
     integrators=ANY,
 )

@@ -12,7 +12,11 @@ from crashsolve.model.model import Group
 from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.simulation import body_shapes
 from crashsolve.simulation.body_shapes import Piece
+<<<<<<< HEAD
 from crashsolve.simulation.contact_points import ContactPoints
+=======
+from crashsolve.simulation.hinge_marks import HingeMarks
+>>>>>>> 150ca42 (Draw a ball in every plastic hinge, in the colour of its plastic angle; stop hinges of all types by every integrator)
 from crashsolve.system.engine import Engine
 
 VELOCITY = FieldSpec("velocity", "m/s", 3, "node")
@@ -61,7 +65,12 @@ class Pictures:
             for g in engine.model.element_groups()
             for name, row in zip(g.names, g.parameters, strict=True)
         ]
+<<<<<<< HEAD
         self._contact_points = ContactPoints(engine)
+=======
+        self._pairs = [(g, n) for g in engine.model.contact_groups if (n := _places(g))]
+        self._marks = HingeMarks(engine.model, engine.state.nodes)
+>>>>>>> 150ca42 (Draw a ball in every plastic hinge, in the colour of its plastic angle; stop hinges of all types by every integrator)
         self._skin = self._pieces()
         # body of every point
         self._skin_owners = {
@@ -156,7 +165,7 @@ class Pictures:
             cells = (("vertex", np.arange(count)[:, None]),)
             specs = (FORCE, CONTACT, HIDDEN)
             blocks.append(Block("contacts", np.zeros((count, 3)), cells, specs, is_placed=True))
-        return tuple(blocks)
+        return (*blocks, *self._marks.blocks())
 
     def fields(self) -> dict[str, dict[str, np.ndarray]]:
         """Displacements and fields of all blocks at the present sample."""
@@ -185,7 +194,7 @@ class Pictures:
                 fields[block.name][GHOST] = DELETED * (found["thickness"] == 0.0)
         if self._contact_points.count:
             fields["contacts"] = self._contact_fields()
-        return fields
+        return fields | self._marks.fields(nodes)
 
     def _meshed(self, name: str) -> Any:
         """A part with points as it was laid."""
