@@ -34,8 +34,9 @@ Walk = Callable[[Any], np.ndarray]
 class Driven:
     """A hinge led along angles by its kernel; keeps moment, stored energy and loss."""
 
-    def __init__(self, folder: Path, words: str) -> None:
-        self.law = Bench(folder, f"{CURVES}hinges:\n  h: {{{HINGE}, {words}}}\n").law("hinges", "h")
+    def __init__(self, folder: Path, words: str, extra: str = "") -> None:
+        text = f"{CURVES}{extra}hinges:\n  h: {{{HINGE}, {words}}}\n"
+        self.law = Bench(folder, text).law("hinges", "h")
         self.moment = self.stored = self.lost = 0.0
 
     def go(self, angle: float, phi: float = 1.0) -> float:
@@ -174,6 +175,75 @@ def test_a_random_walk_follows_an_independent_model(tmp_path: Path, cyclic: str,
     assert np.abs(moments).max() > 5.0
     # 300 steps of round-off of 20 N m
     np.testing.assert_allclose(moments, wanted, atol=1e-10)
+
+
+class Lifted:
+    """A slider found by halving: k (x - x_p) = phi R, with R of each law in its own words."""
+
+    def __init__(self, cyclic: str, up: Any, down: Any) -> None:
+        self.sides = [(p[:, 0] - p[:, 1] / ELASTIC, p[:, 1]) for p in map(np.array, (up, down))]
+        self.cyclic, self.x, self.alpha, self.M = cyclic, 0.0, 0.0, 0.0
+        self.zero, self.peak = 0.0, [0.0, 0.0]
+
+    def curve(self, side: int, x: float) -> float:
+        # the points of the elastic line all have x = 0
+        return float(np.interp(x, self.sides[side][0][1:], self.sides[side][1][1:]))
+
+    def resists(self, side: int, way: float) -> float:
+        at = (1 - 2 * side) * self.x + way
+        if self.cyclic == "isotropic":
+            return self.curve(side, self.alpha + way)
+        if self.cyclic == "kinematic":
+            both = self.sides[side][1][1] + self.sides[1 - side][1][1]
+            return self.curve(side, at) if at >= 0.0 else both - self.curve(1 - side, -at)
+        if at >= self.peak[side]:
+            return self.curve(side, at)
+        zero = (1 - 2 * side) * self.zero
+        return self.curve(side, self.peak[side]) * (at - zero) / (self.peak[side] - zero)
+
+    def go(self, angle: float, phi: float) -> float:
+        for side, sign in ((0, 1.0), (1, -1.0)):
+            if self.cyclic == "peak_oriented" and sign * self.M <= 0.0:
+                before, self.zero = self.zero, self.x
+            else:
+                before = self.zero
+
+            def left(way: float, side: int = side, sign: float = sign) -> float:
+                R = self.resists(side, way)
+                elastic = sign * ELASTIC * (angle - self.x) - ELASTIC * way
+                return elastic - (phi * R if R > 0.0 else R)
+
+            pulls = self.cyclic == "kinematic" or sign * (angle - self.x) > 0.0
+            if pulls and left(0.0) > 1e-9:
+                low, high = 0.0, abs(angle - self.x) + 1.0
+                for _ in range(80):
+                    middle = 0.5 * (low + high)
+                    low, high = (middle, high) if left(middle) > 0.0 else (low, middle)
+                self.x, self.alpha = self.x + sign * low, self.alpha + low
+                self.peak[side] = max(self.peak[side], sign * self.x)
+                break
+            self.zero = before
+        self.M = ELASTIC * (angle - self.x)
+        return self.M
+
+
+@pytest.mark.parametrize("cyclic", list(WALKS))
+@pytest.mark.parametrize("seed", range(3))
+def test_a_random_walk_with_growth_follows_an_independent_model(
+    tmp_path: Path, cyclic: str, seed: int
+) -> None:
+    up = OTHER if cyclic == "kinematic" else [[0, 0], [0.01, 10], [0.05, 14], [0.2, 16]]
+    points = [[float(x), float(y)] for x, y in up]
+    text = f"curve: walk, cyclic: {cyclic}"
+    rng = np.random.default_rng(seed)
+    walk = 0.02 * np.cumsum(rng.normal(size=60))
+    factors = 1.0 + rng.uniform(0.0, 0.6, size=60)
+    hinge = Driven(tmp_path, text, extra=f"  walk: {{points: {points}, extrapolate: hold}}\n")
+    model = Lifted(cyclic, points, points)
+    for angle, phi in zip(walk, factors, strict=True):
+        wanted = model.go(float(angle), float(phi))
+        # 80 halvings of 1 rad, times the stiffness
+        assert hinge.go(float(angle), float(phi)) == pytest.approx(wanted, abs=1e-9)
 
 
 @pytest.mark.parametrize("cyclic", list(WALKS))

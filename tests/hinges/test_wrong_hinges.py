@@ -28,6 +28,7 @@ curves:
   falling_on: {points: [[0, 0], [0.01, 10], [0.1, 5]], extrapolate: linear}
   stiffening: {points: [[0, 0], [0.01, 10], [0.02, 11], [0.03, 31]]}
   again: {points: [[0, 0], [0.01, 10], [0.02, 11], [0.03, 21]]}
+  steep: {points: [[0, 3000], [0.001, 10], [1, 10]]}
   gone: {points: [[0, 0], [0.01, 10], [0.1, 0], [0.2, 0]]}
 hinges:
 """
@@ -49,6 +50,20 @@ WRONG = {
     "softening cannot move a range of yield": f"{BENDING}, curve: falling, cyclic: kinematic",
     "yields from 0 on": f"{BENDING}, curve: good, stiffness: 2000, cyclic: kinematic",
     "would begin beyond yield": f"{BENDING}, curve: good, initial_angle: 0.02",
+    "leads to -50": f"{BIAXIAL}, curve: good, initial_angles: [0, 0.05]",
+    "lead to 1.273 times its ellipse": f"{BIAXIAL}, curve: good, initial_angles: [0.009, 0.009]",
+    "lead to 1.131 times its ellipse": f"{BOTH}, curve: good, initial_angle: 8e-3,"
+    " initial_stroke: -8e-3",
+    "would have failed at the start": f"{BIAXIAL}, curve: good, initial_angles: [4e-3, 4e-3],"
+    " failure_angle: 5e-3",
+    "an axial hinge has no arm": f"type: axial, {AT}, curve: good, rate: {{arm: 2}}",
+    "model given and plastic_curve belong together": f"{BENDING}, curve: {{{TUBE}, model: given}}",
+    "must begin with the moment of first yield": (
+        f"{BENDING}, curve: {{{TUBE}, model: given, plastic_curve: good}}"
+    ),
+    "more steeply than the elastic stiffness 2.732e+05": (
+        f"{BENDING}, curve: {{{TUBE}, model: given, plastic_curve: steep}}"
+    ),
     "unknown curve 'nothing'": f"{BENDING}, curve: nothing",
     "joins 'b' with itself": f"{BENDING}, curve: good, a: b",
     "failure_angle: must be greater than 0": f"{BENDING}, curve: good, failure_angle: -1",

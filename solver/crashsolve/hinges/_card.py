@@ -258,23 +258,18 @@ def law(card: Any, motions: tuple[Motion, ...], scene: Any) -> dict[str, Any]:
     # a second direction without a curve has the first one's
     found = {motion.curve: found[motions[0].curve] for motion in motions} | found
     stiffness, curves = np.zeros(2), np.zeros(4, np.int64)
-    initial, failure = np.zeros(2), np.full(2, np.inf)
+    initial, limits, failure = np.zeros(2), np.zeros(2), np.full(2, np.inf)
+    initial[: len(motions)] = _initial(card, motions)
     for c, motion in enumerate(motions):
         both = found[motion.curve], found.get(motion.negative, found[motion.curve])
         stiffness[c] = both[0].stiffness
         curves[2 * c : 2 * c + 2] = [scene.curve(side.name) for side in both]
-        if motion.initial:
-            initial[c] = getattr(card, motion.initial)
-            begins = -stiffness[c] * initial[c]
-            limit = both[0 if begins >= 0.0 else 1].limit
-            if abs(begins) > limit:
-                raise scene.fail(
-                    f"the hinge would begin beyond yield: its elastic line leads to {begins:.4g}, "
-                    f"and it yields at {limit:.4g}",
-                    motion.initial,
-                )
+        # the moment at the start has the other sign
+        limits[c] = both[0 if initial[c] <= 0.0 else 1].limit
         if motion.failure and getattr(card, motion.failure) is not None:
             failure[c] = getattr(card, motion.failure)
+    field = next((m.initial for m, x in zip(motions, initial, strict=False) if x), "")
+    _refuse_start(card, field, initial, stiffness * initial, limits, failure, scene)
     a, b = card.rate.power_law() if card.rate else (0.0, 1.0)
     return {
         "stiffness": stiffness,
@@ -288,6 +283,45 @@ def law(card: Any, motions: tuple[Motion, ...], scene: Any) -> dict[str, Any]:
         "rate_floor": (0.1 / a) ** (1.0 / b) if a else 0.0,
         "latched": bool(card.rate and card.rate.speed == "start"),
     }
+
+
+def _initial(card: Any, motions: tuple[Motion, ...]) -> tuple[float, ...]:
+    """Motions from the start at which there is no moment; two of one field, or one of each."""
+    if len({motion.initial for motion in motions}) < len(motions):
+        found: tuple[float, ...] = getattr(card, motions[0].initial)
+        return found
+    return tuple(getattr(card, motion.initial) for motion in motions)
+
+
+def _refuse_start(
+    card: Any,
+    field: str,
+    initial: np.ndarray,
+    moments: np.ndarray,
+    limits: np.ndarray,
+    failure: np.ndarray,
+    scene: Any,
+) -> None:
+    """Raise DeckErrors where a hinge begins beyond yield, or has failed."""
+    for begins, limit in zip(moments, limits, strict=True):
+        if abs(begins) > limit:
+            raise scene.fail(
+                f"the hinge would begin beyond yield: its elastic line leads to {-begins:.4g}, "
+                f"and it yields at {limit:.4g}",
+                field,
+            )
+    share = float(np.hypot(*(moments / np.where(limits > 0.0, limits, 1.0))))
+    if getattr(card, "interaction", "") == "elliptic" and share > 1.0:
+        raise scene.fail(
+            f"the hinge would begin beyond yield: its elastic lines lead to {share:.4g} times its "
+            "ellipse",
+            field,
+        )
+    # two turns of one hinge fail together
+    is_turn = field == "initial_angles"
+    sizes = np.array([np.hypot(*initial), 0.0]) if is_turn else np.abs(initial)
+    if (sizes >= failure).any():
+        raise scene.fail("the hinge would have failed at the start", field)
 
 
 def tip(card: Any) -> float:

@@ -94,6 +94,8 @@ def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
 
 
 def build(card: Axial, scene: Any) -> dict[str, Any]:
+    if card.rate is not None and card.rate.arm is not None:
+        raise scene.fail("an axial hinge has no arm: its speed is that of the stroke", "rate.arm")
     return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene)
 
 

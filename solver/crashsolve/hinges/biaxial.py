@@ -58,8 +58,8 @@ CONSTRAINTS = (point,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
 TANGENTS = 2
 MOTIONS = (
-    Motion("curve", "", "stiffness", "", "failure_angle"),
-    Motion("second_curve", "", "second_stiffness", "", ""),
+    Motion("curve", "", "stiffness", "initial_angles", "failure_angle"),
+    Motion("second_curve", "", "second_stiffness", "initial_angles", ""),
 )
 # largest angle at which the rotation vector is trusted [rad]
 FOLDED = 3.0
@@ -124,11 +124,9 @@ def build(card: Biaxial, scene: Any) -> dict[str, Any]:
         node = frame[f"node_{end}"]
         frame[f"side_{end}"] = scene.turn_to_body(node, side)
         frame[f"third_{end}"] = scene.turn_to_body(node, np.cross(beam, side))
-    words = law(card, MOTIONS, scene)
-    words["initial"] = np.array(card.initial_angles)
     return (
         frame
-        | words
+        | law(card, MOTIONS, scene)
         | {
             "is_elliptic": card.interaction == "elliptic",
             "reference": relative(scene.q[frame["node_a"]], scene.q[frame["node_b"]]),
