@@ -44,7 +44,7 @@ PLAIN = ("rigid", "hinges", "fold", "measured", "limit", "segments", "beams")
 SCENES = {
     "cantilever": ("A cantilever tube", ("shells4", "shells6", "shells8")),
     "portal": ("A portal frame", ("shells4", "shells6")),
-    "rollover": ("A roll-over frame", ("shells3", "shells4")),
+    "rollover": ("A roll-over frame", ("shells3", "shells4", "shells6")),
 }
 VIEWS = {"cantilever": "side", "portal": "side", "rollover": "-1,-2,0.7"}
 COLOURS = {

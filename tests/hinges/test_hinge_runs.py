@@ -62,7 +62,7 @@ def check_balls(folder: Path, known: dict[str, float]) -> None:
     """Pictures have a ball in every hinge, with its plastic angle."""
     mesh, state = (datasets(path) for path in (folder / "mesh.h5", last_state(folder)))
     points = (mesh["hinges/points"] + state["hinges/displacement"]).reshape(2, -1, 3)
-    # in the order of types; both stay where they are; the points of a ball lie evenly about its centre
+    # in the order of types; both stay; the points of a ball lie evenly about its centre
     np.testing.assert_allclose(points.mean(axis=1), [[5, 0, 0], [0, 0, 0]], atol=1e-6)
     drawn = state["hinges/plastic_angle"].reshape(2, -1)[:, 0]
     both = np.hypot(*(known[f"hinge.both.plastic_angle.{k}"] for k in (1, 2)))

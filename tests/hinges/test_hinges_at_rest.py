@@ -197,6 +197,35 @@ def test_softening_that_outruns_its_neighbours_is_no_equilibrium(tmp_path: Path)
     assert none > peak
 
 
+def two_folds(share: float) -> str:
+    """The second of two hinges that soften bears this share of what the first does."""
+    points = [[0, 0], [0.01, 1000], [0.05, 1400], [0.08, 700], [1, 600]]
+    other = [[x, share * y] for x, y in points]
+    curves = f"curves:\n  weaker: {{points: {other}}}\n  same: {{points: {points}}}\n"
+    text = SERIES.replace("STIFFNESS", "20000").replace("curves:\n", curves)
+    text = text.replace("curve: fold}", "curve: same}")
+    return f"{text.rpartition('curve: stiff}')[0]}curve: weaker}}\n"
+
+
+@pytest.mark.parametrize("steps", [3, 10])
+def test_where_two_hinges_would_fold_alike_the_run_stops(tmp_path: Path, steps: int) -> None:
+    """Either may go on, so none is chosen, however long the steps."""
+    found = engine(tmp_path, two_folds(1.0))
+    with pytest.raises(SolverError, match="becomes unstable .* give a small imperfection"):
+        for k in range(steps):
+            found.reach((k + 1) / steps)
+    # both peaks and the elastic hinge: 0.05 + 0.05 + 1400 / 2e5 rad, of 0.2 s^-1
+    assert float(found.clock.time) == pytest.approx(0.107 / 0.2, abs=1.0 / steps / 2**7)
+
+
+def test_a_hinge_that_flows_while_another_folds_is_not_led_astray(tmp_path: Path) -> None:
+    """The stronger would have to unload at the weaker's peak: told as no neighbour, not passed."""
+    found = engine(tmp_path, two_folds(0.99))
+    last, none = collapse(found, 10)
+    # the weaker's peak; the stronger has hardened to 1386 N m
+    assert last <= (0.05 + 0.01 + 386.0 / 1e4 + 1386.0 / 2e5) / 0.2 < none
+
+
 LOOP = f"""
 curves:
   law: {{points: [[0, 0], [0.01, 10], [0.11, 20]], extrapolate: linear}}

@@ -23,7 +23,7 @@ from crashsolve.springs._segment_yield import (
 )
 
 # what yields together, among u and theta
-FLOWING = [0, 4, 5]
+FLOWING = np.array([0, 4, 5])
 # a load step leads so far beyond the first yield that it meets; square over that of yield of what
 # has begun
 OVER, YIELDING = 0.05, 1.0 - 1e-6

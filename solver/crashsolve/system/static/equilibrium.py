@@ -60,13 +60,11 @@ class StaticEngine(Engine):
         model.control[0]["tolerance"] = self.tolerance
         self.limit = 0.0 if control.energy_limit == "off" else float(control.energy_limit)
         self.has_stages = False
-        attached_nodes = set(model.attached_nodes["node"])
-        self.free = np.array(
-            [i for i in range(1, len(state.nodes)) if i not in attached_nodes], int
-        )
+        attached = set(model.attached_nodes["node"])
+        self.free = np.array([i for i in range(1, len(state.nodes)) if i not in attached], int)
         self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]
         self.flowing = Flowing(self.beams)
-        self.differs = self._held_otherwise(attached_nodes)
+        self.differs = self._held_otherwise(attached)
         self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
         self.notes: list[str] = []
         self.origin = state.nodes.copy()
