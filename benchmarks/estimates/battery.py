@@ -18,7 +18,7 @@ from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import estimate_in_memory
 from crashsolve.model.build import build
 from crashsolve.recording.samples import Samples
-from crashsolve.study.trials import cores
+from crashsolve.study.child_runs import cores
 
 # methods that choose their step
 CHOOSERS = (

@@ -496,6 +496,42 @@ def beams(damping: float) -> Scene:
     )
 
 
+def hinges(speed: float) -> Scene:
+    """A rotor bends a hinge that yields, and a slider one on an ellipse of force and moment."""
+    moment, inertia, k = 300.0, 2.0, 3e5
+    limit, mass, stiff, turn = 1000.0, 10.0, 1e6, 0.6
+    # of the ellipse, with J / m = k_M / k_F = (M_p / F_p)^2: one motion, in newtons and metres
+    fast, ratio = speed / 4.0, (moment / limit) ** 2
+    cosine = 1.0 / np.hypot(1.0, turn)
+    deck = f"""
+curves:
+  turn: {{points: [[0, 0], [{moment / k}, {moment}], [9, {moment}]]}}
+  bend: {{points: [[0, 0], [{moment / (stiff * ratio)}, {moment}], [9, {moment}]]}}
+  pull: {{points: [[0, 0], [{limit / stiff}, {limit}], [9, {limit}]]}}
+bodies:
+  rotor: {{mass: 1, inertia: [1, 1, {inertia}], angular_velocity: [0, 0, {speed}]}}
+  slider: {{mass: {mass}, inertia: [1, 1, {mass * ratio}], position: [1, 0, 0],
+           velocity: [{fast}, 0, 0], angular_velocity: [0, 0, {turn * fast * limit / moment}]}}
+hinges:
+  rotor: {{type: bending, b: rotor, at: [0, 0, 0], axis: [0, 0, 1], curve: turn}}
+  both: {{type: axial_bending, b: slider, at: [1, 0, 0], axis: [0, 0, 1], beam: [1, 0, 0],
+         curve: bend, axial_curve: pull}}
+"""
+    far, reach = inertia * speed**2 / 2.0 / moment, moment / k
+    way, back = mass * fast**2 / 2.0 / (limit * cosine), limit * cosine / stiff
+    angle = (way - back / 2.0) * turn * limit / moment
+    # corners of laws are met to 1e-10 of a step or so
+    floor = 3e-10
+    known = [
+        Known("hinge.rotor.residual_angle", ("final",), far - reach / 2.0, floor),
+        Known("hinge.rotor.plastic_angle", ("final",), far - reach / 2.0, floor),
+        Known("hinge.both.residual_stroke", ("final",), way - back / 2.0, floor),
+        Known("hinge.both.residual_angle", ("final",), angle, floor),
+    ]
+    end = 1.3 * inertia * speed / moment
+    return Scene(f"plastic hinges, {speed:g} rad/s", deck, end, known, (4e-4, 2e-4, 1e-4, 5e-5))
+
+
 def kinds() -> list[list[Scene]]:
     """Every scene of the battery; those of one kind share their machine code."""
     made: list[tuple[Callable[[float], Scene], Sequence[float]]] = [
@@ -510,6 +546,7 @@ def kinds() -> list[list[Scene]]:
         (driven, (100.0, 900.0)),
         (rigid_bar, (1.2e8, 1.2e6)),
         (beams, (0.0, 1e-4)),
+        (hinges, (12.0, 5.0)),
     ]
     found = [[make(value) for value in values] for make, values in made]
     return [*found, [heavy_top()], [squeezer()], [governor()]]

@@ -273,6 +273,13 @@ def words(runs: Runs) -> dict[str, str]:
     told["bent_table"] = bent_table(runs)
     apart = np.abs(limit(runs, 3) / limit(runs) - 1.0)[TOLD[-1] >= ANGLES]
     told["bent_apart"] = f"{100 * apart.max():.0f} %"
+    fine, fold = limit(runs), collapse(runs("bent", "fold"))
+    shares = (fold / fine)[(ANGLES >= TOLD[0]) & (ANGLES <= TOLD[-1])]  # noqa: SIM300
+    told["fold_low"], told["fold_high"] = (f"{100 * x:.0f} %" for x in (shares.min(), shares.max()))
+    for scene in ("cantilever", "portal"):
+        found = collapse(runs("bent", SCENES[scene][1][-1]))
+        above = np.interp(0.2, ANGLES, found) / np.interp(0.2, ANGLES, fine) - 1.0
+        told[f"bent_above_{scene}"] = f"{100 * above:.0f} %"
     for scene, (_, meshes) in SCENES.items():
         best = numbers(runs(scene, meshes[-1]))
         told[f"{scene}_finest"] = DESCRIPTIONS[meshes[-1]][0]
@@ -284,6 +291,8 @@ def words(runs: Runs) -> dict[str, str]:
             found = numbers(runs(scene, name))
             told[f"{scene}_{name}_rest"] = f"{100 * (found[2] / best[2] - 1):+.0f} %"
             told[f"{scene}_{name}_back"] = f"{1e3 * (found[1] - found[2]):.1f}"
+        fold_rest, limit_rest = (numbers(runs(scene, name))[2] for name in ("fold", "limit"))
+        told[f"{scene}_fold_limit"] = f"{100 * (fold_rest / limit_rest - 1):+.0f} %"
         coarse = numbers(runs(scene, meshes[-2]))
         told[f"{scene}_mesh"] = f"{100 * abs(coarse[2] / best[2] - 1):.0f} %"
     return told
