@@ -12,11 +12,8 @@ from crashsolve.model.model import Group
 from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.simulation import body_shapes
 from crashsolve.simulation.body_shapes import Piece
-<<<<<<< HEAD
 from crashsolve.simulation.contact_points import ContactPoints
-=======
 from crashsolve.simulation.hinge_marks import HingeMarks
->>>>>>> 150ca42 (Draw a ball in every plastic hinge, in the colour of its plastic angle; stop hinges of all types by every integrator)
 from crashsolve.system.engine import Engine
 
 VELOCITY = FieldSpec("velocity", "m/s", 3, "node")
@@ -65,12 +62,8 @@ class Pictures:
             for g in engine.model.element_groups()
             for name, row in zip(g.names, g.parameters, strict=True)
         ]
-<<<<<<< HEAD
         self._contact_points = ContactPoints(engine)
-=======
-        self._pairs = [(g, n) for g in engine.model.contact_groups if (n := _places(g))]
         self._marks = HingeMarks(engine.model, engine.state.nodes)
->>>>>>> 150ca42 (Draw a ball in every plastic hinge, in the colour of its plastic angle; stop hinges of all types by every integrator)
         self._skin = self._pieces()
         # body of every point
         self._skin_owners = {
