@@ -1,16 +1,14 @@
-"""What a shell costs: bare force and update, a whole run, memory, two threads; an implicit step.
+"""What a shell costs: bare force and update, a whole run, memory; an implicit step.
 
     python benchmarks/shell_cost.py [elements along a side, a multiple of 4]
 
 CPU time, so that a busy machine disturbs little, and of many short runs the fastest: a core that
-others use beside is slower by up to a half. Two threads are compared by the clock, and say
-something only where nothing else runs. Flops are counted on the kernels as plain Python;
+others use beside is slower by up to a half. Flops are counted on the kernels as plain Python;
 bytes are what a cycle must move where the model does not fit into the cache: numbers of the
 elements read and written, corners read, points read and written twice.
 """
 
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -62,7 +60,6 @@ def advance(h, flag, scene):
 """
 # of which the fastest counts, a few hundredths of a second each
 RUNS = 50
-REST = 0.05  # s
 # file of the kernels, and elements for each quadrilateral of the mesh
 KINDS = {"reduced": ("reduced", 1), "fully_integrated": ("full", 1), "triangles": ("triangle", 2)}
 CASES = [(element, material) for element in KINDS for material in ("elastic", "plastic")]
@@ -210,68 +207,6 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
     return cpu / (cycles * count), peak / count, ready
 
 
-def plate(folder: Path, n: int, material: str, has_load: bool, threads: int) -> Engine:
-    """The plate of a run without an end, started."""
-    values = {"n": n, "material": material, "thickness": 0.1 / n, "pressure": 1e5, "end": 1.0}
-    text = DECK.format(element="reduced", **values)
-    if not has_load:
-        text = text.replace(text[text.index("loads:") : text.index("output:")], "")
-    path = folder / f"{threads}.yaml"
-    path.write_text(text.replace("control: {", f"control: {{threads: {threads}, "), "utf-8")
-    e = Engine(*build(read_deck(path)))
-    e.start()
-    return e
-
-
-def run_on(n: int, material: str) -> None:
-    """One thread on a plate at rest until it is ended: what the other core is kept busy with."""
-    with tempfile.TemporaryDirectory() as name:
-        e = plate(Path(name), n, material, False, 1)
-        print("ready", flush=True)
-        while True:
-            e.advance(float(e.state.clock["time"][0]) + 4.0 * float(e.state.clock["next_step"][0]))
-
-
-def two_threads(folder: Path, n: int, material: str, has_load: bool) -> tuple[float, float, float]:
-    """Speed with two threads over that with one, by the clock, of many runs in turn.
-
-    The median of pairs; by the fastest of each, which seldom finds both cores at their best; and
-    the median of what two runs of one thread do beside each other. A rest between, since who has
-    just used both cores of a shared host gets less of them.
-    """
-    one, two = (plate(folder, n, material, has_load, threads) for threads in (1, 2))
-    beside = subprocess.Popen([sys.executable, __file__, str(n), material], stdout=subprocess.PIPE)
-    assert beside.stdout is not None and beside.stdout.readline() == b"ready\n"
-    beside.send_signal(signal.SIGSTOP)
-    h, spent = float(one.state.clock["next_step"][0]), np.empty((RUNS, 3))
-    # a call of a run takes no fewer steps: the second thread begins and ends with it
-    cycles = max(16, 400_000 // n**2)
-    for k in range(RUNS):
-        time.sleep(REST)
-        spent[k, 0] = clocked(one, (2 * k + 1) * cycles * h)
-        spent[k, 1] = clocked(two, (2 * k + 1) * cycles * h)
-        beside.send_signal(signal.SIGCONT)
-        time.sleep(REST)
-        spent[k, 2] = clocked(one, (2 * k + 2) * cycles * h)
-        beside.send_signal(signal.SIGSTOP)
-        two.advance((2 * k + 2) * cycles * h)
-    beside.kill()
-    assert one.state.points.tobytes() == two.state.points.tobytes()
-    alone, both, crowded = spent.T
-    return (
-        float(np.median(alone / both)),
-        alone.min() / both.min(),
-        float(np.median(2.0 * alone / crowded)),
-    )
-
-
-def clocked(e: Engine, until: float) -> float:
-    """Time that a run takes to go on, by the clock [s]."""
-    begun = time.perf_counter()
-    e.advance(until)
-    return time.perf_counter() - begun
-
-
 def implicit(folder: Path, n: int, method: str) -> tuple[float, float, int]:
     """CPU of an implicit step with new factors, and with those at hand; passes of the latter."""
     path = folder / "implicit.yaml"
@@ -312,14 +247,6 @@ def main(n: int) -> None:
                 f"{bytes_moved / seconds / 1e9:.1f} GB/s; whole run {1e-6 / run[0]:.2f} M/s, "
                 f"{run[1]:.0f} bytes per element all told, set-up {run[2]:.1f} s of CPU"
             )
-        for material in ("elastic", "plastic"):
-            alone, pressed = (two_threads(folder, n, material, load) for load in (False, True))
-            print(
-                f"two threads, {material}: {alone[0]:.2f} times the speed of one (fastest "
-                f"{alone[1]:.2f}), two runs {alone[2]:.2f}; under pressure {pressed[0]:.2f} "
-                f"(fastest {pressed[1]:.2f}), two runs {pressed[2]:.2f}; "
-                f"{os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores"
-            )
         for side in (10, 20, 40):
             for method in ("generalized_alpha", "radau_iia_5"):
                 anew, kept, passes = implicit(folder, side, method)
@@ -332,6 +259,4 @@ def main(n: int) -> None:
 if __name__ == "__main__":
     # as in a run
     give_back_memory()
-    if len(sys.argv) > 2:
-        run_on(int(sys.argv[1]), sys.argv[2])
     main(int(sys.argv[1]) if len(sys.argv) > 1 else 64)

@@ -16,6 +16,7 @@ from crashsolve.foundation.bordered import BLOCK, PLACE
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.model.nodes import NODE, ROW
 
@@ -67,9 +68,9 @@ class Bench:
 
     def _read(self, path: Path) -> None:
         self.model, state = build(read_deck(path))
-        self.nodes: Any = state.nodes.view(np.recarray)
-        self.rows: Any = state.rows.view(np.recarray)
-        self.curves: Any = self.model.curves.view(np.recarray)
+        self.nodes: Any = as_rows(state.nodes)
+        self.rows: Any = as_rows(state.rows)
+        self.curves: Any = as_rows(self.model.curves)
         for node in range(1, len(self.nodes)):
             self.move(node)
 
@@ -117,10 +118,10 @@ class Law:
         group = next(g for g in bench.model.groups if g.keyword == keyword and name in g.names)
         i = group.names.index(name)
         self.bench, self.module = bench, group.module
-        self.p = group.parameters.view(np.recarray)[i]
-        self.old = group.history.view(np.recarray)[0, i]
-        self.new = group.history.view(np.recarray)[1, i]
-        self.out = group.output.view(np.recarray)[i]
+        self.p = as_rows(group.parameters)[i]
+        self.old = as_rows(group.history)[0, i]
+        self.new = as_rows(group.history)[1, i]
+        self.out = as_rows(group.output)[i]
         # that of its material, where its kernels call one
         self.materials = [law for number, law in group.materials if self.p.law == number]
 
@@ -173,14 +174,14 @@ class Rows:
         joint = next(j for j in model.joints if j.name == name)
         k = group.names.index(name)
         self.module: Any = group.module
-        self.p = group.parameters.copy().view(np.recarray)[k]
-        self.old, self.new = group.history.copy().view(np.recarray)[:, k]
+        self.p = as_rows(group.parameters.copy())[k]
+        self.old, self.new = as_rows(group.history.copy())[:, k]
         self.parts, self.m = joint.parts, joint.rows
         self.ends = joint.nodes
-        self.curves = model.curves.view(np.recarray)
-        self.nodes: Any = np.zeros(len(state.nodes), NODE.dtype).view(np.recarray)
+        self.curves = as_rows(model.curves)
+        self.nodes: Any = as_rows(np.zeros(len(state.nodes), NODE.dtype))
         self.nodes[:] = state.nodes
-        self.rows = np.zeros(joint.parts * joint.rows, ROW.dtype).view(np.recarray)
+        self.rows = as_rows(np.zeros(joint.parts * joint.rows, ROW.dtype))
         self.p.first_row = 0
         self.t = 0.0
 
@@ -272,8 +273,8 @@ def assert_balanced(nodes: Any) -> None:
 
 def pair_of_blocks(flips: int) -> tuple[Any, Any]:
     """Place of nodes a and b, and empty blocks of a, b and both; that has rows of b if it flips."""
-    place = np.array((0, 1, 2, flips), PLACE.dtype).view(np.recarray)
-    return place, np.zeros(3, BLOCK.dtype).view(np.recarray)
+    place = as_rows(np.array((0, 1, 2, flips), PLACE.dtype))
+    return place, as_rows(np.zeros(3, BLOCK.dtype))
 
 
 def matrix_of_pair(blocks: Any, flips: int) -> np.ndarray:

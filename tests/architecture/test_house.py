@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SOLVER = ROOT / "solver" / "crashsolve"
 POST = ROOT / "postproc" / "crashpost"
 
-FLOORS = (
+LAYERS = (
     ("foundation", "channels"),
     ("compiler",),
     # families state themselves what they are
@@ -28,32 +28,32 @@ FLOORS = (
     ("sweep",),
 )
 # the package's single files: the commands and the Python interface
-ROOF = len(FLOORS)
+TOP = len(LAYERS)
 # packages of crashpost, each of which imports only those before it
 POST_LAYERS = (
     *("results", "values", "figures", "renders", "compare", "exports", "sweeps", "reports"),
     "commands",
 )
-# every card is made of the deck's fields, so the families stand on deck/ although on its floor
-SIDEWAYS = {(family, "deck") for family in FLOORS[2]}
+# every card is made of the deck's fields, so the families stand on deck/ although in its layer
+SIDEWAYS = {(family, "deck") for family in LAYERS[2]}
 SIDEWAYS |= {(name, other) for name, family in families().items() for other in family.uses}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
-LONGEST_FUNCTION = 60
+LONGEST_FUNCTION, LONGEST_FILE = 60, 450
 
 MODULES = sorted(SOLVER.rglob("*.py"))
 
 
-def room(name: str) -> str:
-    """The part of the house a module lives in: crashsolve.contact.normal.hertz -> contact."""
+def package_of(name: str) -> str:
+    """The package a module belongs to: crashsolve.contact.normal.hertz -> contact."""
     parts = name.split(".")
     return parts[1] if len(parts) > 1 else ""
 
 
-def floor(name: str) -> int:
-    for height, rooms in enumerate(FLOORS):
-        if room(name) in rooms:
+def layer_of(name: str) -> int:
+    for height, packages in enumerate(LAYERS):
+        if package_of(name) in packages:
             return height
-    return ROOF
+    return TOP
 
 
 def module_name(path: Path, package: Path = SOLVER) -> str:
@@ -86,15 +86,16 @@ def functions(path: Path) -> Iterator[ast.FunctionDef]:
             yield node
 
 
-def test_imports_only_go_down_the_house() -> None:
+def test_imports_only_go_down_the_layers() -> None:
     up = []
     for path in MODULES:
         here = module_name(path)
         for there in imports(path):
-            if not there.startswith("crashsolve.") or room(there) == room(here):
+            pair = package_of(here), package_of(there)
+            if not there.startswith("crashsolve.") or pair[0] == pair[1]:
                 continue
-            is_allowed = (room(here), room(there)) in SIDEWAYS or there == "crashsolve.__version__"
-            if floor(there) >= floor(here) and floor(here) < ROOF and not is_allowed:
+            is_allowed = pair in SIDEWAYS or there == "crashsolve.__version__"
+            if layer_of(there) >= layer_of(here) and layer_of(here) < TOP and not is_allowed:
                 up.append(f"{here} imports {there}")
     assert not up, "\n".join(up)
 
@@ -112,9 +113,9 @@ def test_the_postprocessor_knows_the_solver_by_its_files_only() -> None:
         assert not [name for name in imports(path) if name.split(".")[0] == "crashpost"], path
 
 
-def test_every_package_of_the_solver_has_its_floor() -> None:
-    rooms = {path.name for path in SOLVER.iterdir() if (path / "__init__.py").exists()}
-    assert rooms == {name for names in FLOORS for name in names}
+def test_every_package_of_the_solver_has_its_layer() -> None:
+    found = {path.name for path in SOLVER.iterdir() if (path / "__init__.py").exists()}
+    assert found == {name for names in LAYERS for name in names}
 
 
 def test_the_packages_of_the_postprocessor_have_an_order() -> None:
@@ -160,6 +161,13 @@ def test_functions_are_short(package: Path) -> None:
         for node in functions(path)
         if node.end_lineno is not None and node.end_lineno - node.lineno >= LONGEST_FUNCTION
     ]
+    assert not long, "\n".join(long)
+
+
+@pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
+def test_files_are_short(package: Path) -> None:
+    lines = {path: len(path.read_text("utf-8").splitlines()) for path in package.rglob("*.py")}
+    long = [f"{p.relative_to(ROOT)}: {n} lines" for p, n in lines.items() if n > LONGEST_FILE]
     assert not long, "\n".join(long)
 
 

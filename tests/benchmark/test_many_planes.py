@@ -7,7 +7,8 @@ import pytest
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.model.model import ContactGroup, State
+from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.model import State
 
 LAW = "{type: hunt_crossley, stiffness: 1e6, restitution: 0.8}"
 

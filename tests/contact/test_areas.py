@@ -13,6 +13,7 @@ from crashsolve.contact.narrow import _convex, _edged, box_box
 from crashsolve.contact.shape import box, cylinder
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.system.contact import areas
 
@@ -51,8 +52,8 @@ def patch(contact: Contact) -> tuple[float, float, np.ndarray, np.ndarray, np.nd
     """Depth, radius, centre of pressure, points and shares of the first pair."""
     depth, n, x = contact.gaps()[0]
     tables = (contact.group.elements_a, contact.group.elements_b)
-    a, b = (table.view(np.recarray)[0] for table in tables)
-    data = (contact.group.data[0].view(np.recarray),)
+    a, b = (as_rows(table)[0] for table in tables)
+    data = (as_rows(contact.group.data[0]),)
     count, radius = plain(_edged.patch)(a, b, contact.bench.nodes, data, tuple(n), tuple(x))
     spots = data[0][:count]
     return depth, float(radius), x, spots.point.copy(), spots.share.copy()
@@ -123,12 +124,12 @@ def general(contact: Contact) -> Any:
         made = np.zeros(1, _convex.PARAMETERS.dtype)
         for name, value in row.items():
             made[0][name] = value
-        tables.append(made.view(np.recarray)[0])
+        tables.append(as_rows(made)[0])
     return plain(_convex.gap)(*tables, contact.bench.nodes, ())
 
 
 def bound(contact: Contact) -> float:
-    a, b = contact.group.elements_a.view(np.recarray), contact.group.elements_b.view(np.recarray)
+    a, b = as_rows(contact.group.elements_a), as_rows(contact.group.elements_b)
     return float(plain(_edged.bound)(a[0], b[0], contact.bench.nodes, ()))
 
 

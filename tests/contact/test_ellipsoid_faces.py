@@ -12,6 +12,7 @@ from bench import plain
 from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow import _ellipsoid_face, _face, sphere_ellipsoid
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.system.contact import ellipsoids, node_contact, normals, projection
 
@@ -122,11 +123,11 @@ def bench(folder: Path, semi: Any, mesh: Any = FLOOR, **words: Any) -> Any:
     model, state = build(read_deck(path))
     (group,) = model.nodal_groups
     arrays = group.arrays | model.nodal_loads
-    g = SimpleNamespace(
-        **{n: a.view(np.recarray) if a.dtype.names else a for n, a in arrays.items()}
-    )
-    g.points, g.corners = state.points.view(np.recarray), model.elements.corners
-    g.nodes = state.nodes.view(np.recarray)
+    g = SimpleNamespace(**{n: as_rows(a) for n, a in arrays.items()})
+    g.points, g.corners = as_rows(state.points), model.elements.corners
+    g.nodes = as_rows(state.nodes)
+    # one row serves all probes of one thread
+    g.found = g.found[0]
     return g
 
 

@@ -15,8 +15,9 @@ from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow import _face
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
-from crashsolve.model.contact.node_to_surface import faces_beside, spare
+from crashsolve.model.contact.near_faces import faces_beside, spare
 from crashsolve.system.contact import node_contact, normals, projection
 
 DECK = Path(__file__).resolve().parents[2] / "decks/verification/contact/faces.yaml"
@@ -128,16 +129,15 @@ class Bench:
         self.groups = [self._group(group.arrays | loads) for group in model.nodal_groups]
 
     def _group(self, arrays: Any) -> Any:
-        tables = {
-            name: array.view(np.recarray) if array.dtype.names else array
-            for name, array in arrays.items()
-        }
+        tables = {name: as_rows(array) for name, array in arrays.items()}
         g = SimpleNamespace(**tables)
-        g.points, g.corners = self.state.points.view(np.recarray), self.elements.corners
-        g.nodes = self.state.nodes.view(np.recarray)
+        g.points, g.corners = as_rows(self.state.points), self.elements.corners
+        g.nodes = as_rows(self.state.nodes)
         g.lists = (g.first, g.near, g.wait, g.due)
         g.grid = (g.cells, g.starts, g.sorted)
         g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
+        # one row serves all probes of one thread
+        g.found = g.found[0]
         return g
 
     def search(self, g: Any) -> None:
@@ -338,7 +338,7 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
     quads = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 4)
     beside = faces_beside(quads).reshape(-1, 4)
     assert list(beside[6]) == [1, 7, 11, 5] and list(beside[0]) == [-1, 1, 5, -1]
-    from crashsolve.model.contact.node_to_surface import faces_around
+    from crashsolve.model.contact.near_faces import faces_around
 
     around = faces_around(quads, n * n)
     for ring in range(3):

@@ -10,6 +10,7 @@ from touching import Contact
 from crashsolve.contact.narrow import _tree, sphere_mesh
 from crashsolve.contact.shape import mesh as shape
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.rows import as_rows
 
 CUBE = 0.5 * np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
 CUBE_FACES = [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4]]
@@ -25,7 +26,7 @@ class Probe:
         edges = shape._check(points, faces, None)
         element = {"points": points, "faces": faces, "edges": edges}
         tree, triangles = _tree.data(None, [element])
-        self.tree, self.triangles = tree.view(np.recarray), triangles.view(np.recarray)
+        self.tree, self.triangles = as_rows(tree), as_rows(triangles)
 
     def nearest(self, y: np.ndarray) -> tuple[np.ndarray, int]:
         kernel = plain(sphere_mesh.nearest)

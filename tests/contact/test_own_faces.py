@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from crashsolve.model.contact.node_to_surface import (
-    FOLDED,
+from crashsolve.model.contact.near_faces import (
     faces_around,
     merged,
     points_along,
     spare,
     spare_along,
 )
+from crashsolve.model.contact.node_to_surface import FOLDED
 
 
 def strip(

@@ -8,7 +8,7 @@ import yaml
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.model.model import ContactGroup
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.system.engine import Engine
 
 SHAPES = {

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from bench import BODIES, Bench, plain, spoil
 
+from crashsolve.foundation.rows import as_rows
+
 SPHERES = """
 surfaces:
   one: {type: sphere, body: a, radius: 0.2}
@@ -37,9 +39,9 @@ class Contact:
         self.bench = Bench(folder, text, bodies)
         self.model = self.bench.model
         self.group = self.model.contact_groups[0]
-        self.pairs = self.group.parameters.view(np.recarray)
+        self.pairs = as_rows(self.group.parameters)
         self.p = self.pairs[0]
-        self.old, self.new = (self.group.history.view(np.recarray)[side, 0] for side in (0, 1))
+        self.old, self.new = (as_rows(self.group.history)[side, 0] for side in (0, 1))
         self.old.depth = -1.0
         # sliding velocity at the start of the step, and as it was asked for last
         self.slip = self._slip = np.zeros(3)
@@ -47,8 +49,8 @@ class Contact:
     def gaps(self) -> list[tuple[float, np.ndarray, np.ndarray]]:
         """Depth, normal and point of every pair of elements."""
         gap, nodes = plain(self.group.narrow.gap), self.bench.nodes
-        a, b = self.group.elements_a.view(np.recarray), self.group.elements_b.view(np.recarray)
-        data = tuple(array.view(np.recarray) for array in self.group.data)
+        a, b = as_rows(self.group.elements_a), as_rows(self.group.elements_b)
+        data = tuple(as_rows(array) for array in self.group.data)
         found = (gap(a[p.a], b[p.b], nodes, data) for p in self.pairs)
         return [(float(depth), np.array(n), np.array(x)) for depth, n, x in found]
 

@@ -18,6 +18,7 @@ from bench import Bench, Law, Rows, plain, written
 from crashsolve.deck.family import ANY, constants, families, provided
 from crashsolve.deck.laws import law_class, types_in
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.nodes import COMPLIANT
 
 DECKS = Path(__file__).resolve().parents[2] / "decks" / "verification"
@@ -228,7 +229,7 @@ def _load(one: Law) -> np.ndarray:
 
 def _rows(one: Law) -> np.recarray:
     """The law's compliant rows at the present place."""
-    found = np.zeros(one.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
+    found = as_rows(np.zeros(one.module.TANGENTS, COMPLIANT.dtype))
     plain(one.module.tangent)(one.p, one.old, one.bench.nodes, one.bench.curves, found, 0)
     return found
 

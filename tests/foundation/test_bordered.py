@@ -7,6 +7,7 @@ import pytest
 from bench import plain
 
 from crashsolve.foundation.bordered import assemble, factorise, plan, solve
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.nodes import COMPLIANT
 
 # a strip of elements between nodes, the ground 0; a rod, a gear of two parts, and three springs
@@ -23,14 +24,14 @@ class Bordered:
     def __init__(self, seed: int, twin: bool = False) -> None:
         rng = np.random.default_rng(seed)
         matrix, found = plan(NODES, PAIRS | set(ENDS[7:]), JOINTS, ENDS)
-        self.matrix: Any = matrix._make(part.view(np.recarray) for part in matrix)
+        self.matrix: Any = matrix._make(as_rows(part) for part in matrix)
         rows = np.zeros(len(ENDS), COMPLIANT.dtype)
         rows["D"] = rng.normal(size=(len(rows), 12))
         if twin:
             # both parts of the gear's last row repeat those of the one before
             rows["D"][[3, 6]] = rows["D"][[2, 5]]
         rows["stiffness"][7:], rows["damping"][7:] = [3.0, -0.5, 2.0], [0.1, 0.2, 0.3]
-        self.rows: Any = rows.view(np.recarray)
+        self.rows: Any = as_rows(rows)
         A = np.zeros((42, 42))
         for p, c in enumerate(self.matrix.columns):
             if c.node:

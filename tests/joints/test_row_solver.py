@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from bench import plain
 
+from crashsolve.foundation.rows import as_rows
 from crashsolve.foundation.saddle import factorise, plan, solve_rows
 from crashsolve.model.nodes import ROW
 
@@ -41,9 +42,9 @@ class Rows:
         for k in range(4):
             mass_inv[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = weight[k]
         self.S = D @ mass_inv @ D.T
-        self.table: Any = table.view(np.recarray)
+        self.table: Any = as_rows(table)
         saddle = plan([m for m, _ in joints], [ends for _, ends in joints])
-        self.saddle: Any = saddle._make(part.view(np.recarray) for part in saddle)
+        self.saddle: Any = saddle._make(as_rows(part) for part in saddle)
 
     def parts(self, column: str) -> list[np.ndarray]:
         """Values of a column per joint, by part and row."""

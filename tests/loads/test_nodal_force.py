@@ -11,6 +11,7 @@ from bench import plain
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 
 GRID = {"type": "grid", "along": [2, 0, 0], "across": [0, 1, 0], "elements": [4, 2]}
@@ -27,13 +28,13 @@ def loaded(folder: Path, *loads: dict[str, Any], **words: Any) -> tuple[Any, Any
     path.write_text(yaml.safe_dump(deck), "utf-8")
     model, state = build(read_deck(path))
     group = next(g for g in model.groups if g.keyword == "loads")
-    points, nodes = state.points.view(np.recarray), state.nodes.view(np.recarray)
+    points, nodes = as_rows(state.points), as_rows(state.nodes)
     points.v[:] = [0, 1, 0]
-    outputs = group.output.view(np.recarray)
+    outputs = as_rows(group.output)
     scene = SimpleNamespace(points=points)
-    curves = model.curves.view(np.recarray)
-    for k, p in enumerate(group.parameters.view(np.recarray)):
-        old, new = group.history.view(np.recarray)[:, k]
+    curves = as_rows(model.curves)
+    for k, p in enumerate(as_rows(group.parameters)):
+        old, new = as_rows(group.history)[:, k]
         old.factor = 3.0
         words_ = (p, old, new, outputs[k], 0.0, 0.1, nodes)
         plain(group.module.force)(*words_, None, curves)

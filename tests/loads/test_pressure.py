@@ -11,6 +11,7 @@ from bench import plain
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 
 # a pyramid whose base faces down; its triangles come first in the deck
@@ -29,16 +30,16 @@ def pressed(folder: Path, **words: Any) -> tuple[Any, Any]:
     path.write_text(yaml.safe_dump(deck), "utf-8")
     model, state = build(read_deck(path))
     group = next(g for g in model.groups if g.keyword == "loads")
-    p, out = group.parameters.view(np.recarray)[0], group.output.view(np.recarray)[0]
-    old, new = group.history.view(np.recarray)[:, 0]
-    points, nodes = state.points.view(np.recarray), state.nodes.view(np.recarray)
+    p, out = as_rows(group.parameters)[0], as_rows(group.output)[0]
+    old, new = as_rows(group.history)[:, 0]
+    points, nodes = as_rows(state.points), as_rows(state.nodes)
     assert model.elements is not None
     elements = model.elements
-    sums = elements.block_sums.view(np.recarray)
+    sums = as_rows(elements.block_sums)
     scene = SimpleNamespace(
         points=points, corners=elements.corners, work=elements.work, block_sums=sums
     )
-    curves = model.curves.view(np.recarray)
+    curves = as_rows(model.curves)
     plain(group.module.force)(p, old, new, out, 0.0, 0.0, nodes, None, curves)
     plain(group.module.load_elements)(p, old, out, 0.0, scene)
     plain(group.module.add_up)(p, out, 0.0, nodes, sums)

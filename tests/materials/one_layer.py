@@ -17,6 +17,7 @@ import yaml
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.point import LANES
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.parts.beams import fibres
 from crashsolve.parts.shells.layers import clear_growth, through_thickness
@@ -70,9 +71,9 @@ class Layers:
     def __init__(self, folder: Path, example: Example) -> None:
         self.model, state = model_of(folder, example, False)
         group = self.model.element_groups()[0]
-        self.p: Any = group.parameters.view(np.recarray)[0]
+        self.p: Any = as_rows(group.parameters)[0]
         self.m, self.law = self.p.material, group.materials[0][1]
-        self.curves: Any = self.model.curves.view(np.recarray)
+        self.curves: Any = as_rows(self.model.curves)
         self.blocks, self.work = state.blocks, np.zeros(WORK.SIZE * LANES)
         self.first = int(self.p.first) + LANES * BLOCK.SIZE
         self.put(WORK.depth, np.ones(LANES))
@@ -150,14 +151,14 @@ class Fibre:
     def __init__(self, folder: Path, example: Example) -> None:
         model, _ = model_of(folder, example, True)
         group = next(g for g in model.groups if g.type == "fibre_beam")
-        self.law, self.curves = group.materials[0][1], model.curves.view(np.recarray)
-        p = group.parameters.view(np.recarray)[0]
+        self.law, self.curves = group.materials[0][1], as_rows(model.curves)
+        p = as_rows(group.parameters)[0]
         self.m = p.material
         # one alone, of unit area
         self.p = SimpleNamespace(
             count=1, y=np.zeros(1), z=np.zeros(1), area=np.ones(1), material=self.m
         )
-        self.old, self.new = group.history.view(np.recarray)[:, 0].copy()
+        self.old, self.new = as_rows(group.history)[:, 0].copy()
 
     def step(self, strain: float, rate: float, h: float = 1.0) -> tuple[float, float, float]:
         """Stress, stored and lost energy at a strain; not accepted."""

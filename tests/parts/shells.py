@@ -11,6 +11,7 @@ from bench import plain
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.orientation import matrix
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.parts.shells.records import BLOCK, EROSION
 
@@ -49,14 +50,14 @@ class Elements:
         path.write_text(yaml.safe_dump(deck), "utf-8")
         self.model, self.state = model, _ = build(read_deck(path))
         group = model.element_groups()[0]
-        self.module, self.p = group.module, group.parameters.view(np.recarray)[0]
+        self.module, self.p = group.module, as_rows(group.parameters)[0]
         self.material = group.materials[0][1]
         used = [name for column, name in self.module.KINDS.items() if self.p[column]]
         self.kinds = [import_module(f"crashsolve.parts.shells.elements.{name}") for name in used]
-        self.new = group.history.view(np.recarray)[1, 0]
-        self.out = group.output.view(np.recarray)[0]
-        self.clock: Any = self.state.clock.view(np.recarray)[0]
-        self.points: Any = self.state.points.view(np.recarray)
+        self.new = as_rows(group.history)[1, 0]
+        self.out = as_rows(group.output)[0]
+        self.clock: Any = as_rows(self.state.clock)[0]
+        self.points: Any = as_rows(self.state.points)
         e = model.elements
         assert e is not None
         self.taps, self.cuts = e.taps, e.cuts
@@ -65,7 +66,7 @@ class Elements:
             corners=e.corners,
             lanes=self.state.blocks,
             work=e.work,
-            curves=model.curves.view(np.recarray),
+            curves=as_rows(model.curves),
         )
 
     def move(self, motion: np.ndarray, h: float = 1.0) -> np.ndarray:

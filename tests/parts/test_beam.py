@@ -8,6 +8,7 @@ from bench import ONE_BEAM, Bench, Law, exponential, matrix_of_pair, pair_of_blo
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.orientation import matrix
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.model.nodes import COMPLIANT
 
@@ -193,7 +194,7 @@ def on_its_way(folder: Path, kind: str, seed: int, speed: float, turn: float) ->
 def test_rows_are_the_derivative_by_the_velocity(tmp_path: Path, kind: str, seed: int) -> None:
     """dF = -D^T c D dv, as tests/springs/test_tangents.py has it."""
     law = on_its_way(tmp_path, kind, seed, 1.0, 0.8)
-    found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
+    found = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
     place = (law.bench.nodes, law.bench.curves, found, 0)
     plain(law.module.tangent)(law.p, law.old, *place, *law.materials)
     start, rate, ends = law.bench.state(), np.random.default_rng(seed).normal(size=12), []

@@ -253,6 +253,11 @@ REFUSED = {
         "type: fibres, fibres: [[0, 1, 1], [1, 2, 1]], torsion: 1, shear_y: 1, shear_z: 1",
         "their mass centre must be the origin",
     ),
+    "failure": (
+        "type: elastoplastic,",
+        "type: elastoplastic, failure_strain: 0.1,",
+        "material 'soft' has failure_strain, which fibres do not follow",
+    ),
     "a mistake elsewhere": (
         "control: {",
         "joints: {foot: {type: revolute, b: s_start, at: [0, 0, 0], axis: [0, 0, 0]}}\ncontrol: {",

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from command import crashsolve
 
+from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors, SolverError
 from crashsolve.model import ledger
@@ -389,3 +390,37 @@ def test_what_needs_the_course_of_time_is_refused(case: str, tmp_path: Path) -> 
     with pytest.raises(DeckErrors) as caught:
         build(read_deck(path))
     assert message in str(caught.value)
+
+
+BARS = """
+control: {end_time: 1, solution: quasi_static, steps: 4, estimate: off}
+materials:
+  slow: &slow {type: elastoplastic, young: 2e11, poisson: 0.3, density: 7800, yield_stress: 2e8,
+               hardening: 1e9}
+  rated: {<<: *slow, rate_D: 40, rate_q: 5}
+sections: {square: {type: rectangle, width: 0.1, height: 0.1}}
+parts:
+  slow: &bar {type: fibre_beam, mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 1},
+              section: square, material: slow, fibres: [2, 2]}
+  rated: {<<: *bar, mesh: {shape: line, from: [0, 5, 0], to: [1, 5, 0], elements: 1},
+          material: rated}
+joints:
+  one: {type: weld, b: slow_start, at: [0, 0, 0]}
+  other: {type: weld, b: rated_start, at: [0, 5, 0]}
+curves: {rise: {points: [[0, 0], [1, 1]]}}
+loads:
+  one: {type: force, body: slow_end, force: [2.5e6, 0, 0], curve: rise}
+  other: {type: force, body: rated_end, force: [2.5e6, 0, 0], curve: rise}
+"""
+
+
+def test_an_equilibrium_has_no_rate_of_strain_and_may_begin_without_a_load(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(BARS, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "warning" not in done.stdout
+    for bar in ("slow", "rated"):
+        x = Result(tmp_path / "out").series(f"rbdout.{bar}_end.position.x").values[-1]
+        # 250 MPa: 250e6 / E + 50e6 / H, to control.tolerance of it
+        assert x - 1.0 == pytest.approx(0.05125, rel=1e-7)

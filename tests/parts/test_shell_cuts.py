@@ -8,6 +8,7 @@ from bench import plain
 from shells import KINDS, PATCH, Elements
 
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.rows import as_rows
 from crashsolve.parts.shells import section_cut
 
 CUTS = [
@@ -38,7 +39,7 @@ def test_a_section_hands_on_all_force_and_moment(kind: str, tmp_path: Path) -> N
 def measured(shell: Elements) -> np.ndarray:
     """The sections, as a sample computes them."""
     scene, before = shell.scene, -1
-    scene.taps, scene.cuts = shell.taps.view(np.recarray), shell.cuts.view(np.recarray)
+    scene.taps, scene.cuts = as_rows(shell.taps), as_rows(shell.cuts)
     modules = dict(zip(shell.module.KINDS.values(), range(3), strict=True))
     kinds = {modules[kind.__name__.rpartition(".")[2]]: kind for kind in shell.kinds}
     plain(section_cut.open_cuts)(scene)

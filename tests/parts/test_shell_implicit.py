@@ -15,6 +15,7 @@ from shells import ODD, PATCH, STEEL
 from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.orientation import matrix
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.model.implicit.compliance import compliance
 from crashsolve.system import points
@@ -73,13 +74,13 @@ class Implicit:
         path = folder / "elements.yaml"
         path.write_text(yaml.safe_dump(deck), "utf-8")
         self.model, state = build(read_deck(path))
-        self.nodes: Any = state.nodes.view(np.recarray)
+        self.nodes: Any = as_rows(state.nodes)
         e, tables = self.model.elements, compliance(self.model, state, 1)
         assert e is not None
         arrays = tables | {"points": state.points, "control": self.model.control}
         arrays |= {"curves": self.model.curves}
-        views = {k: a.view(np.recarray) if a.dtype.names else a for k, a in arrays.items()}
-        self.attached_points: Any = e.attached_points.view(np.recarray)
+        views = {k: as_rows(a) for k, a in arrays.items()}
+        self.attached_points: Any = as_rows(e.attached_points)
         self.scene = SimpleNamespace(
             **views,
             lanes=state.blocks,
@@ -87,9 +88,9 @@ class Implicit:
             work=e.work,
             attached_points=self.attached_points,
         )
-        self.clock: Any = state.clock.view(np.recarray)[0]
+        self.clock: Any = as_rows(state.clock)[0]
         group = self.model.element_groups()[0]
-        self.p = group.parameters.view(np.recarray)[0]
+        self.p = as_rows(group.parameters)[0]
         self.material = group.materials[0][1]
         words = [word for column, word in group.module.KINDS.items() if self.p[column]]
         self.kinds = [import_module(f"crashsolve.parts.shells.elements.{word}") for word in words]

@@ -9,6 +9,7 @@ from bench import plain
 from shells import KINDS, ODD, SQUARE, Elements
 
 from crashsolve.foundation.curve import curve_line, curve_value, pack
+from crashsolve.foundation.rows import as_rows
 from crashsolve.materials._von_mises import LAYER
 from crashsolve.parts.shells.plasticity import transverse_square
 from crashsolve.parts.shells.records import (
@@ -156,7 +157,7 @@ def test_the_line_of_a_curve_touches_it(bend: float) -> None:
     """Straight segments say where they end; what is bent holds nowhere but at the point."""
     coefficients = [[200.0, 5.0, bend, 0.0], [205.0 + bend, 2.0, bend, 0.0]]
     table, (first,) = pack([([0.0, 1.0, 3.0], coefficients, 1)])
-    curves: Any = table.view(np.recarray)
+    curves: Any = as_rows(table)
     for x in (0.0, 0.4, 1.0, 2.9, 4.0):
         y, slope, _ = curve_value(curves, first, x)
         at_0, rise, end = curve_line(curves, first, x)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import h5py
 import numpy as np
 import pytest
 from conftest import SPEED, TIME, Command, expectation, two_cars, write_result, write_status
@@ -266,6 +267,18 @@ def test_thinning_keeps_the_peaks_and_the_ends() -> None:
     assert np.all(np.diff(thin_x) > 0)
 
 
+def test_a_loop_is_thinned_without_losing_where_it_turns() -> None:
+    """A curve over an abscissa that goes to and fro: its box stays, in few points."""
+    along = np.linspace(0, 60, 200_001)
+    x, y = np.sin(along), along * np.cos(along)
+    thin_x, thin_y = draw._thinned(x, y)
+    assert len(thin_x) < 5000
+    for thin, whole in ((thin_x, x), (thin_y, y)):
+        assert (thin.min(), thin.max()) == (whole.min(), whole.max())
+    # in the order of time: no step is longer than one bucket
+    assert np.max(np.hypot(np.diff(thin_x), np.diff(thin_y))) < 60 * 60 / 700
+
+
 @pytest.mark.parametrize(
     ("channels", "expected"),
     [
@@ -355,3 +368,26 @@ def test_the_page_tells_errors_and_cost(tmp_path: Path) -> None:
 def test_without_estimates_there_is_no_table_of_them(tmp_path: Path) -> None:
     text, _ = report(write(tmp_path))
     assert 'id="errors"' not in text
+
+
+def test_states_of_a_newer_format_are_told_of(cars: Path, crashpost: Command) -> None:
+    (cars / "states").mkdir()
+    for path in (cars / "mesh.h5", cars / "states" / "000000.h5"):
+        with h5py.File(path, "w") as file:
+            file.attrs.update({"format": "crashsolve states", "format_version": 9, "time": 0.0})
+    code, _, err = crashpost("report", cars, "--pictures", "strips")
+    assert code == 2 and len(err.strip().splitlines()) == 1
+    assert "pictures: " in err and "versions 2 to 3 (version 9)" in err
+    assert "versions 2 to 3 (version 9)" in (cars / "report.html").read_text("utf-8")
+
+
+def test_a_result_without_samples_is_not_drawn_as_empty_axes(
+    tmp_path: Path, cars: Path, crashpost: Command
+) -> None:
+    with h5py.File(cars / "history.h5", "r+") as file:
+        channel = next(Result(cars).channels("rbdout.*")).name
+        for group in file.values():
+            group["time"][...] = np.nan
+    code, _, err = crashpost("plot", cars, channel, "-o", tmp_path / "x.png")
+    assert (code, "holds no samples" in err) == (2, True)
+    assert not (tmp_path / "x.png").exists()

@@ -15,6 +15,10 @@ from crashpost.results.result import Result
 HERE = Path(__file__).parent
 OSCILLATOR = HERE / "oscillator.yaml"
 SHORTER = "take a shorter step: a smaller control.safety, or a smaller control.step"
+FOLDED = (
+    "what a spring or beam element ties it to; half a turn is the end of what these know: take "
+    "more elements or segments; let a joint turn freely, with springs of its own"
+)
 STOPS = {
     "long_step": (
         "t = 0.1 s, cycle 10, the model: the energy balance is off by 104 % of the largest energy; "
@@ -32,6 +36,17 @@ STOPS = {
         "t = 0.5 s, cycle 500, joint 'rod': the joints cannot be closed (error 2.45e-06 of the "
         "model's size): they contradict each other, or the step is too long; "
         f"{SHORTER}; or remove a joint"
+    ),
+    "fast_spin": (
+        "t = 0.01 s, cycle 1, body 'rotor': it turns by 10 rad in a step of 0.01 s; angles are "
+        "counted in steps of a quarter of a turn: below 0.00157 s"
+    ),
+    "folded_bushing": (
+        f"t = 0.564 s, cycle 141, body 'wheel': it is turned by 3.03 rad against {FOLDED}"
+    ),
+    "folded_beam": (
+        "t = 0.0142105 s, cycle 1132, body 'rod_1, node rod_end': it is turned by 3 rad against "
+        f"{FOLDED}"
     ),
 }
 
@@ -59,6 +74,17 @@ def test_a_numerical_stop_names_time_place_cause_and_advice(name: str, tmp_path:
     assert done.stderr.splitlines()[-1] == STOPS[name]
     judge(tmp_path, 4, STOPS[name])
     assert_finite(tmp_path)
+
+
+@pytest.mark.parametrize("method", ("generalized_alpha", "radau_iia_5", "dormand_prince_8"))
+def test_methods_that_choose_their_steps_count_every_turn(method: str, tmp_path: Path) -> None:
+    text = (HERE / "stops" / "fast_spin.yaml").read_text("utf-8")
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(text.replace("step: 0.01", f"integrator: {method}"), "utf-8")
+    assert crashsolve(deck, "-o", tmp_path / "out").returncode == 0
+    angle = Result(tmp_path / "out").series("hinge.hinge.angle").values[-1]
+    # 1 N m brakes 1 kg m^2; the elastic line of 0.01 rad counts for less than the tolerance
+    assert angle == pytest.approx(1000.0 * 0.2 - 0.5 * 0.2**2, abs=1e-4)
 
 
 BLOW = """

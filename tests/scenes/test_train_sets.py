@@ -23,10 +23,8 @@ def car(name: str, place: str, train: str, dimension: str) -> dict[str, Any]:
     return {"file": str(SHARED / "rail_car.yaml"), "with": words}
 
 
-def run(
-    folder: Path, scene: dict[str, Any], end: float, interval: float, plain: bool = True
-) -> Result:
-    """Result of a small scene, as plain Python or compiled."""
+def run(folder: Path, scene: dict[str, Any], end: float, interval: float) -> Result:
+    """Result of a small scene."""
     control = {"end_time": end, "energy_limit": 0.01, "estimate": "off"}
     output = {"history": {"interval": interval}, "states": {"interval": end}}
     scene["include"] = [str(SHARED / "rail_numbers.yaml"), *scene["include"]]
@@ -35,7 +33,7 @@ def run(
     deck = {"control": control, "output": output} | scene
     path = folder / "deck.yaml"
     path.write_text(yaml.safe_dump(deck), "utf-8")
-    done = crashsolve(path, "-o", folder / "out", CRASHSOLVE_PLAIN="1" if plain else "0")
+    done = crashsolve(path, "-o", folder / "out")
     assert done.returncode == 0, done.stdout + done.stderr
     return Result(folder / "out")
 
@@ -68,7 +66,6 @@ def test_a_braked_car_that_stands_does_not_move(tmp_path: Path) -> None:
     assert values(result, "rcforc.car_rails.touching").min() == 4
 
 
-@pytest.mark.long  # 40 s of CPU as plain Python
 def test_brakes_stop_a_car_and_no_more(tmp_path: Path) -> None:
     speed = 0.3
     result = run(tmp_path, one_car(speed), 0.5, 5e-3)

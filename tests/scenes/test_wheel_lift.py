@@ -12,7 +12,7 @@ RAIL_SIDE = 0.7525
 def test_a_car_pulled_up_leaves_the_rails_and_falls_free_of_them(tmp_path: Path) -> None:
     scene = one_car(0.0, mu=0.0)
     scene["loads"] = {"crane": {"type": "force", "body": "car", "force": [0, 0, LIFTED]}}
-    result = run(tmp_path, scene, 0.16, 2e-3, plain=False)
+    result = run(tmp_path, scene, 0.16, 2e-3)
     touching = values(result, "rcforc.car_rails.touching")
     normal = values(result, "rcforc.car_rails.normal")
     assert touching[0] == 4
@@ -35,7 +35,7 @@ def test_a_car_pushed_aside_lifts_the_wheels_of_one_side_as_levers_say(tmp_path:
     scene["loads"] = {
         "wind": {"type": "force", "body": body, "force": [0, push, 0], "curve": "grows"}
     }
-    result = run(tmp_path, scene, 0.7, 5e-3, plain=False)
+    result = run(tmp_path, scene, 0.7, 5e-3)
     names = {"left": "car_rails_left", "right": "car_rails_right"}
     carried = {side: values(result, f"rcforc.{name}.normal") for side, name in names.items()}
     assert min(side.min() for side in carried.values()) >= 0.0

@@ -17,6 +17,7 @@ from bench import Bench, Law, matrix_of_pair, pair_of_blocks, plain
 from test_contract import ALL, CURVES, REVERSIBLE
 
 from crashsolve.deck.laws import package_folder
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.nodes import COMPLIANT
 
 STEP = 1e-6
@@ -48,7 +49,7 @@ def load(law: Law) -> np.ndarray:
 
 def rows(law: Law) -> np.recarray:
     """The law's compliant rows at the present place."""
-    found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
+    found = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
     plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
     return found
 

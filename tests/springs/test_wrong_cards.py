@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 from bench import Bench
 
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
 
 CURVES = """
 curves:
@@ -65,3 +67,18 @@ def test_tangent_not_below_the_stiffness_is_refused(tmp_path: Path) -> None:
 def test_axis_without_length_is_refused(tmp_path: Path, law: str) -> None:
     with pytest.raises(DeckErrors, match="a direction needs a length"):
         Bench(tmp_path, f"{CURVES}  s: {{type: {law}, b: b, axis: [0, 0, 0]}}\n")
+
+
+def test_a_segment_whose_ends_begin_apart_is_refused(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(
+        "control: {end_time: 1}\n"
+        "materials: {m: {type: elastic, young: 1e9, poisson: 0.3, density: 1000}}\n"
+        "sections: {bar: {type: circle, radius: 0.02}}\n"
+        "bodies: {one: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [0.6, 0, 0]}}\n"
+        "springs: {s: {type: segment, b: one, at_b: [-0.5, 0, 0], axis: [1, 0, 0], "
+        "side: [0, 1, 0], length: 1, section: bar, material: m}}\n",
+        "utf-8",
+    )
+    with pytest.raises(DeckErrors, match=r"at_b: is 0\.1 m from at_a at the start"):
+        build(read_deck(deck))

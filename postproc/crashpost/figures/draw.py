@@ -155,7 +155,15 @@ def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     for number, line in enumerate(scaled.lines):
         colour, dashes = line_look(number)
         style = (0, dashes) if dashes else "-"
-        axes.plot(line.x, line.y, linestyle=style, color=colour, label=line.label, zorder=3)
+        # a single sample has no line
+        mark = "o" if len(line.x) == 1 else ""
+        look: dict[str, Any] = {
+            "linestyle": style,
+            "marker": mark,
+            "color": colour,
+            "label": line.label,
+        }
+        axes.plot(line.x, line.y, zorder=3, **look)
         keys.append(Key(line.label, colour, "line", dashes))
     for number, reference in enumerate(figure.reference):
         colour = REFERENCE_COLOURS[number % len(REFERENCE_COLOURS)]
@@ -279,13 +287,16 @@ def _line_labels(curves: Sequence[Curve]) -> list[str]:
 
 
 def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest value of each bucket of a long history; peaks survive."""
-    if len(x) <= MOST_POINTS or np.any(np.diff(x) < 0):
+    """Extreme samples of each bucket of a long history, of y and where x turns of x; ends too."""
+    if len(x) <= MOST_POINTS:
         return x, y
-    starts = np.linspace(0, len(y), MOST_POINTS // 2 + 1).astype(int)
+    curves = [y] if np.all(np.diff(x) >= 0) else [x, y]
+    starts = np.linspace(0, len(y), MOST_POINTS // (2 * len(curves)) + 1).astype(int)
     kept = {0, len(y) - 1}
     for start, stop in pairwise(starts):
-        kept |= {start + int(np.argmin(y[start:stop])), start + int(np.argmax(y[start:stop]))}
+        for curve in curves:
+            part = curve[start:stop]
+            kept |= {start + int(np.argmin(part)), start + int(np.argmax(part))}
     chosen = sorted(kept)
     return x[chosen], y[chosen]
 

@@ -41,6 +41,9 @@ def panels(results: Sequence[Result], names: Sequence[str], wish: Wish) -> list[
 
     Where several results are drawn a channel has a curve for each that has it.
     """
+    for result in results:
+        if not len(result.time):
+            raise PostError(f"{result.folder} holds no samples")
     kinds = [word for word in wish.channels if word in gallery.KINDS]
     chosen = _chosen(results, [word for word in wish.channels if word not in gallery.KINDS])
     figures = [f for kind in kinds for f in _kind(results, names, kind)]

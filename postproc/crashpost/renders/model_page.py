@@ -22,6 +22,8 @@ from crashpost.results.states import States
 
 # states on the page, and numbers of all vertices at all states together
 MOST_STATES, MOST_NUMBERS = 60, 3_000_000
+# polygons of a surface above which a field is shown by its vertices, which take a sixth of the room
+FINE = 20_000
 SECONDS = 6.0
 MOST_NAMES = 8
 # the bar below the picture: play and pause, a slider for the time, what colours mean
@@ -167,9 +169,18 @@ def _key(shades: Shades, scene: Scene) -> list[tuple[str, str]]:
 
 def _thinned(scene: Scene, count: int) -> list[int]:
     """Numbers of states spread evenly, both ends among them, few enough for the page."""
-    points = sum(3 * len(surface.points) for surface in scene.at(0).surfaces)
-    most = int(np.clip(MOST_NUMBERS / max(points, 1), 2, MOST_STATES))
+    numbers = sum(map(_numbers, scene.at(0).surfaces))
+    most = int(np.clip(MOST_NUMBERS / max(numbers, 1), 2, MOST_STATES))
     return sorted({int(k) for k in np.linspace(0, count - 1, min(most, count)).round()})
+
+
+def _numbers(surface: Surface) -> int:
+    """How many a surface puts on the page at each state."""
+    if surface.values is None:
+        return 3 * len(surface.points)
+    if len(surface.corners) > FINE:
+        return 4 * len(surface.points)
+    return 12 * (surface.corners.shape[1] - 2) * len(surface.corners)
 
 
 def _shades(scene: Scene, numbers: list[int]) -> Shades:
@@ -227,25 +238,42 @@ def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -
 
 def _field_mesh(k3d: Any, first: Surface, same: dict[str, Surface], shades: Shades) -> Any:
     """What is coloured by a field, of each polygon."""
-    everything = np.ones(len(first.corners), bool)
     per_cell = first.corners.shape[1] - 2
     vertices, values = {}, {}
-    for key, surface in same.items():
-        vertices[key] = _torn(first, surface, everything)
-        whole = np.zeros(len(first.corners))
-        whole[_places(first, surface)] = surface.values
-        values[key] = np.repeat(whole, 3 * per_cell).astype(np.float32)
+    is_whole = all(len(surface.corners) == len(first.corners) for surface in same.values())
+    if is_whole and len(first.corners) > FINE:
+        indices = _fan(first.corners).astype(np.uint32)
+        for key, surface in same.items():
+            vertices[key] = surface.points.astype(np.float32)
+            values[key] = _at_vertices(surface.values, surface.corners, len(surface.points))
+    else:
+        everything = np.ones(len(first.corners), bool)
+        indices = np.arange(3 * per_cell * len(first.corners), dtype=np.uint32).reshape(-1, 3)
+        for key, surface in same.items():
+            vertices[key] = _torn(first, surface, everything)
+            whole = np.zeros(len(first.corners))
+            whole[_places(first, surface)] = surface.values
+            values[key] = np.repeat(whole, 3 * per_cell).astype(np.float32)
     table = shades.table[:: len(shades.table) // COLOURS] / 255.0
     shares = np.linspace(0.0, 1.0, len(table))
     return k3d.mesh(
         vertices,
-        np.arange(3 * per_cell * len(first.corners), dtype=np.uint32).reshape(-1, 3),
+        indices,
         attribute=values,
         color_map=np.column_stack([shares, table]).ravel().astype(np.float32),
         color_range=[shades.low, shades.high],
         side="double",
         flat_shading=True,
     )
+
+
+def _at_vertices(values: Any, corners: np.ndarray, count: int) -> np.ndarray:
+    """Values (n,) of points: the mean of those of the polygons around each."""
+    weights = np.repeat(values, corners.shape[1])
+    sums = np.bincount(corners.ravel(), weights, minlength=count)
+    around = np.bincount(corners.ravel(), minlength=count)
+    found: np.ndarray = (sums / np.maximum(around, 1)).astype(np.float32)
+    return found
 
 
 def _torn(first: Surface, surface: Surface, of: np.ndarray) -> np.ndarray:

@@ -4,8 +4,19 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyvista
-import vtk
-from vtk.util.numpy_support import vtk_to_numpy
+
+# all of vtk would take 75 MB more; this module is what draws
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkObject
+from vtkmodules.vtkRenderingCore import (
+    vtkActor,
+    vtkMapper,
+    vtkPolyDataMapper,
+    vtkRenderer,
+    vtkRenderWindow,
+    vtkWindowToImageFilter,
+)
 
 from crashpost.renders.camera import Camera
 from crashpost.renders.shades import Shades, rgb
@@ -25,17 +36,17 @@ class Painter:
     """A window of fixed size into which drawings are painted one after the other."""
 
     def __init__(self, width: int, height: int) -> None:
-        vtk.vtkObject.GlobalWarningDisplayOff()
+        vtkObject.GlobalWarningDisplayOff()
         # lines on a surface are seen whole
-        vtk.vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()
-        self.window = vtk.vtkRenderWindow()
+        vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()
+        self.window = vtkRenderWindow()
         self.window.SetOffScreenRendering(True)
         self.window.SetSize(width, height)
         self.window.SetMultiSamples(SAMPLES)
         self.window.SetNumberOfLayers(LAYERS)
         self.renderers = []
         for layer in range(LAYERS):
-            renderer = vtk.vtkRenderer()
+            renderer = vtkRenderer()
             renderer.SetLayer(layer)
             renderer.SetBackground(1.0, 1.0, 1.0)
             self.window.AddRenderer(renderer)
@@ -49,7 +60,7 @@ class Painter:
                 self._fill(renderer, layers[k], camera, shades)
             self._look(renderer, camera)
         self.window.Render()
-        grab = vtk.vtkWindowToImageFilter()
+        grab = vtkWindowToImageFilter()
         grab.SetInput(self.window)
         grab.ReadFrontBufferOff()
         grab.ShouldRerenderOff()
@@ -63,7 +74,7 @@ class Painter:
         self.window.Finalize()
 
     def _fill(
-        self, renderer: vtk.vtkRenderer, drawing: Drawing, camera: Camera, shades: Shades
+        self, renderer: vtkRenderer, drawing: Drawing, camera: Camera, shades: Shades
     ) -> None:
         for surface in drawing.surfaces:
             self._surface(renderer, surface, shades)
@@ -77,7 +88,7 @@ class Painter:
             balls = pyvista.PolyData(dots.points).glyph(geom=ball, scale=False, orient=False)
             _add(renderer, balls, None, dots.colour, is_lit=True)
 
-    def _surface(self, renderer: vtk.vtkRenderer, surface: Surface, shades: Shades) -> None:
+    def _surface(self, renderer: vtkRenderer, surface: Surface, shades: Shades) -> None:
         mesh = polygons(surface.points, surface.corners)
         palette = np.array([rgb(colour) for colour in surface.colours])
         colours = palette[surface.which]
@@ -104,7 +115,7 @@ class Painter:
             _add(renderer, edges, None, EDGE, opacity=0.6)
         _add(renderer, mesh, mesh.cell_data["colour"], "", is_lit=True)
 
-    def _look(self, renderer: vtk.vtkRenderer, camera: Camera) -> None:
+    def _look(self, renderer: vtkRenderer, camera: Camera) -> None:
         view = renderer.GetActiveCamera()
         far = 10.0 * camera.half_height * (1.0 + camera.aspect)
         view.ParallelProjectionOn()
@@ -116,7 +127,7 @@ class Painter:
 
 
 def _add(
-    renderer: vtk.vtkRenderer,
+    renderer: vtkRenderer,
     mesh: pyvista.PolyData,
     colours: np.ndarray | None,
     colour: str,
@@ -124,9 +135,9 @@ def _add(
     width: float = 1.0,
     opacity: float = 1.0,
     is_lit: bool = False,
-) -> vtk.vtkActor:
+) -> vtkActor:
     """Put a mesh of one colour, or of one (0 to 255) for each cell, into a layer."""
-    mapper = vtk.vtkPolyDataMapper()
+    mapper = vtkPolyDataMapper()
     if colours is not None:
         mesh.cell_data["colour"] = np.asarray(colours).astype(np.uint8)
         mapper.SetScalarModeToUseCellFieldData()
@@ -135,7 +146,7 @@ def _add(
     else:
         mapper.ScalarVisibilityOff()
     mapper.SetInputData(mesh)
-    actor = vtk.vtkActor()
+    actor = vtkActor()
     actor.SetMapper(mapper)
     look = actor.GetProperty()
     if colours is None:

@@ -27,12 +27,9 @@ MOST_POINTS = 1_000_000
 
 def sights(result: Result, described: Any, choice: str = "all") -> str:
     """The HTML of all pictures, "" for a run without states; raises PostError."""
-    if choice == "none" or not (result.folder / "states").is_dir():
+    if choice == "none" or not any((result.folder / "states").glob("[0-9]*.h5")):
         return ""
-    try:
-        states = States(result.folder)
-    except PostError:
-        return ""
+    states = States(result.folder)
     if choice not in CHOICES:
         raise unknown("choice of pictures", choice, CHOICES)
     scenes = scenes_of(described) or [default_scene(result, states)]

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from crashpost.results.result import Result
 
 PATTERN = frozenset("*?[")
+# a word with one of these is arithmetic, whatever stars it has
+ARITHMETIC = frozenset(" /+(,")
 
 
 def plain(name: str) -> str:
@@ -60,7 +62,7 @@ def _fitting(result: "Result", word: str) -> list[str]:
     try:
         result.series(word)
     except PostError:
-        if PATTERN & set(word) and " " not in word:
+        if PATTERN & set(word) and not ARITHMETIC & set(word):
             raise PostError(f"no channel fits '{word}'; see `crashpost channels`") from None
         raise
     return [word]

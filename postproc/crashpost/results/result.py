@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 FORMAT = "crashsolve history"
 # the first one has other names for some energies, and reads the same
 FORMAT_VERSIONS = (1, 2)
+WILDCARDS = frozenset("*?[")
 FOREIGN = "not as FILE_FORMAT.md has it"
 
 
@@ -96,7 +97,11 @@ class Result:
 
     def channels(self, match: str = "*") -> Iterator[Channel]:
         """All channels whose name fits the shell pattern."""
+        first = match.partition(".")[0]
         for family in self.families.values():
+            # a first word without wildcards rules most families out at once
+            if not WILDCARDS & set(first) and family.word != first:
+                continue
             for entity in family.ids:
                 for column in family.columns:
                     name = f"{family.word}.{entity}.{column.name}"

@@ -8,12 +8,14 @@ import hashlib
 
 import numpy as np
 
+from crashsolve.foundation.rows import as_rows
+
 WORDS = 3  # of a table in memory: address, and lengths of two dimensions
 Place = tuple[np.dtype, int]  # layout of a row, and dimensions
 
 
 class Tables:
-    """Arrays by name; as attributes they are numpy's, for kernels that run as plain Python.
+    """Arrays by name; as attributes they are Rows, for kernels that run as plain Python.
 
     Raises: ValueError for an array that does not lie in one piece, or whose name means another
     thing here.
@@ -24,7 +26,7 @@ class Tables:
         self.places: dict[str, Place] = {}
         # the address of all of them, and the tables of other threads, which have some of their own
         self.pointer = self.addresses.ctypes.data
-        self.others: list[Tables] = []
+        self.of_threads: list[Tables] = []
         for address, (name, array) in zip(self.addresses, arrays.items(), strict=True):
             if not array.flags.c_contiguous:
                 raise ValueError(f"table {name} must lie in one piece")
@@ -33,7 +35,7 @@ class Tables:
             address[0] = array.ctypes.data
             address[1 : 1 + array.ndim] = array.shape
             self.places[name] = (array.dtype, array.ndim)
-            setattr(self, name, array.view(np.recarray) if array.dtype.names else array)
+            setattr(self, name, as_rows(array))
 
     @property
     def layout(self) -> str:

@@ -47,6 +47,7 @@ class Family:
     uses: Any = _Missing  # of which other families may its files import?
     integrators: Any = _Missing  # by which methods can it be stepped: names, or ANY
     default: str = ""  # type of an entry that names none
+    at_rest: bool = False  # do quasi-static runs take laws of it that keep more than losses?
     section: str = ""  # keyword of decks, where it is not the name of the folder
     folder: str = ""  # found by families()
 

@@ -24,7 +24,7 @@ POINT = Record(
     area=("1", "integral of y from the first point to x_i"),
     last=("index", "last point of the curve that starts here"),
     beyond=("flag", "REFUSE, HOLD or LINEAR outside the range"),
-    fault=("index", "row 0: first point of the curve last read outside its range"),
+    fault=("index", "row 0: first point of the curve last read outside its range; -body: folded"),
 )
 
 

@@ -53,6 +53,7 @@ HOLD = Record(point=("index", "that is held"))
 # of a load on the elements of a part: which blocks it acts on
 BLOCKS = Record(
     first_corner=("index", "of the corners of the first block"),
+    aside=("count", "from there to the corners that take its forces; not 0 of a piece alone"),
     quads=("count", "quadrilaterals"),
     triangles=("count", "triangles, in the blocks after theirs"),
     first_block=("index", "of the part's, and of its sums"),

@@ -11,11 +11,15 @@ way from the start. Consequence to test: g is the derivative of theta in every c
 follows a body that turns for ever.
 """
 
-from math import atan2, floor, pi, sin, sqrt
+from math import acos, atan2, cos, floor, pi, sin, sqrt
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub, vec
+
+# largest angle at which a rotation vector is trusted [rad], and the cosine of half of it
+FOLDED = 3.0
+NEARLY_HALF = cos(0.5 * FOLDED)
 
 
 @kernel
@@ -88,6 +92,16 @@ def times(p, q):
         p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3],
         p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1],
     )
+
+
+@kernel
+def note_fold(curves, node, w):
+    """Half a turn is near, of body `node`, where its rotation vector would turn over.
+
+    `w` is the cosine of half the angle. Writes: curves[0].fault and x.
+    """
+    if w < NEARLY_HALF:
+        curves[0].fault, curves[0].x = -node, 2.0 * acos(max(w, -1.0))
 
 
 @kernel

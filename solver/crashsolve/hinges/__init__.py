@@ -19,4 +19,5 @@ FAMILY = Family(
     picture=MARK,
     uses=("joints", "sections"),
     integrators=ANY,
+    at_rest=True,
 )

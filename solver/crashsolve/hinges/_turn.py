@@ -45,6 +45,7 @@ from crashsolve.joints.basic import rows_of
 # what makes a file a hinge, but for its card
 __all__ = ["ANGULAR", "CONSTRAINTS", "FREE", "HISTORY", "LEDGER", "OUTPUT", "PARAMETERS", "ROWS"]
 __all__ += [
+    "COUNTS_TURNS",
     "TANGENTS",
     "event",
     "build",
@@ -57,6 +58,7 @@ __all__ += [
 CONSTRAINTS, FREE = revolute.CONSTRAINTS, revolute.FREE
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
 TANGENTS = 1
+COUNTS_TURNS = True
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),)
 PARAMETERS = FRAME + LAW + Record(tip=("m or 1", "speed of the factor over the rate"))
 HISTORY = PATH

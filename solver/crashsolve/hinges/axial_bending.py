@@ -57,6 +57,7 @@ __all__ = ["LEDGER", "let_go"]
 # the axes of its rows are not those of a line
 CONSTRAINTS = ()
 ROWS = 4
+COUNTS_TURNS = True
 ANGULAR = (False, False, True, True)
 TANGENTS = 2
 MOTIONS = (

@@ -26,7 +26,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen, turn_tangent
 from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
+from crashsolve.foundation.turn import FOLDED, rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 from crashsolve.hinges._card import Motion, PairCard, TurnCurve, law, pair_backbones, tip
 from crashsolve.hinges._joint import (
@@ -57,12 +57,11 @@ __all__ = ["LEDGER", "let_go"]
 CONSTRAINTS = (point,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
 TANGENTS = 2
+COUNTS_TURNS = True
 MOTIONS = (
     Motion("curve", "", "stiffness", "initial_angles", "failure_angle"),
     Motion("second_curve", "", "second_stiffness", "initial_angles", ""),
 )
-# largest angle at which the rotation vector is trusted [rad]
-FOLDED = 3.0
 
 
 class Biaxial(PairCard):

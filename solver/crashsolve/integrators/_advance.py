@@ -11,7 +11,8 @@ from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING
 from crashsolve.system.energy import check
 from crashsolve.system.loops.energy import energy
 from crashsolve.system.loops.events import need_rebuild
-from crashsolve.system.placeholders import LOOKS_AHEAD
+from crashsolve.system.placeholders import COUNTS_TURNS, LOOKS_AHEAD
+from crashsolve.system.timestep import count_turns
 
 
 @entry
@@ -41,7 +42,9 @@ def advance(until, sampling, scene):
             check(clock, control, nodes, ledger)
         if sampling:
             return
-        if curves[0].fault > 0:
+        if COUNTS_TURNS:
+            count_turns(h, clock, control, nodes)
+        if curves[0].fault != 0:
             clock.status = CURVE_END
         elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
             clock.status = PAUSED

@@ -16,6 +16,7 @@ from crashsolve.foundation.turn import angle_about, angle_turning, counted
 from crashsolve.joints._card import named_frame
 from crashsolve.joints._rows import scale_row, turn_jacobian
 
+COUNTS_TURNS = True
 CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (True,)

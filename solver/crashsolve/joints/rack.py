@@ -21,6 +21,7 @@ from crashsolve.joints._rows import (
     turn_jacobian,
 )
 
+COUNTS_TURNS = True
 CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)

@@ -19,6 +19,7 @@ from crashsolve.joints._card import FRAME, AxisJointCard
 from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning, turn_also
 from crashsolve.joints.basic import line, parallel, rows_of
 
+COUNTS_TURNS = True
 CONSTRAINTS = (line, parallel)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, False)
 FREE = ("angle", "travel")

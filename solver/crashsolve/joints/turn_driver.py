@@ -17,6 +17,7 @@ from crashsolve.joints._card import named_frame
 from crashsolve.joints._driven import DrivenCard, motion
 from crashsolve.joints._rows import turn_jacobian
 
+COUNTS_TURNS = True
 CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (True,)

@@ -22,4 +22,6 @@ FAMILY = Family(
     picture=None,
     uses=(),
     integrators=ANY,
+    # they keep what a sample shows
+    at_rest=True,
 )

@@ -54,6 +54,7 @@ def build(card: Pressure, scene: Any) -> dict[str, Any]:
         "pressure": card.pressure,
         "curve": scene.curve(card.curve) if card.curve else 0,
         "first_corner": corner,
+        "aside": 0,
         "quads": quads,
         "triangles": triangles,
         "first_block": 0,
@@ -77,9 +78,9 @@ def load_elements(p, old, out, h, scene):
     """Forces on blocks of elements. Writes: scene.points, work, block_sums."""
     clear(scene.work)
     filled = (p.quads + LANES - 1) // LANES
-    press(p.first_corner, p.quads, 4, p.first_block, old, out, h, scene)
+    press(p.first_corner, p.aside, p.quads, 4, p.first_block, old, out, h, scene)
     first = p.first_corner + 4 * LANES * filled
-    press(first, p.triangles, 3, p.first_block + filled, old, out, h, scene)
+    press(first, p.aside, p.triangles, 3, p.first_block + filled, old, out, h, scene)
 
 
 @kernel
@@ -98,7 +99,7 @@ def add_up(p, out, h, nodes, block_sums):
 
 
 @apart
-def press(first, count, sides, block, old, out, h, scene):
+def press(first, aside, count, sides, block, old, out, h, scene):
     """Elements of one number of sides, by blocks. Writes: scene.points, work, block_sums."""
     points, corners, work, done, share = scene.points, scene.corners, scene.work, 0, -0.5 / sides
     while done < count:
@@ -109,10 +110,8 @@ def press(first, count, sides, block, old, out, h, scene):
         press_block(work, live, sides, h, share * out.pressure, share * old.pressure)
         for c in range(sides):
             for e in range(0, LANES, EIGHT):
-                rows = (LANES * FORCE + e, LANES * EMPTY + e)
-                add_forces(
-                    points, corners, corner + LANES * c + e, work, rows[0], rows[1], live - e
-                )
+                at, rows = corner + aside + LANES * c + e, (LANES * FORCE + e, LANES * EMPTY + e)
+                add_forces(points, corners, at, work, rows[0], rows[1], live - e)
         one = scene.block_sums[block + done // LANES]
         put(one.force, sum_three(work, TOTAL))
         put(one.moment, sum_three(work, MOMENT))

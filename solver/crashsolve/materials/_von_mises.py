@@ -43,7 +43,8 @@ HEATED_FIBRE = FIBRE + Record(temperature=("1", "from 0 at the start to 1 at mel
 def build(
     card: Any, scene: Any, kinematic: float, rated: bool, heating: float = 0.0
 ) -> dict[str, Any]:
-    """Columns of PARAMETERS."""
+    """Columns of PARAMETERS; an equilibrium has no rate."""
+    rated = rated and scene.deck.control.solution != "quasi_static"
     words = elastic.build(card, scene)
     E, nu, moves = words["young"], words["poisson"], 2.0 / 3.0 * kinematic
     return words | {

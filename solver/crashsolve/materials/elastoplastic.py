@@ -20,6 +20,7 @@ from crashsolve.deck.card import CurveName, quantity, word
 from crashsolve.foundation.curve import curve_line, curve_value
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import as_rows
 from crashsolve.materials import _von_mises, elastic
 
 
@@ -79,7 +80,7 @@ def layer_rows(card: Elastoplastic) -> int:
 def initial_layer(card: Elastoplastic, scene: Any) -> np.ndarray:
     found = np.zeros(layer_rows(card))
     if card.curve is not None:
-        points = scene.curve_points.view(np.recarray)
+        points = as_rows(scene.curve_points)
         found[-LINE_ROWS:] = curve_line(points, scene.curve(card.curve), 0.0)
     return found
 

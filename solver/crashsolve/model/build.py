@@ -17,6 +17,7 @@ from crashsolve.foundation.saddle import plan
 from crashsolve.model import attachments
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.checks.gyration import gyration_warnings
+from crashsolve.model.checks.methods import refuse_methods
 from crashsolve.model.checks.statics import goes_by_steps, refuse_motion
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
@@ -71,7 +72,7 @@ def build(deck: Deck) -> tuple[Model, State]:
 
 def _build(deck: Deck) -> tuple[Model, State]:
     scene = Scene(deck)
-    scene.refuse_methods()
+    refuse_methods(scene)
     curves = _build_curves(deck, scene)
     # what follows stands on sound bodies and curves
     scene.raise_errors()

@@ -18,7 +18,8 @@ from crashsolve.foundation.record import Record
     UNSOLVED,
     PAUSED,
     UNHELD,
-) = range(14)
+    TURNED,
+) = range(15)
 
 # of `kinked`: at a corner of a curve of time, which the next step begins behind
 CORNER = 2

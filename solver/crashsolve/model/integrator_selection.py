@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crashsolve.foundation.rows import as_rows
+
 # so many stable explicit steps in the time of a crossing cost more than implicit ones
 STIFF = 1000.0
 COARSE, FINE = 1e-3, 1e-5
@@ -78,7 +80,7 @@ def times(model: Any, state: Any) -> tuple[float, float]:
 
     Forces are those of the initial state, evaluated once as plain Python; 0 where nothing is stiff.
     """
-    nodes = state.nodes.copy().view(np.recarray)
+    nodes = as_rows(state.nodes.copy())
     nodes.W = _world_tensors(nodes)
     for g in model.force_groups():
         _evaluate(g, state, model, nodes)
@@ -105,9 +107,9 @@ def _world_tensors(nodes: Any) -> np.ndarray:
 def _evaluate(group: Any, state: Any, model: Any, nodes: Any) -> None:
     """Forces and stiffness of one group, on copies of what it would write. Writes: nodes."""
     force = group.module.force
-    old, new = group.history.copy().view(np.recarray)
-    out = group.output.copy().view(np.recarray)
-    p, curves = group.parameters.view(np.recarray), model.curves.copy().view(np.recarray)
-    rows, time = state.rows.copy().view(np.recarray), float(state.clock[0]["time"])
+    old, new = as_rows(group.history.copy())
+    out = as_rows(group.output.copy())
+    p, curves = as_rows(group.parameters), as_rows(model.curves.copy())
+    rows, time = as_rows(state.rows.copy()), float(state.clock[0]["time"])
     for i in range(len(p)):
         force(p[i], old[i], new[i], out[i], time, 0.0, nodes, rows, curves)

@@ -7,20 +7,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from crashsolve.deck.roles import (
-    BasicConstraint,
-    FibreLaw,
-    NormalLaw,
-    StepFriction,
-    StepGap,
-    StepLaw,
-)
+from crashsolve.deck.roles import BasicConstraint, FibreLaw, StepLaw
 from crashsolve.foundation.saddle import Saddle
 from crashsolve.model import ledger
-
-# rows of the matrix of an implicit step, of one contact pair: friction along the slip and across
-# it, twice across where it resists a spin too; torques against tilting about both tangents
-FRICTION_ROWS, SPIN_ROWS, TILT_ROWS = 2, 3, 2
+from crashsolve.model.contact.groups import ContactGroup, NodalGroup
+from crashsolve.model.tables import present_tables
 
 
 @dataclass
@@ -118,190 +109,6 @@ class Group:
     def lost_entry(self) -> int | None:
         """Place in the ledger of what its laws lose; None where nothing can be lost."""
         return ledger.entries_of(self)[1]
-
-
-class Touching:
-    """What groups of contacts say of their laws; a group has a gap routine, friction, histories."""
-
-    narrow: StepGap | None
-    friction: StepFriction | None
-    has_ends: Any
-
-    @property
-    def keeps_faces(self) -> bool:
-        """Whether a touch may go on by another face than the nearest."""
-        return self.has_ends and hasattr(self.narrow, "gap_by")
-
-    @property
-    def knows_middle(self) -> bool:
-        """Whether its gap routine can say how deep the middle of a round face is."""
-        return self.keeps_faces and hasattr(self.narrow, "middle")
-
-    @property
-    def friction_damps(self) -> bool:
-        """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
-        return is_damper(self.friction)
-
-
-@dataclass
-class ContactGroup(Touching):
-    """All contact pairs of one gap routine, one normal law and one friction law."""
-
-    TABLES: ClassVar = (
-        *("parameters", "history", "output", "elements_a", "elements_b", "data"),
-        *("seen_a", "seen_b", "slack"),
-    )
-
-    word: str
-    narrow: StepGap
-    normal: NormalLaw
-    friction: StepFriction | None
-    elements_a: np.ndarray
-    elements_b: np.ndarray
-    data: tuple[Any, ...]
-    parameters: np.ndarray
-    history: np.ndarray
-    output: np.ndarray
-    search: Any | None  # of the near pairs; None when all pairs are kept
-
-    @property
-    def is_unilateral(self) -> bool:
-        """Whether its law is a constraint instead of a force."""
-        return not hasattr(self.normal, "normal_force")
-
-    @property
-    def has_shares(self) -> bool:
-        """Whether an element of side a has a share of the force of the law only."""
-        return "share" in (self.elements_a.dtype.names or ())
-
-    @property
-    def is_flat(self) -> bool:
-        """Whether the sides press on each other over an area."""
-        return hasattr(self.narrow, "patch")
-
-    @property
-    def has_radius(self) -> bool:
-        """Whether its cards give a radius with which friction resists a spin."""
-        return "torsion_radius" in (self.parameters.dtype.names or ())
-
-    @property
-    def resists_spin(self) -> bool:
-        """Whether friction has a torque about the normal."""
-        return self.friction is not None and (self.is_flat or self.has_radius)
-
-    @property
-    def has_ends(self) -> bool:
-        """Whether pairs remember their way out."""
-        return "passed" in (self.history.dtype.names or ())
-
-    @property
-    def rests(self) -> bool:
-        """Whether a pair is left alone until it may have moved as far as it was apart."""
-        return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
-
-    @property
-    def looks_ahead(self) -> bool:
-        """Whether the next step must be cut: a list to renew, or sides with an end."""
-        return self.search is not None or bool(np.isfinite(self.parameters["thick"]).any())
-
-    @property
-    def tangent_rows(self) -> int:
-        """Rows of one pair for implicit methods: of the normal force, of tilting, of friction."""
-        rubs = (SPIN_ROWS if self.resists_spin else FRICTION_ROWS) if self.friction else 0
-        return 1 + (TILT_ROWS if self.is_flat else 0) + rubs
-
-    # where elements were when the list of near pairs was made, and how far they may go
-
-    @property
-    def seen_a(self) -> Any:
-        return self.search.seen[0] if self.search else None
-
-    @property
-    def seen_b(self) -> Any:
-        return self.search.seen[1] if self.search else None
-
-    @property
-    def slack(self) -> Any:
-        return self.search.slack if self.search else None
-
-    def tables(self) -> dict[str, np.ndarray]:
-        """Its arrays in the composed step."""
-        return present_tables(self)
-
-
-@dataclass
-class NodalGroup(Touching):
-    """Nodes of shells on a shape, or nodes and balls on the faces of a shell, under one card."""
-
-    word: str
-    card: str
-    narrow: StepGap | None  # gap routine of a shape; None for faces
-    normal: NormalLaw
-    friction: StepFriction | None
-    arrays: dict[str, np.ndarray]  # see model/contact/node_to_surface.py
-    is_smooth: bool = False  # normals of faces from a continuous field
-    can_fail: bool = False  # whether faces may vanish
-
-    # what a run writes, and what grows with it
-    CHANGING: ClassVar = (
-        "p",
-        "probe_states",
-        "turns",
-        "totals",
-        "due",
-        "first",
-        "near",
-        "wait",
-        "gone",
-        "balls",
-    )
-
-    @property
-    def has_ends(self) -> bool:
-        """Whether nodes press on shapes that they may pass the middle of."""
-        return "passed" in (self.arrays["probe_states"].dtype.names or ())
-
-    @property
-    def is_round(self) -> bool:
-        """Whether ellipsoids press."""
-        return "ellipsoids" in self.arrays
-
-    def __getattr__(self, name: str) -> Any:
-        arrays = self.__dict__.get("arrays", {})
-        if name == "data":
-            return tuple(array for key, array in arrays.items() if key.startswith("data_"))
-        if name in arrays:
-            return arrays[name]
-        raise AttributeError(name)
-
-    @property
-    def TABLES(self) -> tuple[str, ...]:
-        return (*self.arrays, "data")
-
-    def tables(self) -> dict[str, np.ndarray]:
-        """Its arrays in the composed step."""
-        return self.arrays
-
-    def changing(self) -> dict[str, np.ndarray]:
-        """Arrays that a restart must bring back."""
-        return {name: self.arrays[name] for name in self.CHANGING if name in self.arrays}
-
-
-def present_tables(group: Any) -> dict[str, np.ndarray]:
-    """Arrays of a group by the names of its TABLES; a tuple of arrays is counted from 0."""
-    found: dict[str, np.ndarray] = {}
-    for name in group.TABLES:
-        value = getattr(group, name)
-        if isinstance(value, tuple):
-            found |= {f"{name}_{k}": array for k, array in enumerate(value)}
-        elif value is not None:
-            found[name] = value
-    return found
-
-
-def is_damper(friction: Any) -> bool:
-    """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
-    return friction is not None and not getattr(friction, "STEPWISE", False)
 
 
 @dataclass
@@ -440,6 +247,11 @@ class Model:
             for name, row in zip(g.names, g.parameters, strict=True)
         ]
         return next((name, row) for name, row in reversed(rows) if row[column] <= number)
+
+    @property
+    def threads(self) -> int:
+        """Threads that share its steps."""
+        return self.elements.pieces.threads if self.elements and self.elements.pieces else 1
 
     def sensor_groups(self) -> list[Group]:
         """Groups that are read at samples."""

@@ -1,9 +1,9 @@
 """Pieces: parts with points cut into ranges of blocks, which several threads do side by side.
 
 A piece is a row of the part's parameters with fewer points and elements. No two pieces add to one
-place: a corner at a point that an earlier piece has corners at gets a point of its own, behind all
-others, that stands for it. Their forces are added afterwards in the order of the elements, so every
-sum has the order that it has without pieces.
+place: what acts on a corner at a point that an earlier piece has corners at goes to a point of its
+own, behind all others, that stands for it. It is added afterwards in the order of the elements, so
+every sum has the order that it has without pieces.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ JOB = Record(
     current=("index", "of its history"),
 )
 PIECE = Record(
-    first_loan=("index", "of the points lent to it"),
-    loan_count=("count", "points lent to it"),
+    first_loan=("index", "of those that it takes back"),
+    loan_count=("count", "of them"),
     rate=("1/s^2", "bound of the squared frequencies found in it"),
     element=("index", "that has it"),
     first_point=("index", "of its points"),
@@ -95,7 +95,7 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
             (len(loans) - len(lent) + k, bounds[k], one) for k, one in enumerate(cuts)
         ]
         for one in cuts:
-            one["first_corner"] += begin
+            one["aside"] = begin
         rows[g.word] += cuts
     elements.corners = corners[:begin]
     spans = {}
@@ -152,9 +152,10 @@ def _piece(row: Any, meshed: Any, begin: int, end: int, blocks: int) -> Any:
 def _lend(
     row: Any, bounds: list[int], corners: np.ndarray, count: int, lent: int
 ) -> list[np.ndarray]:
-    """Rows of LOAN of each piece of a part; points that stand for others begin at `count`.
+    """Rows of LOAN, point by point, in as many shares as a part has pieces.
 
-    `lent` of them are given away. Writes: corners of the part.
+    Points that stand for others begin at `count`; `lent` of them are given away. Writes: corners of
+    the part.
     """
     table = corners.reshape(-1, 4, LANES)
     of_block = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
@@ -162,13 +163,18 @@ def _lend(
     # the first piece with a corner at a point: the last that is written, backwards
     first = np.zeros(count, int)
     first[table.ravel()[::-1]] = piece.ravel()[::-1]
-    # block by block and corner by corner, as forces are added
     shared = (piece > first[table]) & _live(row)[:, None, :]
-    loans = np.zeros(int(shared.sum()), LOAN.dtype)
-    loans["point"], loans["slows"] = table[shared], row["slows"]
-    table[shared] = count + lent + np.arange(len(loans))
-    ends = np.cumsum(np.bincount(piece[shared], minlength=len(bounds) - 1))
-    return np.split(loans, ends[:-1])
+    # of one point block by block and corner by corner, as forces are added
+    points = table[shared]
+    order = np.argsort(points, kind="stable")
+    place = np.empty_like(points)
+    place[order] = count + lent + np.arange(len(points))
+    table[shared] = place
+    loans = np.zeros(len(points), LOAN.dtype)
+    loans["point"], loans["slows"] = points[order], row["slows"]
+    cuts = len(loans) * np.arange(1, len(bounds) - 1) // (len(bounds) - 1)
+    # all of one point to one piece
+    return np.split(loans, np.searchsorted(loans["point"], loans["point"][cuts]))
 
 
 def _loads(rows: np.ndarray, of_part: dict[int, Any]) -> tuple[list[Any], np.ndarray]:
@@ -181,6 +187,7 @@ def _loads(rows: np.ndarray, of_part: dict[int, Any]) -> tuple[list[Any], np.nda
         for _, first_block, one in pieces:
             own = row.copy()
             own["first_corner"], own["first_block"] = one["first_corner"], first_block
+            own["aside"] = one["aside"]
             own["triangles"] = one["triangles"]
             own["quads"] = one["element_count"] - one["triangles"]
             found.append(own)

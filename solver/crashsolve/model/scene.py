@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
-from crashsolve.deck.card import Card
-from crashsolve.deck.family import ANY, Family, families
+from crashsolve.deck.family import families
 from crashsolve.deck.laws import law_class, types_in
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.orientation import matrix, perpendicular
@@ -227,28 +226,6 @@ class Scene:
             known = " or ".join(["rattle", *others])
             raise self.fail(f"{message}; say integrator: {known}", field)
 
-    def refuse_methods(self) -> None:
-        """Families of laws that the integrator of the deck cannot step. Writes: errors, methods."""
-        choosy = {f.folder: f for f in families().values() if f.integrators != ANY}
-        entries = (
-            [e for some in self.deck.entries.values() for e in some.values()] if choosy else []
-        )
-        for entry in entries:
-            with self.building(entry):
-                for folder in _folders(entry.card):
-                    if folder in choosy:
-                        self._refuse_method(choosy[folder])
-
-    def _refuse_method(self, family: Family) -> None:
-        method, known = self.deck.control.integrator, " or ".join(family.integrators)
-        if method != "auto" and not family.supports(method):
-            message = f"{family.name} cannot be stepped by {method}"
-            raise self.fail(f"{message}; say integrator: {known}")
-        self.methods = [m for m in self.methods or family.integrators if family.supports(m)]
-        if not self.methods:
-            message = f"no integrator can step {family.name}, known to {known}, with the others"
-            raise self.fail(message)
-
     def joint_entry(self, name: str) -> Entry:
         """Entry of a joint that another card names, of whichever family."""
         known = (self.deck.entries[n] for n, family in families().items() if family.has_rows)
@@ -443,13 +420,3 @@ class Scene:
             frame[f"{name}_a"] = self.turn_to_body(a, u)
             frame[f"{name}_b"] = self.turn_to_body(b, u)
         return frame
-
-
-def _folders(card: Any) -> Iterator[str]:
-    """Folders of the families of a card and of the laws within it."""
-    yield type(card).__module__.partition(".")[2].rpartition(".")[0].replace(".", "/")
-    for name in type(card).model_fields:
-        value = getattr(card, name)
-        for part in value if isinstance(value, tuple) else (value,):
-            if isinstance(part, Card):
-                yield from _folders(part)

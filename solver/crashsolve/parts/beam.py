@@ -29,6 +29,7 @@ from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import note_fold
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts._damping import Damped, report_added
 from crashsolve.parts.beams import element, static_tangent
@@ -193,6 +194,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
+    note_fold(curves, p.node_b, w)
     pull(p, out, a, b, R, v, w)
     drag(p, out, nodes)
 

@@ -22,6 +22,7 @@ from crashsolve.deck.card import word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import note_fold
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub
 from crashsolve.parts import beam
 from crashsolve.parts.beams import element, fibres, properties
@@ -108,6 +109,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves, material):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
+    note_fold(curves, p.node_b, w)
     strained = element.deformation(p, a, b, R, v, w)
     _, u, theta, u_dot, theta_dot, _, _ = strained
     strain, rate = at_section(p, strained)

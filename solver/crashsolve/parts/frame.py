@@ -18,7 +18,7 @@ from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import products, quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import times
+from crashsolve.foundation.turn import note_fold, times
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts import beam
 from crashsolve.parts._damping import Damped, report_added
@@ -169,6 +169,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(turned(a, p.turn), turned(b, p.turn))
+    note_fold(curves, p.node_b, w)
     element.pull(p, out, a, b, R, v, w)
     element.drag(p, out, nodes)
 

@@ -74,6 +74,7 @@ PARAMETERS = Record(
     first=("index", "of the part's numbers in blocks"),
     stride=("count", "numbers of a block"),
     first_corner=("index", "of the part's corners"),
+    aside=("count", "from there to the corners that take its forces; not 0 of a piece alone"),
     element_count=("count", "elements"),
     one_point=("count", "of them, quadrilaterals with one point in their plane"),
     four_points=("count", "quadrilaterals with 2 by 2 points"),

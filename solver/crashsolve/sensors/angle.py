@@ -24,6 +24,7 @@ class Angle(Card):
     axis: Vec3 = word("direction of the axis in the frame of a; any length")
 
 
+COUNTS_TURNS = True
 PARAMETERS = Record(
     node_a=("index", "first body"),
     node_b=("index", "second body"),

@@ -103,6 +103,7 @@ class Account:
         """The program and the model, at the head of the log."""
         model = self.engine.model
         counts = {k: len(v) for k, v in self.deck.entries.items() if v}
+        threads = {"threads": str(model.threads)} if model.threads > 1 else {}
         self.log.banner(
             f"crashsolve {crashsolve.__version__}",
             {
@@ -113,6 +114,7 @@ class Account:
                 "mass": f"{model.total_mass():.6g} kg",
                 "size": f"{model.size:.4g} m",
                 "integrator": ": ".join(filter(None, (model.integrator, model.choice))),
+                **threads,
             },
         )
 

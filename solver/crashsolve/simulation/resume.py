@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from crashsolve.model.model import ContactGroup
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.system.engine import Engine
 
 # fields of control that say how to go on, and nothing of what has been

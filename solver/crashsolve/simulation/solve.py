@@ -1,7 +1,6 @@
 """One run: deck to results. Read, build, compose, advance, write.
 
-Signals: SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is ignored (queues
-send it along). The words stop, dump and states in control.txt of the results folder do the same.
+What it may be asked on the way, by signals and in control.txt, says requests.py.
 """
 
 import os
@@ -17,20 +16,17 @@ import numpy as np
 
 from crashsolve.compiler.cache import notes as cache_notes
 from crashsolve.compiler.machine import forget_linker
-from crashsolve.deck.keywords import answering
-from crashsolve.deck.mistakes import shown
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import (
     CrashsolveError,
     DeckError,
-    DeckErrors,
     ExitCode,
     RunStopped,
 )
 from crashsolve.foundation.streams import say, tell_error
 from crashsolve.model.build import build
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import read_plain, reported
+from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
 from crashsolve.output.lock import Lock
 from crashsolve.output.log import ERROR, NORMAL, STOPPED, Log
@@ -43,6 +39,7 @@ from crashsolve.recording.histories import Histories
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.misfits import refuse_misfits
 from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
@@ -53,6 +50,7 @@ from crashsolve.simulation.remarks import (
     undeformed,
     untouched,
 )
+from crashsolve.simulation.requests import Requests
 from crashsolve.simulation.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
@@ -61,15 +59,8 @@ from crashsolve.system.engine import Engine
 if TYPE_CHECKING:
     from crashsolve.estimate.conduct import Estimating
 
-# [s] between two looks at control.txt, which cost as much as a step of a small scene
-LOOK = 0.1
-# what a user may ask of a run, by control.txt and by signals
-WORDS = {"stop", "dump", "states"}
-# [bytes] of control.txt that are looked at
-MOST_CONTROL = 4096
 # of the steps that an accuracy needs, in a restart dump
 COARSENESS = "run/coarseness"
-SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
 
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
@@ -126,8 +117,7 @@ class Run:
         self.deck, self.engine, self.folder, self.pulse = deck, engine, folder, pulse
         self.log = log
         self.cpu, self.wall_begun = spent, wall_begun
-        self.requests: set[str] = set()
-        self.control_due = 0.0
+        self.requests = Requests(folder, log, self._end_at_once)
         self.files = ExitStack()
         self.estimating: Estimating | None = None
         self.schedule = Schedule.of(deck)
@@ -153,7 +143,7 @@ class Run:
         self.account = Account(
             self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun, self.pulse
         )
-        self._catch_signals()
+        self.requests.catch()
         return dump
 
     def execute(self, dump: Any, notes: list[str]) -> int:
@@ -226,7 +216,7 @@ class Run:
         cpu = cpu_time()
         if resumed is None:
             self.engine.start()
-            self._refuse_misfits()
+            refuse_misfits(self.deck, self.engine)
             for text in pressed_at_start(self.engine):
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
@@ -293,29 +283,8 @@ class Run:
         self._open(None)
 
     def _is_to_stop(self) -> bool:
-        self._read_control()
-        return "stop" in self.requests
-
-    def _refuse_misfits(self) -> None:
-        entries = self.deck.entries
-        found = [
-            self.deck.error(cards[name], None, text, advice)
-            for cards, wrong, advice in (
-                (
-                    {
-                        name: entry
-                        for k in answering("joints")
-                        for name, entry in entries[k].items()
-                    },
-                    self.engine.assembly_errors(),
-                    "correct the joint or the bodies",
-                ),
-                (entries["contacts"], self.engine.overlaps(), "move the bodies apart"),
-            )
-            for name, text in wrong
-        ]
-        if found:
-            raise DeckErrors(found)
+        self.requests.read()
+        return "stop" in self.requests.words
 
     def _march(self) -> None:
         """Advance from sample to sample until the end."""
@@ -421,21 +390,6 @@ class Run:
         advice = f"run without --restart, or into another folder; free to change are {FREE}"
         return DeckError(str(self.deck.path), None, None, "", message, advice)
 
-    def _catch_signals(self) -> None:
-        """Keep requests for the next pause; a second interrupt from the keyboard ends at once."""
-        interrupts = 0
-
-        def keep(number: int, _: Any) -> None:
-            nonlocal interrupts
-            self.requests.add(SIGNALS[number])
-            interrupts += number == signal.SIGINT
-            if interrupts > 1:
-                self._end_at_once()
-
-        for number in SIGNALS:
-            signal.signal(number, keep)
-        signal.signal(signal.SIGCONT, signal.SIG_IGN)
-
     def _end_at_once(self) -> None:
         """End the process without a restart dump: at any moment all files are whole."""
         text = "interrupted twice: ended at once, without a restart dump"
@@ -451,42 +405,23 @@ class Run:
 
     def _obey(self) -> None:
         """Act on signals and on control.txt."""
-        self._read_control()
-        if "states" in self.requests:
+        self.requests.read()
+        if "states" in self.requests.words:
             self.states.write(float(self.engine.clock["sampled"]), self.pictures.fields())
-            self.requests.discard("states")
+            self.requests.words.discard("states")
         self._dump_or_stop()
 
     def _obey_at_once(self) -> None:
         """The same between two samples; pictures, and what was asked with them, wait for one."""
         self.account.keep_alive()
-        self._read_control()
-        if "states" not in self.requests:
+        self.requests.read()
+        if "states" not in self.requests.words:
             self._dump_or_stop()
 
     def _dump_or_stop(self) -> None:
-        if self.requests & {"stop", "dump"}:
+        if self.requests.words & {"stop", "dump"}:
             self._dump()
-            self.requests.discard("dump")
-        if "stop" in self.requests:
+            self.requests.words.discard("dump")
+        if "stop" in self.requests.words:
             now = float(self.engine.clock["time"])
             raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
-
-    def _read_control(self) -> None:
-        """Take up the words of control.txt and remove it; what is no plain file is left alone."""
-        now = time.monotonic()
-        if now < self.control_due:
-            return
-        self.control_due, path = now + LOOK, self.folder / "control.txt"
-        if not path.exists():
-            return
-        with reported(path):
-            text = read_plain(path, MOST_CONTROL)
-            if text is None:
-                self.log.warning("control.txt is no plain file and is passed over")
-                return
-            path.unlink()
-        words = set(text.split())
-        self.requests |= words & WORDS
-        for word in sorted(words - WORDS):
-            self.log.warning(f"control.txt: unknown word {shown(word)} (words: dump, states, stop)")

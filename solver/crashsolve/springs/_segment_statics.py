@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.orientation import matrices, products
+from crashsolve.foundation.rows import as_rows
 from crashsolve.parts.beams.static_tangent import by_motions, skew, slopes_of_strains, strains
 from crashsolve.springs._segment_yield import (
     FROZEN,
@@ -35,7 +36,7 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
     k = np.hstack([p["stiffness"], p["turning_stiffness"]])
     held, own = k * q, k[:, :, None] * np.eye(6)
     held[:, FLOWING] -= k[:, FLOWING] * state["plastic"]
-    named, past = p.view(np.recarray), state.view(np.recarray)
+    named, past = as_rows(p), as_rows(state)
     for i in np.flatnonzero((p["yields"] == 1) & (p["at_rest"] != FROZEN)):
         flow, share = _flow(named[i], past[i], held[i, FLOWING], curves)
         if flow > 0.0:
@@ -62,7 +63,7 @@ def predict(p: Any, state: Any, new: Any, nodes: Any, way: np.ndarray, curves: A
     k, trial, change = _trials(p, state, nodes, way)
     trial += change
     new["plastic"] = state["plastic"]
-    named, past = p.view(np.recarray), state.view(np.recarray)
+    named, past = as_rows(p), as_rows(state)
     for i in np.flatnonzero(p["yields"]):
         _, share = _flow(named[i], past[i], trial[i], curves)
         new["plastic"][i] += (trial[i] - scaled_back(named[i], k[i], trial[i], share)) / k[i]
@@ -74,7 +75,7 @@ def share_to_yield(p: Any, state: Any, nodes: Any, way: np.ndarray, curves: Any)
     By OVER more than yield, as the way is not straight; of those that are elastic yet.
     """
     _, trial, change = _trials(p, state, nodes, way)
-    named, past, least = p.view(np.recarray), state.view(np.recarray), 1.0
+    named, past, least = as_rows(p), as_rows(state), 1.0
     for i in np.flatnonzero(p["yields"]):
         limit = flow_stress(named[i], past[i].strain, curves)[0] * named[i].moduli
         f, d = trial[i] / limit, change[i] / limit

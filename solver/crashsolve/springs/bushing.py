@@ -29,7 +29,13 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import rotation_vector, tangent_factor, tangent_map
+from crashsolve.foundation.turn import (
+    note_fold,
+    relative_rotation,
+    rotation_vector,
+    tangent_factor,
+    tangent_map,
+)
 from crashsolve.foundation.vec3 import ZERO, dot, scale, sub, vec
 from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along
 from crashsolve.springs._card import PointSpringCard
@@ -54,6 +60,7 @@ PARAMETERS = POINTS + Record(
     turning_damping=("N m s/rad", 3, "diagonal of C_r"),
     offset=("m", 3, "x_0"),
     reference=("1", 4, "q_a^-1 q_b at the start"),
+    turns=("flag", "whether it resists turns, which end at half a turn"),
 )
 HISTORY = Record()
 TANGENTS = 6
@@ -72,6 +79,7 @@ def build(card: Bushing, scene: Any) -> dict[str, Any]:
         "damping": card.damping,
         "turning_stiffness": card.turning_stiffness,
         "turning_damping": card.turning_damping,
+        "turns": any(card.turning_stiffness),
         "offset": start_offset(scene, ends) if card.offset is None else card.offset,
         "reference": relative(scene.q[ends["node_a"]], scene.q[ends["node_b"]]),
     }
@@ -84,6 +92,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     x = sub(x, vec(p.offset))
     a, b = nodes[p.node_a], nodes[p.node_b]
     theta = rotation_vector(a, b, p.reference)
+    if p.turns == 1:
+        note_fold(curves, p.node_b, relative_rotation(a, b, p.reference)[0])
     c = tangent_factor(sqrt(dot(theta, theta)))
     spin = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
     theta_dot = tangent_map(theta, c, -0.5, spin)

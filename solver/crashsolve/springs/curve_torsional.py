@@ -39,6 +39,7 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
     damping: float = quantity("N m s/rad", "torque over rate", default=0.0, ge=0)
 
 
+COUNTS_TURNS = True
 PARAMETERS = TURN + _resistance.RESISTANCE + Record(angle=("rad", "theta_0"))
 HISTORY = _resistance.SLIDER + Record(angle=("rad", "counted turn"))
 TANGENTS = 1

@@ -42,7 +42,7 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import times
+from crashsolve.foundation.turn import note_fold, times
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
 from crashsolve.parts.beams.corotational import (
     half_angle_over_sine,
@@ -69,8 +69,8 @@ __all__ = ["forces_by_motions", "predict", "share_to_yield"]
 STEPWISE = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 TANGENTS = 6
-# a side that is closer than this to the axis has no direction across it
-ALONG = 1e-6
+# of a side to the axis, across which it has no direction then; of both ends, over l
+CLOSE_ENOUGH = 1e-6
 
 
 class Segment(PointSpringCard):
@@ -120,7 +120,7 @@ OUTPUT = Record(
 
 def build(card: Segment, scene: Any) -> dict[str, Any]:
     section, material, moduli = _laws(card, scene)
-    ends, T = scene.attachments(card), _triad(card, scene)
+    ends, T = _ends(card, scene), _triad(card, scene)
     a, b = ends["node_a"], ends["node_b"]
     in_b = scene.matrix(b).T @ scene.matrix(a) @ T
     E, G, A, length = material["young"], material["shear"], section["area"], card.length
@@ -149,6 +149,15 @@ def build(card: Segment, scene: Any) -> dict[str, Any]:
     }
 
 
+def _ends(card: Segment, scene: Any) -> dict[str, Any]:
+    """Both sides of the cut, which must be in one place at the start."""
+    ends: dict[str, Any] = scene.attachments(card)
+    if (apart := scene.distance(ends)) > CLOSE_ENOUGH * card.length:
+        message = f"is {apart:.3g} m from at_a at the start; they are two sides of one cut"
+        raise scene.fail(message, "at_b")
+    return ends
+
+
 def _laws(card: Segment, scene: Any) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
     """Constants of section and material, and A, Z_y, Z_z."""
     law, material_card = scene.law("materials", card.material)
@@ -175,7 +184,7 @@ def _triad(card: Segment, scene: Any) -> np.ndarray:
     """Axes of the beam as columns, in the frame of a."""
     axis, side = scene.unit(card.axis, "axis"), scene.unit(card.side, "side")
     across = side - axis * float(axis @ side)
-    if np.linalg.norm(across) < ALONG:
+    if np.linalg.norm(across) < CLOSE_ENOUGH:
         raise scene.fail("points along the beam; give a direction across it", "side")
     side = scene.unit(across, "side")
     return np.column_stack([axis, side, np.cross(axis, side)])
@@ -206,6 +215,7 @@ def turned(body, turn):
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     R, v, w, d_a, d_b, u, theta, u_dot, theta_dot = seen(p, nodes)
+    note_fold(curves, p.node_b, w)
     k, k_r = vec(p.stiffness), vec(p.turning_stiffness)
     held, stored, lost = resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot)
     f = (held[0], k[1] * u[1], k[2] * u[2])

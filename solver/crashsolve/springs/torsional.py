@@ -25,6 +25,7 @@ class Torsional(AxisSpringCard):
     angle: float = quantity("rad", "turn from the start at which the torque is zero", default=0.0)
 
 
+COUNTS_TURNS = True
 PARAMETERS = TURN + Record(
     stiffness=("N m/rad", "k"), damping=("N m s/rad", "c"), angle=("rad", "theta_0")
 )

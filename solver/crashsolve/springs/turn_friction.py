@@ -50,6 +50,7 @@ class TurnFriction(Card):
         return self
 
 
+COUNTS_TURNS = True
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
 PARAMETERS = BRISTLE + Record(

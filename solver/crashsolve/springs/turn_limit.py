@@ -29,6 +29,7 @@ class TurnLimit(_joint.StopCard):
     damping: float = quantity("N m s/rad", "c", default=0.0, ge=0)
 
 
+COUNTS_TURNS = True
 PARAMETERS = TURN + _joint.STOPS
 HISTORY = _joint.STOPPED + Record(angle=("rad", "theta, with all turns"))
 TANGENTS = 1

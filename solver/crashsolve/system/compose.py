@@ -57,7 +57,7 @@ def load(text: str, tables: Tables) -> Function:
         write_whole(path, text.encode())
     if runs_plain():
         return ends_in_nan(machine_code(path, "advance", tables))
-    if not tables.others:
+    if not tables.of_threads:
         return machine_code(path, "advance", tables)
     return sharing.together(*machine_codes(path, ("advance", "assist"), tables))
 

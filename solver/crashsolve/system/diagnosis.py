@@ -11,11 +11,13 @@ from crashsolve.model.clock import (
     NOT_FINITE,
     POSITION,
     STEP_TOO_SMALL,
+    TURNED,
     UNHELD,
     UNSOLVED,
     VELOCITY,
 )
 from crashsolve.model.model import Model, State
+from crashsolve.system.timestep import QUARTER
 
 # place, likely cause, advice
 Diagnosis = tuple[str, str, str]
@@ -42,6 +44,8 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
         lack = f"{float(clock['value']):.3g} m"
         cause = f"nodes held by unilateral constraints cannot be kept on their surface (by {lack})"
         found = "a unilateral contact", cause, closer(model, state)
+    elif status == TURNED:
+        found = turned_far(model, state, clock)
     elif status == STEP_TOO_SMALL:
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
     elif status == CURVE_END:
@@ -167,6 +171,15 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
     )
 
 
+def turned_far(model: Model, state: State, clock: Any) -> Diagnosis:
+    """A stated step in which a body turns so far that angles cannot be counted."""
+    at = int(np.linalg.norm(state.nodes["w"], axis=1).argmax())
+    speed, step = float(clock["value"]), float(clock["step"])
+    cause = f"it turns by {speed * step:.3g} rad in a step of {step:.3g} s"
+    advice = f"angles are counted in steps of a quarter of a turn: below {QUARTER / speed:.3g} s"
+    return f"body '{model.node_with_element(at)}'", cause, advice
+
+
 def limiter(model: Model, limit_node: int) -> str:
     """The body, or element and its node, that sets the step; empty where none does."""
     if limit_node < 0:
@@ -178,6 +191,8 @@ def curve_end(model: Model, clock: Any) -> Diagnosis:
     """A curve read beyond its points, be it for a step too long for the elements."""
     curves = model.curves
     first, x = int(curves[0]["fault"]), float(curves[0]["x"])
+    if first < 0:
+        return folded(model, -first, x)
     name = next(n for n, start in model.curve_names.items() if start == first)
     last = curves[int(curves[first]["last"])]["x"]
     cause = f"read at {x:.6g}, outside its range {curves[first]['x']:.6g} to {last:.6g}"
@@ -192,6 +207,16 @@ def curve_end(model: Model, clock: Any) -> Diagnosis:
         advice = f"extend its {field}, or say extrapolate: hold; a hinge in two directions folds "
         return f"hinge '{hinge}'", cause, f"{advice}by 3 rad at most"
     return f"curve '{name}'", cause, advice
+
+
+def folded(model: Model, node: int, angle: float) -> Diagnosis:
+    """A bushing, segment or beam element that is turned by nearly half a turn."""
+    cause = f"it is turned by {angle:.3g} rad against what a spring or beam element ties it to"
+    advice = (
+        "half a turn is the end of what these know: take more elements or segments; let a joint "
+        "turn freely, with springs of its own"
+    )
+    return f"body '{model.node_with_element(node)}'", cause, advice
 
 
 def velocity_error(model: Model, state: State) -> np.ndarray:

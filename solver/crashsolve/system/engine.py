@@ -10,6 +10,7 @@ import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
 from crashsolve.compiler.table import Tables
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
     CORNER,
@@ -91,8 +92,8 @@ class Engine:
         """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
         m, s = self.model, self.state
         # time, step, cycle and totals: at present, and of the last sample
-        self.clock: Any = s.clock.view(np.recarray)[0]
-        self.sampled: Any = self.sample_clock.view(np.recarray)[0]
+        self.clock: Any = as_rows(s.clock)[0]
+        self.sampled: Any = as_rows(self.sample_clock)[0]
         shared = (
             group_arrays(m, s) | m.saddle._asdict() | {"control": m.control, "curves": m.curves}
         )
@@ -107,7 +108,7 @@ class Engine:
         )
         if is_shared(m):
             others = [Tables(shared | state | own) for own in own_arrays(m)]
-            self._present.others = self._sampled.others = others
+            self._present.of_threads = self._sampled.of_threads = others
 
     def _tableau(self) -> dict[str, np.ndarray]:
         """Coefficients of a Runge-Kutta method; a sample is one more stage of it."""

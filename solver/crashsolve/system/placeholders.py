@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.implicit.compliance import (
     has_nodal_tangents,
     tangent_contacts,
     tangent_groups,
 )
-from crashsolve.model.model import ContactGroup, Group, Model, NodalGroup
+from crashsolve.model.model import Group, Model
 from crashsolve.system.threads.sharing import shared_arrays
 
 # groups by what their laws do
@@ -50,6 +51,7 @@ DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
 EVENTS = True  # there are laws with an event function
 LOOKS_AHEAD = True  # the next step must be asked about before it is taken
+COUNTS_TURNS = True  # laws follow angles from step to step, and steps may be long
 
 
 def placeholders(model: Model) -> dict[str, Any]:
@@ -83,6 +85,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "ONSETS": bool(contacts or model.branching_groups()),
         "EVENTS": bool(model.branching_groups() or model.rubbing_groups()),
         "LOOKS_AHEAD": bool(nodal or any(c.looks_ahead for c in contacts)),
+        "COUNTS_TURNS": counts_turns(model),
     }
 
 
@@ -103,7 +106,13 @@ def is_assembled(model: Model) -> bool:
 
 def is_shared(model: Model) -> bool:
     """Whether several threads share the elements."""
-    return model.elements is not None and model.elements.pieces is not None
+    return model.threads > 1
+
+
+def counts_turns(model: Model) -> bool:
+    """Whether laws follow angles from step to step, and a step may turn a body far."""
+    is_short = hasattr(method(model), "KICK_DRIFT_KICK") and not model.control[0]["fixed_step"] > 0
+    return not is_short and any(hasattr(g.module, "COUNTS_TURNS") for g in model.groups)
 
 
 def samples_within_steps(model: Model) -> bool:

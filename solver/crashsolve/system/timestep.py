@@ -10,10 +10,15 @@ wall is stable for safety < 1 and unstable for a fixed step above 2 / omega.
 Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Elements, 6.2.
 """
 
-from math import ceil, sqrt
+from math import ceil, pi, sqrt
 
 from crashsolve.foundation.kernels import kernel
+from crashsolve.model.clock import TURNED
 from crashsolve.system.kinetics import fastest_turn
+
+# turn of a body in a step, beyond which angles between two are not counted; and what is left of it
+# to a step chosen by its error, as bodies may spin up in it [rad]
+QUARTER, MOST_TURN = 0.5 * pi, 1.0
 
 
 @kernel
@@ -39,6 +44,16 @@ def wanted_step(clock, control, nodes):
     if turn * h > control.turn:
         h = control.turn / turn
     return h
+
+
+@kernel
+def count_turns(h, clock, control, nodes):
+    """Steps in which angles can be counted: less than half a turn of two bodies. Writes: clock."""
+    turn = fastest_turn(nodes)
+    if control.fixed_step > 0.0 and turn * h > QUARTER:
+        clock.status, clock.value = TURNED, turn
+    elif control.fixed_step == 0.0 and turn * clock.next_step > MOST_TURN:
+        clock.next_step = MOST_TURN / turn
 
 
 @kernel

@@ -7,6 +7,7 @@ loop brings back to its start is known late: then the function is translated aga
 
 import ast
 from dataclasses import dataclass, field
+from functools import cache
 from types import FunctionType
 from typing import Any
 
@@ -67,6 +68,13 @@ class Loop:
     broken: list[Way] = field(default_factory=list)
 
 
+@cache
+def _stored(tree: ast.FunctionDef) -> frozenset[str]:
+    """Names that a function gives a value to: once for all kinds of its arguments."""
+    names = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
+    return frozenset(n.id for n in names if isinstance(n.ctx, ast.Store))
+
+
 class Function(Expressions):
     """The text of a kernel for arguments of given kinds."""
 
@@ -76,8 +84,7 @@ class Function(Expressions):
         super().__init__(function.__globals__, module)
         self.tree, self.kinds = tree, kinds
         self.where = tree.lineno
-        names = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
-        self.stored = {n.id for n in names if isinstance(n.ctx, ast.Store)}
+        self.stored = _stored(tree)
         self.returns: Kind | None = None
         # kinds of variables at the start of loops, where the end brings other ones
         self.wider: dict[tuple[int, str], Kind] = {}

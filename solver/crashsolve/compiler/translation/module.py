@@ -120,8 +120,12 @@ class Module:
 @cache
 def _trees(path: Path) -> dict[int, ast.FunctionDef]:
     """Functions of a file by the line in which they, or their decorators, begin."""
-    found = {}
-    for node in ast.walk(ast.parse(path.read_text("utf-8"), str(path))):
+    found: dict[int, ast.FunctionDef] = {}
+    left: list[ast.AST] = [ast.parse(path.read_text("utf-8"), str(path))]
+    while left:
+        # statements alone: functions stand in no expression
+        node = left.pop()
+        left += [*getattr(node, "body", ()), *getattr(node, "orelse", ())]
         if isinstance(node, ast.FunctionDef):
             first = node.decorator_list[0].lineno if node.decorator_list else node.lineno
             found[first] = node

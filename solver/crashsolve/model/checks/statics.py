@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.family import families
 from crashsolve.foundation.errors import DeckErrors
 
 # what every law of force keeps of a step
-# what parts remember is asked for elsewhere; loads keep what a sample shows
-WITHOUT_MEMORY = ("parts", "loads", "hinges")
 KEPT = {"dissipated", "power", "unused"}
 
 
@@ -48,7 +47,7 @@ def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
             yield entry, f"{message}, but joints"
     for g in groups:
         remembers = set(g.history.dtype.names or ()) - KEPT and not follows_load_steps(g)
-        if hasattr(g.module, "force") and remembers and g.keyword not in WITHOUT_MEMORY:
+        if hasattr(g.module, "force") and remembers and not families()[g.keyword].at_rest:
             keyword = deck.entries[g.keyword]
             for entry in (e for e in keyword.values() if e.type == g.type):
                 yield entry, "a quasi-static solution has no path-dependent laws yet"

@@ -23,10 +23,10 @@ import numpy as np
 from crashsolve.deck.family import check_law
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
+from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
 from crashsolve.model.contact.node_to_surface import NodalBuilder
 from crashsolve.model.contact.pairs import ENDLESS, Block, Elements, Pairing, Search, resting
-from crashsolve.model.model import ContactGroup, NodalGroup
 from crashsolve.model.scene import IMPLICIT, Scene
 
 if TYPE_CHECKING:

@@ -15,7 +15,8 @@ import numpy as np
 
 from crashsolve.contact.broad import near_pairs
 from crashsolve.foundation.record import Record
-from crashsolve.model.model import ContactGroup, State
+from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.model import State
 
 # more possible pairs than this, and a group looks for the near ones; implicit methods, which find
 # no tangents for pairs that come and go, look at many more

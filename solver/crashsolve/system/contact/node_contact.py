@@ -243,8 +243,13 @@ def mobility_of(probe, hit, nodes, points):
 
 
 @kernel
-def note(clock, h, p, totals, card, f, stored, power, loss, old, new, hit):
-    """Add a touching slot to what its card and the ledger tell. Writes: totals, card, new."""
+def note(clock, h, p, totals, card, touch, f, energies):
+    """Add a probe that touches to what its card and the ledger tell. Writes: totals, card, new.
+
+    `energies` are what its normal force f stores [J], its power [W] and its loss [J].
+    """
+    old, new, hit = touch.old, touch.new, touch.hit
+    stored, power, loss = energies
     totals.stored += stored
     if h > 0.0:
         totals.dissipated += clock.lead * old.power + clock.share * power + loss

@@ -45,3 +45,34 @@ class Push(NamedTuple):
     damping: float  # slope over that [N s/m]
     most_stiffness: float  # bounds for the step control [N/m, N s/m]
     most_damping: float
+
+
+class Seen(NamedTuple):
+    """What a probe has found among the shapes."""
+
+    x: Any  # its place [m]
+    v: Any  # its velocity [m/s]
+    hit: Any  # the deepest shape
+    held: bool  # whether it goes on by the face that it touched before
+    over: float  # how far it is past the middle of that [m]
+
+
+class Touch(NamedTuple):
+    """A probe that touches, or has touched."""
+
+    number: int  # of its record
+    probe: Any
+    x: Any  # its place [m]; None on faces
+    v: Any  # its velocity [m/s]
+    old: Any  # its records: accepted, and new
+    new: Any
+    hit: Any  # what it touches
+    past: Any  # its displacement over that in the step, where it touched before [m]
+
+
+class Pressing(NamedTuple):
+    """What presses a probe on what it touches."""
+
+    f: float  # normal force [N]
+    mass: float  # of both sides along the normal [kg]
+    way: Any  # displacement over the step in the present place [m]

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import ContactGroup, Model, State
 from crashsolve.system.contact.touches import closing
 
@@ -44,8 +45,8 @@ class Touch:
 
     def come_with(self, mass: float) -> None:
         """Take the impact speed of a free impact with a mass [kg]. Writes: history of the pair."""
-        p = self.group.parameters.view(np.recarray)[self.pair]
-        history = self.group.history.view(np.recarray)[:, self.pair]
+        p = as_rows(self.group.parameters)[self.pair]
+        history = as_rows(self.group.history)[:, self.pair]
         before = np.zeros_like(history)[0]
         for after in history:
             self.group.normal.normal_force(p, before, after, 0.0, self.depth, self.rate, mass, None)
@@ -56,7 +57,7 @@ def find_impact_speeds(model: Model, state: State) -> bool:
     found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
     for group in model.contact_groups:
         if "damping_speed" in (group.history.dtype.names or ()):
-            for touch in _touches(group, state.nodes.view(np.recarray)):
+            for touch in _touches(group, as_rows(state.nodes)):
                 found[touch.bodies].append(touch)
     for (a, b), touches in found.items():
         for touch, mass in zip(touches, _masses(state.nodes[[a, b]], touches), strict=True):
@@ -67,7 +68,7 @@ def find_impact_speeds(model: Model, state: State) -> bool:
 def _touches(group: ContactGroup, nodes: Any) -> Iterator[Touch]:
     """Touches of a group, the body with the lower number first."""
     tables = (group.elements_a, group.elements_b, *group.data)
-    elements_a, elements_b, *data = (table.view(np.recarray) for table in tables)
+    elements_a, elements_b, *data = (as_rows(table) for table in tables)
     for i in np.flatnonzero(group.history["active"].any(axis=0)):
         p = group.parameters[i]
         a, b = elements_a[p["a"]], elements_b[p["b"]]

@@ -105,7 +105,7 @@ def open_rubbing(h, scene):
 
 
 @kernel
-def press(b, h, rate):
+def pressed_by(b, h, rate):
     """Count rate [m/s^2], normal force times mobility, of one contact; returns that of all.
 
     Writes: b.
@@ -119,37 +119,51 @@ def press(b, h, rate):
 def pressed_probe(probe, d, u, f, h, nodes, scene):
     """What all friction at a probe, this one included, is pressed by. Writes: nodes, stiffened."""
     if probe.point >= 0:
-        return press(scene.stiffened[probe.point], h, f * ease(scene.points[probe.point], d))
+        return pressed_by(scene.stiffened[probe.point], h, f * ease(scene.points[probe.point], d))
     body = nodes[probe.node]
     to = add(arm(body, vec(probe.at)), d)
-    return press(body, h, f * mobility(body, to, u))
+    return pressed_by(body, h, f * mobility(body, to, u))
 
 
 @kernel
-def ease_on_face(clock, h, p, probe, hit, d, e, u, f, nodes, scene):
-    """Slip that friction takes in half a step, over the friction [s/kg].
+def pressed_on_face(h, p, touch, arms, u, f, nodes, scene):
+    """What all friction at a probe and at the corners of its face is pressed by along u [m/s^2].
 
-    Of what all friction at the probe and at the corners can take along u, this has the share of its
-    normal force f in what presses there: sum of f N w over the last step.
+    Sums of f N w over the last step; `arms` are those of the place from both sides.
     Writes: nodes, scene.stiffened.
     """
     if f <= 0.0:
         return 0.0
-    total = pressed_probe(probe, d, u, f, h, nodes, scene)
+    hit, (d, e) = touch.hit, arms
+    total = pressed_probe(touch.probe, d, u, f, h, nodes, scene)
     at = corner_points(p, hit.face, scene.corners)
     for k in range(4):
         rate = f * hit.N[k] * ease(scene.points[at[k]], e)
-        total += hit.N[k] * press(scene.stiffened[at[k]], h, rate)
-    return 0.5 * max(h, clock.next_step) * total / f
+        total += hit.N[k] * pressed_by(scene.stiffened[at[k]], h, rate)
+    return total
 
 
 @kernel
-def ease_on_shape(clock, h, probe, body, d, y, u, f, nodes, scene):
-    """The same where a probe touches a shape. Writes: nodes, body, scene.stiffened."""
+def pressed_on_shape(h, touch, body, places, u, f, nodes, scene):
+    """The same where a probe touches a shape, in a place from the probe and in the world.
+
+    Writes: nodes, scene.stiffened.
+    """
     if f <= 0.0:
         return 0.0
-    total = pressed_probe(probe, d, u, f, h, nodes, scene)
-    total += press(body, h, f * mobility(body, sub(y, vec(body.r)), u))
+    d, y = places
+    total = pressed_probe(touch.probe, d, u, f, h, nodes, scene)
+    return total + pressed_by(body, h, f * mobility(body, sub(y, vec(body.r)), u))
+
+
+@kernel
+def ease_under(clock, h, total, f):
+    """Slip that friction takes in half a step, over the friction [s/kg].
+
+    Of what all friction there can take, this has the share of its normal force f.
+    """
+    if f <= 0.0:
+        return 0.0
     return 0.5 * max(h, clock.next_step) * total / f
 
 

@@ -86,7 +86,7 @@ def gap(group, p, old, a, b, nodes, scene):
 @stage
 def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
     """Forces of one pair in touch. Writes: nodes, scene.cards, output, new history."""
-    p, old, new, out, a, b, m, w = pair
+    p, old, new, out, a, _, m, w = pair
     depth, n, x, motion = meeting
     counts = scene.card_history[1 - clock.current]
     rate, slip, d_a, d_b = touches.closing(m, w, x, n)
@@ -95,12 +95,8 @@ def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
         counts[p.card].peak_share = max(counts[p.card].peak_share, depth / p.thick)
     mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
     mass = 1.0 / (mob_a + mob_b)
-    if group.is_flat:
-        count, radius = group.narrow.patch(a, b, nodes, group.data, n, x)
-        if group.has_radius:
-            radius = max(radius, p.torsion_radius)
-    elif group.has_radius:
-        radius = p.torsion_radius
+    if group.is_flat or group.has_radius:
+        count, radius = patch_of(group, pair, meeting, nodes, scene)
     if group.is_flat:
         felt = share_of_step(clock, h, old, depth, rate)
     f, out.stored, power, loss, k, c = group.normal.normal_force(
@@ -145,6 +141,19 @@ def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
         work.begin_second_half(felt, pair, sliding, x, t, counts[p.card])
     elif KICK_DRIFT_KICK:
         work.begin_push(felt, way, f, n, x, out, new, counts[p.card])
+
+
+@stage
+def patch_of(group, pair, meeting, nodes, scene):
+    """Corners of the area over which the sides press, and the radius of friction's spin [m]."""
+    count, radius = 0, 0.0
+    if group.is_flat:
+        count, radius = group.narrow.patch(
+            pair.first, pair.second, nodes, group.data, meeting.n, meeting.x
+        )
+    if group.has_radius:
+        radius = max(radius, pair.p.torsion_radius)
+    return count, radius
 
 
 @stage

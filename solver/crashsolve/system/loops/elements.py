@@ -7,7 +7,7 @@ with the nodes, and ask for forces and tangents alone.
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system import points
 from crashsolve.system.implicit import stiffness
-from crashsolve.system.loops.pieces import deform_part, share
+from crashsolve.system.loops.pieces import deform_part, share, share_loans
 from crashsolve.system.placeholders import ASSEMBLED, ELEMENTS, THREADS
 from crashsolve.system.threads import jobs
 
@@ -25,7 +25,7 @@ def move_elements(clock, h, nodes, scene):
         if THREADS:
             limit = clock.limit_element
             share(jobs.DEFORM, scene.pieces.shape[0], clock, h, scene)
-            jobs.take_back(0, scene.pieces.shape[0], scene)
+            share_loans(0, scene.pieces.shape[0], clock, h, scene)
             jobs.note_rates(clock, limit, scene)
         else:
             deform(clock, h, scene)

@@ -2,6 +2,7 @@
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import node_contact, passing, surface_friction, touches, work
+from crashsolve.system.contact.pair import Pressing, Seen, Touch
 from crashsolve.system.loops.looks import look_at_shapes
 from crashsolve.system.loops.pieces import find_fastest, share_looks
 from crashsolve.system.loops.surface_friction import friction_on_shape
@@ -24,22 +25,24 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
             for j in range(one.first, one.first + one.count):
                 i = group.seen[j].probe
                 x, v = node_contact.where(probes[i], h, nodes, scene.points)
-                hit = group.found[i, 0]
-                touch_shape(group, clock, h, i, x, v, hit, False, -1.0, nodes, curves, scene)
+                seen = Seen(x, v, group.found[i, 0], False, -1.0)
+                touch_shape(group, clock, h, i, seen, nodes, curves, scene)
     else:
         for i in range(probes.shape[0]):
             if due[i] <= totals.way:
                 x, v = node_contact.where(probes[i], h, nodes, scene.points)
                 hit = group.found[0, 0]
                 held, over = look_at_shapes(group, i, group.a[0], v, hit, nodes, scene)
-                touch_shape(group, clock, h, i, x, v, hit, held, over, nodes, curves, scene)
+                seen = Seen(x, v, hit, held, over)
+                touch_shape(group, clock, h, i, seen, nodes, curves, scene)
     node_contact.close_pass(totals, card, counts[p.card])
 
 
 @kernel
-def touch_shape(group, clock, h, i, x, v, hit, held, over, nodes, curves, scene):
+def touch_shape(group, clock, h, i, seen, nodes, curves, scene):
     """Forces of one probe on the shape it has found, or left. Writes: as above."""
     p, probes, shapes, points = group.p[0], group.probes, group.b, scene.points
+    x, v, hit = seen.x, seen.v, seen.hit
     now, count = group.turns[i], scene.card_history[1 - clock.current, p.card]
     old, new = group.probe_states[now, i], group.probe_states[1 - now, i]
     past = (0.0, 0.0, 0.0)
@@ -47,76 +50,56 @@ def touch_shape(group, clock, h, i, x, v, hit, held, over, nodes, curves, scene)
         home_before = nodes[group.home[shapes[old.face].node]]
         past = work.way_over_body(p, probes[i], old, True, x, home_before, h, nodes, points)
         work.push_along(old, past, count)
+    touch = Touch(i, probes[i], x, v, old, new, hit, past)
     if hit.depth > 0.0:
-        press_on_shape(
-            group, clock, h, i, x, v, old, new, hit, held, over, past, nodes, curves, scene
-        )
+        press_on_shape(group, clock, h, touch, seen, nodes, curves, scene)
         node_contact.take_turn(h, group.turns, i)
     elif old.active == 1:
-        leave_shape(group, clock, h, i, old, new, past, hit, held, over, count, scene)
+        leave_shape(group, clock, h, touch, seen, count, scene)
 
 
 @stage
-def leave_shape(group, clock, h, i, old, new, past, hit, held, over, count, scene):
+def leave_shape(group, clock, h, touch, seen, count, scene):
     """A probe leaves a shape. Writes: totals, probe_states, count."""
     p, totals = group.p[0], group.totals[0]
-    node_contact.leave(clock, h, totals, group.turns, i, old, new)
+    old, new, hit = touch.old, touch.new, touch.hit
+    node_contact.leave(clock, h, totals, group.turns, touch.number, old, new)
     group.normal.release(p, old, new)
     if group.keeps_faces:
-        passing.note_probe(clock, h, p, old, new, hit, held, over)
+        passing.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
     elif group.has_ends:
         passing.note_round_probe(clock, h, p, old, new, hit)
     if group.friction:
-        surface_friction.leave(h, totals, past, old, new, count)
+        surface_friction.leave(h, totals, touch.past, old, new, count)
         group.friction.release(p, old, new)
 
 
 @stage
-def press_on_shape(group, clock, h, i, x, v, old, new, hit, held, over, past, nodes, curves, scene):
+def press_on_shape(group, clock, h, touch, seen, nodes, curves, scene):
     """Forces of one probe on one shape. Writes: scene.points, cards, loads, probe_states, nodes."""
     p, totals = group.p[0], group.totals[0]
-    points, probes = scene.points, group.probes
+    _, probe, x, v, old, new, hit, _ = touch
+    points = scene.points
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     count = counts[p.card]
     body = nodes[group.home[group.b[hit.face].node]]
     mob = node_contact.body_mobility(body, x, hit)
-    mass = 1.0 / max(
-        mob + node_contact.mobility_of(probes[i], hit, nodes, points), node_contact.STUCK
-    )
-    w = node_contact.probe_foretells(probes[i], hit, points)
+    mass = 1.0 / max(mob + node_contact.mobility_of(probe, hit, nodes, points), node_contact.STUCK)
+    w = node_contact.probe_foretells(probe, hit, points)
     rate = node_contact.closing(v, node_contact.body_velocity(body, x), hit, h, old, w)
     touches.latch(p, old, new, hit.depth, rate, counts)
     if group.keeps_faces:
-        passing.note_probe(clock, h, p, old, new, hit, held, over)
+        passing.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
     elif group.has_ends:
         passing.note_round_probe(clock, h, p, old, new, hit)
     f, stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, hit.depth, rate, mass, curves
     )
-    way = work.way_over_body(p, probes[i], hit, False, x, body, h, nodes, points)
+    way = work.way_over_body(p, probe, hit, False, x, body, h, nodes, points)
     if group.friction:
-        friction_on_shape(
-            group,
-            clock,
-            h,
-            p,
-            totals,
-            probes[i],
-            body,
-            x,
-            v,
-            old,
-            new,
-            hit,
-            past,
-            way,
-            f,
-            mass,
-            nodes,
-            curves,
-            scene,
-        )
-    node_contact.push_probe(probes[i], f, k, c, hit, nodes, scene)
+        pressing = Pressing(f, mass, way)
+        friction_on_shape(group, clock, h, touch, pressing, nodes, curves, scene)
+    node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
     node_contact.push_body(body, x, f, k, c, hit, mob)
-    node_contact.note(clock, h, p, totals, card, f, stored, power, loss, old, new, hit)
+    node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))
     work.push_along(new, way, count)

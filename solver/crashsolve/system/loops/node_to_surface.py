@@ -9,6 +9,7 @@ from crashsolve.system.contact import (
     touches,
     work,
 )
+from crashsolve.system.contact.pair import Pressing, Touch
 from crashsolve.system.loops.looks import look_at_faces
 from crashsolve.system.loops.pieces import find_fastest, share_looks
 from crashsolve.system.loops.surface_friction import friction_on_face
@@ -65,32 +66,36 @@ def touch_faces(group, clock, h, i, found, nodes, curves, scene):
             work.push_along(old, past, count)
         if hit.depth <= 0.0:
             if old.active == 1:
-                leave_face(group, clock, h, j, old, new, past, mesh, count, scene)
+                touch = Touch(j, probe, None, v, old, new, hit, past)
+                leave_face(group, clock, h, touch, mesh, count, scene)
             continue
         if group.is_round:
             v = ellipsoids.roll(probe, p, hit, nodes, points, corners)
-        press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves, scene)
+        touch = Touch(j, probe, None, v, old, new, hit, past)
+        press_on_face(group, clock, h, touch, nodes, curves, scene)
         node_contact.take_turn(h, turns, j)
 
 
 @stage
-def leave_face(group, clock, h, j, old, new, past, mesh, count, scene):
+def leave_face(group, clock, h, touch, mesh, count, scene):
     """A probe leaves a face. Writes: totals, probe_states, count."""
     p, totals = group.p[0], group.totals[0]
+    old, new = touch.old, touch.new
     if group.can_fail:
         projection.let_go(h, totals, old, 0.0, group.gone)
     projection.note_lost(clock, h, p, totals, old, mesh)
-    node_contact.leave(clock, h, totals, group.turns, j, old, new)
+    node_contact.leave(clock, h, totals, group.turns, touch.number, old, new)
     group.normal.release(p, old, new)
     if group.friction:
-        surface_friction.leave(h, totals, past, old, new, count)
+        surface_friction.leave(h, totals, touch.past, old, new, count)
         group.friction.release(p, old, new)
 
 
 @stage
-def press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves, scene):
+def press_on_face(group, clock, h, touch, nodes, curves, scene):
     """Forces of one probe on one face. Writes: scene.points, cards, loads, probe_states, nodes."""
     p, totals = group.p[0], group.totals[0]
+    _, probe, _, v, old, new, hit, _ = touch
     points, corners = scene.points, scene.corners
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     count = counts[p.card]
@@ -108,10 +113,9 @@ def press_on_face(group, clock, h, probe, v, old, new, hit, past, nodes, curves,
     if group.can_fail:
         projection.let_go(h, totals, old, stored, group.gone)
     if group.friction:
-        friction_on_face(
-            group, clock, h, probe, v, old, new, hit, past, way, f, mass, nodes, curves, scene
-        )
+        pressing = Pressing(f, mass, way)
+        friction_on_face(group, clock, h, touch, pressing, nodes, curves, scene)
     node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
     projection.push_face(p, hit, f, k, c, scene)
-    node_contact.note(clock, h, p, totals, card, f, stored, power, loss, old, new, hit)
+    node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))
     work.push_along(new, way, count)

@@ -18,6 +18,7 @@ def share(number, pieces, clock, h, scene):
     called = worker.call(pieces, scene.job[0].threads, scene.turns)
     do_pieces(0, called, clock, scene)
     worker.wait_for_all(pieces, scene.turns)
+    scene.job[0].number = jobs.NONE
 
 
 @kernel
@@ -45,7 +46,14 @@ def share_load(group, span, entry, clock, h, scene):
             scene.job[0].group = number
     scene.job[0].entry, scene.job[0].current = entry, clock.current
     share(jobs.LOAD, span.count, clock, h, scene)
-    jobs.take_back(span.first_piece, span.count, scene)
+    share_loans(span.first_piece, span.count, clock, h, scene)
+
+
+@kernel
+def share_loans(first, pieces, clock, h, scene):
+    """Give what corners that stand for others got to these, for some pieces. Writes: points."""
+    scene.job[0].entry = first
+    share(jobs.TAKE, pieces, clock, h, scene)
 
 
 @kernel
@@ -73,6 +81,8 @@ def do_piece(k, me, clock, scene):
         open_piece(k, job.h, scene)
     elif job.number == jobs.DEFORM:
         deform_piece(k, clock, job.h, scene)
+    elif job.number == jobs.TAKE:
+        jobs.take_back(scene.pieces[job.entry + k], scene)
     else:
         close_piece(k, clock, job.h, scene)
 
@@ -90,7 +100,6 @@ def open_piece(k, h, scene):
 @kernel
 def deform_piece(k, clock, h, scene):
     """Forces of some elements. Writes: scene.points, lanes, pieces."""
-    jobs.lend(scene.pieces[k], scene)
     clock.element_rate, clock.limit_element = 0.0, 0
     at = k
     for group in ELEMENTS:
@@ -170,7 +179,6 @@ def load_piece(k, job, scene):
     for number, group in enumerate(ELEMENT_LOADS):
         if job.group == number:
             span = group.spans[i]
-            jobs.lend(scene.pieces[span.first_piece + k], scene)
             p, old, out = (
                 group.pieces[span.first + k],
                 group.history[job.current, i],

@@ -5,11 +5,11 @@ from crashsolve.system.contact import node_contact, surface_friction, touches, w
 
 
 @stage
-def friction_on_face(
-    group, clock, h, probe, v, old, new, hit, past, way, f, mass, nodes, curves, scene
-):
+def friction_on_face(group, clock, h, touch, pressing, nodes, curves, scene):
     """Writes: scene.points, loads, totals, cards, new."""
     p, totals = group.p[0], group.totals[0]
+    _, probe, _, v, old, new, hit, past = touch
+    f, mass, way = pressing
     points, corners = scene.points, scene.corners
     card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
     d, e = work.arms(p, hit)
@@ -21,7 +21,8 @@ def friction_on_face(
     ease = 0.0
     if group.friction_damps:
         ahead = touches.ahead(old, slip, n)
-        ease = surface_friction.ease_on_face(clock, h, p, probe, hit, d, e, ahead, f, nodes, scene)
+        rates = surface_friction.pressed_on_face(h, p, touch, (d, e), ahead, f, nodes, scene)
+        ease = surface_friction.ease_under(clock, h, rates, f)
     t, t_stored, _, t_loss, t_k, t_c = group.friction.friction_force(
         p, old, new, f, slip, work.along_plane(way, n), n, mass, ease, curves
     )
@@ -35,29 +36,12 @@ def friction_on_face(
 
 
 @stage
-def friction_on_shape(
-    group,
-    clock,
-    h,
-    p,
-    totals,
-    probe,
-    body,
-    x,
-    v,
-    old,
-    new,
-    hit,
-    past,
-    way,
-    f,
-    mass,
-    nodes,
-    curves,
-    scene,
-):
-    """Writes: scene.points, loads, totals, cards, new, body."""
+def friction_on_shape(group, clock, h, touch, pressing, nodes, curves, scene):
+    """Writes: scene.points, loads, totals, cards, new, nodes."""
     p, totals = group.p[0], group.totals[0]
+    _, probe, x, v, old, new, hit, past = touch
+    f, mass, way = pressing
+    body = nodes[group.home[group.b[hit.face].node]]
     points = scene.points
     card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
     d, y = surface_friction.on_shape(p, hit, x)
@@ -68,7 +52,8 @@ def friction_on_shape(
     ease = 0.0
     if group.friction_damps:
         ahead = touches.ahead(old, slip, n)
-        ease = surface_friction.ease_on_shape(clock, h, probe, body, d, y, ahead, f, nodes, scene)
+        rates = surface_friction.pressed_on_shape(h, touch, body, (d, y), ahead, f, nodes, scene)
+        ease = surface_friction.ease_under(clock, h, rates, f)
     t, t_stored, _, t_loss, t_k, t_c = group.friction.friction_force(
         p, old, new, f, slip, work.along_plane(way, n), n, mass, ease, curves
     )

@@ -21,6 +21,7 @@ from crashsolve.model import ledger as energy
 from crashsolve.model.model import Model, State
 from crashsolve.system.engine import Engine
 from crashsolve.system.static.balance import Forces, Work
+from crashsolve.system.static.elimination import eliminate
 from crashsolve.system.static.flowing import Flowing
 from crashsolve.system.static.loading import Loading
 from crashsolve.system.static.motions import move, nudge, turns
@@ -39,8 +40,6 @@ AS_GOOD_AS_IT_GETS = 1e-9
 NOWHERE, NOTHING = 1e-15, 1e-12
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
-# of the largest entry: a smaller pivot is round-off, and something moves freely
-SINGULAR = 1e-15
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
 # of the largest force, and of the way of a load step: where `control.tolerance` says nothing
@@ -139,7 +138,7 @@ class StaticEngine(Engine):
         target = reached
         self.work.count(start, begun, target)
         clock.time, clock.step, clock.next_step = target, target - begun, target - begun
-        is_beyond = self.model.curves[0]["fault"] > 0
+        is_beyond = self.model.curves[0]["fault"] != 0
         place = self._way_out()
         if place:
             return Problem("way out", target, place)
@@ -321,7 +320,7 @@ class StaticEngine(Engine):
         columns = -self.tangent[0]
         scale = self._balance_of_both(columns) / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
         held = np.einsum("mi,mj->ij", D, D)
-        way = _eliminate(columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi))
+        way = eliminate(columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi))
         return way.reshape(-1, 6)
 
     def _balance_of_both(self, columns: np.ndarray) -> float:
@@ -365,7 +364,7 @@ class StaticEngine(Engine):
         moved = np.einsum("mni,nij->mnj", D.reshape(-1, len(nodes), 6), mobility).reshape(D.shape)
         rows = np.einsum("mi,ki->mk", moved, D)
         rows += SHARED * np.abs(rows).max(initial=0.0) * np.eye(len(D))
-        held = _eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
+        held = eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
         return columns - np.einsum("mi,mk->ik", D, held)
 
     def _beams(self) -> np.ndarray:
@@ -426,24 +425,3 @@ class StaticEngine(Engine):
         moved = nodes[self.free]
         move(moved, way)
         nodes[self.free] = moved
-
-
-def _eliminate(A: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Solutions of A x = b (n,) or (n, k), not numbers where A is singular. Writes: A, b.
-
-    LAPACK would wake threads that spin on a busy machine, for a matrix of some hundred rows.
-    """
-    size = np.abs(A).max(initial=0.0)
-    for k in range(len(b)):
-        pivot = k + int(np.argmax(np.abs(A[k:, k])))
-        if not abs(A[pivot, k]) > SINGULAR * size:
-            return np.full_like(b, np.nan)
-        A[[k, pivot]], b[[k, pivot]] = A[[pivot, k]], b[[pivot, k]]
-        # few rows of a chain have anything in a column
-        below = k + 1 + np.flatnonzero(A[k + 1 :, k])
-        factor = A[below, k] / A[k, k]
-        A[below, k:] -= factor[:, None] * A[k, k:]
-        b[below] -= np.multiply.outer(factor, b[k])
-    for k in range(len(b) - 1, -1, -1):
-        b[k] = (b[k] - np.einsum("i,i...->...", A[k, k + 1 :], b[k + 1 :])) / A[k, k]
-    return b

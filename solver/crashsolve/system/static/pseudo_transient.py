@@ -70,7 +70,8 @@ class RestEngine(StaticEngine):
                 continue
             way, total = self._size(self._way_from(kept[1])), self._whole_way(start)
             # of one step alone nobody knows
-            left = min(way / previous, UNKNOWN) if previous < np.inf else UNKNOWN * (way > 0.0)
+            is_known = 0.0 < previous < np.inf
+            left = min(way / previous, UNKNOWN) if is_known else UNKNOWN * (way > 0.0)
             g = self._rest(time, nodes)
             self.forces.meet_reactions(self)
             balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest()
@@ -82,7 +83,7 @@ class RestEngine(StaticEngine):
                 return time
             if is_longest and balance and left > SLOW and way <= AS_GOOD_AS_IT_GETS * total / SLOW:
                 return time
-            if left > SLOW and previous < np.inf:
+            if (left > SLOW or way == 0.0) and previous < np.inf:
                 self.pseudo = min(self.pseudo * growth, highest / self.fastest)
             # what has failed far from equilibrium may serve near it
             highest, good, previous = min(highest * RELENTING, MOST), used, way

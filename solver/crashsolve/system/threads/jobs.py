@@ -1,39 +1,28 @@
-"""Jobs that threads share, what a piece borrows before, and what the first thread does after."""
+"""Jobs that threads share, and what is put together of their pieces afterwards."""
 
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.vec3 import put, vec
 
-OPEN, DEFORM, LOAD, CLOSE, SPEED, LOOK = range(6)
+NONE, OPEN, DEFORM, LOAD, TAKE, CLOSE, SPEED, LOOK = range(8)
 
 
 @kernel
-def lend(piece, scene):
-    """Points that stand for others follow them, free of forces. Writes: scene.lent."""
-    points, loans = scene.points, scene.loans
-    for k in range(piece.first_loan, piece.first_loan + piece.loan_count):
-        b, own = scene.lent[k], points[loans[k].point]
-        put(b.r, vec(own.r))
-        put(b.v, vec(own.v))
-        put(b.w, vec(own.w))
-        put(b.force, (0.0, 0.0, 0.0))
-        put(b.torque, (0.0, 0.0, 0.0))
-        b.mass_inv, b.J_inv, b.load, b.spin_load = own.mass_inv, own.J_inv, 0.0, 0.0
+def take_back(piece, scene):
+    """What points that stand for others have got of elements, which are free of forces again.
 
-
-@kernel
-def take_back(first, count, scene):
-    """What points that stand for others have got of elements, in their order.
-
-    Writes: scene.points.
+    Writes: scene.points, lent.
     """
-    loans, last = scene.loans, scene.pieces[first + count - 1]
-    for k in range(scene.pieces[first].first_loan, last.first_loan + last.loan_count):
-        b, own = scene.lent[k], scene.points[loans[k].point]
+    for k in range(piece.first_loan, piece.first_loan + piece.loan_count):
+        b, loan = scene.lent[k], scene.loans[k]
+        own = scene.points[loan.point]
         add_to(own.force, vec(b.force))
         add_to(own.torque, vec(b.torque))
-        load_point(own, b.load, b.spin_load, loans[k].slows)
+        load_point(own, b.load, b.spin_load, loan.slows)
+        put(b.force, (0.0, 0.0, 0.0))
+        put(b.torque, (0.0, 0.0, 0.0))
+        b.load = b.spin_load = 0.0
 
 
 @kernel

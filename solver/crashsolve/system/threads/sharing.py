@@ -40,7 +40,7 @@ def together(first: Callable[..., None], other: Callable[..., None]) -> Callable
 
     def step(number: float, flag: bool, tables: Any) -> None:
         tables.turns[:] = 0
-        threads = [Thread(target=other, args=(0.0, False, own)) for own in tables.others]
+        threads = [Thread(target=other, args=(0.0, False, own)) for own in tables.of_threads]
         for thread in threads:
             thread.start()
         try:

@@ -55,7 +55,7 @@ def weigh(blocks, first, work, ends, largest):
 
 
 @kernel
-def slow_corners(scene, corner, live, ends):
+def slow_corners(scene, corner, aside, live, ends):
     """Squared frequencies of elements with damping to their corners, which keep the largest.
 
     They share nothing out: half of what they need grows with h, not h^2. Writes: scene.points,
@@ -64,10 +64,11 @@ def slow_corners(scene, corner, live, ends):
     work, points = scene.work, scene.points
     for c in range(ends):
         for e in range(live):
-            b = points[scene.corners[corner + LANES * c + e]]
+            at = corner + LANES * c + e
+            b, target = points[scene.corners[at]], points[scene.corners[at + aside]]
             rate = work[LANES * WORK.rate + e]
             if b.mass_inv > 0.0 and b.J_inv > 0.0:
-                load_point(b, rate / b.mass_inv, rate / b.J_inv, 1)
+                load_point(target, rate / b.mass_inv, rate / b.J_inv, 1)
     for e in range(2 * LANES):
         work[LANES * WORK.load + e] = 0.0
 

@@ -48,8 +48,8 @@ def deform(p, clock, h, scene, material):
             erode(p, scene, first, corner, live, material)
         note_rate(clock, p.first_element + done, scene, first, live, 4)
         if p.slows == 1:
-            slow_corners(scene, corner, live, 4)
-        scatter(scene.points, scene.corners, corner, live, scene.work, 4)
+            slow_corners(scene, corner, p.aside, live, 4)
+        scatter(scene.points, scene.corners, corner + p.aside, live, scene.work, 4)
         done += LANES
 
 

@@ -87,8 +87,8 @@ def deform(p, clock, h, scene, material):
             erode(p, scene, first, corner, live, material)
         note_rate(clock, p.first_element + quads + done, scene, first, live, 3)
         if p.slows == 1:
-            slow_corners(scene, corner, live, 3)
-        scatter(scene.points, scene.corners, corner, live, scene.work, 3)
+            slow_corners(scene, corner, p.aside, live, 3)
+        scatter(scene.points, scene.corners, corner + p.aside, live, scene.work, 3)
         done += LANES
 
 

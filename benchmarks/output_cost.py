@@ -1,0 +1,117 @@
+"""What output costs beside the steps: `python benchmarks/output_cost.py [CASE ...]`.
+
+A sample and a state are priced in steps of the run: from a run with few of them, one with many
+samples, one with many states, all by CPU time. The share is that of histories at 10 kHz and 100
+states in a whole run of the case.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+from shell_cost import DECK
+
+DECKS = Path(__file__).resolve().parents[1] / "decks"
+RATE, STATES = 1e4, 100
+
+
+@dataclass(frozen=True)
+class Case:
+    """A deck, how much of it is run here, and how long a whole run lasts [s]."""
+
+    deck: str
+    whole: float
+    part: float
+    values: tuple[str, ...] = ()
+
+
+SHELLS = DECK.format(
+    n=316, element="reduced", material="plastic", thickness=3e-4, pressure=1e5, end=1e-4
+)
+CASES = {
+    # 10^5 shells of 3 mm on a square metre
+    "shells": Case(SHELLS, 24e-3, 1e-4),
+    "tube": Case("benchmark/tube_crush.yaml", 24e-3, 4e-3, ("across=12", "along=72")),
+    "train": Case("scenes/train_test.yaml", 0.6, 0.6),
+    "train_sets": Case("scenes/train_sets.yaml", 1.5, 0.3),
+    "dominoes": Case("benchmark/dominoes.yaml", 0.9, 0.9),
+}
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of a run: steps and their CPU time [s], CPU time of all output, samples, states, channels."""
+
+    steps: int
+    stepping: float
+    output: float
+    samples: int
+    states: int
+    channels: int
+
+
+def cost(case: Case, folder: Path, history: float, states: float) -> Cost:
+    """Run the part of a case with samples and states so far apart [s]."""
+    deck = DECKS / case.deck
+    if "\n" in case.deck:
+        deck = folder / "deck.yaml"
+        deck.write_text(case.deck, "utf-8")
+    settings = {
+        "control.estimate": "off",
+        "control.end_time": repr(case.part),
+        "output.history.interval": repr(history),
+        "output.states.interval": repr(states),
+    }
+    values = [*case.values, *(f"{name}={value}" for name, value in settings.items())]
+    words = [word for value in values for word in ("--set", value)]
+    command = [sys.executable, "-m", "crashsolve", str(deck), "-o", str(folder / "out"), *words]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(done.stderr)
+    status = json.loads((folder / "out" / "status.json").read_text("utf-8"))
+    stages, kept = status["cpu_stages"], list((folder / "out" / "states").glob("*.h5"))
+    with h5py.File(folder / "out" / "history.h5") as file:
+        channels = sum(_width(group) for group in file.values())
+        samples = len(file["glstat/time"])
+    cycles = int(status["cycle"])
+    return Cost(cycles, stages["steps"], stages["output"], samples, len(kept), channels)
+
+
+def _width(group: h5py.Group) -> int:
+    found = []
+    group.visititems(
+        lambda path, item: found.append(path) if getattr(item, "ndim", 0) == 2 else None
+    )
+    return len(found) * len(group["ids"])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=", ".join(CASES))
+    names = parser.parse_args().cases or list(CASES)
+    print("case        channels  us a step  a sample  a state, steps  share at 10 kHz, 100 states")
+    for name in names:
+        case = CASES[name]
+        with tempfile.TemporaryDirectory() as folder:
+            few = cost(case, Path(folder), case.part, case.part)
+            sampled = cost(case, Path(folder), case.part / 100, case.part)
+            drawn = cost(case, Path(folder), case.part / 100, case.part / 20)
+        step = few.stepping / few.steps
+        sample = (sampled.output - few.output) / (sampled.samples - few.samples)
+        state = (drawn.output - sampled.output) / (drawn.states - sampled.states)
+        steps = step * few.steps * case.whole / case.part
+        share = (sample * RATE * case.whole + state * STATES) / steps
+        print(
+            f"{name:12}{few.channels:8}{1e6 * step:11.3g}{sample / step:10.2f}{state / step:16.1f}"
+            f"{100 * share:18.1f} %",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

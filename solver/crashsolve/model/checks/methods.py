@@ -1,0 +1,39 @@
+"""Families of laws that not every integrator can step."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from crashsolve.deck.card import Card
+from crashsolve.deck.family import ANY, Family, families
+
+
+def refuse_methods(scene: Any) -> None:
+    """Families that the integrator of the deck cannot step. Writes: scene.errors, methods."""
+    choosy = {f.folder: f for f in families().values() if f.integrators != ANY}
+    kinds = scene.deck.entries.values() if choosy else ()
+    for entry in (entry for entries in kinds for entry in entries.values()):
+        with scene.building(entry):
+            for folder in _folders(entry.card):
+                if folder in choosy:
+                    _refuse_method(scene, choosy[folder])
+
+
+def _refuse_method(scene: Any, family: Family) -> None:
+    method, known = scene.deck.control.integrator, " or ".join(family.integrators)
+    if method != "auto" and not family.supports(method):
+        message = f"{family.name} cannot be stepped by {method}"
+        raise scene.fail(f"{message}; say integrator: {known}")
+    scene.methods = [m for m in scene.methods or family.integrators if family.supports(m)]
+    if not scene.methods:
+        message = f"no integrator can step {family.name}, known to {known}, with the others"
+        raise scene.fail(message)
+
+
+def _folders(card: Any) -> Iterator[str]:
+    """Folders of the families of a card and of the laws within it."""
+    yield type(card).__module__.partition(".")[2].rpartition(".")[0].replace(".", "/")
+    for name in type(card).model_fields:
+        value = getattr(card, name)
+        for part in value if isinstance(value, tuple) else (value,):
+            if isinstance(part, Card):
+                yield from _folders(part)

@@ -1,0 +1,66 @@
+"""What a user may ask of a run: by signals, and by words in control.txt of the results folder.
+
+SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is ignored (queues send it
+along). The words stop, dump and states do the same.
+"""
+
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from crashsolve.deck.mistakes import shown
+from crashsolve.output.files import read_plain, reported
+from crashsolve.output.log import Log
+
+# [s] between two looks at control.txt, which cost as much as a step of a small scene
+LOOK = 0.1
+WORDS = {"stop", "dump", "states"}
+# [bytes] of control.txt that are looked at
+MOST_CONTROL = 4096
+SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
+
+
+class Requests:
+    """What has been asked and not yet been done; `end` ends the process at once."""
+
+    def __init__(self, folder: Path, log: Log, end: Callable[[], None]) -> None:
+        self.words: set[str] = set()
+        self._path, self._log, self._end = folder / "control.txt", log, end
+        self._due = 0.0
+
+    def catch(self) -> None:
+        """Keep signals for the next pause; a second interrupt from the keyboard ends at once."""
+        interrupts = 0
+
+        def keep(number: int, _: Any) -> None:
+            nonlocal interrupts
+            self.words.add(SIGNALS[number])
+            interrupts += number == signal.SIGINT
+            if interrupts > 1:
+                self._end()
+
+        for number in SIGNALS:
+            signal.signal(number, keep)
+        signal.signal(signal.SIGCONT, signal.SIG_IGN)
+
+    def read(self) -> None:
+        """Take up the words of control.txt and remove it; what is no plain file is left alone."""
+        now = time.monotonic()
+        if now < self._due:
+            return
+        self._due = now + LOOK
+        if not self._path.exists():
+            return
+        with reported(self._path):
+            text = read_plain(self._path, MOST_CONTROL)
+            if text is None:
+                self._log.warning("control.txt is no plain file and is passed over")
+                return
+            self._path.unlink()
+        words = set(text.split())
+        self.words |= words & WORDS
+        for word in sorted(words - WORDS):
+            known = "dump, states, stop"
+            self._log.warning(f"control.txt: unknown word {shown(word)} (words: {known})")
