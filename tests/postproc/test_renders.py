@@ -244,6 +244,32 @@ def test_whose_vtk_dies_gets_a_plain_picture_and_is_told_what_helps(
     assert ((red > 0.6) & (green < 0.3) & (blue < 0.25)).sum() > 50
 
 
+def test_what_is_shown_alone_fills_the_picture_with_the_forces_on_it(run: Path) -> None:
+    """The ground and what is hidden do not widen it; a force 1.5 m beside the cube is left out."""
+    with h5py.File(run / "mesh.h5", "r+") as file:
+        file["ground/points"][...] = 100.0 * FLOOR + [0, 0, 5.0]
+    alone = Scene(States(run), Look(show=("car",), arrows="rcforc"))
+    assert np.ptp(alone.extent(0), axis=0).max() == 1.0
+    assert len(alone.forces(2)[0]) == 1
+    with h5py.File(run / "states" / "000002.h5", "r+") as file:
+        file["contacts/points"][...] = [[2.7, 0.5, 0.5]]
+    assert len(alone.forces(2)[0]) == 0
+    assert len(Scene(States(run), Look(arrows="rcforc")).forces(2)[0]) == 1
+
+
+def test_a_film_is_as_high_as_its_scene_asks() -> None:
+    """Even numbers of pixels, and the picture between a sixth and three fifths of the width."""
+    from crashpost.renders.sheet import film_size, film_window
+
+    for aspect in (0.1, 0.45, 1.0, 1.7, 3.0, 14.0):
+        size = film_size(aspect, 960)
+        assert size[0] % 2 == size[1] % 2 == 0 and 480 <= size[0] <= 960
+        _, _, width, height = film_window(size)
+        assert 0.15 * 960 < height < 0.61 * 960
+        if 0.9 < aspect < 6.0:
+            assert abs(width / height - aspect) < 0.03 * aspect
+
+
 def test_pyvista_paints_a_strip_and_a_film(run: Path, crashpost: Command, tmp_path: Path) -> None:
     pytest.importorskip("pyvista")
     path = tmp_path / "strip.png"

@@ -12,8 +12,8 @@ THIN = 0.3
 MARGIN = 0.04
 # of a window on a single point [m]
 LEAST = 1e-6
-# radius of a mass centre, of half of the smaller side of the picture
-DOT = 0.022
+# radius of a mass centre, of half the height of the picture, less where that is narrow
+DOT, SLIM = 0.026, 1.4
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Camera:
     @property
     def dot(self) -> float:
         """Radius of a ball that stands for a mass centre [m]."""
-        return DOT * self.half_height * min(1.0, self.aspect)
+        return DOT * self.half_height * min(1.0, SLIM * self.aspect)
 
     @property
     def width(self) -> float:

@@ -103,7 +103,8 @@ class Scene:
             points = self.positions(number, name)
             used = self._used_points(name, number)
             if name == "ground":
-                used = np.setdiff1d(used, self.planes)
+                # the ground may reach beyond what alone is to be seen
+                used = used[:0] if self.look.show else np.setdiff1d(used, self.planes)
             found.append(points[used])
         points = np.concatenate(found)
         if not len(points) and "ground" in self.drawn:
