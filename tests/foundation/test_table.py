@@ -83,7 +83,7 @@ def test_an_array_in_pieces_is_refused() -> None:
         Tables({"things": np.zeros(6, THING.dtype)[::2]})
 
 
-@pytest.mark.parametrize("name", ["addresses", "places", "pointer", "second", "layout"])
+@pytest.mark.parametrize("name", ["addresses", "places", "pointer", "of_threads", "layout"])
 def test_no_table_may_take_the_place_of_what_finds_the_others(name: str) -> None:
     with pytest.raises(ValueError, match=f"no table may be called {name}"):
         Tables({name: np.zeros(3)})
