@@ -136,8 +136,6 @@ class Bench:
         g.lists = (g.first, g.near, g.wait, g.due)
         g.grid = (g.cells, g.starts, g.sorted)
         g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
-        # one row serves all probes of one thread
-        g.found = g.found[0]
         return g
 
     def search(self, g: Any) -> None:
