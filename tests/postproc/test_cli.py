@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SPEED, TIME, Command, two_cars, write_result, write_status
+from small_results import SPEED, TIME, Command, two_cars, write_result, write_status
 
 from crashsolve import __version__
 

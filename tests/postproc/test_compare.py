@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from conftest import TIME, Command, two_cars, write_result, write_status
+from small_results import TIME, Command, two_cars, write_result, write_status
 
 from crashpost.compare.difference import compare
 from crashpost.compare.rating import rating

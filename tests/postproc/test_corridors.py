@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Command, write_result
+from small_results import Command, write_result
 
 from crashpost.compare.corridors import stay
 from crashpost.compare.references import comparisons

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import SPEED, Command, expectation, two_cars, write_result, write_status
+from small_results import SPEED, Command, expectation, two_cars, write_result, write_status
 
 from crashpost.errors import PostError
 from crashpost.results.result import Result

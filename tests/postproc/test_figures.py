@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SPEED, TIME, Command, two_cars, write_result, write_status
 from matplotlib.figure import Figure as Canvas
+from small_results import SPEED, TIME, Command, two_cars, write_result, write_status
 
 from crashpost.errors import PostError
 from crashpost.figures import draw, gallery

@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import Command
+from small_results import Command
 
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras

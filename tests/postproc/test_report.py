@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 import pytest
-from conftest import SPEED, TIME, Command, expectation, two_cars, write_result, write_status
 from matplotlib.figure import Figure as Canvas
+from small_results import SPEED, TIME, Command, expectation, two_cars, write_result, write_status
 
 from crashpost.compare.references import comparisons
 from crashpost.errors import PostError

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import SPEED, TIME, two_cars, write_result, write_status
+from small_results import SPEED, TIME, two_cars, write_result, write_status
 
 from crashpost.errors import PostError
 from crashpost.results.result import Result
