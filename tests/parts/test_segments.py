@@ -173,9 +173,10 @@ def buckling_load(folder: Path, count: int) -> float:
 
 
 def test_a_column_of_segments_buckles_at_eulers_load_to_second_order(tmp_path: Path) -> None:
-    errors = [abs(buckling_load(tmp_path, count) - 1.0) for count in (2, 4, 8, 16)]
+    # two segments are 8.7 % off, where the next term of the error, of fourth order, is still seen
+    errors = [abs(buckling_load(tmp_path, count) - 1.0) for count in (4, 8, 16)]
     assert errors[-1] < 2e-3
-    assert orders(errors) == pytest.approx([2.0] * 3, abs=0.15)
+    assert orders(errors) == pytest.approx([2.0] * 2, abs=0.1)
 
 
 def test_a_hinge_forms_in_the_middle_of_the_first_length(tmp_path: Path) -> None:
