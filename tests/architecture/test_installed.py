@@ -38,7 +38,12 @@ ASKED = (
 )
 OURS = {"crashsolve", "crashpost"}
 # a module of another distribution, which belongs to one that is listed
-PART_OF = {"pydantic_core": "pydantic", "vtk": "pyvista", "vtkmodules": "pyvista", "PIL": "matplotlib"}
+PART_OF = {
+    "pydantic_core": "pydantic",
+    "vtk": "pyvista",
+    "vtkmodules": "pyvista",
+    "PIL": "matplotlib",
+}
 
 
 def names(requirements: list[str]) -> set[str]:
