@@ -4,9 +4,14 @@
 
 Every law states its stored energy and the power it dissipates from its own formula; the imbalance
 is therefore a measure of the integration error and of any law that breaks its promise.
+
+It is compared with the largest energy so far. Where nothing moves, as under a load on what is
+wholly held, all energies are errors: the work of a force over a way that positions cannot tell from
+none may be missing.
 """
 
 from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.vec3 import norm, vec
 from crashsolve.model.clock import ENERGY, NOT_FINITE
 from crashsolve.model.ledger import (
     DRIVER_WORK,
@@ -21,6 +26,10 @@ from crashsolve.model.ledger import (
     POTENTIAL,
 )
 from crashsolve.system.kinetics import bad_node
+
+# over so much of the model's size, or turn in rad, the work of a force is round-off; equilibria
+# (static/equilibrium.py) are judged by the same
+NOTHING = 1e-12
 
 
 @kernel
@@ -44,10 +53,24 @@ def clear_ledger(ledger):
 
 
 @kernel
-def close_ledger(ledger):
-    """Imbalance and largest energy from the entries. Writes: ledger."""
+def least_energy(control, nodes, unseen):
+    """Energy beyond which `control.energy_limit` of it is no work over an unseen motion [J].
+
+    Of the largest applied force or torque, over `unseen`: a share of the model's size, or a turn.
+    """
+    largest = 0.0
+    for i in range(1, nodes.shape[0]):
+        b = nodes[i]
+        largest = max(largest, control.length * norm(vec(b.force)), norm(vec(b.torque)))
+    limit = control.energy_limit if control.energy_limit > 0.0 else 1.0
+    return unseen * largest / limit
+
+
+@kernel
+def close_ledger(ledger, least):
+    """Imbalance and largest energy, at least `least` [J], from the entries. Writes: ledger."""
     total = ledger[KINETIC] + ledger[POTENTIAL]
-    largest = max(ledger[LARGEST], ledger[KINETIC], abs(ledger[INITIAL]))
+    largest = max(ledger[LARGEST], ledger[KINETIC], abs(ledger[INITIAL]), least)
     for k in range(ELASTIC, EXTERNAL_WORK):
         total += ledger[k]
         largest = max(largest, abs(ledger[k]))

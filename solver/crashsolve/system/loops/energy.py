@@ -16,7 +16,7 @@ from crashsolve.model.ledger import (
     PLASTIC,
 )
 from crashsolve.system import points
-from crashsolve.system.energy import clear_ledger, close_ledger
+from crashsolve.system.energy import NOTHING, clear_ledger, close_ledger, least_energy
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -24,6 +24,7 @@ from crashsolve.system.placeholders import (
     DENSE,
     ELEMENTS,
     FORCES,
+    JOINTS,
     NODAL,
     SEARCHES,
 )
@@ -41,7 +42,11 @@ def energy(clock, nodes, scene, ledger):
     add_contacts(clock, scene, ledger)
     add_nodal_contacts(scene, ledger)
     ledger[DRIVER_WORK] = clock.driver_work
-    close_ledger(ledger)
+    unseen = NOTHING
+    if JOINTS:
+        # so far joints may stand open
+        unseen = max(unseen, scene.control[0].constraint_tolerance)
+    close_ledger(ledger, least_energy(scene.control[0], nodes, unseen))
 
 
 @stage
