@@ -286,8 +286,7 @@ def _names(axes: Any, names: Sequence[tuple[str, str]], start: float, stop: floa
     if len(names) > MOST_NAMES:
         shown[-1] = (f"and {len(names) - MOST_NAMES + 1} more", "#ffffff")
     columns = -(-len(shown) // 2) if len(shown) > 3 else len(shown)
-    longest = max(len(name) for name, _ in shown)
-    step = min((stop - start) / columns, max(1.3, (longest + 4) / 13))
+    step = min((stop - start) / columns, 1.3)
     most = max(int(step * 13) - 3, 5)
     for k, (name, colour) in enumerate(shown):
         row, column = divmod(k, columns)
