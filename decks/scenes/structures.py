@@ -216,6 +216,8 @@ def draw(runs: Runs, scene: str, plt: Any) -> None:
         look: dict[str, Any] = {"color": COLOURS[name], "label": DESCRIPTIONS[name][0], "lw": 1.2}
         if name == names[-1]:
             look |= {"color": BEST, "lw": 2.2}
+        elif name in SCENES[scene][1]:
+            look["ls"] = ("--", ":")[SCENES[scene][1].index(name)]
         left.plot(1e3 * result.time, 1e3 * way(result), **look)
         right.plot(1e3 * result.time, 1e-3 * force(result), **look)
     left.set(xlabel="time [ms]", ylabel="way of the struck point [mm]")
@@ -228,7 +230,7 @@ def draw(runs: Runs, scene: str, plt: Any) -> None:
 
 
 def picture(runs: Runs, scene: str) -> None:
-    """The frame at its end in all descriptions, one below the other."""
+    """The frame at its end in four descriptions, two beside each other."""
     import matplotlib.image as image
 
     shots = []
@@ -240,9 +242,11 @@ def picture(runs: Runs, scene: str) -> None:
         command += ["--title", DESCRIPTIONS[name][0], "-o", str(target)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         shots.append(image.imread(target)[..., :3])
-    height, width = (min(shot.shape[k] for shot in shots) for k in (0, 1))
-    cut = [shot[:height, :width] for shot in shots]
-    rows = [np.concatenate(cut[:2], axis=1), np.concatenate(cut[2:], axis=1)]
+    height, width = (max(shot.shape[k] for shot in shots) for k in (0, 1))
+    sheets = [np.ones((height, width, 3)) for _ in shots]
+    for sheet, shot in zip(sheets, shots, strict=True):
+        sheet[: shot.shape[0], : shot.shape[1]] = shot
+    rows = [np.concatenate(sheets[:2], axis=1), np.concatenate(sheets[2:], axis=1)]
     whole = np.concatenate(rows, axis=0)
     step = max(1, round(whole.shape[1] / 1400))
     image.imsave(PICTURES / f"{scene}_end.png", whole[::step, ::step])

@@ -371,6 +371,15 @@ MATRIX = (
     ),
     Sweep("finite segments, springs of a beam", "extreme/segments", "n", (1, 2, 8, 50, 200)),
     Sweep("hinges that soften, over their hardening", "extreme/hinges", "ratio", (1, 10, 100)),
+    Sweep(
+        "hinges bent beyond a curve that refuses",
+        "extreme/hinges",
+        "ratio",
+        (10, 100),
+        "stops",
+        "beyond what it is known for",
+        also={"curves.fold.extrapolate": "refuse"},
+    ),
     Sweep("hinges with growth at high speed, m/s", "extreme/hinges", "speed", (1, 30, 1000)),
     Sweep(
         "a table used up to its last share",

@@ -9,7 +9,7 @@ import numpy as np
 from crashsolve.deck.expansion import Law, Problem, Steps
 from crashsolve.foundation.orientation import perpendicular, quaternion_of
 
-# directions closer than this are the same, in radians
+# directions closer than this are the same, in radians; so are places, over a member's length
 SAME = 1e-6
 
 
@@ -103,6 +103,7 @@ def plan(name: str, card: Any, laws: dict[str, dict[str, Law]]) -> Plan:
         points[point.name] = np.asarray(point.at)
     members = [_member(name, card, k, points, laws) for k in range(len(card.members))]
     _refuse_twice(members)
+    _refuse_touching(points, members)
     given = {point.name: point.joint for point in card.points}
     for k, point in enumerate(card.points):
         own = [m for m in members if point.name in m.ends]
@@ -110,7 +111,7 @@ def plan(name: str, card: Any, laws: dict[str, dict[str, Law]]) -> Plan:
             message = f"no member begins or ends at point '{point.name}'"
             raise Problem(("points", k), message, "take it out or join it")
         if given[point.name] is None:
-            given[point.name] = joint_length(point.name, own, ("points", k))
+            given[point.name] = joint_length(point.name, own)
     for member in members:
         start, end = (given[point] for point in member.ends)
         assert start is not None and end is not None
@@ -182,7 +183,29 @@ def _refuse_twice(members: list[Member]) -> None:
             seen[key] = member.number
 
 
-def joint_length(point: str, members: list[Member], path: Steps) -> float:
+def _refuse_touching(points: dict[str, np.ndarray], members: list[Member]) -> None:
+    """Raises Problem for a member through a point where it does not end.
+
+    It would look joined there and pass by; of two members in one line, or of two points in one
+    place, one has such a point.
+    """
+    for member in members:
+        start, end = member.places
+        reach = float(np.linalg.norm(end - start))
+        for k, (point, place) in enumerate(points.items()):
+            x = min(max(float((place - start) @ member.along), 0.0), reach)
+            apart = float(np.linalg.norm(place - start - x * member.along))
+            if point not in member.ends and apart <= SAME * reach:
+                first, last = member.ends
+                raise Problem(
+                    ("points", k),
+                    f"point '{point}' lies on the member from '{first}' to '{last}', which is not "
+                    "joined to it",
+                    "let that member end there and another go on, or move the point",
+                )
+
+
+def joint_length(point: str, members: list[Member]) -> float:
     """r of the rigid joint at a point, from depths and angles of its members. Raises Problem."""
     depth = max(depth_of(member) for member in members)
     ways = [m.along if m.ends[0] == point else -m.along for m in members]
@@ -190,8 +213,6 @@ def joint_length(point: str, members: list[Member], path: Steps) -> float:
     for k, one in enumerate(ways):
         for other in ways[k + 1 :]:
             angle = float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
-            if angle < SAME:
-                raise Problem(path, f"two members leave point '{point}' in one direction")
             factor = max(factor, 1.0 / tan(0.5 * angle))
     return 0.5 * depth * factor
 
