@@ -61,6 +61,7 @@ CAUSES = {
     "samples": ({"k": "1"}, "samples"),
     "the longest step": ({"k": "1", "control": "step_max: 1e-4"}, "control.step_max"),
     "the step of the deck": ({"control": "step: 1e-4"}, "control.step"),
+    "samples, before the step of the deck": ({"k": "1", "control": "step: 1e-2"}, "samples"),
     "the error of a step": (
         {
             "control": "integrator: dormand_prince_5, tolerance: 1e-12",
