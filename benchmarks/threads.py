@@ -118,7 +118,7 @@ def main(threads: list[int]) -> None:
     """Print the table."""
     with tempfile.TemporaryDirectory() as folder:
         deck = Path(folder) / "plate.yaml"
-        for n, steps in ((100, 60), (316, 12)):
+        for n, steps in ((100, 400), (316, 24)):
             for name, load in (("", ""), (", pressed", LOAD)):
                 deck.write_text(PLATE.format(n=n, thickness=0.1 / n, load=load), "utf-8")
                 h = 0.8 / n / 6000
