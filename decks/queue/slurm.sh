@@ -18,6 +18,8 @@ trap 'kill -TERM "$run"' TERM
 # without a dump in the folder, --restart begins at the start
 ${CRASHSOLVE:-crashsolve} "$deck" -o "$results" --restart &
 run=$!
+# told before the run was there
+[ "$out_of_time" = no ] || kill -TERM "$run"
 wait "$run"; code=$?
 # a trap ends the wait, not the run
 while kill -0 "$run" 2>/dev/null; do wait "$run"; code=$?; done

@@ -124,7 +124,8 @@ def test_a_time_limit_is_outlived_by_going_back_to_the_queue(slurm: Path) -> Non
     assert (end["JobState"], end["ExitCode"]) == ("COMPLETED", "0:0")
     assert int(end["Restarts"]) >= 1
     log = (out / "log.txt").read_text("utf-8")
-    assert log.count("going on from t = ") == int(end["Restarts"])
+    # Slurm may tell a job that its time is up before there is a dump to go on from
+    assert 1 <= log.count("going on from t = ") <= int(end["Restarts"])
     assert log.endswith("N o r m a l    t e r m i n a t i o n\n")
     assert crashsolve(deck, "-o", whole).returncode == 0
     # the dumps of both are at the same times; a stop adds one
@@ -157,7 +158,7 @@ def test_a_sweep_outlives_time_limits_task_by_task(slurm: Path) -> None:
         'deck: long.yaml\ndesign: list\nvary: {speed: ["8 km/h", "12 km/h"]}\n'
         "measure: [{name: peak, channel: rcforc.buffer.normal, statistic: max, unit: kN}]\n"
     )
-    words = ("--submit", "--time", "1", "--at-once", "2")
+    words = ("--submit", "--time", "2", "--at-once", "2")
     done = crashsolve("sweep", plan, "-o", out, *words)
     assert done.returncode == 0, done.stderr
     wait_for_end(done.stdout.split("Submitted batch job ")[1].split()[0])

@@ -36,12 +36,14 @@ trap 'kill -TERM "$run"' TERM
 
 {python} -m crashsolve sweep {folder} --run "$SLURM_ARRAY_TASK_ID" &
 run=$!
+# told before the run was there
+[ "$out_of_time" = no ] || kill -TERM "$run"
 wait "$run"; code=$?
 # a trap ends the wait, not the run
 while kill -0 "$run" 2>/dev/null; do wait "$run"; code=$?; done
 
-# 3: stopped on request, with a dump to go on from
-if [ "$code" -eq 3 ] && [ "$out_of_time" = yes ]; then
+# 3: stopped on request, with a dump to go on from; 143: asked before it could be, nothing is lost
+if [ "$out_of_time" = yes ] && {{ [ "$code" -eq 3 ] || [ "$code" -eq 143 ]; }}; then
     scontrol requeue "$task" && exit 0
 fi
 exit "$code"
