@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import Bench, Law, assert_balanced, exponential, plain, spoil, write_rows, written
+from bench import Bench, Law, assert_balanced, exponential, spoil, write_rows, written
 
 from crashsolve.deck.laws import package_folder
 from crashsolve.foundation.orientation import matrix
@@ -176,7 +176,7 @@ def load(law: Law) -> np.ndarray:
 
 def tangents(law: Law) -> Any:
     found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
-    plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+    law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
     return found
 
 

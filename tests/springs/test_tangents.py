@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, Law, matrix_of_pair, pair_of_blocks, plain
+from bench import Bench, Law, matrix_of_pair, pair_of_blocks
 from test_contract import ALL, CURVES, REVERSIBLE
 
 from crashsolve.deck.laws import package_folder
@@ -50,7 +50,7 @@ def load(law: Law) -> np.ndarray:
 def rows(law: Law) -> np.recarray:
     """The law's compliant rows at the present place."""
     found = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
-    plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+    law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
     return found
 
 
@@ -116,7 +116,7 @@ def test_rows_and_blocks_are_the_whole_derivative(
     law.accept()
     law.force()
     place, blocks = pair_of_blocks(flips)
-    plain(law.module.turn_force)(law.p, law.out, law.bench.nodes, place, blocks)
+    law.module.turn_force(law.p, law.out, law.bench.nodes, place, blocks)
     K, here, start = matrix_of_pair(blocks, flips), rows(law), law.bench.state()
     told = K + here.D.T @ (here.stiffness[:, None] * here.D + here.damping[:, None] * here.G)
     wanted, motions = np.zeros((12, 12)), np.eye(12)
@@ -144,7 +144,7 @@ def test_an_end_on_the_ground_has_no_blocks(make: Make, at: int) -> None:
         place, blocks = pair_of_blocks(0)
         if not free:
             place["a" if at == 1 else "b"] = place["across"] = -1
-        plain(law.module.turn_force)(law.p, law.out, law.bench.nodes, place, blocks)
+        law.module.turn_force(law.p, law.out, law.bench.nodes, place, blocks)
         found.append(matrix_of_pair(blocks, 0))
     # all that is left is what the other end does to itself
     found[1][6 * at - 6 : 6 * at] = found[1][:, 6 * at - 6 : 6 * at] = 0.0

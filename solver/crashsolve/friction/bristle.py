@@ -45,14 +45,14 @@ class Bristle(Card):
 
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
-PARAMETERS = Record(
-    friction_stiffness=("N/m", "k"),
-    friction_damping=("1", "c / (2 sqrt(k m))"),
-    friction_static=("1", "mu_s"),
-    friction_dynamic=("1", "mu_d"),
-    friction_stribeck=("m/s", "v_s"),
-)
-HISTORY = Record(bristle=("m", 3, "elastic slip z of a over b"))
+PARAMETERS = Record("""
+    friction_stiffness  N/m  k
+    friction_damping    1    c / (2 sqrt(k m))
+    friction_static     1    mu_s
+    friction_dynamic    1    mu_d
+    friction_stribeck   m/s  v_s
+""")
+HISTORY = Record("bristle  m  3  elastic slip z of a over b")
 
 
 def build(card: Bristle, scene: Any) -> dict[str, Any]:

@@ -36,12 +36,12 @@ class Coulomb(Card):
         return self
 
 
-PARAMETERS = Record(
-    friction_coefficient=("1", "mu"),
-    friction_none_below=("m/s", "v_0"),
-    friction_full_above=("m/s", "v_1"),
-)
-HISTORY = Record(friction_regime=("index", "0 below v_0, 1 between, 2 from v_1 on"))
+PARAMETERS = Record("""
+    friction_coefficient  1    mu
+    friction_none_below   m/s  v_0
+    friction_full_above   m/s  v_1
+""")
+HISTORY = Record("friction_regime  index  0 below v_0, 1 between, 2 from v_1 on")
 
 
 def build(card: Coulomb, scene: Any) -> dict[str, Any]:

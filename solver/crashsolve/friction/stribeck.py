@@ -41,13 +41,13 @@ class Stribeck(Card):
         return self
 
 
-PARAMETERS = Record(
-    friction_static=("1", "mu_s"),
-    friction_dynamic=("1", "mu_d"),
-    friction_stribeck=("m/s", "v_s"),
-    friction_viscous=("s/m", "k_v"),
-    friction_smoothing=("m/s", "v_t"),
-)
+PARAMETERS = Record("""
+    friction_static     1    mu_s
+    friction_dynamic    1    mu_d
+    friction_stribeck   m/s  v_s
+    friction_viscous    s/m  k_v
+    friction_smoothing  m/s  v_t
+""")
 HISTORY = Record()
 
 

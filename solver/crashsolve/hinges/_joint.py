@@ -11,11 +11,11 @@ from crashsolve.joints._card import direction
 LEDGER = "hinge"
 # directions typed with six digits are square to this; a worse one is a mistake
 SQUARE = 1e-5
-COMMON = Record(
-    rate_factor=("1", "phi, on the static moment or force at yield"),
-    energy=("J", "taken up so far: stored and dissipated"),
-    failed=("flag", "1 after failure"),
-)
+COMMON = Record("""
+    rate_factor  1     phi, on the static moment or force at yield
+    energy       J     taken up so far: stored and dissipated
+    failed       flag  1 after failure
+""")
 
 
 def at_start(p: Any, speed: float) -> dict[str, Any]:

@@ -31,31 +31,31 @@ ISOTROPIC, KINEMATIC, PEAK_ORIENTED = 0, 1, 2
 ROUND_OFF = 1e-14
 PASSES = 100
 
-LAW = Record(
-    stiffness=("N m/rad or N/m", 2, "k of both motions"),
-    backbone=("index", 4, "y of both motions, in positive and negative direction"),
-    cyclic=("flag", "ISOTROPIC, KINEMATIC or PEAK_ORIENTED"),
-    initial=("rad or m", 2, "motion from the start at which there is no moment"),
-    failure=("rad or m", 2, "motion at which the hinge fails; infinity for never"),
-    is_apart=("flag", "whether failure frees the joint too"),
-    rate_coefficient=("1", "a"),
-    rate_exponent=("1", "b"),
-    rate_floor=("m/s or rad/s", "speed at which phi = 1.1"),
-    latched=("flag", "whether V is that at first yield"),
-)
-PATH = Record(
-    x=("rad or m", 2, "motion from the undeformed hinge"),
-    speed=("rad/s or m/s", "V"),
-    plastic=("rad or m", 2, "x_p"),
-    flow=("rad or m", 2, "alpha"),
-    reached=("rad or m", 4, "largest x_p in positive and in negative direction of both motions"),
-    origin=("rad or m", 2, "x_0"),
-    flowing=("flag", 2, "1 or -1: x_p grows or falls; 0: it rests"),
-    corner=("rad or m", 2, "plastic way to the end of the segment of y"),
-    factor=("1", "phi"),
-    latch=("m/s or rad/s", "V at first yield; -1 before"),
-    failed=("flag", "1: there is no hinge any more"),
-)
+LAW = Record("""
+    stiffness         N m/rad or N/m  2  k of both motions
+    backbone          index           4  y of both motions, in positive and negative direction
+    cyclic            flag               ISOTROPIC, KINEMATIC or PEAK_ORIENTED
+    initial           rad or m        2  motion from the start at which there is no moment
+    failure           rad or m        2  motion at which the hinge fails; infinity for never
+    is_apart          flag               whether failure frees the joint too
+    rate_coefficient  1                  a
+    rate_exponent     1                  b
+    rate_floor        m/s or rad/s       speed at which phi = 1.1
+    latched           flag               whether V is that at first yield
+""")
+PATH = Record("""
+    x        rad or m      2  motion from the undeformed hinge
+    speed    rad/s or m/s     V
+    plastic  rad or m      2  x_p
+    flow     rad or m      2  alpha
+    reached  rad or m      4  largest x_p in positive and in negative direction of both motions
+    origin   rad or m      2  x_0
+    flowing  flag          2  1 or -1: x_p grows or falls; 0: it rests
+    corner   rad or m      2  plastic way to the end of the segment of y
+    factor   1                phi
+    latch    m/s or rad/s     V at first yield; -1 before
+    failed   flag             1: there is no hinge any more
+""")
 
 
 @kernel

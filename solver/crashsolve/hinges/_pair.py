@@ -31,8 +31,8 @@ from crashsolve.hinges._law import (
     overshoot,
 )
 
-PAIR = Record(is_elliptic=("flag", "whether both moments share one ellipse"))
-WORK = Record(flow_work=("J", "W, plastic work at which elliptic curves are read"))
+PAIR = Record("is_elliptic  flag  whether both moments share one ellipse")
+WORK = Record("flow_work  J  W, plastic work at which elliptic curves are read")
 # of the elastic range in one piece of a step, and most pieces
 PIECE, MOST_PIECES = 0.1, 1000
 PASSES = 100

@@ -60,15 +60,15 @@ ROWS, ANGULAR = rows_of(CONSTRAINTS)
 TANGENTS = 1
 COUNTS_TURNS = True
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),)
-PARAMETERS = FRAME + LAW + Record(tip=("m or 1", "speed of the factor over the rate"))
+PARAMETERS = FRAME + LAW + Record("tip  m or 1  speed of the factor over the rate")
 HISTORY = PATH
-OUTPUT = COMMON + Record(
-    moment=("N m", "positive turns b back"),
-    angle=("rad", "of b from the undeformed hinge"),
-    rate=("rad/s", "of the angle"),
-    plastic_angle=("rad", "sum of plastic turns in both directions"),
-    residual_angle=("rad", "that would be left without moment"),
-)
+OUTPUT = COMMON + Record("""
+    moment          N m    positive turns b back
+    angle           rad    of b from the undeformed hinge
+    rate            rad/s  of the angle
+    plastic_angle   rad    sum of plastic turns in both directions
+    residual_angle  rad    that would be left without moment
+""")
 
 
 def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:

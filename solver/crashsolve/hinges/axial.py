@@ -79,13 +79,13 @@ class Axial(HingeCard):
 
 PARAMETERS = FRAME + LAW
 HISTORY = PATH
-OUTPUT = COMMON + Record(
-    force=("N", "pull is positive"),
-    stroke=("m", "of b along the axis from the undeformed hinge"),
-    rate=("m/s", "of the stroke"),
-    plastic_stroke=("m", "sum of plastic ways in both directions"),
-    residual_stroke=("m", "that would be left without force"),
-)
+OUTPUT = COMMON + Record("""
+    force            N    pull is positive
+    stroke           m    of b along the axis from the undeformed hinge
+    rate             m/s  of the stroke
+    plastic_stroke   m    sum of plastic ways in both directions
+    residual_stroke  m    that would be left without force
+""")
 
 
 def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:

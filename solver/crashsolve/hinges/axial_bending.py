@@ -98,25 +98,25 @@ PARAMETERS = (
     FRAME
     + LAW
     + PAIR
-    + Record(
-        beam_a=("1", 3, "direction of the beam, axes of a"),
-        across_a=("1", 3, "axis x beam, axes of a"),
-        tip=("m", "arm of the angle in the speed of the factor"),
-    )
+    + Record("""
+        beam_a    1  3  direction of the beam, axes of a
+        across_a  1  3  axis x beam, axes of a
+        tip       m     arm of the angle in the speed of the factor
+    """)
 )
 HISTORY = PATH + WORK
-OUTPUT = COMMON + Record(
-    moment=("N m", "positive turns b back"),
-    force=("N", "pull is positive"),
-    angle=("rad", "of b from the undeformed hinge"),
-    stroke=("m", "of b along the beam from the undeformed hinge"),
-    rate=("rad/s", "of the angle"),
-    stroke_rate=("m/s", "of the stroke"),
-    plastic_angle=("rad", "sum of plastic turns in both directions"),
-    residual_angle=("rad", "that would be left without moment and force"),
-    plastic_stroke=("m", "sum of plastic ways in both directions"),
-    residual_stroke=("m", "that would be left without moment and force"),
-)
+OUTPUT = COMMON + Record("""
+    moment           N m    positive turns b back
+    force            N      pull is positive
+    angle            rad    of b from the undeformed hinge
+    stroke           m      of b along the beam from the undeformed hinge
+    rate             rad/s  of the angle
+    stroke_rate      m/s    of the stroke
+    plastic_angle    rad    sum of plastic turns in both directions
+    residual_angle   rad    that would be left without moment and force
+    plastic_stroke   m      sum of plastic ways in both directions
+    residual_stroke  m      that would be left without moment and force
+""")
 
 
 def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:

@@ -96,19 +96,19 @@ PARAMETERS = (
     FRAME
     + LAW
     + PAIR
-    + Record(
-        reference=("1", 4, "q_a^-1 q_b at the start"),
-        tip=("m or 1", "speed of the factor over the rate"),
-    )
+    + Record("""
+        reference  1       4  q_a^-1 q_b at the start
+        tip        m or 1     speed of the factor over the rate
+    """)
 )
 HISTORY = PATH + WORK
-OUTPUT = COMMON + Record(
-    moment=("N m", 2, "about side and about axis x side, positive turns b back"),
-    angle=("rad", 2, "theta"),
-    rate=("rad/s", 2, "of the angle"),
-    plastic_angle=("rad", 2, "sum of plastic turns in both directions"),
-    residual_angle=("rad", 2, "that would be left without moment"),
-)
+OUTPUT = COMMON + Record("""
+    moment          N m    2  about side and about axis x side, positive turns b back
+    angle           rad    2  theta
+    rate            rad/s  2  of the angle
+    plastic_angle   rad    2  sum of plastic turns in both directions
+    residual_angle  rad    2  that would be left without moment
+""")
 
 
 def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:

@@ -7,20 +7,20 @@ import numpy as np
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 
-POINTS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    point_a=("m", 3, "joint point from the mass centre of a, axes of a"),
-    point_b=("m", 3, "joint point from the mass centre of b, axes of b"),
-)
-FRAME = POINTS + Record(
-    axis_a=("1", 3, "joint axis, axes of a"),
-    side_a=("1", 3, "at right angles to the axis, axes of a"),
-    third_a=("1", 3, "axis x side, axes of a"),
-    axis_b=("1", 3, "joint axis, axes of b"),
-    side_b=("1", 3, "side at the start, axes of b"),
-    third_b=("1", 3, "third at the start, axes of b"),
-)
+POINTS = Record("""
+    node_a   index     first body
+    node_b   index     second body
+    point_a  m      3  joint point from the mass centre of a, axes of a
+    point_b  m      3  joint point from the mass centre of b, axes of b
+""")
+FRAME = POINTS + Record("""
+    axis_a   1  3  joint axis, axes of a
+    side_a   1  3  at right angles to the axis, axes of a
+    third_a  1  3  axis x side, axes of a
+    axis_b   1  3  joint axis, axes of b
+    side_b   1  3  side at the start, axes of b
+    third_b  1  3  third at the start, axes of b
+""")
 
 
 class JointCard(Card):

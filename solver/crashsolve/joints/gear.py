@@ -21,23 +21,23 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (True,)
 FURTHER_NODES = ("node_c", "node_d")
-PARAMETERS = Record(
-    node_a=("index", "body a of the first joint"),
-    node_b=("index", "body b of the first joint"),
-    axis_a=("1", 3, "axis of the first joint, axes of its a"),
-    side_a=("1", 3, "from which its angle counts, axes of its a"),
-    side_b=("1", 3, "to which its angle counts, axes of its b"),
-    node_c=("index", "body a of the second joint"),
-    node_d=("index", "body b of the second joint"),
-    axis_c=("1", 3, "axis of the second joint, axes of its a"),
-    side_c=("1", 3, "from which its angle counts, axes of its a"),
-    side_d=("1", 3, "to which its angle counts, axes of its b"),
-    ratio=("1", "angle of the second over angle of the first"),
-)
-HISTORY = Record(
-    first=("rad", "angle of the first joint, with all turns"),
-    second=("rad", "angle of the second joint, with all turns"),
-)
+PARAMETERS = Record("""
+    node_a  index     body a of the first joint
+    node_b  index     body b of the first joint
+    axis_a  1      3  axis of the first joint, axes of its a
+    side_a  1      3  from which its angle counts, axes of its a
+    side_b  1      3  to which its angle counts, axes of its b
+    node_c  index     body a of the second joint
+    node_d  index     body b of the second joint
+    axis_c  1      3  axis of the second joint, axes of its a
+    side_c  1      3  from which its angle counts, axes of its a
+    side_d  1      3  to which its angle counts, axes of its b
+    ratio   1         angle of the second over angle of the first
+""")
+HISTORY = Record("""
+    first   rad  angle of the first joint, with all turns
+    second  rad  angle of the second joint, with all turns
+""")
 
 
 class Gear(Card):

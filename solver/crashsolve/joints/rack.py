@@ -26,20 +26,20 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
 FURTHER_NODES = ("node_c", "node_d")
-PARAMETERS = Record(
-    node_a=("index", "body a of the pinion's joint"),
-    node_b=("index", "body b of the pinion's joint"),
-    axis_a=("1", 3, "axis of the pinion's joint, axes of its a"),
-    side_a=("1", 3, "from which its angle counts, axes of its a"),
-    side_b=("1", 3, "to which its angle counts, axes of its b"),
-    node_c=("index", "body a of the rack's joint"),
-    node_d=("index", "body b of the rack's joint"),
-    point_c=("m", 3, "point of the rack's joint from the mass centre of its a, axes of its a"),
-    point_d=("m", 3, "point of the rack's joint from the mass centre of its b, axes of its b"),
-    axis_c=("1", 3, "axis of the rack's joint, axes of its a"),
-    radius=("m", "R"),
-)
-HISTORY = Record(angle=("rad", "angle of the pinion, with all turns"))
+PARAMETERS = Record("""
+    node_a   index     body a of the pinion's joint
+    node_b   index     body b of the pinion's joint
+    axis_a   1      3  axis of the pinion's joint, axes of its a
+    side_a   1      3  from which its angle counts, axes of its a
+    side_b   1      3  to which its angle counts, axes of its b
+    node_c   index     body a of the rack's joint
+    node_d   index     body b of the rack's joint
+    point_c  m      3  point of the rack's joint from the mass centre of its a, axes of its a
+    point_d  m      3  point of the rack's joint from the mass centre of its b, axes of its b
+    axis_c   1      3  axis of the rack's joint, axes of its a
+    radius   m         R
+""")
+HISTORY = Record("angle  rad  angle of the pinion, with all turns")
 
 
 class Rack(Card):

@@ -20,11 +20,11 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = POINTS + Record(
-    axis_a=("1", 3, "joint axis, axes of a"),
-    curve=("index", "f"),
-    offset=("m", "of f over the travel"),
-)
+PARAMETERS = POINTS + Record("""
+    axis_a  1      3  joint axis, axes of a
+    curve   index     f
+    offset  m         of f over the travel
+""")
 
 
 class SlideDriver(DrivenCard):

@@ -22,16 +22,16 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (True,)
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    axis_a=("1", 3, "joint axis, axes of a"),
-    side_a=("1", 3, "from which the angle counts, axes of a"),
-    side_b=("1", 3, "to which the angle counts, axes of b"),
-    curve=("index", "f"),
-    offset=("rad", "of f over the angle"),
-)
-HISTORY = Record(angle=("rad", "theta, with all turns"))
+PARAMETERS = Record("""
+    node_a  index     first body
+    node_b  index     second body
+    axis_a  1      3  joint axis, axes of a
+    side_a  1      3  from which the angle counts, axes of a
+    side_b  1      3  to which the angle counts, axes of b
+    curve   index     f
+    offset  rad       of f over the angle
+""")
+HISTORY = Record("angle  rad  theta, with all turns")
 
 
 class TurnDriver(DrivenCard):

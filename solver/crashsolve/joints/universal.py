@@ -19,10 +19,10 @@ from crashsolve.joints.basic import point, rows_of
 
 CONSTRAINTS = (point,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
-PARAMETERS = POINTS + Record(
-    axis_a=("1", 3, "arm of the cross in a, axes of a"),
-    axis_b=("1", 3, "arm of the cross in b, axes of b"),
-)
+PARAMETERS = POINTS + Record("""
+    axis_a  1  3  arm of the cross in a, axes of a
+    axis_b  1  3  arm of the cross in b, axes of b
+""")
 # directions typed with six digits are square to this; a worse one is a mistake
 SQUARE = 1e-5
 

@@ -22,12 +22,12 @@ class BodyLoadCard(Card):
     curve: CurveName | None = word("factor over time; 1 when absent", default=None)
 
 
-BODY_LOAD = Record(
-    node=("index", "body"),
-    vector=("N or N m", 3, "load where the factor is 1"),
-    turns=("flag", "the vector is fixed in the body"),
-    curve=("index", "factor over time; 0 for none"),
-)
+BODY_LOAD = Record("""
+    node    index        body
+    vector  N or N m  3  load where the factor is 1
+    turns   flag         the vector is fixed in the body
+    curve   index        factor over time; 0 for none
+""")
 
 
 def body_load(card: Any, vector: Any, scene: Any) -> dict[str, Any]:

@@ -30,13 +30,16 @@ class Pressure(Card):
 
 
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = BLOCKS + Record(
-    pressure=("Pa", "p"),
-    curve=("index", "factor over time; 0 for none"),
-)
+PARAMETERS = BLOCKS + Record("""
+    pressure  Pa     p
+    curve     index  factor over time; 0 for none
+""")
 AMPLITUDE = "pressure"
-HISTORY = Record(pressure=("Pa", "pressure at the last step"))
-OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
+HISTORY = Record("pressure  Pa  pressure at the last step")
+OUTPUT = Record("""
+    force     N   3  total
+    pressure  Pa     present pressure
+""")
 # rows of `work` behind those that motion is taken to: force on a corner; force, moment and work of
 # an element; torques NEXT rows behind forces, and loads, of which none is
 FORCE, TOTAL, MOMENT, WORK = (3 * NEXT + k for k in (0, 3, 6, 9))

@@ -30,13 +30,13 @@ class NeoHookean(elastic.Elastic):
         return self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
 
 
-PARAMETERS = elastic.PARAMETERS + Record(volumetric=("Pa", "L"))
+PARAMETERS = elastic.PARAMETERS + Record("volumetric  Pa  L")
 LAYER = rows_of(
-    Record(
-        stress=("Pa", 3, "xx, yy, xy"),
-        metric=("1", 3, "C - 1: xx, yy, xy"),
-        across=("1", "ln lambda_3"),
-    )
+    Record("""
+        stress  Pa  3  xx, yy, xy
+        metric  1   3  C - 1: xx, yy, xy
+        across  1      ln lambda_3
+    """)
 )
 # the strain of beams is small
 FIBRE = None

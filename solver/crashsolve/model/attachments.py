@@ -14,12 +14,12 @@ import numpy as np
 
 from crashsolve.foundation.record import Record
 
-ATTACHED_NODE = Record(
-    node=("index", "the attached node"),
-    body=("index", "what it is welded to"),
-    arm=("m", 3, "place of the node from the mass centre, body axes"),
-    turn=("1", 4, "unit quaternion, node to body"),
-)
+ATTACHED_NODE = Record("""
+    node  index     the attached node
+    body  index     what it is welded to
+    arm   m      3  place of the node from the mass centre, body axes
+    turn  1      4  unit quaternion, node to body
+""")
 # mass of an attached node's row of the node table: what it has belongs to the body
 NOTHING = 1e-300
 

@@ -43,12 +43,15 @@ if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck, Entry
 
 # every law that stores or loses energy has these beside its own columns
-FORCE_HISTORY = Record(dissipated=("J", "energy lost so far"), power=("W", "its present rate"))
-FORCE_OUTPUT = Record(
-    stored=("J", "recoverable energy"),
-    power=("W", "rate of energy lost, or of work done by a load"),
-    loss=("J", "energy lost in this step without a rate"),
-)
+FORCE_HISTORY = Record("""
+    dissipated  J  energy lost so far
+    power       W  its present rate
+""")
+FORCE_OUTPUT = Record("""
+    stored  J  recoverable energy
+    power   W  rate of energy lost, or of work done by a load
+    loss    J  energy lost in this step without a rate
+""")
 
 
 # error of a step where the deck asks for nothing
@@ -250,7 +253,7 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     history = getattr(module, "HISTORY", Record())
     output = getattr(module, "OUTPUT", Record())
     if families()[keyword].has_rows:
-        parameters = parameters + Record(first_row=("index", "first constraint row"))
+        parameters = parameters + Record("first_row  index  first constraint row")
     if hasattr(module, "force"):
         history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
     table = np.zeros(len(entries), parameters.dtype)

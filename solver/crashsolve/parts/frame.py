@@ -28,7 +28,7 @@ from crashsolve.parts.beams.tangent import bend_blocks
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, element.TANGENTS
 ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
-PARAMETERS = beam.PARAMETERS + Record(turn=("1", 4, "unit quaternion Q, element to nodes"))
+PARAMETERS = beam.PARAMETERS + Record("turn  1  4  unit quaternion Q, element to nodes")
 
 
 class Frame(Damped):

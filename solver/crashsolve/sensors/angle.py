@@ -25,15 +25,18 @@ class Angle(Card):
 
 
 COUNTS_TURNS = True
-PARAMETERS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    axis_a=("1", 3, "axis, axes of a"),
-    side_a=("1", 3, "at right angles to the axis, axes of a"),
-    side_b=("1", 3, "the same direction at the start, axes of b"),
-)
-HISTORY = Record(angle=("rad", "counted turn"))
-OUTPUT = Record(angle=("rad", "turn of b from the start"), rate=("rad/s", "of the angle"))
+PARAMETERS = Record("""
+    node_a  index     first body
+    node_b  index     second body
+    axis_a  1      3  axis, axes of a
+    side_a  1      3  at right angles to the axis, axes of a
+    side_b  1      3  the same direction at the start, axes of b
+""")
+HISTORY = Record("angle  rad  counted turn")
+OUTPUT = Record("""
+    angle  rad    turn of b from the start
+    rate   rad/s  of the angle
+""")
 
 
 def build(card: Angle, scene: Any) -> dict[str, Any]:

@@ -24,19 +24,19 @@ from crashsolve.foundation.vec3 import add, dot, norm, scale, sub, vec
 # below this length a line has no direction; the spring then pulls along x, with its rate zero
 SHORTEST = 1e-12
 
-POINTS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    point_a=("m", 3, "attachment from the mass centre of a, axes of a"),
-    point_b=("m", 3, "attachment from the mass centre of b, axes of b"),
-)
-TURN = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    axis_a=("1", 3, "axis, axes of a"),
-    side_a=("1", 3, "at right angles to the axis, axes of a"),
-    side_b=("1", 3, "the same direction at the start, axes of b"),
-)
+POINTS = Record("""
+    node_a   index     first body
+    node_b   index     second body
+    point_a  m      3  attachment from the mass centre of a, axes of a
+    point_b  m      3  attachment from the mass centre of b, axes of b
+""")
+TURN = Record("""
+    node_a  index     first body
+    node_b  index     second body
+    axis_a  1      3  axis, axes of a
+    side_a  1      3  at right angles to the axis, axes of a
+    side_b  1      3  the same direction at the start, axes of b
+""")
 
 
 def start_offset(scene: Any, ends: dict[str, Any]) -> np.ndarray:

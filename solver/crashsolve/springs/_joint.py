@@ -10,15 +10,15 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.springs._resistance import steepest
 
-STOPS = Record(
-    lower=("m or rad", "lower stop; minus infinity for none"),
-    upper=("m or rad", "upper stop; infinity for none"),
-    stiffness=("N/m or N m/rad", "k; not used with a curve"),
-    curve=("index", "force over the travel beyond the stop; 0 for none"),
-    damping=("N s/m or N m s/rad", "c"),
-    stiffest=("N/m or N m/rad", "largest slope of the force"),
-)
-STOPPED = Record(at=("flag", "1: beyond the upper stop, -1: beyond the lower, 0: between"))
+STOPS = Record("""
+    lower      m or rad            lower stop; minus infinity for none
+    upper      m or rad            upper stop; infinity for none
+    stiffness  N/m or N m/rad      k; not used with a curve
+    curve      index               force over the travel beyond the stop; 0 for none
+    damping    N s/m or N m s/rad  c
+    stiffest   N/m or N m/rad      largest slope of the force
+""")
+STOPPED = Record("at  flag  1: beyond the upper stop, -1: beyond the lower, 0: between")
 
 
 class StopCard(Card):

@@ -28,28 +28,29 @@ SAME, SET, BETWEEN = 0, 1, 2
 # branches of the law: no force, on the elastic line, on y, on u
 SLACK, LINE, LOADING, LOWER = range(4)
 
-RESISTANCE = Record(
-    curve=("index", "y"),
-    unloading=("flag", "SAME, SET or BETWEEN"),
-    unloading_curve=("index", "u"),
-    unloading_stiffness=("N/m or N m/rad", "k"),
-    only=("flag", "1 or -1: no force in the other direction; 0: both"),
-    loose=("flag", "the ends may part: never a force that holds them together"),
-    gap=("m or rad", "free play in each direction"),
-    damping=("N s/m or N m s/rad", "c"),
-    rate_curve=("index", "phi over |rate|; 0 for the power law"),
-    rate_coefficient=("1", "a"),
-    rate_exponent=("1", "b"),
-    rate_floor=("m/s or rad/s", "rate at which phi = 1.1"),
-    stiffest=("N/m or N m/rad", "largest slope of the curves and k"),
-)
-SLIDER = Record(
-    set=("m or rad", 2, "s in tension, in compression"),
-    kept=("J", 2, "P of both"),
-    side=("flag", "1 or -1: direction of the deformation"),
-    branch=("flag", "SLACK, LINE, LOADING or LOWER"),
-    segment=("index", "of the curve that is read"),
-)
+RESISTANCE = Record("""
+    curve                index               y
+    unloading            flag                SAME, SET or BETWEEN
+    unloading_curve      index               u
+    unloading_stiffness  N/m or N m/rad      k
+    only                 flag                1 or -1: no force in the other direction; 0: both
+    loose                flag                the ends may part: never a force that holds them
+                                             together
+    gap                  m or rad            free play in each direction
+    damping              N s/m or N m s/rad  c
+    rate_curve           index               phi over |rate|; 0 for the power law
+    rate_coefficient     1                   a
+    rate_exponent        1                   b
+    rate_floor           m/s or rad/s        rate at which phi = 1.1
+    stiffest             N/m or N m/rad      largest slope of the curves and k
+""")
+SLIDER = Record("""
+    set      m or rad  2  s in tension, in compression
+    kept     J         2  P of both
+    side     flag         1 or -1: direction of the deformation
+    branch   flag         SLACK, LINE, LOADING or LOWER
+    segment  index        of the curve that is read
+""")
 
 
 def resistance(card: Any, scene: Any) -> dict[str, Any]:

@@ -43,16 +43,16 @@ class Curve(PointSpringCard, ResistanceCard):
     damping: float = quantity("N s/m", "force over rate", default=0.0, ge=0)
 
 
-PARAMETERS = POINTS + _resistance.RESISTANCE + Record(length=("m", "l_0"))
+PARAMETERS = POINTS + _resistance.RESISTANCE + Record("length  m  l_0")
 HISTORY = _resistance.SLIDER
 TANGENTS = 1
-OUTPUT = Record(
-    force=("N", "tension positive"),
-    length=("m", "present length"),
-    elongation=("m", "present length less that without deformation"),
-    rate=("m/s", "of the length"),
-    set=("m", "permanent elongation, the larger of both directions"),
-)
+OUTPUT = Record("""
+    force       N    tension positive
+    length      m    present length
+    elongation  m    present length less that without deformation
+    rate        m/s  of the length
+    set         m    permanent elongation, the larger of both directions
+""")
 
 
 def build(card: Curve, scene: Any) -> dict[str, Any]:

@@ -40,15 +40,15 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
 
 
 COUNTS_TURNS = True
-PARAMETERS = TURN + _resistance.RESISTANCE + Record(angle=("rad", "theta_0"))
-HISTORY = _resistance.SLIDER + Record(angle=("rad", "counted turn"))
+PARAMETERS = TURN + _resistance.RESISTANCE + Record("angle  rad  theta_0")
+HISTORY = _resistance.SLIDER + Record("angle  rad  counted turn")
 TANGENTS = 1
-OUTPUT = Record(
-    torque=("N m", "positive turns b back"),
-    angle=("rad", "turn of b from the start"),
-    rate=("rad/s", "of the angle"),
-    set=("rad", "permanent turn, the larger of both directions"),
-)
+OUTPUT = Record("""
+    torque  N m    positive turns b back
+    angle   rad    turn of b from the start
+    rate    rad/s  of the angle
+    set     rad    permanent turn, the larger of both directions
+""")
 
 
 def build(card: CurveTorsional, scene: Any) -> dict[str, Any]:

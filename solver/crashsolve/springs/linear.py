@@ -27,16 +27,18 @@ class Linear(PointSpringCard):
     )
 
 
-PARAMETERS = POINTS + Record(
-    stiffness=("N/m", "k"),
-    damping=("N s/m", "c"),
-    length=("m", "l_0"),
-)
+PARAMETERS = POINTS + Record("""
+    stiffness  N/m    k
+    damping    N s/m  c
+    length     m      l_0
+""")
 HISTORY = Record()
 TANGENTS = 1
-OUTPUT = Record(
-    force=("N", "tension positive"), length=("m", "present length"), rate=("m/s", "of the length")
-)
+OUTPUT = Record("""
+    force   N    tension positive
+    length  m    present length
+    rate    m/s  of the length
+""")
 
 
 def build(card: Linear, scene: Any) -> dict[str, Any]:

@@ -84,38 +84,38 @@ class Segment(PointSpringCard):
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
 
 
-PARAMETERS = POINTS + Record(
-    turn_a=("1", 4, "unit quaternion, axes of the beam to those of a"),
-    turn_b=("1", 4, "the same for b"),
-    length=("m", "l"),
-    stiffness=("N/m", 3, "diagonal of K"),
-    turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
-    damping=("s", "beta"),
-    moduli=("any", 3, "A, Z_y, Z_z"),
-    volume=("m^3", "A l"),
-    yields=("flag", "whether the material yields"),
-    yield_stress=("Pa", "Y_0"),
-    hardening=("Pa", "H"),
-    curve=("index", "Y over e; 0 for none"),
-    rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
-    rate_q=("1", "q of Cowper and Symonds"),
-    at_rest=("flag", "NO_STEP, FLOWS or FROZEN, in load steps"),
-)
-HISTORY = Record(
-    plastic=("any", 3, "u_p along the beam, theta_p about y and z"),
-    held=("any", 3, "N, M_y, M_z"),
-    strain=("1", "e"),
-    work=("J", "plastic work"),
-)
-OUTPUT = Record(
-    force=("N", 3, "tension, shear along y and z, axes of the beam"),
-    moment=("N m", 3, "torsion, bending about y and z, in the middle"),
-    displacement=("m", 3, "u"),
-    angle=("rad", 3, "theta"),
-    plastic_angle=("rad", 2, "theta_p about y and z"),
-    plastic_strain=("1", "e, mean over the section"),
-    plastic_work=("J", "taken up so far"),
-)
+PARAMETERS = POINTS + Record("""
+    turn_a             1        4  unit quaternion, axes of the beam to those of a
+    turn_b             1        4  the same for b
+    length             m           l
+    stiffness          N/m      3  diagonal of K
+    turning_stiffness  N m/rad  3  diagonal of K_r
+    damping            s           beta
+    moduli             any      3  A, Z_y, Z_z
+    volume             m^3         A l
+    yields             flag        whether the material yields
+    yield_stress       Pa          Y_0
+    hardening          Pa          H
+    curve              index       Y over e; 0 for none
+    rate_D             1/s         D of Cowper and Symonds; 0 for none
+    rate_q             1           q of Cowper and Symonds
+    at_rest            flag        NO_STEP, FLOWS or FROZEN, in load steps
+""")
+HISTORY = Record("""
+    plastic  any  3  u_p along the beam, theta_p about y and z
+    held     any  3  N, M_y, M_z
+    strain   1       e
+    work     J       plastic work
+""")
+OUTPUT = Record("""
+    force           N    3  tension, shear along y and z, axes of the beam
+    moment          N m  3  torsion, bending about y and z, in the middle
+    displacement    m    3  u
+    angle           rad  3  theta
+    plastic_angle   rad  2  theta_p about y and z
+    plastic_strain  1       e, mean over the section
+    plastic_work    J       taken up so far
+""")
 
 
 def build(card: Segment, scene: Any) -> dict[str, Any]:

@@ -45,18 +45,18 @@ class SlideFriction(Card):
 
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
-PARAMETERS = POINTS + BRISTLE + Record(axis_a=("1", 3, "joint axis, axes of a"))
-HISTORY = PRESSING + Record(
-    travel=("m", "of b from the start"),
-    slider=("m", "travel without stretch of the bristle"),
-    force=("N", "F"),
-    slid=("m", "way slid"),
-)
-OUTPUT = Record(
-    force=("N", "positive pushes b back along the axis"),
-    limit=("N", "at which it slides"),
-    slid=("m", "way slid so far"),
-)
+PARAMETERS = POINTS + BRISTLE + Record("axis_a  1  3  joint axis, axes of a")
+HISTORY = PRESSING + Record("""
+    travel  m  of b from the start
+    slider  m  travel without stretch of the bristle
+    force   N  F
+    slid    m  way slid
+""")
+OUTPUT = Record("""
+    force  N  positive pushes b back along the axis
+    limit  N  at which it slides
+    slid   m  way slid so far
+""")
 
 
 def build(card: SlideFriction, scene: Any) -> dict[str, Any]:

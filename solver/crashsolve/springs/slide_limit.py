@@ -30,14 +30,14 @@ class SlideLimit(_joint.StopCard):
     damping: float = quantity("N s/m", "c", default=0.0, ge=0)
 
 
-PARAMETERS = POINTS + _joint.STOPS + Record(axis_a=("1", 3, "joint axis, axes of a"))
+PARAMETERS = POINTS + _joint.STOPS + Record("axis_a  1  3  joint axis, axes of a")
 HISTORY = _joint.STOPPED
 TANGENTS = 1
-OUTPUT = Record(
-    force=("N", "positive pushes b back"),
-    travel=("m", "of b from the start"),
-    rate=("m/s", "of the travel"),
-)
+OUTPUT = Record("""
+    force   N    positive pushes b back
+    travel  m    of b from the start
+    rate    m/s  of the travel
+""")
 
 
 def build(card: SlideLimit, scene: Any) -> dict[str, Any]:

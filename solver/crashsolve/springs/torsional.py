@@ -26,16 +26,18 @@ class Torsional(AxisSpringCard):
 
 
 COUNTS_TURNS = True
-PARAMETERS = TURN + Record(
-    stiffness=("N m/rad", "k"), damping=("N m s/rad", "c"), angle=("rad", "theta_0")
-)
-HISTORY = Record(angle=("rad", "counted turn"))
+PARAMETERS = TURN + Record("""
+    stiffness  N m/rad    k
+    damping    N m s/rad  c
+    angle      rad        theta_0
+""")
+HISTORY = Record("angle  rad  counted turn")
 TANGENTS = 1
-OUTPUT = Record(
-    torque=("N m", "positive turns b back"),
-    angle=("rad", "turn of b from the start"),
-    rate=("rad/s", "of the angle"),
-)
+OUTPUT = Record("""
+    torque  N m    positive turns b back
+    angle   rad    turn of b from the start
+    rate    rad/s  of the angle
+""")
 
 
 def build(card: Torsional, scene: Any) -> dict[str, Any]:

@@ -53,22 +53,22 @@ class TurnFriction(Card):
 COUNTS_TURNS = True
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
-PARAMETERS = BRISTLE + Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    axis_a=("1", 3, "joint axis, axes of a; 0 for a ball"),
-)
-HISTORY = PRESSING + Record(
-    configuration=("1", 4, "quaternion of b in a"),
-    bristle=("rad", 3, "z, axes of a"),
-    torque=("N m", 3, "M, axes of a"),
-    slid=("rad", "angle slid"),
-)
-OUTPUT = Record(
-    torque=("N m", 3, "on b, world axes"),
-    limit=("N m", "at which it slides"),
-    slid=("rad", "angle slid so far"),
-)
+PARAMETERS = BRISTLE + Record("""
+    node_a  index     first body
+    node_b  index     second body
+    axis_a  1      3  joint axis, axes of a; 0 for a ball
+""")
+HISTORY = PRESSING + Record("""
+    configuration  1    4  quaternion of b in a
+    bristle        rad  3  z, axes of a
+    torque         N m  3  M, axes of a
+    slid           rad     angle slid
+""")
+OUTPUT = Record("""
+    torque  N m  3  on b, world axes
+    limit   N m     at which it slides
+    slid    rad     angle slid so far
+""")
 
 
 def build(card: TurnFriction, scene: Any) -> dict[str, Any]:

@@ -31,13 +31,13 @@ class TurnLimit(_joint.StopCard):
 
 COUNTS_TURNS = True
 PARAMETERS = TURN + _joint.STOPS
-HISTORY = _joint.STOPPED + Record(angle=("rad", "theta, with all turns"))
+HISTORY = _joint.STOPPED + Record("angle  rad  theta, with all turns")
 TANGENTS = 1
-OUTPUT = Record(
-    torque=("N m", "positive turns b back"),
-    angle=("rad", "of b from the start"),
-    rate=("rad/s", "of the angle"),
-)
+OUTPUT = Record("""
+    torque  N m    positive turns b back
+    angle   rad    of b from the start
+    rate    rad/s  of the angle
+""")
 
 
 def build(card: TurnLimit, scene: Any) -> dict[str, Any]:
