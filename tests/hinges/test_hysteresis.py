@@ -420,8 +420,8 @@ def test_the_tangent_on_the_ellipse_is_the_derivative(
     for share in np.linspace(0.0, 1.0, 41):
         start = hinge.go(0.05 * share, 0.03 * share)
     law, way = hinge.law, np.array(onward)
-    args = (0.05, 0.03, *onward, 1.0, 0.0, law.bench.curves)
-    rows = _pair.pair_tangent(law.p, law.old, *args)
+    seen = _pair.Motions(0.05, 0.03, *onward, speed=0.0, sizes=(0.0, 0.0))
+    rows = _pair.tangent(law.p, law.old, seen, law.bench.curves)
     K = sum(row[2] * np.outer(row[:2], row[:2]) for row in rows)
     change = (hinge.go(0.05 + 1e-7 * way[0], 0.03 + 1e-7 * way[1]) - start) / 1e-7
     # second derivatives, k over the elastic range, times the step

@@ -22,6 +22,8 @@ earthquake ductility requirements, and Mahin and Bertero (1976), ASCE J. Struct.
 oriented); Nikravesh, Chung and Benedict (1983), Computers and Structures 16, 395-400 (hinges).
 """
 
+from typing import NamedTuple
+
 from crashsolve.foundation.curve import curve_area, curve_value, segment
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -56,6 +58,15 @@ PATH = Record("""
     latch    m/s or rad/s     V at first yield; -1 before
     failed   flag             1: there is no hinge any more
 """)
+
+
+class Flow(NamedTuple):
+    """Flow of one motion in a step."""
+
+    c: int  # which motion, 0 or 1
+    side: float  # its direction
+    way: float  # of the slider [rad or m]
+    origin: float  # x_0 [rad or m]
 
 
 @kernel
@@ -149,8 +160,9 @@ def hardened(p, c, x_p, curves):
 
 
 @kernel
-def static_loss(p, old, c, side, way, origin, curves):
+def static_loss(p, old, flow, curves):
     """Area under R over the plastic way, less what is stored of it [J]."""
+    c, side, way, origin = flow
     own = 2 * c if side > 0.0 else 2 * c + 1
     here = p.backbone[own]
     if p.cyclic == ISOTROPIC:
@@ -184,9 +196,10 @@ def advance_motion(p, old, new, c, x, phi, curves):
     if side != 0.0:
         way = plastic_way(p, old, c, side, x, phi, curves)
         origin = line_origin(p, old, c, side)
-        loss = static_loss(p, old, c, side, way, origin, curves)
+        flow = Flow(c, side, way, origin)
+        loss = static_loss(p, old, flow, curves)
         if phi > 1.0:
-            loss += added_loss(p, old, c, side, way, origin, loss, phi, curves)
+            loss += added_loss(p, old, flow, loss, phi, curves)
         own = 2 * c if side > 0.0 else 2 * c + 1
         new.plastic[c] += side * way
         new.flow[c] += way
@@ -201,8 +214,9 @@ def advance_motion(p, old, new, c, x, phi, curves):
 
 
 @kernel
-def added_loss(p, old, c, side, way, origin, static, phi, curves):
+def added_loss(p, old, flow, static, phi, curves):
     """What the factor adds to the work on the slider, with its mean over the way [J]."""
+    c, side, way, origin = flow
     mean = 0.5 * (phi + old.factor) if old.flowing[c] == int(side) else phi
     if p.cyclic != KINEMATIC:
         return (mean - 1.0) * static

@@ -49,7 +49,7 @@ def build(card: Universal, scene: Any) -> dict[str, Any]:
 @kernel
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
-    square_residual(p, p.axis_a, p.axis_b, nodes, rows[p.first_row + 3])
+    rows[p.first_row + 3].phi = square_residual(p, p.axis_a, p.axis_b, nodes)
 
 
 @kernel
@@ -61,4 +61,4 @@ def jacobian(p, old, t, nodes, rows, curves):
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    square_convective(p, p.axis_a, p.axis_b, nodes, rows[p.first_row + 3])
+    rows[p.first_row + 3].gamma = square_convective(p, p.axis_a, p.axis_b, nodes)

@@ -8,13 +8,11 @@ from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
-    apply_torque,
     arm,
     mobility,
     point_at,
     point_velocity,
     relative,
-    spin_mobility,
     stiffen,
 )
 from crashsolve.foundation.record import Record
@@ -74,33 +72,12 @@ def line_of_action(p, nodes):
 
 
 @kernel
-def pull(p, nodes, tension, u, d_a, d_b, stiffness, damping):
-    """Tension along u on both ends, and its stiffness for the step. Writes: nodes."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    f = scale(tension, u)
-    apply_force(a, f, d_a)
-    apply_force(b, scale(-1.0, f), d_b)
-    stiffen(a, mobility(a, d_a, u), stiffness, damping)
-    stiffen(b, mobility(b, d_b, u), stiffness, damping)
-
-
-@kernel
 def turned(p, before, nodes):
     """Angle of b about the axis of a counted from `before`, its rate, and its gradient g."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), before)
     g = angle_gradient(a, b, p.axis_a, p.side_b)
     return angle, dot(g, sub(vec(b.w), vec(a.w))), g
-
-
-@kernel
-def twist(p, nodes, torque, g, stiffness, damping):
-    """Torque that turns b back towards a, on both bodies. Writes: nodes."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    apply_torque(a, scale(torque, g))
-    apply_torque(b, scale(-torque, g))
-    stiffen(a, spin_mobility(a, g), stiffness, damping)
-    stiffen(b, spin_mobility(b, g), stiffness, damping)
 
 
 @kernel

@@ -10,10 +10,10 @@ from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import line_tangent
+from crashsolve.foundation.motion import line_tangent, pull
 from crashsolve.foundation.record import Record
 from crashsolve.springs import _resistance
-from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
+from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
 from crashsolve.springs._line_turn import turn_line
 

@@ -9,10 +9,10 @@ from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import turn_tangent
+from crashsolve.foundation.motion import turn_tangent, twist
 from crashsolve.foundation.record import Record
 from crashsolve.springs import _resistance
-from crashsolve.springs._between import TURN, turned, twist
+from crashsolve.springs._between import TURN, turned
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
 
 

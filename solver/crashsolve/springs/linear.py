@@ -10,9 +10,9 @@ from typing import Any
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import line_tangent
+from crashsolve.foundation.motion import line_tangent, pull
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
+from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._line_turn import turn_line
 

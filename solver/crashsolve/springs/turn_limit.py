@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import turn_tangent
+from crashsolve.foundation.motion import turn_tangent, twist
 from crashsolve.foundation.record import Record
 from crashsolve.springs import _joint
-from crashsolve.springs._between import TURN, turned, twist
+from crashsolve.springs._between import TURN, turned
 
 LEDGER = "joint"
 
