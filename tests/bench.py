@@ -102,6 +102,16 @@ class Bench:
             self.turn(node, time * b.w)
             self.move(node, r=b.r + time * b.v)
 
+    def carry_away(self) -> np.ndarray:
+        """Turn and move all bodies together, with their velocities. Returns the rotation (3, 3)."""
+        rotation = np.array([0.3, -0.5, 0.9])
+        R = matrix(exponential(rotation))
+        for node in range(1, len(self.nodes)):
+            b = self.nodes[node]
+            self.turn(node, rotation)
+            self.move(node, r=R @ b.r + [5, -3, 2], v=R @ b.v, w=R @ b.w)
+        return R
+
     def state(self) -> Any:
         return self.nodes.copy()
 

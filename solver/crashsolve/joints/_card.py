@@ -40,6 +40,11 @@ class AxisJointCard(JointCard):
     axis: Vec3 = word("direction of the joint axis at the start, in `frame`; any length")
 
 
+def own_frame(card: JointCard, scene: Any) -> dict[str, Any]:
+    """Bodies and points of a joint, and its axes where it has some: `build` of most joints."""
+    return dict(scene.joint_frame(card))
+
+
 def direction(card: JointCard, scene: Any, field: str) -> np.ndarray:
     """World components of a direction given in the frame of the card."""
     u: np.ndarray = scene.unit(getattr(card, field), field)

@@ -39,7 +39,7 @@ def build(card: SlideDriver, scene: Any) -> dict[str, Any]:
     frame = named_frame(scene, "joint", card.joint, "travel")
     tolerance = scene.deck.control.constraint_tolerance * scene.size
     columns = frame | motion(card, scene, 0.0, tolerance)
-    return {column.name: columns[column.name] for column in PARAMETERS.columns}
+    return PARAMETERS.taken_from(columns)
 
 
 @kernel

@@ -45,7 +45,7 @@ class TurnDriver(DrivenCard):
 def build(card: TurnDriver, scene: Any) -> dict[str, Any]:
     frame = named_frame(scene, "joint", card.joint, "angle")
     columns = frame | motion(card, scene, 0.0, scene.deck.control.constraint_tolerance)
-    return {column.name: columns[column.name] for column in PARAMETERS.columns}
+    return PARAMETERS.taken_from(columns)
 
 
 @kernel

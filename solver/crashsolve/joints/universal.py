@@ -43,7 +43,7 @@ def build(card: Universal, scene: Any) -> dict[str, Any]:
         )
     second = scene.unit(second - cosine * first, "second_axis")
     frame["axis_b"] = scene.turn_to_body(frame["node_b"], second)
-    return {column.name: frame[column.name] for column in PARAMETERS.columns}
+    return PARAMETERS.taken_from(frame)
 
 
 @kernel

@@ -36,7 +36,14 @@ PARAMETERS = HISTORY = OUTPUT = Record()
 
 
 def build(card: Tube, poisson: float) -> dict[str, Any]:
-    outer, inner = card.radius, card.radius - card.thickness
+    return round_section(card.radius, card.radius - card.thickness, poisson)
+
+
+def round_section(outer: float, inner: float, poisson: float) -> dict[str, Any]:
+    """Constants of a section between two radii [m]: area [m^2], second moments and torsion [m^4].
+
+    Shear factors are those of Cowper (1966), J. Appl. Mech. 33, 335-340.
+    """
     area = pi * (outer**2 - inner**2)
     second = area * (outer**2 + inner**2) / 4.0
     m2 = (inner / outer) ** 2

@@ -28,13 +28,7 @@ POINTS = Record("""
     point_a  m      3  attachment from the mass centre of a, axes of a
     point_b  m      3  attachment from the mass centre of b, axes of b
 """)
-TURN = Record("""
-    node_a  index     first body
-    node_b  index     second body
-    axis_a  1      3  axis, axes of a
-    side_a  1      3  at right angles to the axis, axes of a
-    side_b  1      3  the same direction at the start, axes of b
-""")
+SLIDE = POINTS + Record("axis_a  1  3  direction in which b slides, axes of a")
 
 
 def start_offset(scene: Any, ends: dict[str, Any]) -> np.ndarray:
@@ -69,6 +63,16 @@ def line_of_action(p, nodes):
         return (1.0, 0.0, 0.0), length, 0.0, d_a, d_b
     u = scale(1.0 / length, x)
     return u, length, dot(u, x_dot), d_a, d_b
+
+
+@kernel
+def spring_and_damper(p, out, x, rate):
+    """Force of a linear spring x [m or rad] long beyond its rest, and its damper. Writes: out."""
+    out.rate = rate
+    out.stored = 0.5 * p.stiffness * x * x
+    out.power = p.damping * rate * rate
+    out.loss = 0.0
+    return p.stiffness * x + p.damping * rate
 
 
 @kernel

@@ -11,8 +11,9 @@ from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import turn_tangent, twist
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import TURN
 from crashsolve.springs import _resistance
-from crashsolve.springs._between import TURN, turned
+from crashsolve.springs._between import turned
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
 
 

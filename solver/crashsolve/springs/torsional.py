@@ -13,7 +13,8 @@ from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import turn_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import TURN, turned
+from crashsolve.foundation.turn import TURN
+from crashsolve.springs._between import spring_and_damper, turned
 from crashsolve.springs._card import AxisSpringCard
 
 
@@ -50,13 +51,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = turned(p, old.angle, nodes)
     new.angle = angle
-    x = angle - p.angle
-    out.torque = p.stiffness * x + p.damping * rate
+    out.torque = spring_and_damper(p, out, angle - p.angle, rate)
     out.angle = angle
-    out.rate = rate
-    out.stored = 0.5 * p.stiffness * x * x
-    out.power = p.damping * rate * rate
-    out.loss = 0.0
     twist(p, nodes, out.torque, g, p.stiffness, p.damping)
 
 

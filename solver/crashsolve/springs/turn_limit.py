@@ -12,8 +12,9 @@ from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import turn_tangent, twist
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import TURN
 from crashsolve.springs import _joint
-from crashsolve.springs._between import TURN, turned
+from crashsolve.springs._between import turned
 
 LEDGER = "joint"
 
@@ -42,7 +43,7 @@ OUTPUT = Record("""
 
 def build(card: TurnLimit, scene: Any) -> dict[str, Any]:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
-    return {column.name: frame[column.name] for column in TURN.columns} | _joint.stops(card, scene)
+    return TURN.taken_from(frame) | _joint.stops(card, scene)
 
 
 @kernel
