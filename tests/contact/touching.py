@@ -8,6 +8,7 @@ import numpy as np
 from bench import BODIES, Bench, spoil
 
 from crashsolve.foundation.rows import as_rows
+from crashsolve.system.contact.pair import Slide
 
 SPHERES = """
 surfaces:
@@ -94,7 +95,8 @@ class Contact:
             way = tuple(way - way @ np.asarray(n) * np.asarray(n))
         self._slip = np.asarray(u)
         curves = self.bench.curves
-        result = kernel(self.p, self.old, self.new, normal, u, way, m, mass, ease, curves)
+        slide = Slide(normal, u, way, m, mass, ease)
+        result = kernel(self.p, self.old, self.new, slide, curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         found = SimpleNamespace(**dict(zip(names, result, strict=True)))
         found.force = self.new.rub = np.array(found.force)

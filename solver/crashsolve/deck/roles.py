@@ -131,8 +131,11 @@ class FrictionLaw(Protocol):
     def build(self, card: Any, scene: Any) -> Any:
         """Words into symbols."""
 
-    def friction_force(self, p, old, new, normal_force, slip, way, n, mass, ease, curves):
-        """Force on a (a vector), stored, power, loss, stiffness, damping. Writes: new."""
+    def friction_force(self, p, old, new, slide, curves):
+        """Force on a (a vector), stored, power, loss, stiffness, damping. Writes: new.
+
+        `slide` is a Slide (system/contact/pair.py): normal force, slip, way, normal, mass, ease.
+        """
 
     def release(self, p, old, new):
         """The surfaces are apart. Writes: new."""
