@@ -28,7 +28,7 @@ def speed(slip):
 
 @kernel
 def without_friction(slide, rub):
-    """Slip as it would be without friction, where it counts on that of the last step, `rub`."""
+    """Slip [m/s] as without friction, where it counts on that of the last step, `rub` [N]."""
     if slide.ease == 0.0:
         return slide.slip
     free = add_scaled(slide.slip, -slide.ease, rub)

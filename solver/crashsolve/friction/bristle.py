@@ -58,7 +58,7 @@ build = columns
 
 @kernel
 def friction_force(p, old, new, slide, curves):
-    """Returns force on a, stored, power, loss, stiffness, damping. Writes: new."""
+    """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
     k, slip, way = p.friction_stiffness, slide.slip, slide.way
     c = 2.0 * p.friction_damping_ratio * sqrt(k * slide.mass)
     fall = exp(-dot(slip, slip) / p.friction_stribeck_speed**2)
@@ -81,7 +81,7 @@ def friction_force(p, old, new, slide, curves):
 
 @kernel
 def turned(x, n):
-    """Vector x laid into the plane normal to n, its length kept."""
+    """Vector x (3) laid into the plane normal to n, its length kept."""
     flat = add_scaled(x, -dot(x, n), n)
     length = norm(flat)
     return scale(norm(x) / length, flat) if length > 0.0 else flat
@@ -89,7 +89,7 @@ def turned(x, n):
 
 @kernel
 def cut(x, limit):
-    """Vector x shortened to `limit` if it is longer."""
+    """Vector x (3) shortened to the length `limit` if it is longer."""
     length = norm(x)
     return scale(limit / length, x) if length > limit else x
 

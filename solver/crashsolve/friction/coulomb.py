@@ -46,7 +46,7 @@ build = columns
 
 @kernel
 def friction_force(p, old, new, slide, curves):
-    """Returns force on a, stored energy, power, loss, stiffness, damping. Writes: new."""
+    """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
     rub = vec(old.rub)
     free = without_friction(slide, rub)
     v, full = speed(free), p.friction_coefficient * slide.normal_force

@@ -54,7 +54,7 @@ build = columns
 
 @kernel
 def friction_force(p, old, new, slide, curves):
-    """Returns force on a, stored energy, dissipated power, loss, stiffness, damping."""
+    """Force on a [N], stored [J], power [W], loss [J], stiffness and damping [N s/m]."""
     rub = vec(old.rub)
     free, normal_force = without_friction(slide, rub), slide.normal_force
     v, taken = speed(free), slide.ease * normal_force
@@ -70,7 +70,7 @@ def steepest(p):
 
 @kernel
 def coefficient(p, v, taken):
-    """Friction over normal force at sliding speed v; it rises and falls by 1 / taken at most."""
+    """Friction over normal force at sliding speed v [m/s]; its slope is 1 / taken at most."""
     widened = max(1.0, taken * steepest(p))
     drop = p.friction_static - p.friction_dynamic
     peak = drop * exp(-((v / max(p.friction_stribeck_speed, taken * drop)) ** 2))
@@ -80,7 +80,7 @@ def coefficient(p, v, taken):
 
 @kernel
 def slip_left(p, v_free, taken):
-    """Root v of v + taken mu(v) = v_free, by the Illinois rule; both sides of it rise."""
+    """Root v [m/s] of v + taken mu(v) = v_free, by the Illinois rule; both sides of it rise."""
     if taken * v_free == 0.0:
         return v_free
     low, high = 0.0, v_free

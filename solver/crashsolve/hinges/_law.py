@@ -71,7 +71,7 @@ class Flow(NamedTuple):
 
 @kernel
 def resistance(p, old, c, side, way, origin, curves):
-    """R after a plastic way in one direction, and its slope; `c` is the motion, 0 or 1."""
+    """R [N m or N] after a plastic way in one direction, and its slope; `c`: motion 0 or 1."""
     own = 2 * c if side > 0.0 else 2 * c + 1
     if p.cyclic == ISOTROPIC:
         y, slope, _ = curve_value(curves, p.backbone[own], old.flow[c] + way)
@@ -95,20 +95,20 @@ def resistance(p, old, c, side, way, origin, curves):
 
 @kernel
 def dynamic(R, phi):
-    """phi R where it opposes the flow."""
+    """phi R [N m or N] where it opposes the flow, else R."""
     return phi * R if R > 0.0 else R
 
 
 @kernel
 def line_origin(p, old, c, side):
-    """x_0 of the line to the peak: where the elastic line meets M = 0, if M changes its sign."""
+    """x_0 [rad or m] of the line to the peak: the elastic line's zero, if M changes its sign."""
     before = side * p.stiffness[c] * (old.x[c] - old.plastic[c])
     return old.origin[c] if before > 0.0 else old.plastic[c]
 
 
 @kernel
 def direction(p, old, c, x, phi, curves):
-    """Direction in which motion x makes the slider flow from the old state; 0 for none."""
+    """Direction, 1 or -1, in which motion x [rad or m] makes the slider flow; 0 for none."""
     k = p.stiffness[c]
     for j in range(2):
         side = 1.0 - 2.0 * j
@@ -124,7 +124,7 @@ def direction(p, old, c, x, phi, curves):
 
 @kernel
 def plastic_way(p, old, c, side, x, phi, curves):
-    """Way of the slider: k (x - x_p) = phi R by Newton's method, never out of its bracket."""
+    """Way [rad or m] of the slider: k (x - x_p) = phi R by Newton's method, kept in its bracket."""
     k, origin = p.stiffness[c], line_origin(p, old, c, side)
     trial = side * k * (x - old.plastic[c])
     R, _ = resistance(p, old, c, side, 0.0, origin, curves)
@@ -243,7 +243,7 @@ def to_corner(p, new, c, side, curves):
 
 @kernel
 def next_point(curves, here, at):
-    """Way to the end of the segment of a curve; far where there is none."""
+    """Way [rad or m] to the end of the segment of a curve; far where there is none."""
     last = curves[here].last
     i = segment(curves, here, last, at)
     return curves[i + 1].x - at if curves[i + 1].x > at else 1e300
@@ -251,7 +251,7 @@ def next_point(curves, here, at):
 
 @kernel
 def motion_tangent(p, state, c, x, rate, phi, phi_slope, curves):
-    """Rise of the moment over the motion and over V, from an accepted state; and the direction."""
+    """Slopes of the moment over the motion [N m/rad or N/m] and over V; direction of flow."""
     k = p.stiffness[c]
     side = direction(p, state, c, x, phi, curves)
     if side == 0.0:
@@ -268,7 +268,7 @@ def motion_tangent(p, state, c, x, rate, phi, phi_slope, curves):
 
 @kernel
 def at_yield(p, state, c, x, rate, phi, curves):
-    """Direction in which it flows on, at yield but for round-off; 0 for none."""
+    """Direction, 1 or -1, in which it flows on at yield, but for round-off; 0 for none."""
     k = p.stiffness[c]
     side = 1.0 if rate > 0.0 else -1.0
     if rate == 0.0 or state.flowing[c] != int(side):
@@ -312,7 +312,7 @@ def beyond_yield(p, old, c, side, x, phi, curves):
 
 @kernel
 def growth(p, speed):
-    """phi at a speed."""
+    """phi [1] at a speed [m/s or rad/s]."""
     if p.rate_coefficient == 0.0:
         return 1.0
     return 1.0 + p.rate_coefficient * speed**p.rate_exponent
@@ -320,7 +320,7 @@ def growth(p, speed):
 
 @kernel
 def growth_bound(p, speed):
-    """Bound of its slope: the secant, from where phi reaches 1.1 on, as it may be vertical at 0."""
+    """Bound of its slope [s/m or s/rad], which may be vertical at 0: the secant from phi = 1.1."""
     if p.rate_coefficient == 0.0 or p.latched == 1:
         return 0.0
     b = p.rate_exponent
@@ -329,7 +329,7 @@ def growth_bound(p, speed):
 
 @kernel
 def growth_slope(p, speed):
-    """Its slope; near rest, where a power below 1 is vertical, that close to rest."""
+    """Its slope [s/m or s/rad]; near rest, where a power below 1 is vertical, that close by."""
     if p.rate_coefficient == 0.0 or p.latched == 1:
         return 0.0
     b = p.rate_exponent
@@ -339,7 +339,7 @@ def growth_slope(p, speed):
 
 @kernel
 def overshoot(p, old, c, x, curves):
-    """Share of the step before static yield; above 1 where it is not met."""
+    """Share [1] of the step before static yield; above 1 where it is not met."""
     k, before = p.stiffness[c], old.x[c] - old.plastic[c]
     now, share = x - old.plastic[c], 2.0
     for j in range(2):
@@ -353,7 +353,7 @@ def overshoot(p, old, c, x, curves):
 
 @kernel
 def factor(p, old, new, speed, share):
-    """phi of this step; `share` of the step is before static yield. Writes: new.
+    """phi [1] of this step; `share` of the step is before static yield. Writes: new.
 
     A speed that is latched is that at first yield, on the straight line over the step.
     """
@@ -372,7 +372,7 @@ def factor(p, old, new, speed, share):
 
 @kernel
 def step_factor(p, state, speed):
-    """phi from an accepted state."""
+    """phi [1] from an accepted state."""
     if p.latched == 0:
         return growth(p, speed)
     return growth(p, state.latch) if state.latch >= 0.0 else 1.0

@@ -56,7 +56,7 @@ class Motions(NamedTuple):
 
 @kernel
 def resist(p, old, new, out, seen, curves):
-    """Both moments, 0 after failure, and phi. Writes: new, out."""
+    """Both moments or forces [N m or N], 0 after failure, and phi [1]. Writes: new, out."""
     _joint.keep_old(old, new)
     new.flow_work = old.flow_work
     share = overshoot_pair(p, old, seen.x, seen.y, curves) if p.latched == 1 else 2.0
@@ -74,7 +74,7 @@ def resist(p, old, new, out, seen, curves):
 
 @kernel
 def advance_pair(p, old, new, x, y, phi, curves):
-    """Both moments, stored energy and loss. Writes: new, but for its common columns."""
+    """Both moments, stored energy and loss [J]. Writes: new, but for its common columns."""
     if p.is_elliptic == 1:
         return advance_ellipse(p, old, new, x, y, phi, curves)
     new.flow_work = old.flow_work
@@ -85,7 +85,7 @@ def advance_pair(p, old, new, x, y, phi, curves):
 
 @kernel
 def limits(p, work, phi, curves):
-    """Squares of both yield moments with the factor, and their slopes over W."""
+    """Squares of both yield moments [N^2 m^2 or N^2] with the factor, and their slopes over W."""
     a, da, _ = curve_value(curves, p.backbone[0], work)
     b, db, _ = curve_value(curves, p.backbone[2], work)
     return phi * phi * a, phi * phi * b, phi * phi * da, phi * phi * db
@@ -161,7 +161,7 @@ def return_work(p, f, g, work, phi, curves):
 
 @kernel
 def scaled_flow(p, f, g, work, done, phi, curves):
-    """dl for plastic work that is done, and the squares of both yield moments after it."""
+    """dl [J] for plastic work that is done, and the squares of both yield moments after it."""
     a, b, _, _ = limits(p, work, phi, curves)
     c, d, _, _ = limits(p, work + done, phi, curves)
     ratio = sqrt((f * f / c + g * g / d) / (f * f / a + g * g / b))
@@ -170,7 +170,7 @@ def scaled_flow(p, f, g, work, done, phi, curves):
 
 @kernel
 def excess(p, f, g, work, done, phi, curves):
-    """How far the moments are outside of the ellipse after plastic work that is done."""
+    """How far the moments are outside of the ellipse [1] after plastic work that is done [J]."""
     flow, a, b = scaled_flow(p, f, g, work, done, phi, curves)
     c, d = a + flow * p.stiffness[0], b + flow * p.stiffness[1]
     return f * f * a / (c * c) + g * g * b / (d * d) - 1.0
@@ -222,7 +222,7 @@ def beyond(p, old, h, seen, curves):
 
 @kernel
 def beyond_yield(p, old, h, seen, curves):
-    """The same, but for failure."""
+    """The same, but for failure [rad or m]."""
     x, y, rate, across, speed, _ = seen
     phi = step_factor(p, old, speed)
     if p.is_elliptic == 0:
@@ -239,7 +239,7 @@ def beyond_yield(p, old, h, seen, curves):
 
 @kernel
 def overshoot_pair(p, old, x, y, curves):
-    """Share of the step before static yield; above 1 where it is not met."""
+    """Share [1] of the step before static yield; above 1 where it is not met."""
     if p.is_elliptic == 0:
         return min(overshoot(p, old, 0, x, curves), overshoot(p, old, 1, y, curves))
     a, b, _, _ = limits(p, old.flow_work, 1.0, curves)

@@ -68,7 +68,7 @@ def initial_history(card: Any, p: Any, scene: Any) -> dict[str, Any]:
 
 @kernel
 def turned(p, before, nodes):
-    """Angle from the undeformed hinge, counted from `before`, its rate, and its gradient g."""
+    """Angle from the undeformed hinge [rad], counted from `before`, its rate, its gradient g."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), before + p.initial[0])
     g = angle_gradient(a, b, p.axis_a, p.side_b)

@@ -80,7 +80,7 @@ def initial_history(card: Axial, p: Any, scene: Any) -> dict[str, Any]:
 
 @kernel
 def stroke_along(p, nodes, axis):
-    """Way of b along an axis of a, its rate, the axis, and the arms of the force in both bodies."""
+    """Way of b along an axis of a [m], its rate, the axis, arms of the force in both bodies [m]."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)

@@ -155,7 +155,7 @@ def convective(p, old, t, nodes, rows, curves):
 
 @kernel
 def seen_by(p, state, nodes):
-    """Both motions, the gradient of the angle, the axis and the arms of the force."""
+    """Both motions, the gradient of the angle, the axis and the arms of the force [m]."""
     angle, rate, g = turned(p, state.x[0], nodes)
     way, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
     stroke, speed = way - p.initial[1], sqrt(along * along + (p.tip * rate) ** 2)

@@ -152,7 +152,7 @@ def convective(p, old, t, nodes, rows, curves):
 
 @kernel
 def seen_by(p, nodes):
-    """Both angles, the world directions of their torques, and |theta|, |T|^2."""
+    """Both angles, the world directions of their torques, |theta| [rad] and |T|^2."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     theta = rotation_vector(a, b, p.reference)
     size = norm(theta)

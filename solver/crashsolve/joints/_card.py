@@ -46,7 +46,7 @@ def own_frame(card: JointCard, scene: Any) -> dict[str, Any]:
 
 
 def direction(card: JointCard, scene: Any, field: str) -> np.ndarray:
-    """World components of a direction given in the frame of the card."""
+    """World components (3,) of a direction given in the frame of the card; length 1."""
     u: np.ndarray = scene.unit(getattr(card, field), field)
     return u if card.frame == "world" else scene.matrix(scene.node(card.frame)) @ u
 

@@ -44,7 +44,7 @@ def body_load(card: Any, vector: Any, scene: Any) -> dict[str, Any]:
 
 @kernel
 def present_load(p, t, nodes, curves):
-    """The vector in world axes at time t."""
+    """The vector [N or N m] in world axes at time t."""
     factor = 1.0
     if p.curve > 0:
         factor, _, _ = curve_value(curves, p.curve, t)

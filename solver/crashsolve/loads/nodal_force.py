@@ -57,7 +57,7 @@ def build(card: NodalForce, scene: Any) -> dict[str, Any]:
 
 
 def members(card: NodalForce, scene: Any) -> np.ndarray:
-    """The points it acts on."""
+    """The points (n,) it acts on."""
     meshed, _, first = scene.skin(card.part, "part")
     points: np.ndarray = first + meshed.set_of(card.nodes, "nodes", scene)
     return points

@@ -147,7 +147,7 @@ def clear(work):
 
 @inlined
 def row_of(work, quantity, c, e):
-    """Place or velocity of a corner."""
+    """Place [m] or velocity [m/s] of a corner."""
     at = LANES * (NEXT * quantity + 3 * c) + e
     return work[at], work[at + LANES], work[at + 2 * LANES]
 
@@ -190,5 +190,5 @@ def sum_lanes(work, row):
 
 @kernel
 def sum_three(work, row):
-    """Sums over three rows."""
+    """Sums (3) over three rows."""
     return sum_lanes(work, row), sum_lanes(work, row + 1), sum_lanes(work, row + 2)

@@ -60,14 +60,14 @@ def build(
 
 
 def plastic_strain(card: Any, layer: np.ndarray) -> np.ndarray:
-    """Of layers (..., rows)."""
+    """Equivalent plastic strain [1] of layers (..., rows)."""
     found: np.ndarray = layer[..., LAYER.plastic_strain]
     return found
 
 
 @inlined
 def factor_of(m, rate, temperature, material):
-    """By which the yield stress is higher at a rate of strain, and lower at a temperature."""
+    """Factor [1] on the yield stress: it is higher at a rate of strain, lower at a temperature."""
     factor = material.rate_factor(m, rate) if m.rated == 1 else 1.0
     return factor * material.heat_factor(m, temperature) if m.heating > 0.0 else factor
 

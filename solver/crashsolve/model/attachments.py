@@ -69,7 +69,7 @@ def misfit(body: int, attached_node: int, scene: Any) -> float:
 
 
 def table(scene: Any) -> np.ndarray:
-    """The attached nodes as kernels read them."""
+    """The attached nodes (n,) as kernels read them."""
     rows = np.zeros(len(scene.welded), ATTACHED_NODE.dtype)
     for row, (node, body) in zip(rows, scene.welded.items(), strict=True):
         row["node"], row["body"] = node, body

@@ -361,7 +361,7 @@ def _method(model: Model) -> Any:
 
 
 def initial_stages(model: Model, nodes: int) -> np.ndarray:
-    """Room for the stages of a Runge-Kutta method; none for others."""
+    """Room (stages, nodes) for a Runge-Kutta method; none for others."""
     method = _method(model)
     rows = getattr(method, "STAGES", 0)
     if hasattr(method, "EXTRA"):
@@ -372,7 +372,7 @@ def initial_stages(model: Model, nodes: int) -> np.ndarray:
 
 
 def initial_nodes(scene: Scene) -> np.ndarray:
-    """Node table at the start; the ground has no inverse mass and never moves."""
+    """Node table (nodes,) at the start; the ground has no inverse mass and never moves."""
     n = len(scene.names)
     nodes = np.zeros(n, NODE.dtype)
     for name in ("r", "q", "A", "v", "w", "J"):
@@ -386,7 +386,7 @@ def initial_nodes(scene: Scene) -> np.ndarray:
 
 
 def initial_rows(model: Model) -> np.ndarray:
-    """Constraint rows with their nodes and scales."""
+    """Constraint rows (rows,) with their nodes and scales."""
     rows = np.zeros(sum(joint.rows * joint.parts for joint in model.joints), ROW.dtype)
     for joint in model.joints:
         for k in range(joint.parts):

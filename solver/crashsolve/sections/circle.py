@@ -36,5 +36,5 @@ def outline(card: Circle) -> np.ndarray:
 
 
 def fibres(card: Circle, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (y, z, A) of fibres: rings and sectors."""
+    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
     return rings(0.0, card.radius, grid)

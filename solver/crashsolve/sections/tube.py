@@ -70,12 +70,12 @@ def ring(radius: float, corners: int = 16) -> np.ndarray:
 
 
 def fibres(card: Tube, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (y, z, A) of fibres: rings and sectors."""
+    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
     return rings(card.radius - card.thickness, card.radius, grid)
 
 
 def rings(inner: float, outer: float, grid: tuple[int, int]) -> np.ndarray:
-    """Fibres (y, z, A) of equal areas, in rings and sectors between two radii."""
+    """Fibres (n, 3), y, z [m] and A [m^2], of equal areas, in rings and sectors of two radii."""
     n, m = grid
     edges = np.sqrt(np.linspace(inner**2, outer**2, n + 1))
     # sectors have their mass centres at these radii

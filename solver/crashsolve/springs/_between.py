@@ -54,7 +54,7 @@ def rest_length(card: Any, scene: Any, ends: dict[str, Any]) -> float:
 
 @kernel
 def line_of_action(p, nodes):
-    """Unit vector from a to b, distance, its rate, and the arms of both ends."""
+    """Unit vector from a to b, distance [m], its rate [m/s], and the arms of both ends [m]."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)
@@ -77,7 +77,7 @@ def spring_and_damper(p, out, x, rate):
 
 @kernel
 def turned(p, before, nodes):
-    """Angle of b about the axis of a counted from `before`, its rate, and its gradient g."""
+    """Angle of b about the axis of a [rad], counted from `before`, its rate, and its gradient g."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), before)
     g = angle_gradient(a, b, p.axis_a, p.side_b)
@@ -86,7 +86,7 @@ def turned(p, before, nodes):
 
 @kernel
 def seen_from_a(p, nodes):
-    """Attachment of b from that of a and its rate, axes of a; arms of b's attachment in a and b."""
+    """Attachment of b from that of a [m] and its rate, axes of a; its arms in a and b [m]."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x = sub(point_at(b, d_b), point_at(a, d_a))

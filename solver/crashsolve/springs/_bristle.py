@@ -57,7 +57,7 @@ def friction_limit(p, old, new, h, rows):
 
 @kernel
 def kept_share(stiffness, stretch, limit):
-    """Share of its stretch that a bristle keeps: 1 while it holds, less when it slides."""
+    """Share [1] of its stretch that a bristle keeps: 1 while it holds, less when it slides."""
     return 1.0 if stiffness * stretch <= limit else limit / (stiffness * stretch)
 
 

@@ -65,7 +65,7 @@ def stops(card: Any, scene: Any) -> dict[str, Any]:
 
 @kernel
 def stop(p, new, x, rate, out, curves):
-    """Force against x beyond a stop; it never pulls back. Writes: new, out."""
+    """Force against x beyond a stop [N or N m]; it never pulls back. Writes: new, out."""
     new.at = 1 if x > p.upper else (-1 if x < p.lower else 0)
     out.stored = out.power = out.loss = 0.0
     over = max(x - p.upper, p.lower - x)
@@ -85,7 +85,7 @@ def stop(p, new, x, rate, out, curves):
 
 @kernel
 def stop_tangent(p, x, rate, curves):
-    """Rise of the force of a stop over x and over its rate."""
+    """Rise of the force of a stop over x [N/m or N m/rad] and over its rate."""
     over = max(x - p.upper, p.lower - x)
     if over <= 0.0:
         return 0.0, 0.0

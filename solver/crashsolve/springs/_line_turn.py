@@ -57,5 +57,5 @@ def turn_end(own, far, k, end, blocks):
 
 @kernel
 def turned(u, per, way):
-    """Change of the force on an end as it goes this way; `per` is the tension over the length."""
+    """Change of the force on an end [N/m] as it goes this way; `per` is the tension over l."""
     return scale(per, sub(scale(dot(u, way), u), way))

@@ -87,7 +87,7 @@ def growth(p, k, trial, strain, factor, curves):
 
 @kernel
 def factor_of(p, rate):
-    """By which the yield stress is higher at these rates of stretch and turns."""
+    """Factor [1] on the yield stress at rates of stretch and bends [m/s, rad/s]."""
     if p.rate_D == 0.0:
         return 1.0
     A, per = p.moduli[0], 1.0 / p.length

@@ -116,7 +116,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 @kernel
 def braked(p, x):
-    """Part of a vector in the directions braked, axes of a."""
+    """Part of a vector (3) in the directions braked, axes of a."""
     first, second = vec(p.first), vec(p.second)
     return add_scaled(scale(dot(first, x), first), dot(second, x), second)
 

@@ -138,7 +138,7 @@ def keep(new, configuration, z, torque, slid):
 
 @kernel
 def turn_mobility(body, a, p):
-    """Mobility about the axis of a; an upper bound about any axis for a ball."""
+    """Mobility about the axis of a [1/(kg m^2)]; an upper bound about any axis for a ball."""
     axis = vec(p.axis_a)
     if dot(axis, axis) > 0.0:
         return spin_mobility(body, arm(a, axis))
