@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 _INTEGER_UNITS = ("index", "flag", "count")
-_BETWEEN = re.compile(r" {2,}")
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ class Record:
 
 def _column(line: str) -> Column:
     """The column of a line. Raises ValueError."""
-    name, *rest = _BETWEEN.split(line)
+    name, *rest = re.split(r" {2,}", line)
     size = rest[1] if len(rest) == 3 else "1"
     if not (name.isidentifier() and len(rest) in (2, 3) and size.isdecimal() and int(size) > 0):
         raise ValueError(
