@@ -12,6 +12,7 @@ from math import log2
 from pathlib import Path
 
 import numpy as np
+from figures import finish
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
@@ -111,10 +112,7 @@ def draw(results: dict[str, list[float]]) -> None:
         axis.loglog(MESHES, [0.4 / n**2 for n in MESHES], "k:", label="order 2")
         axis.loglog(MESHES, [0.4 / n**4 for n in MESHES], "k--", label="order 4")
         axis.set(title=name, xlabel="elements", ylabel="error of the tip over its way")
-        axis.set_xticks(MESHES, [str(n) for n in MESHES])
-        axis.minorticks_off()
-    axes[0].legend()
-    figure.savefig(HERE / "beam_convergence.png", dpi=110)
+    finish(figure, axes, MESHES, HERE / "beam_convergence.png")
 
 
 def main() -> None:

@@ -15,6 +15,7 @@ from math import log2
 from pathlib import Path
 
 import numpy as np
+from figures import finish
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -98,10 +99,7 @@ def draw(results: dict[str, tuple[dict[str, list[float]], float]]) -> None:
             axis.loglog(MESHES, [abs(v / reference - 1.0) for v in values], mark, label=kind)
         axis.loglog(MESHES, [1.0 / n**2 for n in MESHES], "k:", label="order 2")
         axis.set(title=name, xlabel="elements along a side", ylabel="relative error")
-        axis.set_xticks(MESHES, [str(n) for n in MESHES])
-        axis.minorticks_off()
-    axes[0].legend()
-    figure.savefig(HERE / "shell_convergence.png", dpi=110)
+    finish(figure, axes, MESHES, HERE / "shell_convergence.png")
 
 
 def main() -> None:

@@ -3,9 +3,7 @@
 Nothing is compiled, so that tests are quick and every line is seen by coverage and debugger.
 """
 
-from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -104,6 +102,16 @@ class Bench:
             self.turn(node, time * b.w)
             self.move(node, r=b.r + time * b.v)
 
+    def carry_away(self) -> np.ndarray:
+        """Turn and move all bodies together, with their velocities. Returns the rotation (3, 3)."""
+        rotation = np.array([0.3, -0.5, 0.9])
+        R = matrix(exponential(rotation))
+        for node in range(1, len(self.nodes)):
+            b = self.nodes[node]
+            self.turn(node, rotation)
+            self.move(node, r=R @ b.r + [5, -3, 2], v=R @ b.v, w=R @ b.w)
+        return R
+
     def state(self) -> Any:
         return self.nodes.copy()
 
@@ -132,7 +140,7 @@ class Law:
             nodes[name] = 0.0
         spoil(self.new, getattr(self.module, "HISTORY", Record()))
         spoil(self.out, self.module.OUTPUT)
-        kernel = plain(self.module.force)
+        kernel = self.module.force
         args = (t, h, nodes, self.bench.rows, self.bench.curves, *self.materials)
         kernel(self.p, self.old, self.new, self.out, *args)
         return self.out
@@ -162,8 +170,8 @@ class Law:
         spoil(self.out, self.module.OUTPUT)
         bench = self.bench
         if hasattr(self.module, "follow"):
-            plain(self.module.follow)(self.p, self.old, self.new, self.out, bench.nodes)
-        plain(self.module.measure)(self.p, self.out, t, bench.nodes, bench.rows, bench.curves)
+            self.module.follow(self.p, self.old, self.new, self.out, bench.nodes)
+        self.module.measure(self.p, self.out, t, bench.nodes, bench.rows, bench.curves)
         return self.out
 
 
@@ -245,12 +253,12 @@ def write_rows(law: Any, word: str, p: Any, old: Any, *rest: Any) -> None:
     nodes, rows, _ = rest[-3:]
     first = p.first_row
     for basic in law.CONSTRAINTS:
-        plain(getattr(basic, word))(p, nodes, rows, first)
+        getattr(basic, word)(p, nodes, rows, first)
         first += len(basic.ANGULAR)
     if hasattr(law, word):
-        plain(getattr(law, word))(p, old, *rest)
+        getattr(law, word)(p, old, *rest)
     if hasattr(law, "let_go"):
-        plain(law.let_go)(p, old, rows, law.ROWS)
+        law.let_go(p, old, rows, law.ROWS)
 
 
 def refusal(folder: Path, text: str) -> str:
@@ -284,22 +292,6 @@ def matrix_of_pair(blocks: Any, flips: int) -> np.ndarray:
     below, above = blocks[2].stiff.reshape(6, 6), blocks[2].stiff_above.reshape(6, 6).T
     K[:6, 6:], K[6:, :6] = (above, below) if flips else (below, above)
     return K
-
-
-_copies: dict[Any, Callable[..., Any]] = {}
-
-
-def plain(function: Any) -> Callable[..., Any]:
-    """The Python function behind a kernel, calling the Python functions behind other kernels."""
-    source = getattr(function, "py_func", function)
-    if source not in _copies:
-        bound = dict(source.__globals__)
-        # known before its callees: an attribute may have the name of the function itself
-        _copies[source] = FunctionType(source.__code__, bound, source.__name__)
-        for name in source.__code__.co_names:
-            if hasattr(bound.get(name), "py_func"):
-                bound[name] = plain(bound[name])
-    return _copies[source]
 
 
 def spoil(values: Any, record: Record) -> None:

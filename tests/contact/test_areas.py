@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import plain
 from touching import Contact
 
 from crashsolve.contact.narrow import _convex, _edged, box_box
@@ -54,7 +53,7 @@ def patch(contact: Contact) -> tuple[float, float, np.ndarray, np.ndarray, np.nd
     tables = (contact.group.elements_a, contact.group.elements_b)
     a, b = (as_rows(table)[0] for table in tables)
     data = (as_rows(contact.group.data[0]),)
-    count, radius = plain(_edged.patch)(a, b, contact.bench.nodes, data, tuple(n), tuple(x))
+    count, radius = _edged.patch(a, b, contact.bench.nodes, data, tuple(n), tuple(x))
     spots = data[0][:count]
     return depth, float(radius), x, spots.point.copy(), spots.share.copy()
 
@@ -125,12 +124,12 @@ def general(contact: Contact) -> Any:
         for name, value in row.items():
             made[0][name] = value
         tables.append(as_rows(made)[0])
-    return plain(_convex.gap)(*tables, contact.bench.nodes, ())
+    return _convex.gap(*tables, contact.bench.nodes, ())
 
 
 def bound(contact: Contact) -> float:
     a, b = as_rows(contact.group.elements_a), as_rows(contact.group.elements_b)
-    return float(plain(_edged.bound)(a[0], b[0], contact.bench.nodes, ()))
+    return float(_edged.bound(a[0], b[0], contact.bench.nodes, ()))
 
 
 def test_friction_of_slip_and_spin_takes_what_it_works() -> None:
@@ -141,12 +140,12 @@ def test_friction_of_slip_and_spin_takes_what_it_works() -> None:
     n /= np.linalg.norm(n)
     velocity = a.v - b.v
     slip = velocity - (velocity @ n) * n
-    sliding = plain(areas.sliding)(a, b, tuple(slip), tuple(n), 0.07)
+    sliding = areas.sliding(a, b, tuple(slip), tuple(n), 0.07)
     rub = -0.3 * np.array(sliding) / np.linalg.norm(sliding)
-    force = np.array(plain(areas.along_surface)(tuple(rub), tuple(n)))
+    force = np.array(areas.along_surface(tuple(rub), tuple(n)))
     for body in (a, b):
         body.torque, body.late_torque = zero(3), zero(3)
-    plain(areas.twist)(a, b, tuple(rub), tuple(n), 0.07, 1.0)
+    areas.twist(a, b, tuple(rub), tuple(n), 0.07, 1.0)
     power = force @ velocity + a.torque @ a.w + b.torque @ b.w
     assert power == pytest.approx(rub @ sliding, rel=1e-14)
     np.testing.assert_allclose(a.torque, -b.torque)

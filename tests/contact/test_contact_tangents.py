@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import plain
 from test_friction_laws import LAWS as FRICTIONS
 from test_normal_laws import LAWS as NORMALS
 from touching import Contact
@@ -17,7 +16,7 @@ from crashsolve.deck.laws import law_class
 def test_a_normal_tangent_is_the_derivative(law: str, tmp_path: Path) -> None:
     contact = Contact(tmp_path, f"{{type: {law}, {NORMALS[law]}}}")
     rng = np.random.default_rng(2)
-    tangent = plain(contact.group.normal.normal_tangent)
+    tangent = contact.group.normal.normal_tangent
     for _ in range(50):
         depth, rate = float(rng.uniform(1e-3, 0.015)), float(rng.uniform(0.01, 2.0))
         contact.old.active, contact.old.impact_speed = 1, 2.0
@@ -36,7 +35,7 @@ def test_a_normal_tangent_is_the_derivative(law: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("law", [law for law in FRICTIONS if law != "bristle"])
 def test_a_friction_tangent_is_the_derivative_along_and_across(law: str, tmp_path: Path) -> None:
     contact = Contact(tmp_path, friction=f"{{type: {law}, {FRICTIONS[law]}}}")
-    tangent = plain(contact.group.friction.friction_tangent)
+    tangent = contact.group.friction.friction_tangent
     n, u, across = np.eye(3)[[2, 0, 1]]
     for v in (0.02, 0.07, 0.3, 2.0):
         along, side = tangent(contact.p, 100.0, (v, 0.0, 0.0))

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from bench import plain
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow import _ellipsoid_face, _face, sphere_ellipsoid
@@ -26,13 +25,13 @@ def turned(rng: np.random.Generator) -> np.ndarray:
 
 def nearest(s: Any, corners: np.ndarray, far: float = FAR) -> tuple[np.ndarray, float, np.ndarray]:
     seen = [tuple(map(float, x)) for x in corners]
-    N, _, distance, m = plain(_ellipsoid_face.nearest_to_ellipsoid)(tuple(s), far, *seen)
+    N, _, distance, m = _ellipsoid_face.nearest_to_ellipsoid(tuple(s), far, *seen)
     return np.array(N), distance, np.array(m)
 
 
 def away(s: Any, x: Any) -> float:
     """Signed distance from the ellipsoid."""
-    return float(plain(sphere_ellipsoid.from_ellipsoid)(tuple(s), tuple(map(float, x)))[0])
+    return float(sphere_ellipsoid.from_ellipsoid(tuple(s), tuple(map(float, x)))[0])
 
 
 def net(corners: np.ndarray, grid: int) -> np.ndarray:
@@ -74,7 +73,7 @@ def test_with_equal_semi_axes_it_is_the_place_nearest_to_the_centre(seed: int) -
     rng = np.random.default_rng(seed)
     corners = (SQUARE + 0.3 * rng.uniform(-1, 1, (4, 3))) @ turned(rng) + rng.normal(size=3)
     N, distance, _ = nearest((0.1, 0.1, 0.1), corners)
-    M, square, _ = plain(_face.nearest_on_face)(*[tuple(map(float, x)) for x in corners])
+    M, square, _ = _face.nearest_on_face(*[tuple(map(float, x)) for x in corners])
     assert distance == pytest.approx(np.sqrt(square) - 0.1, abs=1e-14)
     # the distance is of second order in the place
     np.testing.assert_allclose(N @ corners, np.array(M) @ corners, atol=1e-7)
@@ -135,12 +134,12 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
     body.r, body.A = x, np.ravel(A)
     g.totals[0].listed, g.due[:] = -1.0, 0.0
     lists = (g.first, g.near, g.wait, g.due)
-    plain(node_contact.open_loads)(g)
-    plain(projection.open_faces)(
+    node_contact.open_loads(g)
+    projection.open_faces(
         *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
         *((g.cells, g.starts, g.sorted), lists, (g.spared_first, g.spared)),
     )
-    plain(ellipsoids.look)(
+    ellipsoids.look(
         *(
             0,
             g.p[0],
@@ -155,9 +154,9 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
         ),
     )
     if is_smooth:
-        centre, pen = plain(ellipsoids.pen_of)(g.ellipsoids[0], g.nodes)
+        centre, pen = ellipsoids.pen_of(g.ellipsoids[0], g.nodes)
         spared = (g.spared_first, g.spared)
-        plain(normals.smoothen)(0, centre, pen, g.p[0], mesh, spared, g.found[0])
+        normals.smoothen(0, centre, pen, g.p[0], mesh, spared, g.found[0])
     hits = []
     for s in range(2):
         old, new, hit = (
@@ -168,9 +167,9 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
         new.depth, new.active, new.face = hit.depth, int(hit.depth > 0.0), hit.face
         new.normal = hit.normal
         if new.active or old.active:
-            plain(node_contact.take_turn)(1.0, g.turns, s)
+            node_contact.take_turn(1.0, g.turns, s)
         if new.active:
-            plain(ellipsoids.roll)(g.balls[0], g.p[0], hit, g.nodes, g.points, g.corners)
+            ellipsoids.roll(g.balls[0], g.p[0], hit, g.nodes, g.points, g.corners)
             z = np.array(body.r) + np.reshape(body.A, (3, 3)) @ g.balls[0].at
             hits.append((s, float(hit.depth), np.array(hit.normal), z))
     return hits
@@ -234,18 +233,16 @@ def test_the_way_to_the_centre_changes_by_its_derivative(seed: int, tmp_path: Pa
     rng = np.random.default_rng(seed)
     g = bench(tmp_path, (0.3, 0.15, 0.1))
     g.nodes[1].A = np.ravel(turned(rng))
-    _, pen = plain(ellipsoids.pen_of)(g.ellipsoids[0], g.nodes)
+    _, pen = ellipsoids.pen_of(g.ellipsoids[0], g.nodes)
     n, d, step = rng.normal(size=3), rng.normal(size=3), 1e-5
-    ends = [np.array(plain(ellipsoids.to_centre)(pen, tuple(n + k * step * d))) for k in (1, -1)]
-    found = plain(ellipsoids.to_centre_by)(pen, tuple(n), tuple(d))
+    ends = [np.array(ellipsoids.to_centre(pen, tuple(n + k * step * d))) for k in (1, -1)]
+    found = ellipsoids.to_centre_by(pen, tuple(n), tuple(d))
     # central differences: round-off 1e-11, third order 1e-10
     np.testing.assert_allclose(found, (ends[0] - ends[1]) / (2.0 * step), atol=1e-8)
 
 
 def test_the_corners_of_a_face_are_where_the_shell_is(tmp_path: Path) -> None:
     g = bench(tmp_path, (0.3, 0.2, 0.1))
-    at = plain(corner_points)(g.p[0], 0, g.corners)
-    seen = plain(ellipsoids.corners_seen)(
-        g.ellipsoids[0], g.nodes[1], g.p[0], 0, (g.points, g.corners)
-    )
+    at = corner_points(g.p[0], 0, g.corners)
+    seen = ellipsoids.corners_seen(g.ellipsoids[0], g.nodes[1], g.p[0], 0, (g.points, g.corners))
     np.testing.assert_allclose(np.array(seen) + g.nodes[1].r, np.array(g.points.r)[list(at)])

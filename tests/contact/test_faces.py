@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from bench import plain
 from command import crashsolve, gone_on
 
 from crashpost.results.result import Result
@@ -37,7 +36,7 @@ def random_face(seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 def nearest(corners: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, float, int]:
     seen = [tuple(map(float, corner - x)) for corner in corners]
-    N, square, place = plain(_face.nearest_on_face)(*seen)
+    N, square, place = _face.nearest_on_face(*seen)
     return np.array(N), float(np.sqrt(square)), place
 
 
@@ -139,8 +138,8 @@ class Bench:
         return g
 
     def search(self, g: Any) -> None:
-        plain(node_contact.open_loads)(g)
-        plain(projection.open_faces)(
+        node_contact.open_loads(g)
+        projection.open_faces(
             *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g, g.grid, g.lists),
             (g.spared_first, g.spared),
         )
@@ -152,19 +151,19 @@ class Bench:
         g.due[:] = 0.0
         self.search(g)
         place = tuple(map(float, x))
-        plain(projection.look)(
+        projection.look(
             0, place, g.p[0], g.totals[0], g.probe_states, g.turns, g.mesh, g.lists, g.found[0]
         )
         if is_smooth:
             spared = (g.spared_first, g.spared)
-            plain(normals.smoothen)(0, place, None, g.p[0], g.mesh, spared, g.found[0])
+            normals.smoothen(0, place, None, g.p[0], g.mesh, spared, g.found[0])
         hits = []
         for s in range(2):
             old, new = g.probe_states[g.turns[s], s], g.probe_states[1 - g.turns[s], s]
             new.depth, new.active = g.found[0][s].depth, int(g.found[0][s].depth > 0.0)
             new.face, new.normal = g.found[0][s].face, g.found[0][s].normal
             if new.active or old.active:
-                plain(node_contact.take_turn)(h, g.turns, s)
+                node_contact.take_turn(h, g.turns, s)
             if new.active:
                 hits.append((s, float(g.found[0][s].depth), np.array(g.found[0][s].normal)))
         return hits
@@ -244,14 +243,14 @@ def test_a_deleted_element_is_met_no_more(tmp_path: Path, mesh: Any) -> None:
     g, blocks = bench.groups[0], bench.state.blocks
     assert len(bench.look([1.6, 0.3, 0.05])) == len(bench.look([0.4, 0.6, 0.05])) == 1
     # what lies beyond x = 1 fails
-    corners = [plain(corner_points)(g.p[0], f, g.corners) for f in range(g.p[0].face_count)]
+    corners = [corner_points(g.p[0], f, g.corners) for f in range(g.p[0].face_count)]
     x = np.array(mesh[0], float)[np.array(corners)].mean(axis=1)[:, 0]
     for f in np.flatnonzero(x > 1.0):
         first, stride, k = g.p[0].first_number, g.p[0].stride, f
         if f >= g.p[0].quads:
             first, stride, k = g.p[0].first_third, g.p[0].stride_third, f - g.p[0].quads
         blocks[first + k // 16 * stride + k % 16] = 0.0
-    plain(projection.bury)(g.p[0], blocks, g.gone)
+    projection.bury(g.p[0], blocks, g.gone)
     assert list(g.gone) == list((x > 1.0).astype(int))
     assert bench.look([1.6, 0.3, 0.05]) == []
     assert len(bench.look([0.4, 0.6, 0.05])) == 1
@@ -313,7 +312,7 @@ def test_a_continuous_field_points_to_the_axis_of_a_drum(
         # the force acts along the line through the ball and the place on the face
         hit = bench.groups[0].found[0][0 if r > 1.0 else 1]
         g = bench.groups[0]
-        at = plain(corner_points)(g.p[0], hit.face, g.corners)
+        at = corner_points(g.p[0], hit.face, g.corners)
         place = np.array(hit.N) @ np.array(g.points.r)[list(at)]
         np.testing.assert_allclose(place + (0.1 - depth) * normal, x, atol=1e-12)
         half = np.pi / count

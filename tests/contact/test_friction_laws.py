@@ -124,7 +124,7 @@ def test_steady_sliding_loses_mu_n_per_length(bristle: Contact) -> None:
 
 
 def test_a_stuck_bristle_is_a_spring_that_loses_nothing(bristle: Contact) -> None:
-    bristle.p.friction_damping = 0.0
+    bristle.p.friction_damping_ratio = 0.0
     n, h, away = (0, 0, 1), 1e-3, 0.0
     bristle.rub(100.0, (0, 0, 0), n)
     bristle.accept()

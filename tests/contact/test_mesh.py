@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import plain
 from touching import Contact
 
 from crashsolve.contact.narrow import _tree, sphere_mesh
@@ -29,14 +28,14 @@ class Probe:
         self.tree, self.triangles = as_rows(tree), as_rows(triangles)
 
     def nearest(self, y: np.ndarray) -> tuple[np.ndarray, int]:
-        kernel = plain(sphere_mesh.nearest)
+        kernel = sphere_mesh.nearest
         foot, _, at = kernel(self.tree, self.triangles, 0, tuple(map(float, y)))
         return np.array(foot), at
 
 
 def test_the_edge_products_are_those_of_the_corrected_equation() -> None:
     i, j, third, k = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.2, 0.2, -0.01)
-    products = plain(sphere_mesh.edge_products)(i, j, third, k, (0.0, 0.0, 1.0))
+    products = sphere_mesh.edge_products(i, j, third, k, (0.0, 0.0, 1.0))
     np.testing.assert_allclose(products, (0.2, 0.6, 0.2), rtol=1e-14)
 
 

@@ -108,9 +108,10 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("message", REFUSED)
-def test_a_contact_that_cannot_be_built_is_refused(tmp_path: Path, message: str) -> None:
-    law, sides = REFUSED[message]
+@pytest.mark.parametrize(("message", "law", "sides"), [(m, *c) for m, c in REFUSED.items()])
+def test_a_contact_that_cannot_be_built_is_refused(
+    tmp_path: Path, message: str, law: str, sides: str
+) -> None:
     with pytest.raises(DeckErrors) as refused:
         Contact(tmp_path, f"{{{law}}}", surfaces=POINTS, sides=sides)
     assert f"contact 'hit': {message}" in str(refused.value)

@@ -5,9 +5,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from bench import BODIES, Bench, plain, spoil
+from bench import BODIES, Bench, spoil
 
 from crashsolve.foundation.rows import as_rows
+from crashsolve.system.contact.pair import Slide
 
 SPHERES = """
 surfaces:
@@ -48,7 +49,7 @@ class Contact:
 
     def gaps(self) -> list[tuple[float, np.ndarray, np.ndarray]]:
         """Depth, normal and point of every pair of elements."""
-        gap, nodes = plain(self.group.narrow.gap), self.bench.nodes
+        gap, nodes = self.group.narrow.gap, self.bench.nodes
         a, b = as_rows(self.group.elements_a), as_rows(self.group.elements_b)
         data = tuple(as_rows(array) for array in self.group.data)
         found = (gap(a[p.a], b[p.b], nodes, data) for p in self.pairs)
@@ -64,7 +65,7 @@ class Contact:
         self.new.depth, self.new.active = depth, 1
         begins = self.old.active == 0
         self.new.impact_speed = max(rate, self.p.speed_floor) if begins else self.old.impact_speed
-        kernel = plain(self.group.normal.normal_force)
+        kernel = self.group.normal.normal_force
         result = kernel(self.p, self.old, self.new, h, depth, rate, mass, self.bench.curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         return SimpleNamespace(**dict(zip(names, result, strict=True)))
@@ -86,7 +87,7 @@ class Contact:
         law = self.group.friction
         self._spoil(law)
         self.new.active = 1
-        kernel = plain(law.friction_force)
+        kernel = law.friction_force
         u, m = tuple(map(float, slip)), tuple(map(float, n))
         if getattr(law, "STEPWISE", False):
             before = self.slip if self.old.active else np.zeros(3)
@@ -94,7 +95,8 @@ class Contact:
             way = tuple(way - way @ np.asarray(n) * np.asarray(n))
         self._slip = np.asarray(u)
         curves = self.bench.curves
-        result = kernel(self.p, self.old, self.new, normal, u, way, m, mass, ease, curves)
+        slide = Slide(normal, u, way, m, mass, ease)
+        result = kernel(self.p, self.old, self.new, slide, curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         found = SimpleNamespace(**dict(zip(names, result, strict=True)))
         found.force = self.new.rub = np.array(found.force)
@@ -104,7 +106,7 @@ class Contact:
         """The bodies are apart."""
         self._spoil(law)
         self.new.active, self.new.depth, self.new.impact_speed = 0, -1.0, 0.0
-        plain(law.release)(self.p, self.old, self.new)
+        law.release(self.p, self.old, self.new)
 
     def accept(self) -> None:
         """The step is accepted: new becomes old."""

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import Bench, Law, Rows, plain, written
+from bench import Bench, Law, Rows, written
 
 from crashsolve.deck.family import ANY, constants, families, provided
 from crashsolve.deck.laws import law_class, types_in
@@ -230,7 +230,7 @@ def _load(one: Law) -> np.ndarray:
 def _rows(one: Law) -> np.recarray:
     """The law's compliant rows at the present place."""
     found = as_rows(np.zeros(one.module.TANGENTS, COMPLIANT.dtype))
-    plain(one.module.tangent)(one.p, one.old, one.bench.nodes, one.bench.curves, found, 0)
+    one.module.tangent(one.p, one.old, one.bench.nodes, one.bench.curves, found, 0)
     return found
 
 

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import plain
 
 from crashsolve.foundation.bordered import assemble, factorise, plan, solve
 from crashsolve.foundation.rows import as_rows
@@ -62,12 +61,12 @@ class Bordered:
 
     def solve(self, f: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         columns, first = self.matrix.columns, {0: 0, 1: 1}
-        plain(assemble)(self.matrix, self.rows, 7, 0.5, 0.7)
-        plain(factorise)(self.matrix)
+        assemble(self.matrix, self.rows, 7, 0.5, 0.7)
+        factorise(self.matrix)
         for c in columns:
             start = 6 * (c.node - 1) if c.node else first[int(c.entry > 0)]
             c.work[: c.rows] = (f if c.node else r)[start : start + c.rows]
-        plain(solve)(self.matrix)
+        solve(self.matrix)
         x, y = np.zeros(36), np.zeros(4)
         for c in columns:
             start = 6 * (c.node - 1) if c.node else first[int(c.entry > 0)]

@@ -10,12 +10,12 @@ from crashsolve.compiler.table import Tables
 from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.record import Record
 
-THING = Record(
-    mass=("kg", "a number"),
-    place=("m", 3, "several numbers"),
-    mark=("count", "a whole number"),
-    marks=("count", 2, "several whole numbers"),
-)
+THING = Record("""
+    mass   kg        a number
+    place  m      3  several numbers
+    mark   count     a whole number
+    marks  count  2  several whole numbers
+""")
 
 
 @entry

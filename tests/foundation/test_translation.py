@@ -35,11 +35,11 @@ from crashsolve.compiler.translation.module import Module, TranslationError
 from crashsolve.foundation.kernels import entry, inlined, kernel, stage
 from crashsolve.foundation.record import Record
 
-ROW = Record(
-    width=("m", "a number"),
-    mark=("count", "a whole number"),
-    place=("m", 3, "several numbers"),
-)
+ROW = Record("""
+    width  m         a number
+    mark   count     a whole number
+    place  m      3  several numbers
+""")
 WEIGHTS = (0.5, 0.25, 0.125)
 PAIRS = ((1, 2.0), (3, 4.0), (5, 6.0))
 ON, OFF = True, False

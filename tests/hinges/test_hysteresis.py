@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import Bench, plain
+from bench import Bench
 
 from crashsolve.hinges import _joint, _law, _pair
 
@@ -42,7 +42,7 @@ class Driven:
     def go(self, angle: float, phi: float = 1.0) -> float:
         law = self.law
         curves = law.bench.curves
-        found = plain(_law.advance_motion)(law.p, law.old, law.new, 0, angle, phi, curves)
+        found = _law.advance_motion(law.p, law.old, law.new, 0, angle, phi, curves)
         self.moment, self.stored, loss = map(float, found)
         self.lost += loss
         law.new.factor = phi
@@ -147,7 +147,7 @@ def test_a_curve_that_bends_is_followed_by_chords(tmp_path: Path) -> None:
     hinge = Driven(tmp_path, "curve: smooth, stiffness: 1500")
     law, start = hinge.law, hinge.law.bench.model.curve_names["smooth"]
     angles = np.linspace(0.0, 0.1, 57)
-    wanted = [plain(_law.curve_value)(law.bench.curves, start, x)[0] for x in angles]
+    wanted = [_law.curve_value(law.bench.curves, start, x)[0] for x in angles]
     # 64 chords a piece, of which each turns by less than its slope
     np.testing.assert_allclose(hinge.walk(angles), wanted, atol=2e-3)
 
@@ -368,8 +368,8 @@ class Turned:
 
     def go(self, x: float, y: float) -> np.ndarray:
         law = self.law
-        plain(_joint.keep_old)(law.old, law.new)
-        found = plain(_pair.advance_pair)(law.p, law.old, law.new, x, y, 1.0, law.bench.curves)
+        _joint.keep_old(law.old, law.new)
+        found = _pair.advance_pair(law.p, law.old, law.new, x, y, 1.0, law.bench.curves)
         self.moment, self.stored = np.array(found[:2], float), float(found[2])
         self.lost += float(found[3])
         law.accept()
@@ -420,8 +420,8 @@ def test_the_tangent_on_the_ellipse_is_the_derivative(
     for share in np.linspace(0.0, 1.0, 41):
         start = hinge.go(0.05 * share, 0.03 * share)
     law, way = hinge.law, np.array(onward)
-    args = (0.05, 0.03, *onward, 1.0, 0.0, law.bench.curves)
-    rows = plain(_pair.pair_tangent)(law.p, law.old, *args)
+    seen = _pair.Motions(0.05, 0.03, *onward, speed=0.0, sizes=(0.0, 0.0))
+    rows = _pair.tangent(law.p, law.old, seen, law.bench.curves)
     K = sum(row[2] * np.outer(row[:2], row[:2]) for row in rows)
     change = (hinge.go(0.05 + 1e-7 * way[0], 0.03 + 1e-7 * way[1]) - start) / 1e-7
     # second derivatives, k over the elastic range, times the step

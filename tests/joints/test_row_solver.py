@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from bench import plain
 
 from crashsolve.foundation.rows import as_rows
 from crashsolve.foundation.saddle import factorise, plan, solve_rows
@@ -55,8 +54,8 @@ class Rows:
 
     def solve(self, factor: float) -> np.ndarray:
         """Multipliers; all parts of a row have the same."""
-        plain(factorise)(self.saddle, self.table)
-        plain(solve_rows)(self.saddle, self.table, factor)
+        factorise(self.saddle, self.table)
+        solve_rows(self.saddle, self.table, factor)
         for part in self.parts("delta"):
             assert (part == part[0]).all()
         return np.concatenate([part[0] for part in self.parts("delta")])

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from bench import plain
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
@@ -37,8 +36,8 @@ def loaded(folder: Path, *loads: dict[str, Any], **words: Any) -> tuple[Any, Any
         old, new = as_rows(group.history)[:, k]
         old.factor = 3.0
         words_ = (p, old, new, outputs[k], 0.0, 0.1, nodes)
-        plain(group.module.force)(*words_, None, curves)
-        plain(group.module.force_on_points)(*words_, curves, scene, group.members)
+        group.module.force(*words_, None, curves)
+        group.module.force_on_points(*words_, curves, scene, group.members)
     return points, nodes[0], outputs
 
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from bench import plain
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
@@ -40,9 +39,9 @@ def pressed(folder: Path, **words: Any) -> tuple[Any, Any]:
         points=points, corners=elements.corners, work=elements.work, block_sums=sums
     )
     curves = as_rows(model.curves)
-    plain(group.module.force)(p, old, new, out, 0.0, 0.0, nodes, None, curves)
-    plain(group.module.load_elements)(p, old, out, 0.0, scene)
-    plain(group.module.add_up)(p, out, 0.0, nodes, sums)
+    group.module.force(p, old, new, out, 0.0, 0.0, nodes, None, curves)
+    group.module.load_elements(p, old, out, 0.0, scene)
+    group.module.add_up(p, out, 0.0, nodes, sums)
     return points, out
 
 

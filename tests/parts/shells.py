@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import yaml
-from bench import plain
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.orientation import matrix
@@ -77,7 +76,7 @@ class Elements:
         self.clock.element_rate = 0.0
         self.points.rate, self.points.spin_rate = 0.0, 0.0
         for kind in self.kinds:
-            plain(kind.deform)(self.p, self.clock, h, self.scene, self.material)
+            kind.deform(self.p, self.clock, h, self.scene, self.material)
         return np.hstack([self.points.force, self.points.torque])
 
     def turn(self, axis: np.ndarray, about: np.ndarray, way: np.ndarray) -> np.ndarray:
@@ -91,9 +90,9 @@ class Elements:
         return R
 
     def energies(self) -> Any:
-        plain(self.module.energies)(self.p, self.new, self.out, self.scene)
+        self.module.energies(self.p, self.new, self.out, self.scene)
         for kind in self.kinds:
-            plain(kind.add_energies)(self.p, self.out, self.scene, self.material)
+            kind.add_energies(self.p, self.out, self.scene, self.material)
         return self.out
 
     def stiffness(self) -> np.ndarray:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import ONE_BEAM, Bench, Law, exponential, matrix_of_pair, pair_of_blocks, plain, written
+from bench import ONE_BEAM, Bench, Law, exponential, matrix_of_pair, pair_of_blocks, written
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.orientation import matrix
@@ -196,7 +196,7 @@ def test_rows_are_the_derivative_by_the_velocity(tmp_path: Path, kind: str, seed
     law = on_its_way(tmp_path, kind, seed, 1.0, 0.8)
     found = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
     place = (law.bench.nodes, law.bench.curves, found, 0)
-    plain(law.module.tangent)(law.p, law.old, *place, *law.materials)
+    law.module.tangent(law.p, law.old, *place, *law.materials)
     start, rate, ends = law.bench.state(), np.random.default_rng(seed).normal(size=12), []
     for side in (-STEP, STEP):
         shift(law, start, np.zeros(12), rate, side)
@@ -210,7 +210,7 @@ def whole_tangent(law: Law, flips: int) -> np.ndarray:
     """Blocks of the element as one matrix (12, 12) of the nodes."""
     place, blocks = pair_of_blocks(flips)
     given = (law.bench.nodes, law.bench.curves, place, blocks)
-    plain(law.module.bend)(law.p, law.old, *given, *law.materials)
+    law.module.bend(law.p, law.old, *given, *law.materials)
     return matrix_of_pair(blocks, flips)
 
 

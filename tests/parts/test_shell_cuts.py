@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import plain
 from shells import KINDS, PATCH, Elements
 
 from crashsolve.foundation.errors import DeckErrors
@@ -42,14 +41,14 @@ def measured(shell: Elements) -> np.ndarray:
     scene.taps, scene.cuts = as_rows(shell.taps), as_rows(shell.cuts)
     modules = dict(zip(shell.module.KINDS.values(), range(3), strict=True))
     kinds = {modules[kind.__name__.rpartition(".")[2]]: kind for kind in shell.kinds}
-    plain(section_cut.open_cuts)(scene)
+    section_cut.open_cuts(scene)
     for tap in scene.taps:
         if tap.first != before:
             place = (tap.first, tap.corner, scene, shell.material)
-            plain(kinds[int(tap.kind)].respond)(shell.p, 0.0, *place)
+            kinds[int(tap.kind)].respond(shell.p, 0.0, *place)
         before = tap.first
-        plain(section_cut.add_tap)(tap, scene)
-    plain(section_cut.close_cuts)(scene)
+        section_cut.add_tap(tap, scene)
+    section_cut.close_cuts(scene)
     return shell.cuts
 
 

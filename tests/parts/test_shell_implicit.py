@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from bench import exponential, plain, product, refusal
+from bench import exponential, product, refusal
 from command import crashsolve, gone_on
 from shells import ODD, PATCH, STEEL
 
@@ -105,13 +105,13 @@ class Implicit:
             b.A = matrix(b.q).ravel()
 
     def carry(self) -> None:
-        plain(points.carry)(H, self.nodes, self.scene.points, self.attached_points)
+        points.carry(H, self.nodes, self.scene.points, self.attached_points)
 
     def elements(self) -> None:
         """As composed: forces on the points, from what the elements kept."""
-        plain(stiffness.begin_again)(H, self.clock, self.scene)
+        stiffness.begin_again(H, self.clock, self.scene)
         for kind in self.kinds:
-            plain(kind.deform)(self.p, self.clock, H, self.scene, self.material)
+            kind.deform(self.p, self.clock, H, self.scene, self.material)
 
     def force(self) -> np.ndarray:
         """Forces and torques (n, 6) of the elements where the bodies are."""
@@ -119,20 +119,20 @@ class Implicit:
         self.scene.points.force = self.scene.points.torque = 0.0
         self.elements()
         self.nodes.force, self.nodes.torque = 0.0, 0.0
-        plain(points.unload)(self.clock, self.nodes, self.scene.points, self.attached_points)
+        points.unload(self.clock, self.nodes, self.scene.points, self.attached_points)
         return np.hstack([self.nodes.force, self.nodes.torque])[1:]
 
     def stiffness(self) -> np.ndarray:
         """K (6 n, 6 n) as the composed step finds it."""
         self.carry()
         matrix = SimpleNamespace(columns=self.scene.columns_0, blocks=self.scene.blocks_0)
-        plain(global_matrix.open_blocks)(self.nodes, matrix)
-        plain(stiffness.take_back)(H, self.scene)
-        plain(stiffness.reach)(self.nodes, self.scene)
+        global_matrix.open_blocks(self.nodes, matrix)
+        stiffness.take_back(H, self.scene)
+        stiffness.reach(self.nodes, self.scene)
         for kind in self.kinds:
             word = kind.__name__.rpartition(".")[2].lstrip("_")
             file = import_module(f"crashsolve.parts.shells.tangents.{word}")
-            plain(file.tangent)(self.p, H, self.scene, matrix, self.material)
+            file.tangent(self.p, H, self.scene, matrix, self.material)
         return self.matrix()
 
     def differences(self, size: float) -> np.ndarray:
@@ -151,7 +151,7 @@ class Implicit:
     def begin(self) -> None:
         """Where all is becomes the start of the next step."""
         self.force()
-        plain(stiffness.keep)(self.scene)
+        stiffness.keep(self.scene)
         for b in self.nodes[1:]:
             b.start_r, b.start_q, b.start_A = b.r, b.q, b.A
 

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import plain
 from command import crashsolve, differences, gone_on, results, start
 from shells import Elements
 
@@ -181,26 +180,26 @@ def test_a_step_too_long_stops_any_number_of_threads_alike(
 
 
 def test_every_piece_is_taken_once_whoever_comes_when() -> None:
-    rng, next_piece = random.Random(1), plain(worker.next_piece)
+    rng, next_piece = random.Random(1), worker.next_piece
     for threads, pieces in ((1, 1), (2, 8), (3, 2), (8, 33)):
         turns = np.zeros(worker.QUEUES + worker.LINE * threads, np.int64)
         for _ in range(3):
-            called = plain(worker.call)(pieces, threads, turns)
+            called = worker.call(pieces, threads, turns)
             taken = []
             while (k := next_piece(rng.randrange(threads), called, threads, turns)) >= 0:
                 taken.append(k)
-                plain(worker.finish)(turns)
+                worker.finish(turns)
             assert sorted(taken) == list(range(pieces))
-            plain(worker.wait_for_all)(pieces, turns)
+            worker.wait_for_all(pieces, turns)
         # one that comes late to a round finds nothing of the next
-        plain(worker.call)(pieces, threads, turns)
+        worker.call(pieces, threads, turns)
         assert next_piece(0, called, threads, turns) == -1
 
 
 def test_who_waits_long_sleeps(monkeypatch: pytest.MonkeyPatch) -> None:
     naps: list[int] = []
     offers: list[int] = []
-    patient = plain(worker.be_patient)
+    patient = worker.be_patient
     monkeypatch.setitem(patient.__globals__, "sleep", naps.append)
     monkeypatch.setitem(patient.__globals__, "give_way", lambda: offers.append(1))
     looks = 0
@@ -258,13 +257,13 @@ def test_pieces_of_a_part_push_its_points_as_the_whole(
     for k in rng.permutation(len(rows)):
         one.clock.element_rate = 0.0
         for kind in one.kinds:
-            plain(kind.deform)(rows[k], one.clock, 1.0, scene, one.material)
+            kind.deform(rows[k], one.clock, 1.0, scene, one.material)
         scene.pieces[k].rate = one.clock.element_rate
         scene.pieces[k].element = one.clock.limit_element
     assert len(pieces.loans) > 50
     for k in rng.permutation(len(rows)):
-        plain(jobs.take_back)(scene.pieces[k], scene)
-    plain(jobs.note_rates)(one.clock, 0, scene)
+        jobs.take_back(scene.pieces[k], scene)
+    jobs.note_rates(one.clock, 0, scene)
     found = np.hstack([own.force, own.torque])
     assert found.tobytes() == forces.tobytes()
     assert one.clock.element_rate == whole.clock.element_rate

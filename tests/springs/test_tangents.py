@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, Law, matrix_of_pair, pair_of_blocks, plain
+from bench import Bench, Law, matrix_of_pair, pair_of_blocks
 from test_contract import ALL, CURVES, REVERSIBLE
 
 from crashsolve.deck.laws import package_folder
@@ -40,6 +40,15 @@ def make(tmp_path: Path) -> Make:
     return lambda way: Bench(tmp_path, f"{CURVES}springs:\n  s: {LAWS[way]}\n").law("springs", "s")
 
 
+def stepped(make: Make, way: str, seed: int, **motion: float) -> Law:
+    """A spring in motion, a step behind it."""
+    law = make(way)
+    law.bench.shake(seed, **motion)
+    law.force()
+    law.accept()
+    return law
+
+
 def load(law: Law) -> np.ndarray:
     """Forces and torques on both bodies (12,)."""
     law.force()
@@ -50,7 +59,7 @@ def load(law: Law) -> np.ndarray:
 def rows(law: Law) -> np.recarray:
     """The law's compliant rows at the present place."""
     found = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
-    plain(law.module.tangent)(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+    law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
     return found
 
 
@@ -116,7 +125,7 @@ def test_rows_and_blocks_are_the_whole_derivative(
     law.accept()
     law.force()
     place, blocks = pair_of_blocks(flips)
-    plain(law.module.turn_force)(law.p, law.out, law.bench.nodes, place, blocks)
+    law.module.turn_force(law.p, law.out, law.bench.nodes, place, blocks)
     K, here, start = matrix_of_pair(blocks, flips), rows(law), law.bench.state()
     told = K + here.D.T @ (here.stiffness[:, None] * here.D + here.damping[:, None] * here.G)
     wanted, motions = np.zeros((12, 12)), np.eye(12)
@@ -144,7 +153,7 @@ def test_an_end_on_the_ground_has_no_blocks(make: Make, at: int) -> None:
         place, blocks = pair_of_blocks(0)
         if not free:
             place["a" if at == 1 else "b"] = place["across"] = -1
-        plain(law.module.turn_force)(law.p, law.out, law.bench.nodes, place, blocks)
+        law.module.turn_force(law.p, law.out, law.bench.nodes, place, blocks)
         found.append(matrix_of_pair(blocks, 0))
     # all that is left is what the other end does to itself
     found[1][6 * at - 6 : 6 * at] = found[1][:, 6 * at - 6 : 6 * at] = 0.0
@@ -154,10 +163,7 @@ def test_an_end_on_the_ground_has_no_blocks(make: Make, at: int) -> None:
 @pytest.mark.parametrize("way", list(REVERSIBLE))
 @pytest.mark.parametrize("seed", range(3))
 def test_stiffness_is_the_derivative_by_the_place(make: Make, way: str, seed: int) -> None:
-    law = make(way)
-    law.bench.shake(seed, speed=0.0)
-    law.force()
-    law.accept()
+    law = stepped(make, way, seed, speed=0.0)
     direction = np.random.default_rng(seed).normal(size=12)
     compare(law, direction, np.zeros(12), (-1.0, 1.0))
 
@@ -165,10 +171,7 @@ def test_stiffness_is_the_derivative_by_the_place(make: Make, way: str, seed: in
 @pytest.mark.parametrize("way", SMOOTH)
 @pytest.mark.parametrize("seed", range(3))
 def test_damping_is_the_derivative_by_the_velocity(make: Make, way: str, seed: int) -> None:
-    law = make(way)
-    law.bench.shake(seed)
-    law.force()
-    law.accept()
+    law = stepped(make, way, seed)
     direction = np.random.default_rng(seed).normal(size=12)
     compare(law, np.zeros(12), direction, (-1.0, 1.0))
 
@@ -176,10 +179,7 @@ def test_damping_is_the_derivative_by_the_velocity(make: Make, way: str, seed: i
 @pytest.mark.parametrize("way", POINTS)
 @pytest.mark.parametrize("seed", range(3))
 def test_damping_turns_with_the_bodies(make: Make, way: str, seed: int) -> None:
-    law = make(way)
-    law.bench.shake(seed)
-    law.force()
-    law.accept()
+    law = stepped(make, way, seed)
     rng = np.random.default_rng(seed)
     compare(law, rng.normal(size=12), rng.normal(size=12), (-1.0, 1.0))
 
@@ -190,10 +190,7 @@ SLIDING = [way for way in SMOOTH if way not in REVERSIBLE]
 @pytest.mark.parametrize("way", SLIDING)
 @pytest.mark.parametrize("seed", range(3))
 def test_a_sliding_spring_is_as_stiff_as_the_way_it_goes(make: Make, way: str, seed: int) -> None:
-    law = make(way)
-    law.bench.shake(seed)
-    law.force()
-    law.accept()
+    law = stepped(make, way, seed)
     # a little on its way, so that what slides or flows does so
     law.bench.drift(1e-5)
     n = law.bench.nodes

@@ -4,7 +4,7 @@ import argparse
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from crashpost.errors import PostError
 from crashpost.results.text import printable_lines
@@ -69,24 +69,20 @@ def add_commands(add: Add) -> None:
 
 def add_units(sub: argparse.ArgumentParser) -> None:
     """The option of units."""
-    sub.add_argument(
-        "--unit",
-        action="append",
-        default=[],
-        metavar="[CHANNEL=]UNIT",
-        help="show a channel in this unit; or units for all that fits, such as kN,mm,ms",
-    )
+    about = "show a channel in this unit; or units for all that fits, such as kN,mm,ms"
+    _add_repeated(sub, "--unit", "[CHANNEL=]UNIT", about)
 
 
 def _add_tests(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--test",
-        action="append",
-        default=[],
-        type=Path,
-        metavar="FILE",
-        help="measured curves: columns 'time [ms], force [kN], lower [kN], upper [kN]'",
-    )
+    about = "measured curves: columns 'time [ms], force [kN], lower [kN], upper [kN]'"
+    _add_repeated(sub, "--test", "FILE", about, type=Path)
+
+
+def _add_repeated(
+    sub: argparse.ArgumentParser, word: str, metavar: str, about: str, **more: Any
+) -> None:
+    """An option that may be given several times."""
+    sub.add_argument(word, action="append", default=[], metavar=metavar, help=about, **more)
 
 
 def _results(options: argparse.Namespace) -> tuple[list["Result"], list[str]]:

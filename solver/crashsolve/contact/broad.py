@@ -17,13 +17,19 @@ from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, sub, vec
 
-SPHERE = Record(
-    centre=("m", 3, "of the sphere"),
-    radius=("m", "of the sphere"),
-    cube=("count", 3, "cube in which its centre lies"),
-)
-KEY = Record(key=("count", "number of a cube"), sphere=("index", "a sphere in it"))
-PAIR = Record(first=("index", "sphere"), second=("index", "sphere"))
+SPHERE = Record("""
+    centre  m      3  of the sphere
+    radius  m         of the sphere
+    cube    count  3  cube in which its centre lies
+""")
+KEY = Record("""
+    key     count  number of a cube
+    sphere  index  a sphere in it
+""")
+PAIR = Record("""
+    first   index  sphere
+    second  index  sphere
+""")
 # cubes along one axis at most, so that the three numbers of a cube fit one integer
 WIDEST = 2_000_000
 

@@ -14,12 +14,12 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec
 
 FARTHEST = 1e9  # cubes
-CELL = Record(
-    middle=("m", 3, "mean of the face's corners"),
-    radius=("m", "its farthest corner from there"),
-    cube=("count", 3, "cube in which the middle lies"),
-    bucket=("index", "of that cube"),
-)
+CELL = Record("""
+    middle  m      3  mean of the face's corners
+    radius  m         its farthest corner from there
+    cube    count  3  cube in which the middle lies
+    bucket  index     of that cube
+""")
 
 
 @kernel

@@ -33,19 +33,19 @@ class Unilateral(Card):
     friction: float = quantity("1", "mu; sticks below mu times the reaction", default=0.0, ge=0)
 
 
-PARAMETERS = Record(friction_coefficient=("1", "mu"))
-HISTORY = Record(
-    normal=("1", 3, "n"),
-    arm_a=("m", 3, "point of contact from the node of side a"),
-    arm_b=("m", 3, "the same of side b"),
-    opening=("N s", 3, "impulse on side a in the first half of the step"),
-    closing=("N s", 3, "in the second half"),
-    blow=("N s", 3, "of unilateral impulses, at the end of the step"),
-    lift=("m/s", "normal velocity that keeps the gap closed on a curved surface"),
-    friction_loss=("J", "lost by friction in the step"),
-    met=("m/s", 3, "velocity over b before a capture"),
-    reaction=("N", 3, "force on side a at the end of the step, without unilateral impulses"),
-)
+PARAMETERS = Record("friction_coefficient  1  mu")
+HISTORY = Record("""
+    normal         1    3  n
+    arm_a          m    3  point of contact from the node of side a
+    arm_b          m    3  the same of side b
+    opening        N s  3  impulse on side a in the first half of the step
+    closing        N s  3  in the second half
+    blow           N s  3  of unilateral impulses, at the end of the step
+    lift           m/s     normal velocity that keeps the gap closed on a curved surface
+    friction_loss  J       lost by friction in the step
+    met            m/s  3  velocity over b before a capture
+    reaction       N    3  force on side a at the end of the step, without unilateral impulses
+""")
 
 
 def build(card: Unilateral, scene: Any, pair: Any) -> dict[str, Any]:

@@ -22,7 +22,7 @@ def coefficients(x: Array, y: Array, interpolation: str) -> Array:
 
 
 def hermite(x: Array, y: Array, slopes: Array) -> Array:
-    """Cubics with given values and slopes at the points."""
+    """Cubics (n - 1, 4) with given values and slopes (n,) at the points (n,)."""
     h = np.diff(x)
     secant = np.diff(y) / h
     bend = slopes[:-1] + slopes[1:] - 2.0 * secant
@@ -30,7 +30,7 @@ def hermite(x: Array, y: Array, slopes: Array) -> Array:
 
 
 def monotone_slopes(x: Array, y: Array) -> Array:
-    """Slopes that keep the curve within the values of its neighbours, so that it never overshoots.
+    """Slopes (n,) that keep the curve within the values of its neighbours: no overshoot.
 
     Harmonic mean of the secants left and right; zero at a local extremum.
     """
@@ -59,7 +59,7 @@ def _end_slope(h: float, h_next: float, secant: float, secant_next: float) -> fl
 
 
 def spline_slopes(x: Array, y: Array) -> Array:
-    """Slopes of the natural cubic spline: second derivative continuous, and zero at the ends."""
+    """Slopes (n,) of the natural cubic spline: second derivative continuous, 0 at the ends."""
     h = np.diff(x)
     secant = np.diff(y) / h
     below = np.concatenate([1.0 / h, [0.0]])

@@ -57,7 +57,7 @@ class Formula(CurveCard):
 
 
 def sample(card: Formula) -> tuple[Array, Array]:
-    """Abscissae and values at a quarter of the segments; raises ExpressionError."""
+    """Abscissae and values (4 segments + 1,), at every quarter. Raises ExpressionError."""
     return _sample(card.expression, card.from_, card.to, card.segments)
 
 

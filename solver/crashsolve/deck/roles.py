@@ -28,7 +28,7 @@ class BasicConstraint(Protocol):
     ANGULAR: tuple[bool, ...]
 
     def residual(self, p, nodes, rows, r):
-        """Phi(q). Writes: rows.phi."""
+        """Phi(q) [m or 1]. Writes: rows.phi."""
 
     def jacobian(self, p, nodes, rows, r):
         """D, and nu = 0. Writes: rows.D, nu."""
@@ -46,7 +46,10 @@ class Constraint(Protocol):
 
 
 class OwnRows(Protocol):
-    """A constraint with rows that its file writes itself, behind its basic ones."""
+    """A constraint with rows that its file writes itself, behind its basic ones.
+
+    Units are those of ROW (model/nodes.py): Phi in m or 1, nu in m/s, gamma in m/s^2.
+    """
 
     def residual(self, p, old, new, t, nodes, rows, curves):
         """Phi(q, t). Writes: rows.phi, new."""
@@ -66,7 +69,12 @@ class Releasing(Protocol):
 
 
 class Force(Protocol):
-    """Forces on bodies, which every step asks for."""
+    """Forces on bodies, which every step asks for.
+
+    `p` is the row of PARAMETERS, `old` and `new` are those of HISTORY, `out` that of OUTPUT with
+    `stored` [J], `power` [W], which is lost at this moment, and `loss` [J], which was in the step;
+    `t` the time and `h` the step [s], 0 at samples; tables of nodes, constraint rows and curves.
+    """
 
     def force(self, p, old, new, out, t, h, nodes, rows, curves):
         """Forces on bodies, what is stored, the power and the loss. Writes: nodes, out, new."""
@@ -116,10 +124,13 @@ class NormalLaw(Protocol):
         """Words into symbols; `pair` tells the radii of both surfaces."""
 
     def normal_force(self, p, old, new, h, depth, rate, mass, curves):
-        """Force >= 0, stored, power, loss, stiffness, damping. Writes: new."""
+        """Force >= 0 [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.
+
+        Of the depth [m], its rate [m/s], and the mass of both sides along the normal [kg].
+        """
 
     def normal_tangent(self, p, state, depth, rate, mass, curves):
-        """Slopes of the force over the depth and over its rate."""
+        """Slopes of the force over the depth [N/m] and over its rate [N s/m]."""
 
     def release(self, p, old, new):
         """The surfaces are apart. Writes: new."""
@@ -131,8 +142,11 @@ class FrictionLaw(Protocol):
     def build(self, card: Any, scene: Any) -> Any:
         """Words into symbols."""
 
-    def friction_force(self, p, old, new, normal_force, slip, way, n, mass, ease, curves):
-        """Force on a (a vector), stored, power, loss, stiffness, damping. Writes: new."""
+    def friction_force(self, p, old, new, slide, curves):
+        """Force on a (3) [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.
+
+        `slide` is a Slide (system/contact/pair.py): normal force, slip, way, normal, mass, ease.
+        """
 
     def release(self, p, old, new):
         """The surfaces are apart. Writes: new."""
@@ -142,7 +156,7 @@ class FrictionTangent(Protocol):
     """Friction that depends on the sliding speed alone, as implicit methods ask for it."""
 
     def friction_tangent(self, p, normal_force, slip):
-        """Slopes of the force over the slip, along it and across it."""
+        """Slopes of the force over the slip, along it and across it [N s/m]."""
 
 
 class FrictionBranches(Protocol):
@@ -156,7 +170,7 @@ class GapRoutine(Protocol):
     """The gap between two shapes, first and second in the name of the file."""
 
     def gap(self, a, b, nodes, data):
-        """Signed depth, unit normal out of b, point of contact."""
+        """Signed depth [m], unit normal (3) out of b, point of contact (3) [m]."""
 
 
 class Shape(Protocol):

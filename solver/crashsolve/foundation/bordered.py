@@ -21,23 +21,23 @@ from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.saddle import REDUNDANT, Saddle, hand_down, subtract, take_up
 
-COLUMN = saddle.COLUMN + Record(
-    node=("index", "the node; 0 for a joint"),
-    mass=("kg", "of the node"),
-    J=("kg m^2", 9, "its inertia, world axes"),
-)
-BLOCK = saddle.BLOCK + Record(
-    above=("1", 36, "transpose of the block on the other side of the diagonal, then that of U"),
-    stiff=("N/m", 36, "stiffness of the elements, by rows of 6"),
-    stiff_above=("N/m", 36, "transpose of that of the other side"),
-)
+COLUMN = saddle.COLUMN + Record("""
+    node  index      the node; 0 for a joint
+    mass  kg         of the node
+    J     kg m^2  9  its inertia, world axes
+""")
+BLOCK = saddle.BLOCK + Record("""
+    above        1    36  transpose of the block on the other side of the diagonal, then that of U
+    stiff        N/m  36  stiffness of the elements, by rows of 6
+    stiff_above  N/m  36  transpose of that of the other side
+""")
 # of every compliant row; below 0 for what does not move
-PLACE = Record(
-    a=("index", "block of node a, of a joint that of its rows and this node"),
-    b=("index", "the same of node b"),
-    across=("index", "block of both nodes"),
-    flips=("flag", "whether that has the rows of node b"),
-)
+PLACE = Record("""
+    a       index  block of node a, of a joint that of its rows and this node
+    b       index  the same of node b
+    across  index  block of both nodes
+    flips   flag   whether that has the rows of node b
+""")
 
 
 def plan(

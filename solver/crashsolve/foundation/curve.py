@@ -18,14 +18,14 @@ from crashsolve.foundation.record import Record
 
 REFUSE, HOLD, LINEAR = 0, 1, 2
 
-POINT = Record(
-    x=("1", "breakpoint"),
-    c=("1", 4, "coefficients in powers of x - x_i"),
-    area=("1", "integral of y from the first point to x_i"),
-    last=("index", "last point of the curve that starts here"),
-    beyond=("flag", "REFUSE, HOLD or LINEAR outside the range"),
-    fault=("index", "row 0: first point of the curve last read outside its range; -body: folded"),
-)
+POINT = Record("""
+    x       1         breakpoint
+    c       1      4  coefficients in powers of x - x_i
+    area    1         integral of y from the first point to x_i
+    last    index     last point of the curve that starts here
+    beyond  flag      REFUSE, HOLD or LINEAR outside the range
+    fault   index     row 0: first point of the curve last read outside its range; -body: folded
+""")
 
 
 def pack(curves: Sequence[tuple[Any, Any, int]]) -> tuple[np.ndarray, list[int]]:

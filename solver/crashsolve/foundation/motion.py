@@ -81,6 +81,27 @@ def stiffen(body, mobility, stiffness, damping):
 
 
 @kernel
+def pull(p, nodes, tension, u, d_a, d_b, stiffness, damping):
+    """Tension along u on a at d_a and on b at d_b, and its stiffness. Writes: nodes."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    f = scale(tension, u)
+    apply_force(a, f, d_a)
+    apply_force(b, scale(-1.0, f), d_b)
+    stiffen(a, mobility(a, d_a, u), stiffness, damping)
+    stiffen(b, mobility(b, d_b, u), stiffness, damping)
+
+
+@kernel
+def twist(p, nodes, torque, g, stiffness, damping):
+    """Torque along g that turns b back towards a, and its stiffness. Writes: nodes."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    apply_torque(a, scale(torque, g))
+    apply_torque(b, scale(-torque, g))
+    stiffen(a, spin_mobility(a, g), stiffness, damping)
+    stiffen(b, spin_mobility(b, g), stiffness, damping)
+
+
+@kernel
 def line_tangent(row, a, b, u, length, d_a, d_b, stiffness, damping):
     """Tangent of a force along the line u from d_a on a to d_b on b. Writes: row."""
     v = sub(point_velocity(b, d_b), point_velocity(a, d_a))

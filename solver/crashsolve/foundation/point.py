@@ -18,46 +18,44 @@ RIDES = 64
 OWN = 128
 
 
-POINT = Record(
-    r=("m", 3, "position"),
-    v=("m/s", 3, "velocity; during a step that of its middle"),
-    w=("rad/s", 3, "angular velocity; during a step that of its middle"),
-    mass_inv=("1/kg", "inverse mass"),
-    J_inv=("1/(kg m^2)", "inverse inertia about any axis"),
-    force=("N", 3, "applied force"),
-    torque=("N m", 3, "applied torque"),
-    load=("N/m", "squared frequencies of the elements times their mass here"),
-    spin_load=("N m", "the same times their inertia"),
-    held=(
-        "flag",
-        "bits: x, y, z, turns about them, 64 where the point rides on a body, 128 on its own",
-    ),
-)
+POINT = Record("""
+    r          m           3  position
+    v          m/s         3  velocity; during a step that of its middle
+    w          rad/s       3  angular velocity; during a step that of its middle
+    mass_inv   1/kg           inverse mass
+    J_inv      1/(kg m^2)     inverse inertia about any axis
+    force      N           3  applied force
+    torque     N m         3  applied torque
+    load       N/m            squared frequencies of the elements times their mass here
+    spin_load  N m            the same times their inertia
+    held       flag           bits: x, y, z, turns about them, 64 where the point rides on a body,
+                              128 on its own
+""")
 
 # of all points that ride on no body
-MOTION = Record(
-    linear=("N s", 3, "sum of the momenta"),
-    angular=("N m s", 3, "the same about the origin"),
-    linear_size=("N s", "sum of |p|"),
-    angular_size=("N m s", "sum of |r| |p| + |J w|"),
-)
+MOTION = Record("""
+    linear        N s    3  sum of the momenta
+    angular       N m s  3  the same about the origin
+    linear_size   N s       sum of |p|
+    angular_size  N m s     sum of |r| |p| + |J w|
+""")
 
-ATTACHED_POINT = Record(
-    point=("index", "point"),
-    node=("index", "body it rides on"),
-    spot=("m", 3, "from the mass centre, body axes"),
-)
+ATTACHED_POINT = Record("""
+    point  index     point
+    node   index     body it rides on
+    spot   m      3  from the mass centre, body axes
+""")
 
-HOLD = Record(point=("index", "that is held"))
+HOLD = Record("point  index  that is held")
 
 # of a load on the elements of a part: which blocks it acts on
-BLOCKS = Record(
-    first_corner=("index", "of the corners of the first block"),
-    aside=("count", "from there to the corners that take its forces; not 0 of a piece alone"),
-    quads=("count", "quadrilaterals"),
-    triangles=("count", "triangles, in the blocks after theirs"),
-    first_block=("index", "of the part's, and of its sums"),
-)
+BLOCKS = Record("""
+    first_corner  index  of the corners of the first block
+    aside         count  from there to the corners that take its forces; not 0 of a piece alone
+    quads         count  quadrilaterals
+    triangles     count  triangles, in the blocks after theirs
+    first_block   index  of the part's, and of its sums
+""")
 
 
 def blocks_of(p: Any) -> Any:
@@ -66,8 +64,8 @@ def blocks_of(p: Any) -> Any:
 
 
 # what such a load does to a block
-BLOCK_SUM = Record(
-    force=("N", 3, "in all"),
-    moment=("N m", 3, "about the origin"),
-    work=("W", "power of the mean force of the step"),
-)
+BLOCK_SUM = Record("""
+    force   N    3  in all
+    moment  N m  3  about the origin
+    work    W       power of the mean force of the step
+""")

@@ -1,9 +1,11 @@
-"""Columns of a law's data, each with unit, shape and meaning beside its name.
+"""Columns of a law's data, each with unit, size and meaning beside its name.
 
 A law declares what it needs by lifetime: PARAMETERS (Model), HISTORY (State), OUTPUT (channels).
 """
 
+import re
 from dataclasses import dataclass
+from inspect import cleandoc
 from typing import Any
 
 import numpy as np
@@ -27,27 +29,34 @@ class Column:
 
 
 class Record:
-    """Columns given as name=(unit, meaning) or name=(unit, size, meaning)."""
+    """Columns of a table in words: a line each of name, unit, size (of a vector), meaning.
 
-    def __init__(self, **columns: tuple[Any, ...]) -> None:
-        self.columns = tuple(
-            Column(name, spec[0], spec[1] if len(spec) == 3 else 1, spec[-1])
-            for name, spec in columns.items()
-        )
+        r         m     3  position of the mass centre
+        mass_inv  1/kg     inverse mass; 0 for the ground
+
+    Two or more spaces lie between them; a line that begins further in goes on with the meaning.
+    Raises ValueError where a line is no such column, or a name is used twice.
+    """
+
+    def __init__(self, table: str = "", columns: tuple[Column, ...] = ()) -> None:
+        lines = re.sub(r"\n +", " ", cleandoc(table)).splitlines()
+        self.columns = (*map(_column, lines), *columns)
+        names = [column.name for column in self.columns]
+        repeated = {name for name in names if names.count(name) > 1}
+        if repeated:
+            raise ValueError(f"columns declared twice: {sorted(repeated)}")
         # numpy's own attributes of a record would hide the column from plain Python
-        taken = [name for name in columns if hasattr(np.void, name)]
+        taken = [name for name in names if hasattr(np.void, name)]
         if taken:
             raise ValueError(f"names that numpy records have already: {taken}")
 
     def __add__(self, other: "Record") -> "Record":
         """Both sets of columns; a name used twice is a programming error."""
-        total = Record()
-        total.columns = self.columns + other.columns
-        names = [column.name for column in total.columns]
-        repeated = {name for name in names if names.count(name) > 1}
-        if repeated:
-            raise ValueError(f"columns declared twice: {sorted(repeated)}")
-        return total
+        return Record(columns=self.columns + other.columns)
+
+    def taken_from(self, values: Any) -> dict[str, Any]:
+        """The values of these columns out of a row that has them and others."""
+        return {column.name: values[column.name] for column in self.columns}
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -55,6 +64,18 @@ class Record:
         if not self.columns:
             return np.dtype([("unused", np.int64)])
         return np.dtype([column.format for column in self.columns])
+
+
+def _column(line: str) -> Column:
+    """The column of a line. Raises ValueError."""
+    name, *rest = re.split(r" {2,}", line)
+    size = rest[1] if len(rest) == 3 else "1"
+    if not (name.isidentifier() and len(rest) in (2, 3) and size.isdecimal() and int(size) > 0):
+        raise ValueError(
+            f"'{line}' is no column: give name, unit, size (of a vector) and meaning, with two or "
+            "more spaces between them"
+        )
+    return Column(name, rest[0], int(size), rest[-1])
 
 
 def rows_of(record: Record, first: int = 0) -> Any:

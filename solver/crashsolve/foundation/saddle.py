@@ -21,34 +21,38 @@ from crashsolve.foundation.record import Record
 # a pivot below this share of its diagonal is round-off: S loses twice the digits of D
 REDUNDANT = 1e-11
 
-COLUMN = Record(
-    rows=("count", "rows of the joint, at most 6"),
-    entry=("index", "its first entry in the table of rows"),
-    end=("index", "one past its last entry; the parts follow each other"),
-    block=("index", "its diagonal block, followed by the blocks below"),
-    block_end=("index", "one past its last block"),
-    update=("index", "first update of the later columns"),
-    update_end=("index", "one past the last"),
-    dropped=("count", "rows found redundant"),
-    inverse=("1", 6, "1 / L_ii; 0 where redundant"),
-    pivot=("1", 6, "diagonal of S, against which pivots are judged"),
-    work=("1", 6, "right-hand side, then solution"),
-)
-BLOCK = Record(
-    x=("1", 36, "S, then L, by rows of 6"),
-    column=("index", "column of the joint whose rows these are"),
-)
-UPDATE = Record(a=("index", "block"), b=("index", "block"), target=("index", "target -= a b^T"))
-PAIR = Record(
-    row_k=("index", "first entry of one joint"),
-    half_k=("flag", "which half of D: 0 body a, 1 body b"),
-    rows_k=("count", "its rows"),
-    row_j=("index", "the same of the other joint"),
-    half_j=("flag", "half"),
-    rows_j=("count", "rows"),
-    block=("index", "block to which D_k X_j^T adds"),
-    lower=("flag", "whether that is a diagonal block: its lower triangle is enough"),
-)
+COLUMN = Record("""
+    rows        count     rows of the joint, at most 6
+    entry       index     its first entry in the table of rows
+    end         index     one past its last entry; the parts follow each other
+    block       index     its diagonal block, followed by the blocks below
+    block_end   index     one past its last block
+    update      index     first update of the later columns
+    update_end  index     one past the last
+    dropped     count     rows found redundant
+    inverse     1      6  1 / L_ii; 0 where redundant
+    pivot       1      6  diagonal of S, against which pivots are judged
+    work        1      6  right-hand side, then solution
+""")
+BLOCK = Record("""
+    x       1      36  S, then L, by rows of 6
+    column  index      column of the joint whose rows these are
+""")
+UPDATE = Record("""
+    a       index  block
+    b       index  block
+    target  index  target -= a b^T
+""")
+PAIR = Record("""
+    row_k   index  first entry of one joint
+    half_k  flag   which half of D: 0 body a, 1 body b
+    rows_k  count  its rows
+    row_j   index  the same of the other joint
+    half_j  flag   half
+    rows_j  count  rows
+    block   index  block to which D_k X_j^T adds
+    lower   flag   whether that is a diagonal block: its lower triangle is enough
+""")
 
 
 class Saddle(NamedTuple):

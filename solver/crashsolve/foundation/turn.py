@@ -15,11 +15,22 @@ from math import acos, atan2, cos, floor, pi, sin, sqrt
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm
+from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub, vec
 
 # largest angle at which a rotation vector is trusted [rad], and the cosine of half of it
 FOLDED = 3.0
 NEARLY_HALF = cos(0.5 * FOLDED)
+
+
+# of two bodies of which b turns about an axis of a
+TURN = Record("""
+    node_a  index     first body
+    node_b  index     second body
+    axis_a  1      3  axis, axes of a
+    side_a  1      3  at right angles to the axis, axes of a
+    side_b  1      3  the same direction at the start, axes of b
+""")
 
 
 @kernel
@@ -81,6 +92,13 @@ def turn_between(before, after):
     # twice the half angle over its sine, in the limit as well
     factor = 2.0 * atan2(sine, w) / sine if sine > 1e-12 else 2.0
     return (factor * x, factor * y, factor * z)
+
+
+@kernel
+def axes_at(body, turn):
+    """Unit quaternion q Q of axes that are fixed in a body by the unit quaternion Q."""
+    q = (body.q[0], body.q[1], body.q[2], body.q[3])
+    return times(q, (turn[0], turn[1], turn[2], turn[3]))
 
 
 @kernel

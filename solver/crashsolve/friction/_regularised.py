@@ -27,12 +27,12 @@ def speed(slip):
 
 
 @kernel
-def without_friction(slip, rub, n, ease):
-    """Slip as it would be without friction, where `slip` counts on that of the last step."""
-    if ease == 0.0:
-        return slip
-    free = add_scaled(slip, -ease, rub)
-    return add_scaled(free, -dot(free, n), n)
+def without_friction(slide, rub):
+    """Slip [m/s] as without friction, where it counts on that of the last step, `rub` [N]."""
+    if slide.ease == 0.0:
+        return slide.slip
+    free = add_scaled(slide.slip, -slide.ease, rub)
+    return add_scaled(free, -dot(free, slide.n), slide.n)
 
 
 @kernel

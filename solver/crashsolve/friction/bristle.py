@@ -13,7 +13,6 @@ Altpeter (2002), IEEE Trans. Autom. Control 47, 787-792.
 """
 
 from math import exp, sqrt
-from typing import Any
 
 from pydantic import model_validator
 
@@ -21,6 +20,7 @@ from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
+from crashsolve.friction._card import columns
 
 
 class Bristle(Card):
@@ -45,37 +45,29 @@ class Bristle(Card):
 
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
-PARAMETERS = Record(
-    friction_stiffness=("N/m", "k"),
-    friction_damping=("1", "c / (2 sqrt(k m))"),
-    friction_static=("1", "mu_s"),
-    friction_dynamic=("1", "mu_d"),
-    friction_stribeck=("m/s", "v_s"),
-)
-HISTORY = Record(bristle=("m", 3, "elastic slip z of a over b"))
-
-
-def build(card: Bristle, scene: Any) -> dict[str, Any]:
-    return {
-        "friction_stiffness": card.stiffness,
-        "friction_damping": card.damping_ratio,
-        "friction_static": card.static,
-        "friction_dynamic": card.dynamic,
-        "friction_stribeck": card.stribeck_speed,
-    }
+PARAMETERS = Record("""
+    friction_stiffness       N/m  k
+    friction_damping_ratio   1    c / (2 sqrt(k m))
+    friction_static          1    mu_s
+    friction_dynamic         1    mu_d
+    friction_stribeck_speed  m/s  v_s
+""")
+HISTORY = Record("bristle  m  3  elastic slip z of a over b")
+build = columns
 
 
 @kernel
-def friction_force(p, old, new, normal_force, slip, way, n, mass, ease, curves):
-    """Returns force on a, stored, power, loss, stiffness, damping. Writes: new."""
-    k = p.friction_stiffness
-    c = 2.0 * p.friction_damping * sqrt(k * mass)
-    fall = exp(-dot(slip, slip) / p.friction_stribeck**2)
-    limit = normal_force * (p.friction_dynamic + (p.friction_static - p.friction_dynamic) * fall)
+def friction_force(p, old, new, slide, curves):
+    """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
+    k, slip, way = p.friction_stiffness, slide.slip, slide.way
+    c = 2.0 * p.friction_damping_ratio * sqrt(k * slide.mass)
+    fall = exp(-dot(slip, slip) / p.friction_stribeck_speed**2)
+    mu = p.friction_dynamic + (p.friction_static - p.friction_dynamic) * fall
+    limit = slide.normal_force * mu
     # at the onset there is no step behind: the bristle starts straight
     start, trial = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     if old.active == 1:
-        start = turned(vec(old.bristle), n)
+        start = turned(vec(old.bristle), slide.n)
         trial = add(start, way)
     z = cut(trial, limit / k)
     put(new.bristle, z)
@@ -89,7 +81,7 @@ def friction_force(p, old, new, normal_force, slip, way, n, mass, ease, curves):
 
 @kernel
 def turned(x, n):
-    """Vector x laid into the plane normal to n, its length kept."""
+    """Vector x (3) laid into the plane normal to n, its length kept."""
     flat = add_scaled(x, -dot(x, n), n)
     length = norm(flat)
     return scale(norm(x) / length, flat) if length > 0.0 else flat
@@ -97,7 +89,7 @@ def turned(x, n):
 
 @kernel
 def cut(x, limit):
-    """Vector x shortened to `limit` if it is longer."""
+    """Vector x (3) shortened to the length `limit` if it is longer."""
     length = norm(x)
     return scale(limit / length, x) if length > limit else x
 

@@ -11,14 +11,13 @@ at v_0 + (v_1 - v_0) tan(slope)/mu.
 References: Ambrosio (2003), Eq. 21-22.
 """
 
-from typing import Any
-
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import vec
+from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import against, speed, without_friction
 
 
@@ -36,35 +35,28 @@ class Coulomb(Card):
         return self
 
 
-PARAMETERS = Record(
-    friction_coefficient=("1", "mu"),
-    friction_none_below=("m/s", "v_0"),
-    friction_full_above=("m/s", "v_1"),
-)
-HISTORY = Record(friction_regime=("index", "0 below v_0, 1 between, 2 from v_1 on"))
-
-
-def build(card: Coulomb, scene: Any) -> dict[str, Any]:
-    return {
-        "friction_coefficient": card.coefficient,
-        "friction_none_below": card.none_below,
-        "friction_full_above": card.full_above,
-    }
+PARAMETERS = Record("""
+    friction_coefficient  1    mu
+    friction_none_below   m/s  v_0
+    friction_full_above   m/s  v_1
+""")
+HISTORY = Record("friction_regime  index  0 below v_0, 1 between, 2 from v_1 on")
+build = columns
 
 
 @kernel
-def friction_force(p, old, new, normal_force, slip, way, n, mass, ease, curves):
-    """Returns force on a, stored energy, power, loss, stiffness, damping. Writes: new."""
+def friction_force(p, old, new, slide, curves):
+    """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
     rub = vec(old.rub)
-    free = without_friction(slip, rub, n, ease)
-    v, full = speed(free), p.friction_coefficient * normal_force
+    free = without_friction(slide, rub)
+    v, full = speed(free), p.friction_coefficient * slide.normal_force
     new.friction_regime = (1 if v >= p.friction_none_below else 0) + (
         1 if v >= p.friction_full_above else 0
     )
-    taken = ease * full
+    taken = slide.ease * full
     rise = max(p.friction_full_above - p.friction_none_below, taken)
     share = min(max((v - p.friction_none_below) / (rise + taken), 0.0), 1.0)
-    return against(free, v, full * share, full / rise, rub, way)
+    return against(free, v, full * share, full / rise, rub, slide.way)
 
 
 @kernel

@@ -11,7 +11,6 @@ International 40, 580-587.
 """
 
 from math import exp, tanh
-from typing import Any
 
 from pydantic import model_validator
 
@@ -19,6 +18,7 @@ from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import vec
+from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import against, speed, without_friction
 
 # of the slip without friction, that which is left; a dozen passes find it
@@ -41,55 +41,46 @@ class Stribeck(Card):
         return self
 
 
-PARAMETERS = Record(
-    friction_static=("1", "mu_s"),
-    friction_dynamic=("1", "mu_d"),
-    friction_stribeck=("m/s", "v_s"),
-    friction_viscous=("s/m", "k_v"),
-    friction_smoothing=("m/s", "v_t"),
-)
+PARAMETERS = Record("""
+    friction_static           1    mu_s
+    friction_dynamic          1    mu_d
+    friction_stribeck_speed   m/s  v_s
+    friction_viscous          s/m  k_v
+    friction_smoothing_speed  m/s  v_t
+""")
 HISTORY = Record()
-
-
-def build(card: Stribeck, scene: Any) -> dict[str, Any]:
-    return {
-        "friction_static": card.static,
-        "friction_dynamic": card.dynamic,
-        "friction_stribeck": card.stribeck_speed,
-        "friction_viscous": card.viscous,
-        "friction_smoothing": card.smoothing_speed,
-    }
+build = columns
 
 
 @kernel
-def friction_force(p, old, new, normal_force, slip, way, n, mass, ease, curves):
-    """Returns force on a, stored energy, dissipated power, loss, stiffness, damping."""
+def friction_force(p, old, new, slide, curves):
+    """Force on a [N], stored [J], power [W], loss [J], stiffness and damping [N s/m]."""
     rub = vec(old.rub)
-    free = without_friction(slip, rub, n, ease)
-    v, taken = speed(free), ease * normal_force
+    free, normal_force = without_friction(slide, rub), slide.normal_force
+    v, taken = speed(free), slide.ease * normal_force
     mu = coefficient(p, slip_left(p, v, taken), taken)
-    return against(free, v, mu * normal_force, steepest(p) * normal_force, rub, way)
+    return against(free, v, mu * normal_force, steepest(p) * normal_force, rub, slide.way)
 
 
 @kernel
 def steepest(p):
     """Largest rise of the friction coefficient over the sliding speed [s/m]."""
-    return p.friction_static / p.friction_smoothing + p.friction_viscous
+    return p.friction_static / p.friction_smoothing_speed + p.friction_viscous
 
 
 @kernel
 def coefficient(p, v, taken):
-    """Friction over normal force at sliding speed v; it rises and falls by 1 / taken at most."""
+    """Friction over normal force at sliding speed v [m/s]; its slope is 1 / taken at most."""
     widened = max(1.0, taken * steepest(p))
     drop = p.friction_static - p.friction_dynamic
-    peak = drop * exp(-((v / max(p.friction_stribeck, taken * drop)) ** 2))
-    smooth = tanh(v / (widened * p.friction_smoothing))
+    peak = drop * exp(-((v / max(p.friction_stribeck_speed, taken * drop)) ** 2))
+    smooth = tanh(v / (widened * p.friction_smoothing_speed))
     return (p.friction_dynamic + peak) * smooth + p.friction_viscous / widened * v
 
 
 @kernel
 def slip_left(p, v_free, taken):
-    """Root v of v + taken mu(v) = v_free, by the Illinois rule; both sides of it rise."""
+    """Root v [m/s] of v + taken mu(v) = v_free, by the Illinois rule; both sides of it rise."""
     if taken * v_free == 0.0:
         return v_free
     low, high = 0.0, v_free
@@ -119,11 +110,11 @@ def release(p, old, new):
 @kernel
 def friction_tangent(p, normal_force, slip):
     """Rise of the friction over the sliding speed, along and across the slip [N s/m]."""
-    v, v_s = speed(slip), p.friction_stribeck
+    v, v_s = speed(slip), p.friction_stribeck_speed
     peak = (p.friction_static - p.friction_dynamic) * exp(-((v / v_s) ** 2))
-    smooth = tanh(v / p.friction_smoothing)
+    smooth = tanh(v / p.friction_smoothing_speed)
     mu = p.friction_dynamic + peak
-    along = mu * (1.0 - smooth * smooth) / p.friction_smoothing + p.friction_viscous
+    along = mu * (1.0 - smooth * smooth) / p.friction_smoothing_speed + p.friction_viscous
     along -= 2.0 * v / (v_s * v_s) * peak * smooth
     across = mu * smooth / v + p.friction_viscous if v > 0.0 else along
     return normal_force * along, normal_force * across

@@ -325,5 +325,5 @@ def _refuse_start(
 
 
 def tip(card: Any) -> float:
-    """Metres per radian of the speed in the rate factor; 1 where it is in rad/s."""
+    """Arm of the speed in the rate factor [m/rad]; 1 where that speed is in rad/s."""
     return float(card.rate.arm) if card.rate and card.rate.arm else 1.0

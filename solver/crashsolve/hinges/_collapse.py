@@ -93,7 +93,7 @@ def fold_energy(angle: float, a: float, b: float) -> float:
 
 
 def normal(p: np.ndarray, q: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """Unit normal of a triangle."""
+    """Unit normal (3,) of a triangle."""
     n = np.cross(q - p, s - p)
     return np.asarray(n / np.linalg.norm(n))
 
@@ -160,7 +160,7 @@ def crush_force(section: Any, stress: float, field: str, scene: Any) -> float:
 
 
 def sides(section: Any, about: str, field: str, scene: Any) -> tuple[float, float, float]:
-    """Compressed flange, depth and wall of a rectangular tube."""
+    """Compressed flange, depth and wall of a rectangular tube [m]."""
     if type(section).__name__ != "RectangularTube":
         raise scene.fail("collapse by folding is that of a rectangular_tube; name one", field)
     a, b = section.width, section.height

@@ -11,11 +11,11 @@ from crashsolve.joints._card import direction
 LEDGER = "hinge"
 # directions typed with six digits are square to this; a worse one is a mistake
 SQUARE = 1e-5
-COMMON = Record(
-    rate_factor=("1", "phi, on the static moment or force at yield"),
-    energy=("J", "taken up so far: stored and dissipated"),
-    failed=("flag", "1 after failure"),
-)
+COMMON = Record("""
+    rate_factor  1     phi, on the static moment or force at yield
+    energy       J     taken up so far: stored and dissipated
+    failed       flag  1 after failure
+""")
 
 
 def at_start(p: Any, speed: float) -> dict[str, Any]:
@@ -36,7 +36,7 @@ def across(card: Any, field: str, scene: Any) -> np.ndarray:
 
 
 def motion_of(scene: Any, p: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Velocity of b's joint point and spin of b, both seen from a, world axes."""
+    """Velocity (3,) [m/s] of b's joint point, spin (3,) [rad/s] of b, seen from a, world axes."""
     a, b = p["node_a"], p["node_b"]
     arms = [scene.matrix(node) @ p[f"point_{side}"] for side, node in (("a", a), ("b", b))]
     v = [scene.v[n] + np.cross(scene.w[n], d) for n, d in zip((a, b), arms, strict=True)]

@@ -22,6 +22,8 @@ earthquake ductility requirements, and Mahin and Bertero (1976), ASCE J. Struct.
 oriented); Nikravesh, Chung and Benedict (1983), Computers and Structures 16, 395-400 (hinges).
 """
 
+from typing import NamedTuple
+
 from crashsolve.foundation.curve import curve_area, curve_value, segment
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -31,36 +33,45 @@ ISOTROPIC, KINEMATIC, PEAK_ORIENTED = 0, 1, 2
 ROUND_OFF = 1e-14
 PASSES = 100
 
-LAW = Record(
-    stiffness=("N m/rad or N/m", 2, "k of both motions"),
-    backbone=("index", 4, "y of both motions, in positive and negative direction"),
-    cyclic=("flag", "ISOTROPIC, KINEMATIC or PEAK_ORIENTED"),
-    initial=("rad or m", 2, "motion from the start at which there is no moment"),
-    failure=("rad or m", 2, "motion at which the hinge fails; infinity for never"),
-    is_apart=("flag", "whether failure frees the joint too"),
-    rate_coefficient=("1", "a"),
-    rate_exponent=("1", "b"),
-    rate_floor=("m/s or rad/s", "speed at which phi = 1.1"),
-    latched=("flag", "whether V is that at first yield"),
-)
-PATH = Record(
-    x=("rad or m", 2, "motion from the undeformed hinge"),
-    speed=("rad/s or m/s", "V"),
-    plastic=("rad or m", 2, "x_p"),
-    flow=("rad or m", 2, "alpha"),
-    reached=("rad or m", 4, "largest x_p in positive and in negative direction of both motions"),
-    origin=("rad or m", 2, "x_0"),
-    flowing=("flag", 2, "1 or -1: x_p grows or falls; 0: it rests"),
-    corner=("rad or m", 2, "plastic way to the end of the segment of y"),
-    factor=("1", "phi"),
-    latch=("m/s or rad/s", "V at first yield; -1 before"),
-    failed=("flag", "1: there is no hinge any more"),
-)
+LAW = Record("""
+    stiffness         N m/rad or N/m  2  k of both motions
+    backbone          index           4  y of both motions, in positive and negative direction
+    cyclic            flag               ISOTROPIC, KINEMATIC or PEAK_ORIENTED
+    initial           rad or m        2  motion from the start at which there is no moment
+    failure           rad or m        2  motion at which the hinge fails; infinity for never
+    is_apart          flag               whether failure frees the joint too
+    rate_coefficient  1                  a
+    rate_exponent     1                  b
+    rate_floor        m/s or rad/s       speed at which phi = 1.1
+    latched           flag               whether V is that at first yield
+""")
+PATH = Record("""
+    x        rad or m      2  motion from the undeformed hinge
+    speed    rad/s or m/s     V
+    plastic  rad or m      2  x_p
+    flow     rad or m      2  alpha
+    reached  rad or m      4  largest x_p in positive and in negative direction of both motions
+    origin   rad or m      2  x_0
+    flowing  flag          2  1 or -1: x_p grows or falls; 0: it rests
+    corner   rad or m      2  plastic way to the end of the segment of y
+    factor   1                phi
+    latch    m/s or rad/s     V at first yield; -1 before
+    failed   flag             1: there is no hinge any more
+""")
+
+
+class Flow(NamedTuple):
+    """Flow of one motion in a step."""
+
+    c: int  # which motion, 0 or 1
+    side: float  # its direction
+    way: float  # of the slider [rad or m]
+    origin: float  # x_0 [rad or m]
 
 
 @kernel
 def resistance(p, old, c, side, way, origin, curves):
-    """R after a plastic way in one direction, and its slope; `c` is the motion, 0 or 1."""
+    """R [N m or N] after a plastic way in one direction, and its slope; `c`: motion 0 or 1."""
     own = 2 * c if side > 0.0 else 2 * c + 1
     if p.cyclic == ISOTROPIC:
         y, slope, _ = curve_value(curves, p.backbone[own], old.flow[c] + way)
@@ -84,20 +95,20 @@ def resistance(p, old, c, side, way, origin, curves):
 
 @kernel
 def dynamic(R, phi):
-    """phi R where it opposes the flow."""
+    """phi R [N m or N] where it opposes the flow, else R."""
     return phi * R if R > 0.0 else R
 
 
 @kernel
 def line_origin(p, old, c, side):
-    """x_0 of the line to the peak: where the elastic line meets M = 0, if M changes its sign."""
+    """x_0 [rad or m] of the line to the peak: the elastic line's zero, if M changes its sign."""
     before = side * p.stiffness[c] * (old.x[c] - old.plastic[c])
     return old.origin[c] if before > 0.0 else old.plastic[c]
 
 
 @kernel
 def direction(p, old, c, x, phi, curves):
-    """Direction in which motion x makes the slider flow from the old state; 0 for none."""
+    """Direction, 1 or -1, in which motion x [rad or m] makes the slider flow; 0 for none."""
     k = p.stiffness[c]
     for j in range(2):
         side = 1.0 - 2.0 * j
@@ -113,7 +124,7 @@ def direction(p, old, c, x, phi, curves):
 
 @kernel
 def plastic_way(p, old, c, side, x, phi, curves):
-    """Way of the slider: k (x - x_p) = phi R by Newton's method, never out of its bracket."""
+    """Way [rad or m] of the slider: k (x - x_p) = phi R by Newton's method, kept in its bracket."""
     k, origin = p.stiffness[c], line_origin(p, old, c, side)
     trial = side * k * (x - old.plastic[c])
     R, _ = resistance(p, old, c, side, 0.0, origin, curves)
@@ -149,8 +160,9 @@ def hardened(p, c, x_p, curves):
 
 
 @kernel
-def static_loss(p, old, c, side, way, origin, curves):
+def static_loss(p, old, flow, curves):
     """Area under R over the plastic way, less what is stored of it [J]."""
+    c, side, way, origin = flow
     own = 2 * c if side > 0.0 else 2 * c + 1
     here = p.backbone[own]
     if p.cyclic == ISOTROPIC:
@@ -184,9 +196,10 @@ def advance_motion(p, old, new, c, x, phi, curves):
     if side != 0.0:
         way = plastic_way(p, old, c, side, x, phi, curves)
         origin = line_origin(p, old, c, side)
-        loss = static_loss(p, old, c, side, way, origin, curves)
+        flow = Flow(c, side, way, origin)
+        loss = static_loss(p, old, flow, curves)
         if phi > 1.0:
-            loss += added_loss(p, old, c, side, way, origin, loss, phi, curves)
+            loss += added_loss(p, old, flow, loss, phi, curves)
         own = 2 * c if side > 0.0 else 2 * c + 1
         new.plastic[c] += side * way
         new.flow[c] += way
@@ -201,8 +214,9 @@ def advance_motion(p, old, new, c, x, phi, curves):
 
 
 @kernel
-def added_loss(p, old, c, side, way, origin, static, phi, curves):
+def added_loss(p, old, flow, static, phi, curves):
     """What the factor adds to the work on the slider, with its mean over the way [J]."""
+    c, side, way, origin = flow
     mean = 0.5 * (phi + old.factor) if old.flowing[c] == int(side) else phi
     if p.cyclic != KINEMATIC:
         return (mean - 1.0) * static
@@ -229,7 +243,7 @@ def to_corner(p, new, c, side, curves):
 
 @kernel
 def next_point(curves, here, at):
-    """Way to the end of the segment of a curve; far where there is none."""
+    """Way [rad or m] to the end of the segment of a curve; far where there is none."""
     last = curves[here].last
     i = segment(curves, here, last, at)
     return curves[i + 1].x - at if curves[i + 1].x > at else 1e300
@@ -237,7 +251,7 @@ def next_point(curves, here, at):
 
 @kernel
 def motion_tangent(p, state, c, x, rate, phi, phi_slope, curves):
-    """Rise of the moment over the motion and over V, from an accepted state; and the direction."""
+    """Slopes of the moment over the motion [N m/rad or N/m] and over V; direction of flow."""
     k = p.stiffness[c]
     side = direction(p, state, c, x, phi, curves)
     if side == 0.0:
@@ -254,7 +268,7 @@ def motion_tangent(p, state, c, x, rate, phi, phi_slope, curves):
 
 @kernel
 def at_yield(p, state, c, x, rate, phi, curves):
-    """Direction in which it flows on, at yield but for round-off; 0 for none."""
+    """Direction, 1 or -1, in which it flows on at yield, but for round-off; 0 for none."""
     k = p.stiffness[c]
     side = 1.0 if rate > 0.0 else -1.0
     if rate == 0.0 or state.flowing[c] != int(side):
@@ -298,7 +312,7 @@ def beyond_yield(p, old, c, side, x, phi, curves):
 
 @kernel
 def growth(p, speed):
-    """phi at a speed."""
+    """phi [1] at a speed [m/s or rad/s]."""
     if p.rate_coefficient == 0.0:
         return 1.0
     return 1.0 + p.rate_coefficient * speed**p.rate_exponent
@@ -306,7 +320,7 @@ def growth(p, speed):
 
 @kernel
 def growth_bound(p, speed):
-    """Bound of its slope: the secant, from where phi reaches 1.1 on, as it may be vertical at 0."""
+    """Bound of its slope [s/m or s/rad], which may be vertical at 0: the secant from phi = 1.1."""
     if p.rate_coefficient == 0.0 or p.latched == 1:
         return 0.0
     b = p.rate_exponent
@@ -315,7 +329,7 @@ def growth_bound(p, speed):
 
 @kernel
 def growth_slope(p, speed):
-    """Its slope; near rest, where a power below 1 is vertical, that close to rest."""
+    """Its slope [s/m or s/rad]; near rest, where a power below 1 is vertical, that close by."""
     if p.rate_coefficient == 0.0 or p.latched == 1:
         return 0.0
     b = p.rate_exponent
@@ -325,7 +339,7 @@ def growth_slope(p, speed):
 
 @kernel
 def overshoot(p, old, c, x, curves):
-    """Share of the step before static yield; above 1 where it is not met."""
+    """Share [1] of the step before static yield; above 1 where it is not met."""
     k, before = p.stiffness[c], old.x[c] - old.plastic[c]
     now, share = x - old.plastic[c], 2.0
     for j in range(2):
@@ -339,7 +353,7 @@ def overshoot(p, old, c, x, curves):
 
 @kernel
 def factor(p, old, new, speed, share):
-    """phi of this step; `share` of the step is before static yield. Writes: new.
+    """phi [1] of this step; `share` of the step is before static yield. Writes: new.
 
     A speed that is latched is that at first yield, on the straight line over the step.
     """
@@ -358,7 +372,7 @@ def factor(p, old, new, speed, share):
 
 @kernel
 def step_factor(p, state, speed):
-    """phi from an accepted state."""
+    """phi [1] from an accepted state."""
     if p.latched == 0:
         return growth(p, speed)
     return growth(p, state.latch) if state.latch >= 0.0 else 1.0

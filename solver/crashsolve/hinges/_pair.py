@@ -19,28 +19,62 @@ Chen (1986), 3D beam-column element with generalized plastic hinges, ASCE J. Eng
 """
 
 from math import ceil, sqrt
+from typing import NamedTuple
 
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+from crashsolve.hinges import _joint
 from crashsolve.hinges._law import (
     ROUND_OFF,
     advance_motion,
     beyond_motion,
+    factor,
+    growth_slope,
     motion_tangent,
     overshoot,
+    step_factor,
 )
 
-PAIR = Record(is_elliptic=("flag", "whether both moments share one ellipse"))
-WORK = Record(flow_work=("J", "W, plastic work at which elliptic curves are read"))
+PAIR = Record("is_elliptic  flag  whether both moments share one ellipse")
+WORK = Record("flow_work  J  W, plastic work at which elliptic curves are read")
 # of the elastic range in one piece of a step, and most pieces
 PIECE, MOST_PIECES = 0.1, 1000
 PASSES = 100
 
 
+class Motions(NamedTuple):
+    """Both motions of a hinge."""
+
+    x: float  # from the undeformed hinge [rad or m]
+    y: float
+    rate: float  # of x
+    across: float  # of y
+    speed: float  # of the rate factor
+    sizes: tuple[float, float]  # by which it fails [rad or m]
+
+
+@kernel
+def resist(p, old, new, out, seen, curves):
+    """Both moments or forces [N m or N], 0 after failure, and phi [1]. Writes: new, out."""
+    _joint.keep_old(old, new)
+    new.flow_work = old.flow_work
+    share = overshoot_pair(p, old, seen.x, seen.y, curves) if p.latched == 1 else 2.0
+    phi = factor(p, old, new, seen.speed, share)
+    new.failed = 1 if _joint.fails(p, old, seen.sizes[0], seen.sizes[1]) else 0
+    first, second, stored, loss = 0.0, 0.0, 0.0, 0.0
+    if old.failed == 0:
+        first, second, stored, loss = advance_pair(p, old, new, seen.x, seen.y, phi, curves)
+    if new.failed == 1:
+        first, second = 0.0, 0.0
+    new.x[0], new.x[1] = seen.x, seen.y
+    _joint.close_outputs(p, old, new, out, stored, loss)
+    return first, second, phi
+
+
 @kernel
 def advance_pair(p, old, new, x, y, phi, curves):
-    """Both moments, stored energy and loss. Writes: new, but for its common columns."""
+    """Both moments, stored energy and loss [J]. Writes: new, but for its common columns."""
     if p.is_elliptic == 1:
         return advance_ellipse(p, old, new, x, y, phi, curves)
     new.flow_work = old.flow_work
@@ -51,7 +85,7 @@ def advance_pair(p, old, new, x, y, phi, curves):
 
 @kernel
 def limits(p, work, phi, curves):
-    """Squares of both yield moments with the factor, and their slopes over W."""
+    """Squares of both yield moments [N^2 m^2 or N^2] with the factor, and their slopes over W."""
     a, da, _ = curve_value(curves, p.backbone[0], work)
     b, db, _ = curve_value(curves, p.backbone[2], work)
     return phi * phi * a, phi * phi * b, phi * phi * da, phi * phi * db
@@ -127,7 +161,7 @@ def return_work(p, f, g, work, phi, curves):
 
 @kernel
 def scaled_flow(p, f, g, work, done, phi, curves):
-    """dl for plastic work that is done, and the squares of both yield moments after it."""
+    """dl [J] for plastic work that is done, and the squares of both yield moments after it."""
     a, b, _, _ = limits(p, work, phi, curves)
     c, d, _, _ = limits(p, work + done, phi, curves)
     ratio = sqrt((f * f / c + g * g / d) / (f * f / a + g * g / b))
@@ -136,19 +170,23 @@ def scaled_flow(p, f, g, work, done, phi, curves):
 
 @kernel
 def excess(p, f, g, work, done, phi, curves):
-    """How far the moments are outside of the ellipse after plastic work that is done."""
+    """How far the moments are outside of the ellipse [1] after plastic work that is done [J]."""
     flow, a, b = scaled_flow(p, f, g, work, done, phi, curves)
     c, d = a + flow * p.stiffness[0], b + flow * p.stiffness[1]
     return f * f * a / (c * c) + g * g * b / (d * d) - 1.0
 
 
 @kernel
-def pair_tangent(p, state, x, y, rate, across, phi, slope, curves):
+def tangent(p, state, seen, curves):
     """Rows of the tangent: shares of both motions, stiffness and damping of each row.
 
     Of the ellipse: K^(1/2) (1 - z z^T / (1 + H / n K n)) K^(1/2), z along K^(1/2) n, n the normal
     over M: what flows, and what it leaves.
     """
+    if state.failed == 1:
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    x, y, rate, across, speed, _ = seen
+    phi, slope = step_factor(p, state, speed), growth_slope(p, speed)
     if p.is_elliptic == 0:
         k, _, _ = motion_tangent(p, state, 0, x, rate, phi, slope, curves)
         j, _, _ = motion_tangent(p, state, 1, y, across, phi, slope, curves)
@@ -174,8 +212,19 @@ def pair_tangent(p, state, x, y, rate, across, phi, slope, curves):
 
 
 @kernel
-def beyond_pair(p, old, h, x, y, rate, across, phi, curves):
-    """How far both motions have left the branch of the law on which the step began [rad or m]."""
+def beyond(p, old, h, seen, curves):
+    """How far this has left the branch of the law on which the step began [rad or m]."""
+    if old.failed == 1:
+        return -1e300
+    failing = max(seen.sizes[0] - p.failure[0], seen.sizes[1] - p.failure[1])
+    return max(beyond_yield(p, old, h, seen, curves), failing)
+
+
+@kernel
+def beyond_yield(p, old, h, seen, curves):
+    """The same, but for failure [rad or m]."""
+    x, y, rate, across, speed, _ = seen
+    phi = step_factor(p, old, speed)
     if p.is_elliptic == 0:
         first = beyond_motion(p, old, h, 0, x, rate, phi, curves)
         return max(first, beyond_motion(p, old, h, 1, y, across, phi, curves))
@@ -190,7 +239,7 @@ def beyond_pair(p, old, h, x, y, rate, across, phi, curves):
 
 @kernel
 def overshoot_pair(p, old, x, y, curves):
-    """Share of the step before static yield; above 1 where it is not met."""
+    """Share [1] of the step before static yield; above 1 where it is not met."""
     if p.is_elliptic == 0:
         return min(overshoot(p, old, 0, x, curves), overshoot(p, old, 1, y, curves))
     a, b, _, _ = limits(p, old.flow_work, 1.0, curves)

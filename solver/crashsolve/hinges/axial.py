@@ -15,39 +15,13 @@ import numpy as np
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import (
-    apply_force,
-    arm,
-    axis_tangent,
-    mobility,
-    relative,
-    stiffen,
-)
+from crashsolve.foundation.motion import arm, axis_tangent, pull, relative
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
+from crashsolve.foundation.vec3 import add, cross, dot, sub, vec
+from crashsolve.hinges import _single
 from crashsolve.hinges._card import AxialCurve, HingeCard, Motion, backbones, law
-from crashsolve.hinges._joint import (
-    COMMON,
-    LEDGER,
-    at_start,
-    close_outputs,
-    fails,
-    keep_old,
-    let_go,
-    motion_of,
-)
-from crashsolve.hinges._law import (
-    LAW,
-    PATH,
-    advance_motion,
-    beyond_motion,
-    factor,
-    growth_bound,
-    growth_slope,
-    motion_tangent,
-    overshoot,
-    step_factor,
-)
+from crashsolve.hinges._joint import COMMON, LEDGER, at_start, let_go, motion_of
+from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.joints import prismatic
 from crashsolve.joints._card import FRAME
 from crashsolve.joints.basic import rows_of
@@ -79,13 +53,13 @@ class Axial(HingeCard):
 
 PARAMETERS = FRAME + LAW
 HISTORY = PATH
-OUTPUT = COMMON + Record(
-    force=("N", "pull is positive"),
-    stroke=("m", "of b along the axis from the undeformed hinge"),
-    rate=("m/s", "of the stroke"),
-    plastic_stroke=("m", "sum of plastic ways in both directions"),
-    residual_stroke=("m", "that would be left without force"),
-)
+OUTPUT = COMMON + Record("""
+    force            N    pull is positive
+    stroke           m    of b along the axis from the undeformed hinge
+    rate             m/s  of the stroke
+    plastic_stroke   m    sum of plastic ways in both directions
+    residual_stroke  m    that would be left without force
+""")
 
 
 def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
@@ -106,7 +80,7 @@ def initial_history(card: Axial, p: Any, scene: Any) -> dict[str, Any]:
 
 @kernel
 def stroke_along(p, nodes, axis):
-    """Way of b along an axis of a, its rate, the axis, and the arms of the force in both bodies."""
+    """Way of b along an axis of a [m], its rate, the axis, arms of the force in both bodies [m]."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)
@@ -116,34 +90,13 @@ def stroke_along(p, nodes, axis):
 
 
 @kernel
-def pull(p, nodes, force, u, d_a, d_b, stiffness, damping):
-    """Force along u on both bodies in the point of b. Writes: nodes."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    f = scale(force, u)
-    apply_force(a, f, d_a)
-    apply_force(b, scale(-1.0, f), d_b)
-    stiffen(a, mobility(a, d_a, u), stiffness, damping)
-    stiffen(b, mobility(b, d_b, u), stiffness, damping)
-
-
-@kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     way, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
     x = way - p.initial[0]
-    keep_old(old, new)
-    share = overshoot(p, old, 0, x, curves) if p.latched == 1 else 2.0
-    phi = factor(p, old, new, abs(rate), share)
-    new.failed = 1 if fails(p, old, x, 0.0) else 0
-    pulled, stored, loss = 0.0, 0.0, 0.0
-    if old.failed == 0:
-        pulled, stored, loss = advance_motion(p, old, new, 0, x, phi, curves)
-    if new.failed == 1:
-        pulled = 0.0
-    new.x[0] = x
+    pulled, phi = _single.resist(p, old, new, out, x, abs(rate), curves)
     out.force, out.stroke, out.rate = pulled, x, rate
     out.plastic_stroke, out.residual_stroke = new.flow[0], new.plastic[0]
-    close_outputs(p, old, new, out, stored, loss)
     if new.failed == 0:
         drag = growth_bound(p, new.speed) * abs(pulled) / phi
         pull(p, nodes, pulled, u, d_a, d_b, p.stiffness[0], drag)
@@ -153,21 +106,13 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
     way, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
-    x, stiffness, damping = way - p.initial[0], 0.0, 0.0
-    if state.failed == 0:
-        speed = abs(rate)
-        phi, slope = step_factor(p, state, speed), growth_slope(p, speed)
-        stiffness, damping, side = motion_tangent(p, state, 0, x, rate, phi, slope, curves)
-        damping = damping if side * rate > 0.0 else 0.0
+    x = way - p.initial[0]
+    stiffness, damping = _single.slopes(p, state, x, rate, abs(rate), curves)
     axis_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], u, d_a, d_b, stiffness, damping)
 
 
 @kernel
 def event(p, old, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [m]."""
-    if old.failed == 1:
-        return -1e300
     way, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)
-    x = way - p.initial[0]
-    phi = step_factor(p, old, abs(rate))
-    return max(beyond_motion(p, old, h, 0, x, rate, phi, curves), abs(x) - p.failure[0])
+    return _single.beyond(p, old, h, way - p.initial[0], rate, abs(rate), curves)

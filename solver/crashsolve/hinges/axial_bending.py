@@ -17,38 +17,15 @@ import numpy as np
 
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import (
-    apply_torque,
-    axis_tangent,
-    spin_mobility,
-    stiffen,
-    turn_tangent,
-)
+from crashsolve.foundation.motion import axis_tangent, pull, turn_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import scale
+from crashsolve.hinges import _pair
 from crashsolve.hinges._card import AxialCurve, Motion, PairCard, TurnCurve, law, pair_backbones
-from crashsolve.hinges._joint import (
-    COMMON,
-    LEDGER,
-    across,
-    at_start,
-    close_outputs,
-    fails,
-    keep_old,
-    let_go,
-    motion_of,
-)
-from crashsolve.hinges._law import LAW, PATH, factor, growth_bound, growth_slope, step_factor
-from crashsolve.hinges._pair import (
-    PAIR,
-    WORK,
-    advance_pair,
-    beyond_pair,
-    overshoot_pair,
-    pair_tangent,
-)
+from crashsolve.hinges._joint import COMMON, LEDGER, across, at_start, let_go, motion_of
+from crashsolve.hinges._law import LAW, PATH, growth_bound
+from crashsolve.hinges._pair import PAIR, WORK, Motions
 from crashsolve.hinges._turn import turned
-from crashsolve.hinges.axial import pull, stroke_along
+from crashsolve.hinges.axial import stroke_along
 from crashsolve.joints._card import FRAME, direction
 from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
 from crashsolve.joints.basic import parallel
@@ -98,25 +75,25 @@ PARAMETERS = (
     FRAME
     + LAW
     + PAIR
-    + Record(
-        beam_a=("1", 3, "direction of the beam, axes of a"),
-        across_a=("1", 3, "axis x beam, axes of a"),
-        tip=("m", "arm of the angle in the speed of the factor"),
-    )
+    + Record("""
+        beam_a    1  3  direction of the beam, axes of a
+        across_a  1  3  axis x beam, axes of a
+        tip       m     arm of the angle in the speed of the factor
+    """)
 )
 HISTORY = PATH + WORK
-OUTPUT = COMMON + Record(
-    moment=("N m", "positive turns b back"),
-    force=("N", "pull is positive"),
-    angle=("rad", "of b from the undeformed hinge"),
-    stroke=("m", "of b along the beam from the undeformed hinge"),
-    rate=("rad/s", "of the angle"),
-    stroke_rate=("m/s", "of the stroke"),
-    plastic_angle=("rad", "sum of plastic turns in both directions"),
-    residual_angle=("rad", "that would be left without moment and force"),
-    plastic_stroke=("m", "sum of plastic ways in both directions"),
-    residual_stroke=("m", "that would be left without moment and force"),
-)
+OUTPUT = COMMON + Record("""
+    moment           N m    positive turns b back
+    force            N      pull is positive
+    angle            rad    of b from the undeformed hinge
+    stroke           m      of b along the beam from the undeformed hinge
+    rate             rad/s  of the angle
+    stroke_rate      m/s    of the stroke
+    plastic_angle    rad    sum of plastic turns in both directions
+    residual_angle   rad    that would be left without moment and force
+    plastic_stroke   m      sum of plastic ways in both directions
+    residual_stroke  m      that would be left without moment and force
+""")
 
 
 def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
@@ -177,50 +154,35 @@ def convective(p, old, t, nodes, rows, curves):
 
 
 @kernel
+def seen_by(p, state, nodes):
+    """Both motions, the gradient of the angle, the axis and the arms of the force [m]."""
+    angle, rate, g = turned(p, state.x[0], nodes)
+    way, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
+    stroke, speed = way - p.initial[1], sqrt(along * along + (p.tip * rate) ** 2)
+    seen = Motions(angle, stroke, rate, along, speed, (abs(angle), abs(stroke)))
+    return seen, g, u, d_a, d_b
+
+
+@kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    angle, rate, g = turned(p, old.x[0], nodes)
-    way, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
-    stroke = way - p.initial[1]
-    keep_old(old, new)
-    new.flow_work = old.flow_work
-    speed = sqrt(along * along + (p.tip * rate) ** 2)
-    share = overshoot_pair(p, old, angle, stroke, curves) if p.latched == 1 else 2.0
-    phi = factor(p, old, new, speed, share)
-    new.failed = 1 if fails(p, old, angle, stroke) else 0
-    moment, pulled, stored, loss = 0.0, 0.0, 0.0, 0.0
-    if old.failed == 0:
-        moment, pulled, stored, loss = advance_pair(p, old, new, angle, stroke, phi, curves)
-    if new.failed == 1:
-        moment, pulled = 0.0, 0.0
-    new.x[0], new.x[1] = angle, stroke
-    out.moment, out.force, out.angle, out.stroke = moment, pulled, angle, stroke
-    out.rate, out.stroke_rate = rate, along
+    seen, g, u, d_a, d_b = seen_by(p, old, nodes)
+    moment, pulled, phi = _pair.resist(p, old, new, out, seen, curves)
+    out.moment, out.force, out.angle, out.stroke = moment, pulled, seen.x, seen.y
+    out.rate, out.stroke_rate = seen.rate, seen.across
     out.plastic_angle, out.residual_angle = new.flow[0], new.plastic[0]
     out.plastic_stroke, out.residual_stroke = new.flow[1], new.plastic[1]
-    close_outputs(p, old, new, out, stored, loss)
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    apply_torque(a, scale(moment, g))
-    apply_torque(b, scale(-moment, g))
     bound = growth_bound(p, new.speed) / phi if new.failed == 0 else 0.0
     k, j = (p.stiffness[0], p.stiffness[1]) if new.failed == 0 else (0.0, 0.0)
     pull(p, nodes, pulled, u, d_a, d_b, j, bound * (abs(pulled) + abs(moment) / p.tip))
-    drag = bound * p.tip * (abs(moment) + p.tip * abs(pulled))
-    stiffen(a, spin_mobility(a, g), k, drag)
-    stiffen(b, spin_mobility(b, g), k, drag)
+    twist(p, nodes, moment, g, k, bound * p.tip * (abs(moment) + p.tip * abs(pulled)))
 
 
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
-    angle, rate, g = turned(p, state.x[0], nodes)
-    way, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
-    stroke = way - p.initial[1]
-    one, other = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-    if state.failed == 0:
-        speed = sqrt(along * along + (p.tip * rate) ** 2)
-        phi, slope = step_factor(p, state, speed), growth_slope(p, speed)
-        one, other = pair_tangent(p, state, angle, stroke, rate, along, phi, slope, curves)
+    seen, g, u, d_a, d_b = seen_by(p, state, nodes)
+    one, other = _pair.tangent(p, state, seen, curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
     turn_tangent(rows[first], a, b, g, one[2], 0.0)
     axis_tangent(rows[first + 1], a, b, u, d_a, d_b, other[2], 0.0)
@@ -236,11 +198,4 @@ def tangent(p, state, nodes, curves, rows, first):
 @kernel
 def event(p, old, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [rad]."""
-    if old.failed == 1:
-        return -1e300
-    angle, rate, _ = turned(p, old.x[0], nodes)
-    way, along, _, _, _ = stroke_along(p, nodes, p.beam_a)
-    stroke = way - p.initial[1]
-    phi = step_factor(p, old, sqrt(along * along + (p.tip * rate) ** 2))
-    past = beyond_pair(p, old, h, angle, stroke, rate, along, phi, curves)
-    return max(past, abs(angle) - p.failure[0], abs(stroke) - p.failure[1])
+    return _pair.beyond(p, old, h, seen_by(p, old, nodes)[0], curves)

@@ -28,27 +28,11 @@ from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.turn import FOLDED, rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
+from crashsolve.hinges import _pair
 from crashsolve.hinges._card import Motion, PairCard, TurnCurve, law, pair_backbones, tip
-from crashsolve.hinges._joint import (
-    COMMON,
-    LEDGER,
-    across,
-    at_start,
-    close_outputs,
-    fails,
-    keep_old,
-    let_go,
-    motion_of,
-)
-from crashsolve.hinges._law import LAW, PATH, factor, growth_bound, growth_slope, step_factor
-from crashsolve.hinges._pair import (
-    PAIR,
-    WORK,
-    advance_pair,
-    beyond_pair,
-    overshoot_pair,
-    pair_tangent,
-)
+from crashsolve.hinges._joint import COMMON, LEDGER, across, at_start, let_go, motion_of
+from crashsolve.hinges._law import LAW, PATH, growth_bound
+from crashsolve.hinges._pair import PAIR, WORK, Motions
 from crashsolve.joints._card import FRAME, direction
 from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
 from crashsolve.joints.basic import point, rows_of
@@ -96,19 +80,19 @@ PARAMETERS = (
     FRAME
     + LAW
     + PAIR
-    + Record(
-        reference=("1", 4, "q_a^-1 q_b at the start"),
-        tip=("m or 1", "speed of the factor over the rate"),
-    )
+    + Record("""
+        reference  1       4  q_a^-1 q_b at the start
+        tip        m or 1     speed of the factor over the rate
+    """)
 )
 HISTORY = PATH + WORK
-OUTPUT = COMMON + Record(
-    moment=("N m", 2, "about side and about axis x side, positive turns b back"),
-    angle=("rad", 2, "theta"),
-    rate=("rad/s", 2, "of the angle"),
-    plastic_angle=("rad", 2, "sum of plastic turns in both directions"),
-    residual_angle=("rad", 2, "that would be left without moment"),
-)
+OUTPUT = COMMON + Record("""
+    moment          N m    2  about side and about axis x side, positive turns b back
+    angle           rad    2  theta
+    rate            rad/s  2  of the angle
+    plastic_angle   rad    2  sum of plastic turns in both directions
+    residual_angle  rad    2  that would be left without moment
+""")
 
 
 def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
@@ -143,11 +127,8 @@ def initial_history(card: Biaxial, p: Any, scene: Any) -> dict[str, Any]:
 @kernel
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
-    row = rows[p.first_row + 3]
-    square_residual(p, p.side_a, p.third_b, nodes, row)
-    crossed = row.phi
-    square_residual(p, p.third_a, p.side_b, nodes, row)
-    row.phi -= crossed
+    crossed = square_residual(p, p.side_a, p.third_b, nodes)
+    rows[p.first_row + 3].phi = square_residual(p, p.third_a, p.side_b, nodes) - crossed
 
 
 @kernel
@@ -165,16 +146,13 @@ def jacobian(p, old, t, nodes, rows, curves):
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    row = rows[p.first_row + 3]
-    square_convective(p, p.side_a, p.third_b, nodes, row)
-    crossed = row.gamma
-    square_convective(p, p.third_a, p.side_b, nodes, row)
-    row.gamma -= crossed
+    crossed = square_convective(p, p.side_a, p.third_b, nodes)
+    rows[p.first_row + 3].gamma = square_convective(p, p.third_a, p.side_b, nodes) - crossed
 
 
 @kernel
-def turned(p, nodes):
-    """Both angles, their rates, the world directions of their torques, and |theta|, |T|^2."""
+def seen_by(p, nodes):
+    """Both angles, the world directions of their torques, |theta| [rad] and |T|^2."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     theta = rotation_vector(a, b, p.reference)
     size = norm(theta)
@@ -183,33 +161,25 @@ def turned(p, nodes):
     g, q = tangent_map(theta, c, 0.5, first), tangent_map(theta, c, 0.5, second)
     spin = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
     x, y = dot(first, theta) - p.initial[0], dot(second, theta) - p.initial[1]
+    rate, across = dot(g, spin), dot(q, spin)
+    speed = p.tip * sqrt(rate * rate + across * across)
+    seen = Motions(x, y, rate, across, speed, (sqrt(x * x + y * y), 0.0))
     stretch = (1.0 - c * size * size) ** 2 + 0.25 * size * size
-    return x, y, dot(g, spin), dot(q, spin), arm(a, g), arm(a, q), size, stretch
+    return seen, arm(a, g), arm(a, q), size, stretch
 
 
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    x, y, rate, across, g, q, size, stretch = turned(p, nodes)
+    seen, g, q, size, stretch = seen_by(p, nodes)
     if size > FOLDED:
         curves[0].fault, curves[0].x = p.backbone[0], size
-    keep_old(old, new)
-    new.flow_work = old.flow_work
-    speed = p.tip * sqrt(rate * rate + across * across)
-    share = overshoot_pair(p, old, x, y, curves) if p.latched == 1 else 2.0
-    phi = factor(p, old, new, speed, share)
-    new.failed = 1 if fails(p, old, sqrt(x * x + y * y), 0.0) else 0
-    first, second, stored, loss = 0.0, 0.0, 0.0, 0.0
-    if old.failed == 0:
-        first, second, stored, loss = advance_pair(p, old, new, x, y, phi, curves)
-    if new.failed == 1:
-        first, second = 0.0, 0.0
-    new.x[0], new.x[1] = x, y
+    first, second, phi = _pair.resist(p, old, new, out, seen, curves)
     out.moment[0], out.moment[1] = first, second
-    out.angle[0], out.angle[1], out.rate[0], out.rate[1] = x, y, rate, across
+    out.angle[0], out.angle[1] = seen.x, seen.y
+    out.rate[0], out.rate[1] = seen.rate, seen.across
     for c in range(2):
         out.plastic_angle[c], out.residual_angle[c] = new.flow[c], new.plastic[c]
-    close_outputs(p, old, new, out, stored, loss)
     a, b = nodes[p.node_a], nodes[p.node_b]
     torque = add_scaled(scale(first, g), second, q)
     apply_torque(a, torque)
@@ -226,12 +196,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
-    x, y, rate, across, g, q, _, _ = turned(p, nodes)
-    one, other = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-    if state.failed == 0:
-        speed = p.tip * sqrt(rate * rate + across * across)
-        phi, slope = step_factor(p, state, speed), growth_slope(p, speed)
-        one, other = pair_tangent(p, state, x, y, rate, across, phi, slope, curves)
+    seen, g, q, _, _ = seen_by(p, nodes)
+    one, other = _pair.tangent(p, state, seen, curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
     turn_tangent(rows[first], a, b, add_scaled(scale(one[0], g), one[1], q), one[2], 0.0)
     turn_tangent(rows[first + 1], a, b, add_scaled(scale(other[0], g), other[1], q), other[2], 0.0)
@@ -240,9 +206,4 @@ def tangent(p, state, nodes, curves, rows, first):
 @kernel
 def event(p, old, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [rad]."""
-    if old.failed == 1:
-        return -1e300
-    x, y, rate, across, _, _, _, _ = turned(p, nodes)
-    phi = step_factor(p, old, p.tip * sqrt(rate * rate + across * across))
-    past = beyond_pair(p, old, h, x, y, rate, across, phi, curves)
-    return max(past, sqrt(x * x + y * y) - p.failure[0])
+    return _pair.beyond(p, old, h, seen_by(p, nodes)[0], curves)

@@ -7,20 +7,20 @@ import numpy as np
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 
-POINTS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    point_a=("m", 3, "joint point from the mass centre of a, axes of a"),
-    point_b=("m", 3, "joint point from the mass centre of b, axes of b"),
-)
-FRAME = POINTS + Record(
-    axis_a=("1", 3, "joint axis, axes of a"),
-    side_a=("1", 3, "at right angles to the axis, axes of a"),
-    third_a=("1", 3, "axis x side, axes of a"),
-    axis_b=("1", 3, "joint axis, axes of b"),
-    side_b=("1", 3, "side at the start, axes of b"),
-    third_b=("1", 3, "third at the start, axes of b"),
-)
+POINTS = Record("""
+    node_a   index     first body
+    node_b   index     second body
+    point_a  m      3  joint point from the mass centre of a, axes of a
+    point_b  m      3  joint point from the mass centre of b, axes of b
+""")
+FRAME = POINTS + Record("""
+    axis_a   1  3  joint axis, axes of a
+    side_a   1  3  at right angles to the axis, axes of a
+    third_a  1  3  axis x side, axes of a
+    axis_b   1  3  joint axis, axes of b
+    side_b   1  3  side at the start, axes of b
+    third_b  1  3  third at the start, axes of b
+""")
 
 
 class JointCard(Card):
@@ -40,8 +40,13 @@ class AxisJointCard(JointCard):
     axis: Vec3 = word("direction of the joint axis at the start, in `frame`; any length")
 
 
+def own_frame(card: JointCard, scene: Any) -> dict[str, Any]:
+    """Bodies and points of a joint, and its axes where it has some: `build` of most joints."""
+    return dict(scene.joint_frame(card))
+
+
 def direction(card: JointCard, scene: Any, field: str) -> np.ndarray:
-    """World components of a direction given in the frame of the card."""
+    """World components (3,) of a direction given in the frame of the card; length 1."""
     u: np.ndarray = scene.unit(getattr(card, field), field)
     return u if card.frame == "world" else scene.matrix(scene.node(card.frame)) @ u
 

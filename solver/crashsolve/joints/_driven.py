@@ -31,7 +31,7 @@ def motion(card: DrivenCard, scene: Any, coordinate: float, tolerance: float) ->
 
 
 def start_value(card: DrivenCard, scene: Any) -> float:
-    """Value of the curve at the start of the run."""
+    """Value of the curve at the start of the run [m or rad]."""
     first = scene.curve(card.curve)
     points = scene.curve_points[first : scene.curve_points[first]["last"] + 1]
     x, t = points["x"], scene.deck.control.start_time

@@ -33,14 +33,14 @@ def write_row(row, v_a, w_a, v_b, w_b):
 
 @kernel
 def separation(a, b, point_a, point_b):
-    """d = x_b - x_a and both arms."""
+    """d = x_b - x_a and both arms [m]."""
     s_a, s_b = arm(a, vec(point_a)), arm(b, vec(point_b))
     return sub(point_at(b, s_b), point_at(a, s_a)), s_a, s_b
 
 
 @kernel
 def centripetal(body, s):
-    """Part w x (w x s) of the acceleration of a point of the body."""
+    """Part w x (w x s) of the acceleration of a point of the body [m/s^2]."""
     w = vec(body.w)
     return cross(w, cross(w, s))
 
@@ -72,9 +72,9 @@ def slide_turning(a, b, point_a, point_b, axis_a):
 
 
 @kernel
-def square_residual(p, axis_a, axis_b, nodes, row):
-    """One row: an axis of a stays at right angles to an axis of b. Writes: row."""
-    row.phi = dot(arm(nodes[p.node_a], vec(axis_a)), arm(nodes[p.node_b], vec(axis_b)))
+def square_residual(p, axis_a, axis_b, nodes):
+    """Phi of an axis of a at right angles to an axis of b: the cosine between them [1]."""
+    return dot(arm(nodes[p.node_a], vec(axis_a)), arm(nodes[p.node_b], vec(axis_b)))
 
 
 @kernel
@@ -86,13 +86,13 @@ def square_jacobian(p, axis_a, axis_b, nodes, row):
 
 
 @kernel
-def square_convective(p, axis_a, axis_b, nodes, row):
-    """Writes: row."""
+def square_convective(p, axis_a, axis_b, nodes):
+    """gamma of the same [1/s^2]."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     u_a, u_b = arm(a, vec(axis_a)), arm(b, vec(axis_b))
     a_dot, b_dot = cross(vec(a.w), u_a), cross(vec(b.w), u_b)
     turn = dot(cross(vec(a.w), a_dot), u_b) + dot(u_a, cross(vec(b.w), b_dot))
-    row.gamma = -(turn + 2.0 * dot(a_dot, b_dot))
+    return -(turn + 2.0 * dot(a_dot, b_dot))
 
 
 @kernel

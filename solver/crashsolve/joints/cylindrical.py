@@ -6,20 +6,14 @@ Consequence to test: two degrees of freedom that know nothing of each other: b f
 upright axis with g while it keeps its spin.
 """
 
-from typing import Any
-
-from crashsolve.joints._card import FRAME, AxisJointCard
+from crashsolve.joints._card import FRAME, AxisJointCard, own_frame
 from crashsolve.joints.basic import line, parallel, rows_of
 
 CONSTRAINTS = (line, parallel)
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
 FREE = ("angle", "travel")
-PARAMETERS = FRAME
+PARAMETERS, build = FRAME, own_frame
 
 
 class Cylindrical(AxisJointCard):
     """Sleeve on a shaft: b turns about and slides along one axis fixed in a."""
-
-
-def build(card: Cylindrical, scene: Any) -> dict[str, Any]:
-    return dict(scene.joint_frame(card))

@@ -19,7 +19,7 @@ from crashsolve.joints._rows import centripetal, separation, write_row
 CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
-PARAMETERS = POINTS + Record(length=("m", "L"))
+PARAMETERS = POINTS + Record("length  m  L")
 
 
 class Distance(Card):

@@ -12,7 +12,7 @@ from typing import Any
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import angle_about, angle_turning, counted
+from crashsolve.foundation.turn import TURN, angle_about, angle_turning, counted
 from crashsolve.joints._card import named_frame
 from crashsolve.joints._rows import scale_row, turn_jacobian
 
@@ -21,23 +21,18 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (True,)
 FURTHER_NODES = ("node_c", "node_d")
-PARAMETERS = Record(
-    node_a=("index", "body a of the first joint"),
-    node_b=("index", "body b of the first joint"),
-    axis_a=("1", 3, "axis of the first joint, axes of its a"),
-    side_a=("1", 3, "from which its angle counts, axes of its a"),
-    side_b=("1", 3, "to which its angle counts, axes of its b"),
-    node_c=("index", "body a of the second joint"),
-    node_d=("index", "body b of the second joint"),
-    axis_c=("1", 3, "axis of the second joint, axes of its a"),
-    side_c=("1", 3, "from which its angle counts, axes of its a"),
-    side_d=("1", 3, "to which its angle counts, axes of its b"),
-    ratio=("1", "angle of the second over angle of the first"),
-)
-HISTORY = Record(
-    first=("rad", "angle of the first joint, with all turns"),
-    second=("rad", "angle of the second joint, with all turns"),
-)
+PARAMETERS = TURN + Record("""
+    node_c  index     body a of the second joint
+    node_d  index     body b of the second joint
+    axis_c  1      3  axis of the second joint, axes of its a
+    side_c  1      3  from which its angle counts, axes of its a
+    side_d  1      3  to which its angle counts, axes of its b
+    ratio   1         angle of the second over angle of the first
+""")
+HISTORY = Record("""
+    first   rad  angle of the first joint, with all turns
+    second  rad  angle of the second joint, with all turns
+""")
 
 
 class Gear(Card):
@@ -57,7 +52,7 @@ def build(card: Gear, scene: Any) -> dict[str, Any]:
         raise scene.fail("must not be 0", "ratio")
     one = named_frame(scene, "first", card.first, "angle")
     two = named_frame(scene, "second", card.second, "angle")
-    columns = {name: one[name] for name in ("node_a", "node_b", "axis_a", "side_a", "side_b")}
+    columns = TURN.taken_from(one)
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     return columns | {"side_c": two["side_a"], "side_d": two["side_b"], "ratio": card.ratio}
 

@@ -6,20 +6,14 @@ Consequence to test: three degrees of freedom; on a level plane the mass centre 
 constant speed while the body keeps its spin.
 """
 
-from typing import Any
-
-from crashsolve.joints._card import FRAME, AxisJointCard
+from crashsolve.joints._card import FRAME, AxisJointCard, own_frame
 from crashsolve.joints.basic import parallel, plane, rows_of
 
 CONSTRAINTS = (plane, parallel)
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
 FREE = ("angle",)
-PARAMETERS = FRAME
+PARAMETERS, build = FRAME, own_frame
 
 
 class Planar(AxisJointCard):
     """b slides and turns on a plane fixed in a; `axis` is the plane's normal."""
-
-
-def build(card: Planar, scene: Any) -> dict[str, Any]:
-    return dict(scene.joint_frame(card))

@@ -22,11 +22,11 @@ __all__ = ["ANGULAR", "ROWS", "convective", "jacobian", "residual"]
 
 CONSTRAINTS = ()
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = POINTS + Record(
-    axis_a=("1", 3, "u, world axes"),
-    curve=("index", "f"),
-    offset=("m", "of f over the coordinate"),
-)
+PARAMETERS = POINTS + Record("""
+    axis_a  1      3  u, world axes
+    curve   index     f
+    offset  m         of f over the coordinate
+""")
 
 
 class PointDriver(DrivenCard):

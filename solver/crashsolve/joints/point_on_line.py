@@ -5,19 +5,13 @@
 Consequence to test: four degrees of freedom; the ends of a ladder on a wall and a floor.
 """
 
-from typing import Any
-
-from crashsolve.joints._card import FRAME, AxisJointCard
+from crashsolve.joints._card import FRAME, AxisJointCard, own_frame
 from crashsolve.joints.basic import line, rows_of
 
 CONSTRAINTS = (line,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
-PARAMETERS = FRAME
+PARAMETERS, build = FRAME, own_frame
 
 
 class PointOnLine(AxisJointCard):
     """The point `at` of b stays on the line through `at` along `axis` of a."""
-
-
-def build(card: PointOnLine, scene: Any) -> dict[str, Any]:
-    return dict(scene.joint_frame(card))

@@ -5,19 +5,13 @@
 Consequence to test: five degrees of freedom; a ladder on a smooth wall and floor.
 """
 
-from typing import Any
-
-from crashsolve.joints._card import FRAME, AxisJointCard
+from crashsolve.joints._card import FRAME, AxisJointCard, own_frame
 from crashsolve.joints.basic import plane, rows_of
 
 CONSTRAINTS = (plane,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
-PARAMETERS = FRAME
+PARAMETERS, build = FRAME, own_frame
 
 
 class PointOnPlane(AxisJointCard):
     """The point `at` of b stays on the plane of a through `at` with the normal `axis`."""
-
-
-def build(card: PointOnPlane, scene: Any) -> dict[str, Any]:
-    return dict(scene.joint_frame(card))

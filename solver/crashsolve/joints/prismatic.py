@@ -6,20 +6,14 @@ with d = x_b - x_a. Consequence to test: one degree of freedom; b slides down an
 alpha with g sin alpha.
 """
 
-from typing import Any
-
-from crashsolve.joints._card import FRAME, AxisJointCard
+from crashsolve.joints._card import FRAME, AxisJointCard, own_frame
 from crashsolve.joints.basic import line, parallel, rows_of, square
 
 CONSTRAINTS = (line, parallel, square)
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
 FREE = ("travel",)
-PARAMETERS = FRAME
+PARAMETERS, build = FRAME, own_frame
 
 
 class Prismatic(AxisJointCard):
     """Slider: b moves along one axis fixed in a and does not turn against a."""
-
-
-def build(card: Prismatic, scene: Any) -> dict[str, Any]:
-    return dict(scene.joint_frame(card))

@@ -11,7 +11,7 @@ from typing import Any
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import angle_about, angle_turning, counted
+from crashsolve.foundation.turn import TURN, angle_about, angle_turning, counted
 from crashsolve.joints._card import named_frame
 from crashsolve.joints._rows import (
     scale_row,
@@ -26,20 +26,15 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
 FURTHER_NODES = ("node_c", "node_d")
-PARAMETERS = Record(
-    node_a=("index", "body a of the pinion's joint"),
-    node_b=("index", "body b of the pinion's joint"),
-    axis_a=("1", 3, "axis of the pinion's joint, axes of its a"),
-    side_a=("1", 3, "from which its angle counts, axes of its a"),
-    side_b=("1", 3, "to which its angle counts, axes of its b"),
-    node_c=("index", "body a of the rack's joint"),
-    node_d=("index", "body b of the rack's joint"),
-    point_c=("m", 3, "point of the rack's joint from the mass centre of its a, axes of its a"),
-    point_d=("m", 3, "point of the rack's joint from the mass centre of its b, axes of its b"),
-    axis_c=("1", 3, "axis of the rack's joint, axes of its a"),
-    radius=("m", "R"),
-)
-HISTORY = Record(angle=("rad", "angle of the pinion, with all turns"))
+PARAMETERS = TURN + Record("""
+    node_c   index     body a of the rack's joint
+    node_d   index     body b of the rack's joint
+    point_c  m      3  point of the rack's joint from the mass centre of its a, axes of its a
+    point_d  m      3  point of the rack's joint from the mass centre of its b, axes of its b
+    axis_c   1      3  axis of the rack's joint, axes of its a
+    radius   m         R
+""")
+HISTORY = Record("angle  rad  angle of the pinion, with all turns")
 
 
 class Rack(Card):
@@ -55,7 +50,7 @@ def build(card: Rack, scene: Any) -> dict[str, Any]:
         raise scene.fail("must not be 0", "radius")
     one = named_frame(scene, "pinion", card.pinion, "angle")
     two = named_frame(scene, "rack", card.rack, "travel")
-    columns = {name: one[name] for name in ("node_a", "node_b", "axis_a", "side_a", "side_b")}
+    columns = TURN.taken_from(one)
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     columns |= {"point_c": two["point_a"], "point_d": two["point_b"], "radius": card.radius}
     return columns

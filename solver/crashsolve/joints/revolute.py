@@ -6,20 +6,14 @@ side_a, third_a, axis_a are at right angles in body a. Consequence to test: one 
 a pendulum on it has the period 4 K(sin(theta_0 / 2)) sqrt(L / g).
 """
 
-from typing import Any
-
-from crashsolve.joints._card import FRAME, AxisJointCard
+from crashsolve.joints._card import FRAME, AxisJointCard, own_frame
 from crashsolve.joints.basic import parallel, point, rows_of
 
 CONSTRAINTS = (point, parallel)
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
 FREE = ("angle",)
-PARAMETERS = FRAME
+PARAMETERS, build = FRAME, own_frame
 
 
 class Revolute(AxisJointCard):
     """Hinge: b turns about one axis fixed in a."""
-
-
-def build(card: Revolute, scene: Any) -> dict[str, Any]:
-    return dict(scene.joint_frame(card))

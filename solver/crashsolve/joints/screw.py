@@ -23,8 +23,8 @@ COUNTS_TURNS = True
 CONSTRAINTS = (line, parallel)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, False)
 FREE = ("angle", "travel")
-PARAMETERS = FRAME + Record(advance=("m/rad", "h, travel over angle"))
-HISTORY = Record(angle=("rad", "theta, with all turns"))
+PARAMETERS = FRAME + Record("advance  m/rad  h, travel over angle")
+HISTORY = Record("angle  rad  theta, with all turns")
 
 
 class Screw(AxisJointCard):

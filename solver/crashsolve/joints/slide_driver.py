@@ -20,11 +20,11 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = POINTS + Record(
-    axis_a=("1", 3, "joint axis, axes of a"),
-    curve=("index", "f"),
-    offset=("m", "of f over the travel"),
-)
+PARAMETERS = POINTS + Record("""
+    axis_a  1      3  joint axis, axes of a
+    curve   index     f
+    offset  m         of f over the travel
+""")
 
 
 class SlideDriver(DrivenCard):
@@ -39,7 +39,7 @@ def build(card: SlideDriver, scene: Any) -> dict[str, Any]:
     frame = named_frame(scene, "joint", card.joint, "travel")
     tolerance = scene.deck.control.constraint_tolerance * scene.size
     columns = frame | motion(card, scene, 0.0, tolerance)
-    return {column.name: columns[column.name] for column in PARAMETERS.columns}
+    return PARAMETERS.taken_from(columns)
 
 
 @kernel

@@ -22,16 +22,16 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (True,)
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    axis_a=("1", 3, "joint axis, axes of a"),
-    side_a=("1", 3, "from which the angle counts, axes of a"),
-    side_b=("1", 3, "to which the angle counts, axes of b"),
-    curve=("index", "f"),
-    offset=("rad", "of f over the angle"),
-)
-HISTORY = Record(angle=("rad", "theta, with all turns"))
+PARAMETERS = Record("""
+    node_a  index     first body
+    node_b  index     second body
+    axis_a  1      3  joint axis, axes of a
+    side_a  1      3  from which the angle counts, axes of a
+    side_b  1      3  to which the angle counts, axes of b
+    curve   index     f
+    offset  rad       of f over the angle
+""")
+HISTORY = Record("angle  rad  theta, with all turns")
 
 
 class TurnDriver(DrivenCard):
@@ -45,7 +45,7 @@ class TurnDriver(DrivenCard):
 def build(card: TurnDriver, scene: Any) -> dict[str, Any]:
     frame = named_frame(scene, "joint", card.joint, "angle")
     columns = frame | motion(card, scene, 0.0, scene.deck.control.constraint_tolerance)
-    return {column.name: columns[column.name] for column in PARAMETERS.columns}
+    return PARAMETERS.taken_from(columns)
 
 
 @kernel

@@ -19,10 +19,10 @@ from crashsolve.joints.basic import point, rows_of
 
 CONSTRAINTS = (point,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
-PARAMETERS = POINTS + Record(
-    axis_a=("1", 3, "arm of the cross in a, axes of a"),
-    axis_b=("1", 3, "arm of the cross in b, axes of b"),
-)
+PARAMETERS = POINTS + Record("""
+    axis_a  1  3  arm of the cross in a, axes of a
+    axis_b  1  3  arm of the cross in b, axes of b
+""")
 # directions typed with six digits are square to this; a worse one is a mistake
 SQUARE = 1e-5
 
@@ -43,13 +43,13 @@ def build(card: Universal, scene: Any) -> dict[str, Any]:
         )
     second = scene.unit(second - cosine * first, "second_axis")
     frame["axis_b"] = scene.turn_to_body(frame["node_b"], second)
-    return {column.name: frame[column.name] for column in PARAMETERS.columns}
+    return PARAMETERS.taken_from(frame)
 
 
 @kernel
 def residual(p, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
-    square_residual(p, p.axis_a, p.axis_b, nodes, rows[p.first_row + 3])
+    rows[p.first_row + 3].phi = square_residual(p, p.axis_a, p.axis_b, nodes)
 
 
 @kernel
@@ -61,4 +61,4 @@ def jacobian(p, old, t, nodes, rows, curves):
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    square_convective(p, p.axis_a, p.axis_b, nodes, rows[p.first_row + 3])
+    rows[p.first_row + 3].gamma = square_convective(p, p.axis_a, p.axis_b, nodes)

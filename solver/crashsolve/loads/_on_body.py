@@ -22,12 +22,12 @@ class BodyLoadCard(Card):
     curve: CurveName | None = word("factor over time; 1 when absent", default=None)
 
 
-BODY_LOAD = Record(
-    node=("index", "body"),
-    vector=("N or N m", 3, "load where the factor is 1"),
-    turns=("flag", "the vector is fixed in the body"),
-    curve=("index", "factor over time; 0 for none"),
-)
+BODY_LOAD = Record("""
+    node    index        body
+    vector  N or N m  3  load where the factor is 1
+    turns   flag         the vector is fixed in the body
+    curve   index        factor over time; 0 for none
+""")
 
 
 def body_load(card: Any, vector: Any, scene: Any) -> dict[str, Any]:
@@ -44,7 +44,7 @@ def body_load(card: Any, vector: Any, scene: Any) -> dict[str, Any]:
 
 @kernel
 def present_load(p, t, nodes, curves):
-    """The vector in world axes at time t."""
+    """The vector [N or N m] in world axes at time t."""
     factor = 1.0
     if p.curve > 0:
         factor, _, _ = curve_value(curves, p.curve, t)

@@ -23,10 +23,10 @@ class Force(BodyLoadCard):
 
 
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = BODY_LOAD + Record(point=("m", 3, "from the mass centre, body axes"))
+PARAMETERS = BODY_LOAD + Record("point  m  3  from the mass centre, body axes")
 AMPLITUDE = "vector"
 HISTORY = Record()
-OUTPUT = Record(force=("N", 3, "world axes"))
+OUTPUT = Record("force  N  3  world axes")
 
 
 def build(card: Force, scene: Any) -> dict[str, Any]:

@@ -23,9 +23,9 @@ class Gravity(Card):
     acceleration: Vec3 = quantity("m/s^2", "acceleration of free fall", default=(0.0, 0.0, -9.81))
 
 
-PARAMETERS = Record(acceleration=("m/s^2", 3, "acceleration of free fall"))
+PARAMETERS = Record("acceleration  m/s^2  3  acceleration of free fall")
 HISTORY = Record()
-OUTPUT = Record(force=("N", 3, "total weight"))
+OUTPUT = Record("force  N  3  total weight")
 
 
 def build(card: Gravity, scene: Any) -> dict[str, Any]:

@@ -34,16 +34,16 @@ class NodalForce(Card):
 
 
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = Record(
-    vector=("N", 3, "F"),
-    curve=("index", "factor over time; 0 for none"),
-    mass=("kg", "of the nodes together; 0 if they share alike"),
-    first_member=("index", "of the nodes among those of all entries"),
-    member_count=("count", "nodes"),
-)
+PARAMETERS = Record("""
+    vector        N      3  F
+    curve         index     factor over time; 0 for none
+    mass          kg        of the nodes together; 0 if they share alike
+    first_member  index     of the nodes among those of all entries
+    member_count  count     nodes
+""")
 AMPLITUDE = "vector"
-HISTORY = Record(factor=("1", "phi at the last step"))
-OUTPUT = Record(force=("N", 3, "total, world axes"))
+HISTORY = Record("factor  1  phi at the last step")
+OUTPUT = Record("force  N  3  total, world axes")
 
 
 def build(card: NodalForce, scene: Any) -> dict[str, Any]:
@@ -57,7 +57,7 @@ def build(card: NodalForce, scene: Any) -> dict[str, Any]:
 
 
 def members(card: NodalForce, scene: Any) -> np.ndarray:
-    """The points it acts on."""
+    """The points (n,) it acts on."""
     meshed, _, first = scene.skin(card.part, "part")
     points: np.ndarray = first + meshed.set_of(card.nodes, "nodes", scene)
     return points

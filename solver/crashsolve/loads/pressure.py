@@ -6,7 +6,7 @@ Positive pressure acts against the normal. Its work is that of the mean force of
 Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 """
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.columns import add_to
@@ -30,13 +30,16 @@ class Pressure(Card):
 
 
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = BLOCKS + Record(
-    pressure=("Pa", "p"),
-    curve=("index", "factor over time; 0 for none"),
-)
+PARAMETERS = BLOCKS + Record("""
+    pressure  Pa     p
+    curve     index  factor over time; 0 for none
+""")
 AMPLITUDE = "pressure"
-HISTORY = Record(pressure=("Pa", "pressure at the last step"))
-OUTPUT = Record(force=("N", 3, "total"), pressure=("Pa", "present pressure"))
+HISTORY = Record("pressure  Pa  pressure at the last step")
+OUTPUT = Record("""
+    force     N   3  total
+    pressure  Pa     present pressure
+""")
 # rows of `work` behind those that motion is taken to: force on a corner; force, moment and work of
 # an element; torques NEXT rows behind forces, and loads, of which none is
 FORCE, TOTAL, MOMENT, WORK = (3 * NEXT + k for k in (0, 3, 6, 9))
@@ -73,14 +76,26 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     new.pressure = out.pressure
 
 
+class Elements(NamedTuple):
+    """Elements of a part that have the same number of sides."""
+
+    sides: int
+    number: int
+    first: int  # of the corners of their first block
+    block: int  # the first of their sums
+
+
 @kernel
 def load_elements(p, old, out, h, scene):
     """Forces on blocks of elements. Writes: scene.points, work, block_sums."""
     clear(scene.work)
     filled = (p.quads + LANES - 1) // LANES
-    press(p.first_corner, p.aside, p.quads, 4, p.first_block, old, out, h, scene)
+    now, before = out.pressure, old.pressure
+    quads = Elements(4, p.quads, p.first_corner, p.first_block)
+    press(quads, p.aside, now, before, h, scene)
     first = p.first_corner + 4 * LANES * filled
-    press(first, p.aside, p.triangles, 3, p.first_block + filled, old, out, h, scene)
+    triangles = Elements(3, p.triangles, first, p.first_block + filled)
+    press(triangles, p.aside, now, before, h, scene)
 
 
 @kernel
@@ -99,15 +114,19 @@ def add_up(p, out, h, nodes, block_sums):
 
 
 @apart
-def press(first, aside, count, sides, block, old, out, h, scene):
-    """Elements of one number of sides, by blocks. Writes: scene.points, work, block_sums."""
+def press(elements, aside, now, before, h, scene):
+    """Elements of one number of sides, by blocks. Writes: scene.points, work, block_sums.
+
+    `now` and `before` are the pressure and that of the step before [Pa].
+    """
+    sides, count, first, block = elements
     points, corners, work, done, share = scene.points, scene.corners, scene.work, 0, -0.5 / sides
     while done < count:
         corner, live = first + 4 * done, min(LANES, count - done)
         for c in range(4):
             for e in range(0, LANES, EIGHT):
                 take_motion(points, corners, corner + LANES * c + e, work, LANES * 3 * c + e)
-        press_block(work, live, sides, h, share * out.pressure, share * old.pressure)
+        press_block(work, live, sides, h, share * now, share * before)
         for c in range(sides):
             for e in range(0, LANES, EIGHT):
                 at, rows = corner + aside + LANES * c + e, (LANES * FORCE + e, LANES * EMPTY + e)
@@ -128,7 +147,7 @@ def clear(work):
 
 @inlined
 def row_of(work, quantity, c, e):
-    """Place or velocity of a corner."""
+    """Place [m] or velocity [m/s] of a corner."""
     at = LANES * (NEXT * quantity + 3 * c) + e
     return work[at], work[at + LANES], work[at + 2 * LANES]
 
@@ -171,5 +190,5 @@ def sum_lanes(work, row):
 
 @kernel
 def sum_three(work, row):
-    """Sums over three rows."""
+    """Sums (3) over three rows."""
     return sum_lanes(work, row), sum_lanes(work, row + 1), sum_lanes(work, row + 2)

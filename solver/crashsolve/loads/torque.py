@@ -25,7 +25,7 @@ CURVES_OF_TIME = ("curve",)
 PARAMETERS = BODY_LOAD
 AMPLITUDE = "vector"
 HISTORY = Record()
-OUTPUT = Record(torque=("N m", 3, "world axes"))
+OUTPUT = Record("torque  N m  3  world axes")
 
 
 def build(card: Torque, scene: Any) -> dict[str, Any]:

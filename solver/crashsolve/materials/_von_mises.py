@@ -15,29 +15,29 @@ from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record, rows_of
 from crashsolve.materials import elastic
 
-PARAMETERS = elastic.PARAMETERS + Record(
-    softness=("1/Pa", "nu / E"),
-    falls_1=("Pa", "c_1 of the plastic return"),
-    falls_2=("Pa", "c_2"),
-    kinematic=("Pa", "H_k, of what moves the yield surface"),
-    rated=("flag", "whether the rate of strain has a factor"),
-    heating=("m^3/J", "temperature, 1 at melting, over plastic work per volume; 0 for none"),
-    temperature_row=("index", "of a layer"),
-    failure=("1", "plastic strain at which a layer fails; 0 for none"),
-)
+PARAMETERS = elastic.PARAMETERS + Record("""
+    softness         1/Pa   nu / E
+    falls_1          Pa     c_1 of the plastic return
+    falls_2          Pa     c_2
+    kinematic        Pa     H_k, of what moves the yield surface
+    rated            flag   whether the rate of strain has a factor
+    heating          m^3/J  temperature, 1 at melting, over plastic work per volume; 0 for none
+    temperature_row  index  of a layer
+    failure          1      plastic strain at which a layer fails; 0 for none
+""")
 # then, where there are any: the temperature, and the line of a curve
 LAYER = rows_of(
-    Record(
-        stress=("Pa", 3, "xx, yy, xy"),
-        plastic_strain=("1", "e"),
-        alpha=("Pa", 3, "middle of the yield surface, where it moves"),
-    )
+    Record("""
+        stress          Pa  3  xx, yy, xy
+        plastic_strain  1      e
+        alpha           Pa  3  middle of the yield surface, where it moves
+    """)
 )
-FIBRE = Record(
-    plastic=("1", "plastic strain"),
-    hardening=("1", "e, sum of the sizes of its steps"),
-)
-HEATED_FIBRE = FIBRE + Record(temperature=("1", "from 0 at the start to 1 at melting"))
+FIBRE = Record("""
+    plastic    1  plastic strain
+    hardening  1  e, sum of the sizes of its steps
+""")
+HEATED_FIBRE = FIBRE + Record("temperature  1  from 0 at the start to 1 at melting")
 
 
 def build(
@@ -60,14 +60,14 @@ def build(
 
 
 def plastic_strain(card: Any, layer: np.ndarray) -> np.ndarray:
-    """Of layers (..., rows)."""
+    """Equivalent plastic strain [1] of layers (..., rows)."""
     found: np.ndarray = layer[..., LAYER.plastic_strain]
     return found
 
 
 @inlined
 def factor_of(m, rate, temperature, material):
-    """By which the yield stress is higher at a rate of strain, and lower at a temperature."""
+    """Factor [1] on the yield stress: it is higher at a rate of strain, lower at a temperature."""
     factor = material.rate_factor(m, rate) if m.rated == 1 else 1.0
     return factor * material.heat_factor(m, temperature) if m.heating > 0.0 else factor
 

@@ -23,16 +23,15 @@ class Elastic(Card):
     density: float = quantity("kg/m^3", "mass per volume", gt=0)
 
 
-PARAMETERS = Record(
-    young=("Pa", "E"),
-    poisson=("1", "nu"),
-    shear=("Pa", "G"),
-    density=("kg/m^3", "rho"),
-    # quotients of these, which layers would compute again and again
-    plane=("Pa", "E / (1 - nu^2)"),
-    across=("1", "nu / (1 - nu)"),
-)
-LAYER = rows_of(Record(stress=("Pa", 3, "xx, yy, xy")))
+PARAMETERS = Record("""
+    young    Pa      E
+    poisson  1       nu
+    shear    Pa      G
+    density  kg/m^3  rho
+    plane    Pa      E / (1 - nu^2)
+    across   1       nu / (1 - nu)
+""")
+LAYER = rows_of(Record("stress  Pa  3  xx, yy, xy"))
 FIBRE = Record()
 VON_MISES = LARGE_STRAIN = DISSIPATES = False
 

@@ -46,14 +46,14 @@ class Elastoplastic(elastic.Elastic):
         return self
 
 
-PARAMETERS = _von_mises.PARAMETERS + Record(
-    yield_stress=("Pa", "Y_0"),
-    isotropic=("Pa", "(1 - beta) H"),
-    curve=("index", "Y over plastic strain; 0 for none"),
-    line_row=("index", "of a layer: value at no strain, slope and end of the line of a curve"),
-    rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
-    rate_q=("1", "q of Cowper and Symonds"),
-)
+PARAMETERS = _von_mises.PARAMETERS + Record("""
+    yield_stress  Pa     Y_0
+    isotropic     Pa     (1 - beta) H
+    curve         index  Y over plastic strain; 0 for none
+    line_row      index  of a layer: value at no strain, slope and end of the line of a curve
+    rate_D        1/s    D of Cowper and Symonds; 0 for none
+    rate_q        1      q of Cowper and Symonds
+""")
 LAYER, FIBRE = _von_mises.LAYER, _von_mises.FIBRE
 VON_MISES = DISSIPATES = True
 LARGE_STRAIN = SMOOTH = HEATS = False

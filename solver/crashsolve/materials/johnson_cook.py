@@ -40,14 +40,14 @@ class JohnsonCook(elastic.Elastic):
     failure_strain: float | None = quantity("1", "e at which a layer fails", default=None, gt=0)
 
 
-PARAMETERS = _von_mises.PARAMETERS + Record(
-    yield_stress=("Pa", "A"),
-    power=("Pa", "B"),
-    exponent=("1", "n"),
-    rate_C=("1", "C"),
-    rate_0=("1/s", "rate above which C counts"),
-    softening=("1", "m"),
-)
+PARAMETERS = _von_mises.PARAMETERS + Record("""
+    yield_stress  Pa   A
+    power         Pa   B
+    exponent      1    n
+    rate_C        1    C
+    rate_0        1/s  rate above which C counts
+    softening     1    m
+""")
 LAYER, FIBRE = _von_mises.LAYER, _von_mises.HEATED_FIBRE
 VON_MISES = DISSIPATES = SMOOTH = HEATS = True
 LARGE_STRAIN = False

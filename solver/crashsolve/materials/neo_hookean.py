@@ -30,13 +30,13 @@ class NeoHookean(elastic.Elastic):
         return self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
 
 
-PARAMETERS = elastic.PARAMETERS + Record(volumetric=("Pa", "L"))
+PARAMETERS = elastic.PARAMETERS + Record("volumetric  Pa  L")
 LAYER = rows_of(
-    Record(
-        stress=("Pa", 3, "xx, yy, xy"),
-        metric=("1", 3, "C - 1: xx, yy, xy"),
-        across=("1", "ln lambda_3"),
-    )
+    Record("""
+        stress  Pa  3  xx, yy, xy
+        metric  1   3  C - 1: xx, yy, xy
+        across  1      ln lambda_3
+    """)
 )
 # the strain of beams is small
 FIBRE = None
@@ -57,7 +57,7 @@ def initial_layer(card: NeoHookean, scene: Any) -> np.ndarray:
 
 
 def stored(card: NeoHookean, layer: np.ndarray) -> np.ndarray:
-    """By present volume."""
+    """Elastic energy by present volume [J/m^3] of layers (..., rows)."""
     x, y, s, across = np.moveaxis(layer[..., LAYER.metric :], -1, 0)
     volume = 0.5 * np.log1p(x + y + x * y - s * s) + across
     trace = x + y + np.expm1(2.0 * across) - 2.0 * volume
@@ -92,7 +92,7 @@ def update(m, blocks, at, d, h, curves):
 
 @inlined
 def grown(C, d):
-    """C - 1 after strains d (xx, yy, twice xy)."""
+    """C - 1 [1] after strains d (xx, yy, twice xy)."""
     x, y, s = C
     a, b, c = d[0], d[1], 0.5 * d[2]
     # X = exp(2 d) - 1 to third order
@@ -109,7 +109,7 @@ def grown(C, d):
 
 @inlined
 def square_of(a, b, c):
-    """Square of a symmetric tensor."""
+    """Square of a symmetric tensor (xx, yy, xy)."""
     return a * a + c * c, b * b + c * c, c * (a + b)
 
 
@@ -125,7 +125,7 @@ def tangent(m, kept, blocks, at, d, way, h, curves):
 
 @inlined
 def slopes(m, old, new, across, d, more):
-    """Change of the stress of a neo-Hookean layer, and of the strain across, with its strains.
+    """Change of the stress [Pa] of a neo-Hookean layer, and of the strain across, with its strains.
 
     `more` is the change of the strains, its last that of xy, not of twice xy.
     """

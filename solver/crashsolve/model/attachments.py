@@ -14,12 +14,12 @@ import numpy as np
 
 from crashsolve.foundation.record import Record
 
-ATTACHED_NODE = Record(
-    node=("index", "the attached node"),
-    body=("index", "what it is welded to"),
-    arm=("m", 3, "place of the node from the mass centre, body axes"),
-    turn=("1", 4, "unit quaternion, node to body"),
-)
+ATTACHED_NODE = Record("""
+    node  index     the attached node
+    body  index     what it is welded to
+    arm   m      3  place of the node from the mass centre, body axes
+    turn  1      4  unit quaternion, node to body
+""")
 # mass of an attached node's row of the node table: what it has belongs to the body
 NOTHING = 1e-300
 
@@ -69,7 +69,7 @@ def misfit(body: int, attached_node: int, scene: Any) -> float:
 
 
 def table(scene: Any) -> np.ndarray:
-    """The attached nodes as kernels read them."""
+    """The attached nodes (n,) as kernels read them."""
     rows = np.zeros(len(scene.welded), ATTACHED_NODE.dtype)
     for row, (node, body) in zip(rows, scene.welded.items(), strict=True):
         row["node"], row["body"] = node, body

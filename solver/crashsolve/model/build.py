@@ -43,12 +43,15 @@ if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck, Entry
 
 # every law that stores or loses energy has these beside its own columns
-FORCE_HISTORY = Record(dissipated=("J", "energy lost so far"), power=("W", "its present rate"))
-FORCE_OUTPUT = Record(
-    stored=("J", "recoverable energy"),
-    power=("W", "rate of energy lost, or of work done by a load"),
-    loss=("J", "energy lost in this step without a rate"),
-)
+FORCE_HISTORY = Record("""
+    dissipated  J  energy lost so far
+    power       W  its present rate
+""")
+FORCE_OUTPUT = Record("""
+    stored  J  recoverable energy
+    power   W  rate of energy lost, or of work done by a load
+    loss    J  energy lost in this step without a rate
+""")
 
 
 # error of a step where the deck asks for nothing
@@ -250,7 +253,7 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     history = getattr(module, "HISTORY", Record())
     output = getattr(module, "OUTPUT", Record())
     if families()[keyword].has_rows:
-        parameters = parameters + Record(first_row=("index", "first constraint row"))
+        parameters = parameters + Record("first_row  index  first constraint row")
     if hasattr(module, "force"):
         history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
     table = np.zeros(len(entries), parameters.dtype)
@@ -358,7 +361,7 @@ def _method(model: Model) -> Any:
 
 
 def initial_stages(model: Model, nodes: int) -> np.ndarray:
-    """Room for the stages of a Runge-Kutta method; none for others."""
+    """Room (stages, nodes) for a Runge-Kutta method; none for others."""
     method = _method(model)
     rows = getattr(method, "STAGES", 0)
     if hasattr(method, "EXTRA"):
@@ -369,7 +372,7 @@ def initial_stages(model: Model, nodes: int) -> np.ndarray:
 
 
 def initial_nodes(scene: Scene) -> np.ndarray:
-    """Node table at the start; the ground has no inverse mass and never moves."""
+    """Node table (nodes,) at the start; the ground has no inverse mass and never moves."""
     n = len(scene.names)
     nodes = np.zeros(n, NODE.dtype)
     for name in ("r", "q", "A", "v", "w", "J"):
@@ -383,7 +386,7 @@ def initial_nodes(scene: Scene) -> np.ndarray:
 
 
 def initial_rows(model: Model) -> np.ndarray:
-    """Constraint rows with their nodes and scales."""
+    """Constraint rows (rows,) with their nodes and scales."""
     rows = np.zeros(sum(joint.rows * joint.parts for joint in model.joints), ROW.dtype)
     for joint in model.joints:
         for k in range(joint.parts):

@@ -24,63 +24,62 @@ from crashsolve.foundation.record import Record
 # of `kinked`: at a corner of a curve of time, which the next step begins behind
 CORNER = 2
 
-CLOCK = Record(
-    time=("s", "present time"),
-    step=("s", "last step taken"),
-    next_step=("s", "step wanted by stability and accuracy"),
-    goal=("s", "time on which a step must end; samples before it may lie within steps"),
-    sampled=("s", "time of the last sample"),
-    cycle=("count", "accepted steps"),
-    pause=("count", "cycle at which the loop gives control back; 0 outside of it"),
-    current=("index", "which of the two history buffers is accepted"),
-    lead=("s", "weight of the step's start in sums over the step"),
-    share=("s", "weight of the present force pass in them"),
-    stage=("index", "stage of a Runge-Kutta step that the present force pass belongs to"),
-    opens=("flag", "whether that is the first pass of the step"),
-    closes=("flag", "whether it is the last"),
-    ends=("flag", "whether it is at the end of the step, where contacts begin"),
-    status=("flag", "why the loop stopped"),
-    fault=("flag", "why the last attempt at a step failed, as a status"),
-    place=("index", "row, node or curve the status is about"),
-    value=("1", "number the status is about"),
-    iterations=("count", "of positions, and passes over implicit stages"),
-    kinked=(
-        "flag",
-        "whether the last step ended where a contact begins or ends, or 2: at a CORNER",
-    ),
-    passes=("count", "passes of the last iteration for implicit stages"),
-    factored=("s", "step of the factors of an implicit method; 0: out of date"),
-    rejected=("count", "attempts at a step that were too long"),
-    fastest=("m/s", "largest speed so far, to which the error of a step is compared"),
-    error=("1", "estimated error of the last step over size and speed"),
-    located=("count", "onsets, ends of contacts and corners of laws located"),
-    residual=("1", "largest position residual over model size so far"),
-    rate_residual=("1/s", "largest velocity residual over model size so far"),
-    limit_node=("index", "node that sets the step; below 0: an element"),
-    driver_work=("J", "work of prescribed motions"),
-    lack=("1", "imbalance over largest energy when the balance was last looked at"),
-    missing=("J", "largest imbalance at a check where it was above the limit"),
-    missing_share=("1", "the same over the largest energy by then"),
-    missing_time=("s", "when that was"),
-    impulse=("N s", 3, "impulse from outside"),
-    angular_impulse=("N m s", 3, "angular impulse from outside about the world origin"),
-    kick=("N s", 6, "impulse and its moment that closed the joints at the end of the last step"),
-    element_rate=("1/s^2", "bound of the squared frequencies of the elements, then of the mesh"),
-    limit_element=("index", "the element that has it"),
-)
+CLOCK = Record("""
+    time             s         present time
+    step             s         last step taken
+    next_step        s         step wanted by stability and accuracy
+    goal             s         time on which a step must end; samples before it may lie within steps
+    sampled          s         time of the last sample
+    cycle            count     accepted steps
+    pause            count     cycle at which the loop gives control back; 0 outside of it
+    current          index     which of the two history buffers is accepted
+    lead             s         weight of the step's start in sums over the step
+    share            s         weight of the present force pass in them
+    stage            index     stage of a Runge-Kutta step that the present force pass belongs to
+    opens            flag      whether that is the first pass of the step
+    closes           flag      whether it is the last
+    ends             flag      whether it is at the end of the step, where contacts begin
+    status           flag      why the loop stopped
+    fault            flag      why the last attempt at a step failed, as a status
+    place            index     row, node or curve the status is about
+    value            1         number the status is about
+    iterations       count     of positions, and passes over implicit stages
+    kinked           flag      whether the last step ended where a contact begins or ends, or 2: at
+                               a CORNER
+    passes           count     passes of the last iteration for implicit stages
+    factored         s         step of the factors of an implicit method; 0: out of date
+    rejected         count     attempts at a step that were too long
+    fastest          m/s       largest speed so far, to which the error of a step is compared
+    error            1         estimated error of the last step over size and speed
+    located          count     onsets, ends of contacts and corners of laws located
+    residual         1         largest position residual over model size so far
+    rate_residual    1/s       largest velocity residual over model size so far
+    limit_node       index     node that sets the step; below 0: an element
+    driver_work      J         work of prescribed motions
+    lack             1         imbalance over largest energy when the balance was last looked at
+    missing          J         largest imbalance at a check where it was above the limit
+    missing_share    1         the same over the largest energy by then
+    missing_time     s         when that was
+    impulse          N s    3  impulse from outside
+    angular_impulse  N m s  3  angular impulse from outside about the world origin
+    kick             N s    6  impulse and its moment that closed the joints at the end of the last
+                               step
+    element_rate     1/s^2     bound of the squared frequencies of the elements, then of the mesh
+    limit_element    index     the element that has it
+""")
 
-CONTROL = Record(
-    fixed_step=("s", "step asked for by the deck; 0 for automatic"),
-    step_min=("s", "a smaller step stops the run"),
-    step_max=("s", "largest step"),
-    safety=("1", "automatic step over the stability limit"),
-    turn=("rad", "largest turn of a body in an automatic step"),
-    constraint_tolerance=("1", "largest position residual over model size"),
-    onset_tolerance=("m", "first penetration taken as it falls; 0 to locate every onset"),
-    energy_limit=("1", "imbalance over largest energy that stops the run; 0 for none"),
-    spectral_radius=("1", "of generalized-alpha at infinite frequency"),
-    tolerance=("1", "error of a step over the model's size and largest speed"),
-    length=("m", "the model's size"),
-    end=("s", "time at which the run ends"),
-    check_every=("count", "cycles between guards"),
-)
+CONTROL = Record("""
+    fixed_step            s      step asked for by the deck; 0 for automatic
+    step_min              s      a smaller step stops the run
+    step_max              s      largest step
+    safety                1      automatic step over the stability limit
+    turn                  rad    largest turn of a body in an automatic step
+    constraint_tolerance  1      largest position residual over model size
+    onset_tolerance       m      first penetration taken as it falls; 0 to locate every onset
+    energy_limit          1      imbalance over largest energy that stops the run; 0 for none
+    spectral_radius       1      of generalized-alpha at infinite frequency
+    tolerance             1      error of a step over the model's size and largest speed
+    length                m      the model's size
+    end                   s      time at which the run ends
+    check_every           count  cycles between guards
+""")

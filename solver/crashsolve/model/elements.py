@@ -84,7 +84,7 @@ def _cuts(groups: list[Group], parts: dict[str, Any]) -> tuple[np.ndarray, np.nd
 
 
 def line_up(count: int) -> np.ndarray:
-    """Zeros that begin where a cache line does: no vector of lanes lies across two lines."""
+    """Zeros (n,) that begin where a cache line does: no vector of lanes lies across two lines."""
     room = np.zeros(count + CACHE_LINE // 8)
     first = -room.ctypes.data % CACHE_LINE // 8
     return room[first : first + count]
@@ -103,7 +103,7 @@ def _riders(
 
 
 def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
-    """All points at the start."""
+    """All points (n,) at the start."""
     parts = _meshed(model, deck, scene)
     table = np.zeros(sum(len(meshed.mass) for meshed in parts), POINT.dtype)
     first = 0

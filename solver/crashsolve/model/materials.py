@@ -4,6 +4,7 @@ A row has the constants of its material as one column, `material`, with the colu
 the group uses; `law` says which of them is its own.
 """
 
+from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -52,7 +53,7 @@ def with_constants(record: Record, laws: list[Any]) -> "np.dtype[Any]":
 def with_memory(record: Record, laws: list[Any], count: int) -> Record:
     """Columns of a part of fibres, and what so many of them remember."""
     columns = joined([law.FIBRE for law in laws]).columns
-    return record + Record(**{c.name: (c.unit, count, c.meaning) for c in columns})
+    return record + Record(columns=tuple(replace(column, size=count) for column in columns))
 
 
 def joined(records: list[Record]) -> Record:
@@ -63,7 +64,7 @@ def joined(records: list[Record]) -> Record:
         if (known.unit, known.size) != (column.unit, column.size):
             units = f"{known.unit} of one material, {column.unit} of another"
             raise ValueError(f"column '{column.name}' is in {units}")
-    return Record(**{c.name: (c.unit, c.size, c.meaning) for c in found.values()})
+    return Record(columns=tuple(found.values()))
 
 
 def fill(record: Any, values: dict[str, Any]) -> None:

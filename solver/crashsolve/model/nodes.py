@@ -5,105 +5,106 @@ Every body is a node, a point with a triad; node 0 is the ground. World componen
 
 from crashsolve.foundation.record import Record
 
-NODE = Record(
-    r=("m", 3, "position of the mass centre"),
-    q=("1", 4, "unit quaternion (w, x, y, z), body to world"),
-    A=("1", 9, "rotation matrix of q, by rows"),
-    v=("m/s", 3, "velocity of the mass centre"),
-    L=("kg m^2/s", 3, "angular momentum about the mass centre"),
-    w=("rad/s", 3, "angular velocity"),
-    W=("1/(kg m^2)", 9, "inverse inertia at the present orientation"),
-    mass_inv=("1/kg", "inverse mass; 0 for the ground"),
-    J=("kg m^2", 9, "inertia, body axes"),
-    J_inv=("1/(kg m^2)", 9, "inverse inertia, body axes"),
-    force=("N", 3, "applied force"),
-    torque=("N m", 3, "applied torque about the mass centre"),
-    late_force=("N", 3, "part of force that began during the step"),
-    late_torque=("N m", 3, "part of torque that began during the step"),
-    stiffness=("1/s^2", "sum of k times mobility, for the stable step"),
-    damping=("1/s", "sum of c times mobility"),
-    pressed=("m/s^2", "sum of normal force times mobility along the slip, where friction acts"),
-    was_pressed=("m/s^2", "the same in the last step"),
-    joint_force=("N", 3, "D^T lambda"),
-    joint_torque=("N m", 3, "D^T lambda about the mass centre"),
-    external=("N, N m", 6, "row 0: force and torque about the origin from outside"),
-    v_dot=("m/s^2", 3, "acceleration of the mass centre, at samples"),
-    w_dot=("rad/s^2", 3, "angular acceleration, at samples"),
-    start_r=("m", 3, "at the start of the step"),
-    start_q=("1", 4, "at the start of the step"),
-    start_A=("1", 9, "at the start of the step"),
-    start_v=("m/s", 3, "at the start of the step"),
-    start_L=("kg m^2/s", 3, "at the start of the step"),
-    v_half=("m/s", 3, "velocity during the drift"),
-    L_half=("kg m^2/s", 3, "angular momentum during the drift"),
-    moved=("m", "way of the mass centre in the step, where gaps are bounded by it"),
-    turned=("rad", "turn in the step, not below it, where gaps are bounded by it"),
-)
+NODE = Record("""
+    r             m           3  position of the mass centre
+    q             1           4  unit quaternion (w, x, y, z), body to world
+    A             1           9  rotation matrix of q, by rows
+    v             m/s         3  velocity of the mass centre
+    L             kg m^2/s    3  angular momentum about the mass centre
+    w             rad/s       3  angular velocity
+    W             1/(kg m^2)  9  inverse inertia at the present orientation
+    mass_inv      1/kg           inverse mass; 0 for the ground
+    J             kg m^2      9  inertia, body axes
+    J_inv         1/(kg m^2)  9  inverse inertia, body axes
+    force         N           3  applied force
+    torque        N m         3  applied torque about the mass centre
+    late_force    N           3  part of force that began during the step
+    late_torque   N m         3  part of torque that began during the step
+    stiffness     1/s^2          sum of k times mobility, for the stable step
+    damping       1/s            sum of c times mobility
+    pressed       m/s^2          sum of normal force times mobility along the slip, where friction
+                                 acts
+    was_pressed   m/s^2          the same in the last step
+    joint_force   N           3  D^T lambda
+    joint_torque  N m         3  D^T lambda about the mass centre
+    external      N, N m      6  row 0: force and torque about the origin from outside
+    v_dot         m/s^2       3  acceleration of the mass centre, at samples
+    w_dot         rad/s^2     3  angular acceleration, at samples
+    start_r       m           3  at the start of the step
+    start_q       1           4  at the start of the step
+    start_A       1           9  at the start of the step
+    start_v       m/s         3  at the start of the step
+    start_L       kg m^2/s    3  at the start of the step
+    v_half        m/s         3  velocity during the drift
+    L_half        kg m^2/s    3  angular momentum during the drift
+    moved         m              way of the mass centre in the step, where gaps are bounded by it
+    turned        rad            turn in the step, not below it, where gaps are bounded by it
+""")
 
-STAGE = Record(
-    rate_r=("m/s", 3, "velocity at a stage of a Runge-Kutta step; ground: power of drivers [W]"),
-    rate_turn=("1/s", 3, "of turn"),
-    rate_v=("m/s^2", 3, "acceleration; ground: force from outside [N]"),
-    rate_L=("N m", 3, "moment about the mass centre; ground: from outside, about the origin"),
-    turn=("1", 3, "Cayley vector of the turn since the start of the step"),
-)
+STAGE = Record("""
+    rate_r     m/s    3  velocity at a stage of a Runge-Kutta step; ground: power of drivers [W]
+    rate_turn  1/s    3  of turn
+    rate_v     m/s^2  3  acceleration; ground: force from outside [N]
+    rate_L     N m    3  moment about the mass centre; ground: from outside, about the origin
+    turn       1      3  Cayley vector of the turn since the start of the step
+""")
 
 # a stage whose equations are solved by iteration
-IMPLICIT_STAGE = STAGE + Record(
-    rate_w=("rad/s^2", 3, "angular acceleration"),
-    mean_v=("m/s^2", 3, "weighted mean of accelerations in generalized-alpha"),
-    mean_w=("rad/s^2", 3, "the same of angular accelerations"),
-    closing_r=("m", 3, "displacement by which generalized-alpha closes the joints"),
-    closing_w=("rad", 3, "turn by which it does"),
-    past_v=("m/s^2", 3, "acceleration at this stage of the step before"),
-    past_w=("rad/s^2", 3, "angular acceleration there"),
-    way_r=("m", 3, "displacement since the start of the step"),
-    way_v=("m/s", 3, "change of velocity since then"),
-    way_w=("rad/s", 3, "change of angular velocity since then"),
-    right_r=("m", 3, "what is missing in way_r"),
-    right_turn=("1", 3, "what is missing in turn"),
-    right_v=("m/s", 3, "what is missing in way_v"),
-    right_w=("rad/s", 3, "what is missing in way_w"),
-    slope_r=("m/s", 3, "change of rate_r by the last correction"),
-    slope_turn=("1/s", 3, "change of rate_turn"),
-    slope_v=("m/s^2", 3, "change of rate_v"),
-    slope_w=("rad/s^2", 3, "change of rate_w"),
-)
+IMPLICIT_STAGE = STAGE + Record("""
+    rate_w      rad/s^2  3  angular acceleration
+    mean_v      m/s^2    3  weighted mean of accelerations in generalized-alpha
+    mean_w      rad/s^2  3  the same of angular accelerations
+    closing_r   m        3  displacement by which generalized-alpha closes the joints
+    closing_w   rad      3  turn by which it does
+    past_v      m/s^2    3  acceleration at this stage of the step before
+    past_w      rad/s^2  3  angular acceleration there
+    way_r       m        3  displacement since the start of the step
+    way_v       m/s      3  change of velocity since then
+    way_w       rad/s    3  change of angular velocity since then
+    right_r     m        3  what is missing in way_r
+    right_turn  1        3  what is missing in turn
+    right_v     m/s      3  what is missing in way_v
+    right_w     rad/s    3  what is missing in way_w
+    slope_r     m/s      3  change of rate_r by the last correction
+    slope_turn  1/s      3  change of rate_turn
+    slope_v     m/s^2    3  change of rate_v
+    slope_w     rad/s^2  3  change of rate_w
+""")
 
-ESTIMATE = Record(
-    r=("m", 3, "estimated error of a step: position of the mass centre"),
-    turn=("rad", 3, "configuration, as a turn"),
-    v=("m/s", 3, "velocity of the mass centre"),
-    w=("rad/s", 3, "angular velocity"),
-)
+ESTIMATE = Record("""
+    r     m      3  estimated error of a step: position of the mass centre
+    turn  rad    3  configuration, as a turn
+    v     m/s    3  velocity of the mass centre
+    w     rad/s  3  angular velocity
+""")
 
-ROW = Record(
-    phi=("m or 1", "Phi(q, t)"),
-    D=("1 or m", 12, "Jacobian; columns v_a, w_a, v_b, w_b"),
-    X=("1/kg", 12, "D M^-1"),
-    nu=("m/s", "-Phi_t: D v = nu"),
-    gamma=("m/s^2", "-D_dot v - Phi_tt: D v_dot = gamma"),
-    right=("m, m/s or m/s^2", "Phi, D v - nu or gamma - D M^-1 g: what lambda must answer for"),
-    multiplier=("N or N m", "lambda of the last drift"),
-    before=("N or N m", "lambda of the drift before it"),
-    trial=("N or N m", "lambda of the drift being tried"),
-    delta=("N or N m", "its correction"),
-    reaction=("N or N m", "lambda of the last closing kick, or of the sample"),
-    scale=("m or 1", "scale of phi: model length, or 1 for angles"),
-    node_a=("index", "first node"),
-    node_b=("index", "second node"),
-)
+ROW = Record("""
+    phi         m or 1               Phi(q, t)
+    D           1 or m           12  Jacobian; columns v_a, w_a, v_b, w_b
+    X           1/kg             12  D M^-1
+    nu          m/s                  -Phi_t: D v = nu
+    gamma       m/s^2                -D_dot v - Phi_tt: D v_dot = gamma
+    right       m, m/s or m/s^2      Phi, D v - nu or gamma - D M^-1 g: what lambda must answer for
+    multiplier  N or N m             lambda of the last drift
+    before      N or N m             lambda of the drift before it
+    trial       N or N m             lambda of the drift being tried
+    delta       N or N m             its correction
+    reaction    N or N m             lambda of the last closing kick, or of the sample
+    scale       m or 1               scale of phi: model length, or 1 for angles
+    node_a      index                first node
+    node_b      index                second node
+""")
 
-COMPLIANT = Record(
-    D=("1 or m", 12, "Jacobian; columns v_a, w_a, v_b, w_b"),
-    G=("1/s or m/s", 12, "derivative of D v by the position"),
-    X=("1/kg", 12, "D M^-1"),
-    right=("m/s", "what the correction of the multiplier must answer for"),
-    delta=("N s or N m s", "that correction"),
-    stiffness=("N/m or N m/rad", "rise of the force over the deformation -D q"),
-    damping=("N s/m or N m s/rad", "rise of the force over its rate -D v"),
-    node_a=("index", "first node"),
-    node_b=("index", "second node"),
-)
+COMPLIANT = Record("""
+    D          1 or m              12  Jacobian; columns v_a, w_a, v_b, w_b
+    G          1/s or m/s          12  derivative of D v by the position
+    X          1/kg                12  D M^-1
+    right      m/s                     what the correction of the multiplier must answer for
+    delta      N s or N m s            that correction
+    stiffness  N/m or N m/rad          rise of the force over the deformation -D q
+    damping    N s/m or N m s/rad      rise of the force over its rate -D v
+    node_a     index                   first node
+    node_b     index                   second node
+""")
 
-TANGENTS = Record(first=("index", "row of a group's first entry in the table of compliant rows"))
+TANGENTS = Record("first  index  row of a group's first entry in the table of compliant rows")

@@ -19,31 +19,31 @@ from crashsolve.foundation.record import Record
 from crashsolve.model.clock import CLOCK
 from crashsolve.model.model import Model, State
 
-JOB = Record(
-    threads=("count", "that share it"),
-    number=("index", "what the threads are to do"),
-    h=("s", "step"),
-    group=("index", "for which group of loads or contacts"),
-    entry=("index", "for which of its loads"),
-    current=("index", "of its history"),
-)
-PIECE = Record(
-    first_loan=("index", "of those that it takes back"),
-    loan_count=("count", "of them"),
-    rate=("1/s^2", "bound of the squared frequencies found in it"),
-    element=("index", "that has it"),
-    first_point=("index", "of its points"),
-    speed=("m/s", "the largest of them"),
-)
-LOAN = Record(
-    point=("index", "that a point stands for"),
-    slows=("flag", "whether its element has damping"),
-)
-SPAN = Record(
-    first=("index", "of the rows of an entry's pieces"),
-    count=("count", "of them"),
-    first_piece=("index", "which these are among all pieces"),
-)
+JOB = Record("""
+    threads  count  that share it
+    number   index  what the threads are to do
+    h        s      step
+    group    index  for which group of loads or contacts
+    entry    index  for which of its loads
+    current  index  of its history
+""")
+PIECE = Record("""
+    first_loan   index  of those that it takes back
+    loan_count   count  of them
+    rate         1/s^2  bound of the squared frequencies found in it
+    element      index  that has it
+    first_point  index  of its points
+    speed        m/s    the largest of them
+""")
+LOAN = Record("""
+    point  index  that a point stands for
+    slows  flag   whether its element has damping
+""")
+SPAN = Record("""
+    first        index  of the rows of an entry's pieces
+    count        count  of them
+    first_piece  index  which these are among all pieces
+""")
 QUADS = ("one_point", "four_points")
 # of a thread: one that is held up leaves those to others that it has not begun
 PIECES = 4

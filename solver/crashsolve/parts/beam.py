@@ -106,32 +106,32 @@ class Beam(Damped):
         return [f"{part}_{word}{end}" for word in words for end in ends]
 
 
-PARAMETERS = Record(
-    node_a=("index", "first node"),
-    node_b=("index", "second node"),
-    length=("m", "l"),
-    stiffness=("N/m", 3, "diagonal of K"),
-    turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
-    bowing=("1", 2, "c_y and c_z"),
-    damping=("s", "beta"),
-    drag_a=("1/s", "alpha, times the element's share in its first node"),
-    drag_b=("1/s", "the same of the second"),
-    viscosity=("N s/m", "rho A c b_1, of the stretch"),
-    quick_viscosity=("N s^2/m^2", "rho A b_2^2, of its square in compression"),
-    rate_a=("1/s^2", "largest k times mobility at the first node"),
-    rate_b=("1/s^2", "the same at the second"),
-    taut_a=("1/(kg m)", "what a tension of 1 N adds to it at the first node"),
-    taut_b=("1/(kg m)", "the same at the second"),
-)
+PARAMETERS = Record("""
+    node_a             index         first node
+    node_b             index         second node
+    length             m             l
+    stiffness          N/m        3  diagonal of K
+    turning_stiffness  N m/rad    3  diagonal of K_r
+    bowing             1          2  c_y and c_z
+    damping            s             beta
+    drag_a             1/s           alpha, times the element's share in its first node
+    drag_b             1/s           the same of the second
+    viscosity          N s/m         rho A c b_1, of the stretch
+    quick_viscosity    N s^2/m^2     rho A b_2^2, of its square in compression
+    rate_a             1/s^2         largest k times mobility at the first node
+    rate_b             1/s^2         the same at the second
+    taut_a             1/(kg m)      what a tension of 1 N adds to it at the first node
+    taut_b             1/(kg m)      the same at the second
+""")
 HISTORY = Record()
 TANGENTS = element.TANGENTS
-OUTPUT = Record(
-    force=("N", 3, "tension, shear along y and z, axes of the element"),
-    moment_a=("N m", 3, "torsion, bending about y and z, at the first node"),
-    moment_b=("N m", 3, "torsion, bending about y and z, at the second node"),
-    strain=("1", 3, "stretch of the bent line, shear along y and z, u / l"),
-    curvature=("1/m", 3, "twist, bending about y and z, theta / l"),
-)
+OUTPUT = Record("""
+    force      N    3  tension, shear along y and z, axes of the element
+    moment_a   N m  3  torsion, bending about y and z, at the first node
+    moment_b   N m  3  torsion, bending about y and z, at the second node
+    strain     1    3  stretch of the bent line, shear along y and z, u / l
+    curvature  1/m  3  twist, bending about y and z, theta / l
+""")
 
 
 def build(card: Beam, scene: Any) -> list[dict[str, Any]]:

@@ -41,21 +41,21 @@ RATES = 3
 MOST_FIBRES = fibres.MOST_FIBRES
 TANGENTS = element.TANGENTS + RATES
 ORDER, DESCRIPTIONS = 1, beam.DESCRIPTIONS
-PARAMETERS = beam.PARAMETERS + Record(
-    count=("count", "fibres"),
-    y=("m", fibres.MOST_FIBRES, "places along y of the section"),
-    z=("m", fibres.MOST_FIBRES, "places along z of the section"),
-    area=("m^2", fibres.MOST_FIBRES, "areas"),
-    law=("index", "of the material's law among those of the group"),
-)
-HISTORY = Record(
-    stress=("Pa", fibres.MOST_FIBRES, "of the fibres; what else they remember says the material"),
-    work=("J", "plastic work"),
-)
-OUTPUT = beam.OUTPUT + Record(
-    plastic_strain=("1", "largest e of the fibres"),
-    plastic_work=("J", "of the element"),
-)
+PARAMETERS = beam.PARAMETERS + Record(f"""
+    count  count                        fibres
+    y      m      {fibres.MOST_FIBRES}  places along y of the section
+    z      m      {fibres.MOST_FIBRES}  places along z of the section
+    area   m^2    {fibres.MOST_FIBRES}  areas
+    law    index                        of the material's law among those of the group
+""")
+HISTORY = Record(f"""
+    stress  Pa  {fibres.MOST_FIBRES}  of the fibres; what else they remember says the material
+    work    J                         plastic work
+""")
+OUTPUT = beam.OUTPUT + Record("""
+    plastic_strain  1  largest e of the fibres
+    plastic_work    J  of the element
+""")
 
 
 class FibreBeam(beam.Beam):

@@ -18,7 +18,7 @@ from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import products, quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import note_fold, times
+from crashsolve.foundation.turn import axes_at, note_fold
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts import beam
 from crashsolve.parts._damping import Damped, report_added
@@ -28,7 +28,7 @@ from crashsolve.parts.beams.tangent import bend_blocks
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, element.TANGENTS
 ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
-PARAMETERS = beam.PARAMETERS + Record(turn=("1", 4, "unit quaternion Q, element to nodes"))
+PARAMETERS = beam.PARAMETERS + Record("turn  1  4  unit quaternion Q, element to nodes")
 
 
 class Frame(Damped):
@@ -158,17 +158,10 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
 
 
 @kernel
-def turned(body, turn):
-    """Orientation of an element's end: unit quaternion q Q."""
-    q = (body.q[0], body.q[1], body.q[2], body.q[3])
-    return times(q, (turn[0], turn[1], turn[2], turn[3]))
-
-
-@kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = mean_frame_of(turned(a, p.turn), turned(b, p.turn))
+    R, v, w = mean_frame_of(axes_at(a, p.turn), axes_at(b, p.turn))
     note_fold(curves, p.node_b, w)
     element.pull(p, out, a, b, R, v, w)
     element.drag(p, out, nodes)
@@ -178,7 +171,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def bend(p, state, nodes, curves, place, blocks):
     """Tangent by the places. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = mean_frame_of(turned(a, p.turn), turned(b, p.turn))
+    R, v, w = mean_frame_of(axes_at(a, p.turn), axes_at(b, p.turn))
     strained = element.deformation(p, a, b, R, v, w)
     bend_blocks(p, None, a, b, R, v, w, strained, place, blocks)
 
@@ -187,5 +180,5 @@ def bend(p, state, nodes, curves, place, blocks):
 def tangent(p, state, nodes, curves, rows, first):
     """By the velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = mean_frame_of(turned(a, p.turn), turned(b, p.turn))
+    R, v, w = mean_frame_of(axes_at(a, p.turn), axes_at(b, p.turn))
     element.yield_rows(p, a, b, R, v, w, rows, first)

@@ -68,57 +68,54 @@ class Shell(Damped):
         return [f"{part}_{node.name}" for node in self.nodes]
 
 
-PARAMETERS = Record(
-    first_point=("index", "of the part's points"),
-    point_count=("count", "points"),
-    first=("index", "of the part's numbers in blocks"),
-    stride=("count", "numbers of a block"),
-    first_corner=("index", "of the part's corners"),
-    aside=("count", "from there to the corners that take its forces; not 0 of a piece alone"),
-    element_count=("count", "elements"),
-    one_point=("count", "of them, quadrilaterals with one point in their plane"),
-    four_points=("count", "quadrilaterals with 2 by 2 points"),
-    triangles=("count", "triangles, which come after the quadrilaterals"),
-    first_element=("index", "number of the part's first element among all"),
-    layers=("count", "points through the thickness"),
-    zeta=("1", MOST_LAYERS, "places of the layers, -1 to 1"),
-    weight=("1", MOST_LAYERS, "weights of the layers, sum 2"),
-    # of the material, at small strain; all else of it stands in the columns `material`
-    law=("index", "of the material's law among those of the group"),
-    young=("Pa", "E"),
-    shear=("Pa", "G"),
-    poisson=("1", "nu"),
-    density=("kg/m^3", "rho"),
-    plane=("Pa", "E / (1 - nu^2)"),
-    large_strain=("flag", "whether strain across the thickness is logarithmic"),
-    dissipates=("flag", "whether layers lose some of the work on them"),
-    yields=("flag", "whether stresses beside the layers yield with them"),
-    erodes=("flag", "whether layers fail"),
-    drag=("1/s", "alpha"),
-    damping=("s", "beta"),
-    linear=("1", "b_1"),
-    quadratic=("1", "b_2^2"),
-    slows=("flag", "whether elements keep rows of damping and added mass"),
-    layer_rows=("count", "numbers of a layer"),
-    thins=("flag", "whether the thickness follows the strain"),
-)
-HISTORY = Record(damped=("J", "energy lost by drag"))
-OUTPUT = Record(
-    kinetic=("J", "of the nodes that are no bodies"),
-    strain=("J", "elastic energy of the layers and of transverse shear"),
-    hourglass=("J", "of what one point does not see"),
-    drilling=("J", "of spins of the nodes about the normal against the turn of the plane"),
-    plastic=("J", "plastic work"),
-    drag=("J", "energy lost by drag"),
-    damping=("J", "energy lost by damping of strains and viscosity"),
-    eroded=("J", "elastic energy lost with layers that failed and elements deleted"),
-    eroded_kinetic=(
-        "J",
-        "kinetic energy of elements when deleted; it stays with the nodes",
-    ),
-    eroded_mass=("kg", "of elements deleted; it stays with the nodes"),
-    deleted=("count", "elements deleted"),
-)
+PARAMETERS = Record(f"""
+    first_point    index                  of the part's points
+    point_count    count                  points
+    first          index                  of the part's numbers in blocks
+    stride         count                  numbers of a block
+    first_corner   index                  of the part's corners
+    aside          count                  from there to the corners that take its forces; not 0 of a
+                                          piece alone
+    element_count  count                  elements
+    one_point      count                  of them, quadrilaterals with one point in their plane
+    four_points    count                  quadrilaterals with 2 by 2 points
+    triangles      count                  triangles, which come after the quadrilaterals
+    first_element  index                  number of the part's first element among all
+    layers         count                  points through the thickness
+    zeta           1       {MOST_LAYERS}  places of the layers, -1 to 1
+    weight         1       {MOST_LAYERS}  weights of the layers, sum 2
+    law            index                  of the material's law among those of the group
+    young          Pa                     E
+    shear          Pa                     G
+    poisson        1                      nu
+    density        kg/m^3                 rho
+    plane          Pa                     E / (1 - nu^2)
+    large_strain   flag                   whether strain across the thickness is logarithmic
+    dissipates     flag                   whether layers lose some of the work on them
+    yields         flag                   whether stresses beside the layers yield with them
+    erodes         flag                   whether layers fail
+    drag           1/s                    alpha
+    damping        s                      beta
+    linear         1                      b_1
+    quadratic      1                      b_2^2
+    slows          flag                   whether elements keep rows of damping and added mass
+    layer_rows     count                  numbers of a layer
+    thins          flag                   whether the thickness follows the strain
+""")
+HISTORY = Record("damped  J  energy lost by drag")
+OUTPUT = Record("""
+    kinetic         J      of the nodes that are no bodies
+    strain          J      elastic energy of the layers and of transverse shear
+    hourglass       J      of what one point does not see
+    drilling        J      of spins of the nodes about the normal against the turn of the plane
+    plastic         J      plastic work
+    drag            J      energy lost by drag
+    damping         J      energy lost by damping of strains and viscosity
+    eroded          J      elastic energy lost with layers that failed and elements deleted
+    eroded_kinetic  J      kinetic energy of elements when deleted; it stays with the nodes
+    eroded_mass     kg     of elements deleted; it stays with the nodes
+    deleted         count  elements deleted
+""")
 
 
 def discretise(card: Shell, scene: Any) -> DiscretisedShell:

@@ -8,14 +8,13 @@ Reference: Cowper (1966), The shear coefficient in Timoshenko's beam theory, Jou
 Mechanics 33, 335-340.
 """
 
-from math import pi
 from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
-from crashsolve.sections.tube import ring, rings
+from crashsolve.sections.tube import ring, rings, round_section
 
 
 class Circle(Card):
@@ -28,15 +27,7 @@ PARAMETERS = HISTORY = OUTPUT = Record()
 
 
 def build(card: Circle, poisson: float) -> dict[str, Any]:
-    area = pi * card.radius**2
-    second = area * card.radius**2 / 4.0
-    shear = 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson)
-    return {
-        "area": area,
-        "second": (second, second),
-        "torsion": 2.0 * second,
-        "shear": (shear, shear),
-    }
+    return round_section(card.radius, 0.0, poisson)
 
 
 def outline(card: Circle) -> np.ndarray:
@@ -45,5 +36,5 @@ def outline(card: Circle) -> np.ndarray:
 
 
 def fibres(card: Circle, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (y, z, A) of fibres: rings and sectors."""
+    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
     return rings(0.0, card.radius, grid)

@@ -59,5 +59,5 @@ def build(card: Fibres, poisson: float) -> dict[str, Any]:
 
 
 def fibres(card: Fibres, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (y, z, A) of the fibres."""
+    """Places and areas (n, 3) of the fibres, y, z [m] and A [m^2]."""
     return np.asarray(card.fibres)

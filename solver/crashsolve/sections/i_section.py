@@ -69,7 +69,7 @@ def web_area(b: float, H: float, t_f: float, t_w: float) -> float:
 
 
 def fibres(card: ISection, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (y, z, A) of fibres, so many of each flange along y, of the web along z."""
+    """Fibres (n, 3), y, z [m], A [m^2]: so many of each flange along y, of the web along z."""
     flange = patch(card.width, card.flange, (grid[0], 1))
     arm = (card.height - card.flange) / 2.0
     web = patch(card.web, card.height - 2.0 * card.flange, (1, grid[1]))

@@ -57,12 +57,12 @@ def corners(width: float, height: float) -> np.ndarray:
 
 
 def fibres(card: Rectangle, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (y, z, A) of fibres, so many along y and z."""
+    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2], so many along y and z."""
     return patch(card.width, card.height, grid)
 
 
 def patch(width: float, height: float, grid: tuple[int, int]) -> np.ndarray:
-    """Fibres (y, z, A) of a rectangle about the origin."""
+    """Fibres (n, 3), y, z [m] and A [m^2], of a rectangle about the origin."""
     n, m = grid
     y, z = ((np.arange(n) + 0.5) / n - 0.5) * width, ((np.arange(m) + 0.5) / m - 0.5) * height
     Y, Z = np.meshgrid(y, z)

@@ -68,7 +68,7 @@ def outline(card: RectangularTube) -> np.ndarray:
 
 
 def fibres(card: RectangularTube, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (y, z, A) of fibres on the middle line, so many of each wall."""
+    """Fibres (n, 3), y, z [m] and A [m^2], on the middle line, so many of each wall."""
     t = card.thickness
     a, b = card.width - t, card.height - t
     flange, web = patch(a, 0.0, (grid[0], 1)), patch(0.0, b, (1, grid[1]))

@@ -36,7 +36,14 @@ PARAMETERS = HISTORY = OUTPUT = Record()
 
 
 def build(card: Tube, poisson: float) -> dict[str, Any]:
-    outer, inner = card.radius, card.radius - card.thickness
+    return round_section(card.radius, card.radius - card.thickness, poisson)
+
+
+def round_section(outer: float, inner: float, poisson: float) -> dict[str, Any]:
+    """Constants of a section between two radii [m]: area [m^2], second moments and torsion [m^4].
+
+    Shear factors are those of Cowper (1966), J. Appl. Mech. 33, 335-340.
+    """
     area = pi * (outer**2 - inner**2)
     second = area * (outer**2 + inner**2) / 4.0
     m2 = (inner / outer) ** 2
@@ -63,12 +70,12 @@ def ring(radius: float, corners: int = 16) -> np.ndarray:
 
 
 def fibres(card: Tube, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (y, z, A) of fibres: rings and sectors."""
+    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
     return rings(card.radius - card.thickness, card.radius, grid)
 
 
 def rings(inner: float, outer: float, grid: tuple[int, int]) -> np.ndarray:
-    """Fibres (y, z, A) of equal areas, in rings and sectors between two radii."""
+    """Fibres (n, 3), y, z [m] and A [m^2], of equal areas, in rings and sectors of two radii."""
     n, m = grid
     edges = np.sqrt(np.linspace(inner**2, outer**2, n + 1))
     # sectors have their mass centres at these radii

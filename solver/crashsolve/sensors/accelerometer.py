@@ -28,17 +28,17 @@ class Accelerometer(Card):
     gravity: bool = word("subtract free fall, as an instrument does", default=False)
 
 
-PARAMETERS = Record(
-    node=("index", "body"),
-    point=("m", 3, "from the mass centre, body axes"),
-    free_fall=("m/s^2", 3, "g, world axes; 0 when it is not subtracted"),
-)
-OUTPUT = Record(
-    acceleration=("m/s^2", 3, "of the point, body axes"),
-    resultant=("m/s^2", "magnitude of the acceleration"),
-    velocity=("m/s", 3, "of the point, body axes"),
-    angular_velocity=("rad/s", 3, "of the body, body axes"),
-)
+PARAMETERS = Record("""
+    node       index     body
+    point      m      3  from the mass centre, body axes
+    free_fall  m/s^2  3  g, world axes; 0 when it is not subtracted
+""")
+OUTPUT = Record("""
+    acceleration      m/s^2  3  of the point, body axes
+    resultant         m/s^2     magnitude of the acceleration
+    velocity          m/s    3  of the point, body axes
+    angular_velocity  rad/s  3  of the body, body axes
+""")
 
 
 def build(card: Accelerometer, scene: Any) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 from crashsolve.deck.card import BodyName, Card, Vec3, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import angle_about, angle_rate, counted
+from crashsolve.foundation.turn import TURN, angle_about, angle_rate, counted
 
 FAMILY = "disbout"
 
@@ -25,15 +25,12 @@ class Angle(Card):
 
 
 COUNTS_TURNS = True
-PARAMETERS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    axis_a=("1", 3, "axis, axes of a"),
-    side_a=("1", 3, "at right angles to the axis, axes of a"),
-    side_b=("1", 3, "the same direction at the start, axes of b"),
-)
-HISTORY = Record(angle=("rad", "counted turn"))
-OUTPUT = Record(angle=("rad", "turn of b from the start"), rate=("rad/s", "of the angle"))
+PARAMETERS = TURN
+HISTORY = Record("angle  rad  counted turn")
+OUTPUT = Record("""
+    angle  rad    turn of b from the start
+    rate   rad/s  of the angle
+""")
 
 
 def build(card: Angle, scene: Any) -> dict[str, Any]:

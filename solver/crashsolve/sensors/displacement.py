@@ -27,21 +27,21 @@ class Displacement(Card):
     axes: Literal["world", "a"] = word("axes of the components", default="world")
 
 
-PARAMETERS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    point_a=("m", 3, "from the mass centre of a, axes of a"),
-    point_b=("m", 3, "from the mass centre of b, axes of b"),
-    riding=("flag", "components in axes of a"),
-    start=("m", "distance at the start"),
-)
-OUTPUT = Record(
-    distance=("m", "between the points"),
-    change=("m", "of the distance since the start"),
-    rate=("m/s", "of the distance"),
-    vector=("m", 3, "from a to b"),
-    velocity=("m/s", 3, "rate of the vector, in its axes"),
-)
+PARAMETERS = Record("""
+    node_a   index     first body
+    node_b   index     second body
+    point_a  m      3  from the mass centre of a, axes of a
+    point_b  m      3  from the mass centre of b, axes of b
+    riding   flag      components in axes of a
+    start    m         distance at the start
+""")
+OUTPUT = Record("""
+    distance  m       between the points
+    change    m       of the distance since the start
+    rate      m/s     of the distance
+    vector    m    3  from a to b
+    velocity  m/s  3  rate of the vector, in its axes
+""")
 
 
 def build(card: Displacement, scene: Any) -> dict[str, Any]:

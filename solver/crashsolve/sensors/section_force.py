@@ -32,18 +32,18 @@ class SectionForce(Card):
     )
 
 
-PARAMETERS = Record(
-    first_row=("index", "first row of the joint"),
-    rows=("count", "number of rows"),
-    node_b=("index", "body b of the joint"),
-    axes=("index", "body whose axes are used"),
-    holder=("index", "body that carries the point"),
-    point=("m", 3, "from the mass centre of the holder, its axes"),
-)
-OUTPUT = Record(
-    force=("N", 3, "on b"),
-    moment=("N m", 3, "on b, about the point"),
-)
+PARAMETERS = Record("""
+    first_row  index     first row of the joint
+    rows       count     number of rows
+    node_b     index     body b of the joint
+    axes       index     body whose axes are used
+    holder     index     body that carries the point
+    point      m      3  from the mass centre of the holder, its axes
+""")
+OUTPUT = Record("""
+    force   N    3  on b
+    moment  N m  3  on b, about the point
+""")
 
 
 def build(card: SectionForce, scene: Any) -> dict[str, Any]:

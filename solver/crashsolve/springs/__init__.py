@@ -17,6 +17,6 @@ FAMILY = Family(
     energy=("spring", "joint", "brake"),
     channels={"deforc": "spring, damper and bushing forces"},
     picture=LINE,
-    uses=("parts", "sections"),
+    uses=("materials", "parts", "sections"),
     integrators=ANY,
 )

@@ -8,13 +8,11 @@ from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
-    apply_torque,
     arm,
     mobility,
     point_at,
     point_velocity,
     relative,
-    spin_mobility,
     stiffen,
 )
 from crashsolve.foundation.record import Record
@@ -24,19 +22,13 @@ from crashsolve.foundation.vec3 import add, dot, norm, scale, sub, vec
 # below this length a line has no direction; the spring then pulls along x, with its rate zero
 SHORTEST = 1e-12
 
-POINTS = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    point_a=("m", 3, "attachment from the mass centre of a, axes of a"),
-    point_b=("m", 3, "attachment from the mass centre of b, axes of b"),
-)
-TURN = Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    axis_a=("1", 3, "axis, axes of a"),
-    side_a=("1", 3, "at right angles to the axis, axes of a"),
-    side_b=("1", 3, "the same direction at the start, axes of b"),
-)
+POINTS = Record("""
+    node_a   index     first body
+    node_b   index     second body
+    point_a  m      3  attachment from the mass centre of a, axes of a
+    point_b  m      3  attachment from the mass centre of b, axes of b
+""")
+SLIDE = POINTS + Record("axis_a  1  3  direction in which b slides, axes of a")
 
 
 def start_offset(scene: Any, ends: dict[str, Any]) -> np.ndarray:
@@ -62,7 +54,7 @@ def rest_length(card: Any, scene: Any, ends: dict[str, Any]) -> float:
 
 @kernel
 def line_of_action(p, nodes):
-    """Unit vector from a to b, distance, its rate, and the arms of both ends."""
+    """Unit vector from a to b, distance [m], its rate [m/s], and the arms of both ends [m]."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)
@@ -74,19 +66,18 @@ def line_of_action(p, nodes):
 
 
 @kernel
-def pull(p, nodes, tension, u, d_a, d_b, stiffness, damping):
-    """Tension along u on both ends, and its stiffness for the step. Writes: nodes."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    f = scale(tension, u)
-    apply_force(a, f, d_a)
-    apply_force(b, scale(-1.0, f), d_b)
-    stiffen(a, mobility(a, d_a, u), stiffness, damping)
-    stiffen(b, mobility(b, d_b, u), stiffness, damping)
+def spring_and_damper(p, out, x, rate):
+    """Force of a linear spring x [m or rad] long beyond its rest, and its damper. Writes: out."""
+    out.rate = rate
+    out.stored = 0.5 * p.stiffness * x * x
+    out.power = p.damping * rate * rate
+    out.loss = 0.0
+    return p.stiffness * x + p.damping * rate
 
 
 @kernel
 def turned(p, before, nodes):
-    """Angle of b about the axis of a counted from `before`, its rate, and its gradient g."""
+    """Angle of b about the axis of a [rad], counted from `before`, its rate, and its gradient g."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), before)
     g = angle_gradient(a, b, p.axis_a, p.side_b)
@@ -94,18 +85,8 @@ def turned(p, before, nodes):
 
 
 @kernel
-def twist(p, nodes, torque, g, stiffness, damping):
-    """Torque that turns b back towards a, on both bodies. Writes: nodes."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    apply_torque(a, scale(torque, g))
-    apply_torque(b, scale(-torque, g))
-    stiffen(a, spin_mobility(a, g), stiffness, damping)
-    stiffen(b, spin_mobility(b, g), stiffness, damping)
-
-
-@kernel
 def seen_from_a(p, nodes):
-    """Attachment of b from that of a and its rate, axes of a; arms of b's attachment in a and b."""
+    """Attachment of b from that of a [m] and its rate, axes of a; its arms in a and b [m]."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x = sub(point_at(b, d_b), point_at(a, d_a))

@@ -13,20 +13,20 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, sub
 
-BRISTLE = Record(
-    level=("N or N m", "constant part of the limit"),
-    pressed=("1 or m", "limit per force that presses the joint: mu, times the pin radius"),
-    first_row=("index", "first row of the joint"),
-    pressing=("count", "rows whose reactions press the joint"),
-    stiffness=("N/m or N m/rad", "K"),
-    damping=("N s/m or N m s/rad", "c"),
-)
+BRISTLE = Record("""
+    level      N or N m            constant part of the limit
+    pressed    1 or m              limit per force that presses the joint: mu, times the pin radius
+    first_row  index               first row of the joint
+    pressing   count               rows whose reactions press the joint
+    stiffness  N/m or N m/rad      K
+    damping    N s/m or N m s/rad  c
+""")
 
-PRESSING = Record(
-    pressing=("N", "force that pressed the joint at the start of the step"),
-    limit=("N or N m", "at which it slides"),
-    step=("s", "length of the step; 0 before the first"),
-)
+PRESSING = Record("""
+    pressing  N         force that pressed the joint at the start of the step
+    limit     N or N m  at which it slides
+    step      s         length of the step; 0 before the first
+""")
 TREND = 0.1  # largest change of the force that presses a joint, by its trend, in one step
 
 
@@ -57,7 +57,7 @@ def friction_limit(p, old, new, h, rows):
 
 @kernel
 def kept_share(stiffness, stretch, limit):
-    """Share of its stretch that a bristle keeps: 1 while it holds, less when it slides."""
+    """Share [1] of its stretch that a bristle keeps: 1 while it holds, less when it slides."""
     return 1.0 if stiffness * stretch <= limit else limit / (stiffness * stretch)
 
 

@@ -10,15 +10,15 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.springs._resistance import steepest
 
-STOPS = Record(
-    lower=("m or rad", "lower stop; minus infinity for none"),
-    upper=("m or rad", "upper stop; infinity for none"),
-    stiffness=("N/m or N m/rad", "k; not used with a curve"),
-    curve=("index", "force over the travel beyond the stop; 0 for none"),
-    damping=("N s/m or N m s/rad", "c"),
-    stiffest=("N/m or N m/rad", "largest slope of the force"),
-)
-STOPPED = Record(at=("flag", "1: beyond the upper stop, -1: beyond the lower, 0: between"))
+STOPS = Record("""
+    lower      m or rad            lower stop; minus infinity for none
+    upper      m or rad            upper stop; infinity for none
+    stiffness  N/m or N m/rad      k; not used with a curve
+    curve      index               force over the travel beyond the stop; 0 for none
+    damping    N s/m or N m s/rad  c
+    stiffest   N/m or N m/rad      largest slope of the force
+""")
+STOPPED = Record("at  flag  1: beyond the upper stop, -1: beyond the lower, 0: between")
 
 
 class StopCard(Card):
@@ -65,7 +65,7 @@ def stops(card: Any, scene: Any) -> dict[str, Any]:
 
 @kernel
 def stop(p, new, x, rate, out, curves):
-    """Force against x beyond a stop; it never pulls back. Writes: new, out."""
+    """Force against x beyond a stop [N or N m]; it never pulls back. Writes: new, out."""
     new.at = 1 if x > p.upper else (-1 if x < p.lower else 0)
     out.stored = out.power = out.loss = 0.0
     over = max(x - p.upper, p.lower - x)
@@ -85,7 +85,7 @@ def stop(p, new, x, rate, out, curves):
 
 @kernel
 def stop_tangent(p, x, rate, curves):
-    """Rise of the force of a stop over x and over its rate."""
+    """Rise of the force of a stop over x [N/m or N m/rad] and over its rate."""
     over = max(x - p.upper, p.lower - x)
     if over <= 0.0:
         return 0.0, 0.0

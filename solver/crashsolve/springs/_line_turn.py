@@ -9,10 +9,22 @@ alone could hold no more than what is symmetric and pulls, in two more of them f
 Consequence to test: rows and blocks together are the derivative of the force.
 """
 
+from typing import Any, NamedTuple
+
 from crashsolve.foundation.bordered import resist_far, resist_own
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import ZERO, add, cross, dot, scale, sub, unit
 from crashsolve.springs._between import SHORTEST, line_of_action
+
+
+class End(NamedTuple):
+    """One end of the line."""
+
+    u: Any  # unit vector to the other end
+    tension: float  # [N]
+    length: float  # between both [m]
+    d: Any  # arm of this end [m]
+    d_far: Any  # arm of the other
 
 
 @kernel
@@ -21,29 +33,29 @@ def turn_line(p, out, nodes, place, blocks):
     u, length, _, d_a, d_b = line_of_action(p, nodes)
     if length < SHORTEST:
         return
+    at_a = End(u, out.force, length, d_a, d_b)
+    at_b = End(scale(-1.0, u), out.force, length, d_b, d_a)
     for k in range(6):
         if place.a >= 0:
-            far = place.across, place.flips == 1
-            turn_end(place.a, far, k, u, out.force, length, d_a, d_b, blocks)
+            turn_end(place.a, (place.across, place.flips == 1), k, at_a, blocks)
         if place.b >= 0:
-            far = place.across, place.flips == 0
-            turn_end(place.b, far, k, scale(-1.0, u), out.force, length, d_b, d_a, blocks)
+            turn_end(place.b, (place.across, place.flips == 0), k, at_b, blocks)
 
 
 @kernel
-def turn_end(own, far, k, u, tension, length, d, d_far, blocks):
-    """Motion k of the end at arm d, from which u leads to that at arm d_far. Writes: blocks."""
+def turn_end(own, far, k, end, blocks):
+    """Motion k of this end, whose block is `own`. Writes: blocks."""
     way, (across, is_column) = unit(k % 3), far
-    swung = cross(way, d) if k >= 3 else ZERO
-    f = turned(u, tension / length, way if k < 3 else swung)
-    on_own = add(cross(d, f), cross(swung, scale(tension, u)))
+    swung = cross(way, end.d) if k >= 3 else ZERO
+    f = turned(end.u, end.tension / end.length, way if k < 3 else swung)
+    on_own = add(cross(end.d, f), cross(swung, scale(end.tension, end.u)))
     resist_own(blocks[own], k, f, on_own)
     if across >= 0:
         back = scale(-1.0, f)
-        resist_far(blocks[across], k, is_column, back, cross(d_far, back))
+        resist_far(blocks[across], k, is_column, back, cross(end.d_far, back))
 
 
 @kernel
 def turned(u, per, way):
-    """Change of the force on an end as it goes this way; `per` is the tension over the length."""
+    """Change of the force on an end [N/m] as it goes this way; `per` is the tension over l."""
     return scale(per, sub(scale(dot(u, way), u), way))

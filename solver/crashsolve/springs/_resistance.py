@@ -28,28 +28,29 @@ SAME, SET, BETWEEN = 0, 1, 2
 # branches of the law: no force, on the elastic line, on y, on u
 SLACK, LINE, LOADING, LOWER = range(4)
 
-RESISTANCE = Record(
-    curve=("index", "y"),
-    unloading=("flag", "SAME, SET or BETWEEN"),
-    unloading_curve=("index", "u"),
-    unloading_stiffness=("N/m or N m/rad", "k"),
-    only=("flag", "1 or -1: no force in the other direction; 0: both"),
-    loose=("flag", "the ends may part: never a force that holds them together"),
-    gap=("m or rad", "free play in each direction"),
-    damping=("N s/m or N m s/rad", "c"),
-    rate_curve=("index", "phi over |rate|; 0 for the power law"),
-    rate_coefficient=("1", "a"),
-    rate_exponent=("1", "b"),
-    rate_floor=("m/s or rad/s", "rate at which phi = 1.1"),
-    stiffest=("N/m or N m/rad", "largest slope of the curves and k"),
-)
-SLIDER = Record(
-    set=("m or rad", 2, "s in tension, in compression"),
-    kept=("J", 2, "P of both"),
-    side=("flag", "1 or -1: direction of the deformation"),
-    branch=("flag", "SLACK, LINE, LOADING or LOWER"),
-    segment=("index", "of the curve that is read"),
-)
+RESISTANCE = Record("""
+    curve                index               y
+    unloading            flag                SAME, SET or BETWEEN
+    unloading_curve      index               u
+    unloading_stiffness  N/m or N m/rad      k
+    only                 flag                1 or -1: no force in the other direction; 0: both
+    loose                flag                the ends may part: never a force that holds them
+                                             together
+    gap                  m or rad            free play in each direction
+    damping              N s/m or N m s/rad  c
+    rate_curve           index               phi over |rate|; 0 for the power law
+    rate_coefficient     1                   a
+    rate_exponent        1                   b
+    rate_floor           m/s or rad/s        rate at which phi = 1.1
+    stiffest             N/m or N m/rad      largest slope of the curves and k
+""")
+SLIDER = Record("""
+    set      m or rad  2  s in tension, in compression
+    kept     J         2  P of both
+    side     flag         1 or -1: direction of the deformation
+    branch   flag         SLACK, LINE, LOADING or LOWER
+    segment  index        of the curve that is read
+""")
 
 
 def resistance(card: Any, scene: Any) -> dict[str, Any]:
@@ -89,7 +90,7 @@ def _power_law(card: Any) -> tuple[float, float]:
 
 
 def steepest(points: np.ndarray, start: int) -> float:
-    """Largest |slope| of the curve that starts at a point."""
+    """Largest |slope| [N/m or N m/rad] of the curve that starts at a point."""
     part = points[start : points[start]["last"] + 1]
     width, c = np.diff(part["x"]), part["c"][:-1]
     # the slope is a parabola on each segment: look at its ends and its vertex
@@ -100,7 +101,7 @@ def steepest(points: np.ndarray, start: int) -> float:
 
 
 def read(points: np.ndarray, start: int, x: np.ndarray) -> np.ndarray:
-    """Values of a curve within its range."""
+    """Values (n,) of a curve within its range."""
     part = points[start : points[start]["last"] + 1]
     i = np.clip(np.searchsorted(part["x"], x, "right") - 1, 0, len(part) - 2)
     s = np.clip(x, part["x"][0], part["x"][-1]) - part["x"][i]
@@ -134,9 +135,9 @@ def _check_hysteresis(card: Any, scene: Any, only: int, k: float, steepest_slope
 
 @kernel
 def resist(p, old, new, out, h, x, rate, curves):
-    """Force that opposes the deformation x. Writes: new sliders, out.stored, power, loss.
+    """Force [N or N m] that opposes the deformation x [m or rad], stiffness and damping.
 
-    Returns force, stiffness, damping.
+    Writes: new sliders, out.stored, power, loss.
     """
     side = 1.0 if x >= 0.0 else -1.0
     e = max(side * x - p.gap, 0.0)
@@ -225,14 +226,14 @@ def branch_event(p, old, h, x, rate, curves):
 
 @kernel
 def along_curve(p, side, e, upper, curves):
-    """Force, stored energy and loss on the curve itself, y(e) = `upper`."""
+    """Force, stored energy and loss [J] on the curve itself, y(e) = `upper`."""
     f = 0.0 if e == 0.0 and p.loose == 1 else upper
     return f, curve_area(curves, p.curve, side * e) - curve_area(curves, p.curve, 0.0), 0.0
 
 
 @kernel
 def on_slider(p, old, new, side, e, upper, curves):
-    """Force, stored energy and loss of the elastic line on its slider, y(e) = `upper`.
+    """Force, stored energy and loss [J] of the elastic line on its slider, y(e) = `upper`.
 
     Writes: new.
     """
@@ -271,7 +272,7 @@ def on_slider(p, old, new, side, e, upper, curves):
 
 @kernel
 def work(curves, curve, side, k, e):
-    """G(e) = int c de - c^2 / 2k, the work on the slider up to e."""
+    """G(e) = int c de - c^2 / 2k, the work on the slider up to e [J]."""
     c = curve_value(curves, curve, side * e)[0]
     area = curve_area(curves, curve, side * e) - curve_area(curves, curve, 0.0)
     return area - 0.5 * c * c / k
@@ -299,7 +300,7 @@ def line_meets(curves, curve, side, k, s, high):
 
 @kernel
 def growth(p, speed, curves):
-    """phi at a rate, and an upper bound of its slope: the secant, from where phi reaches 1.1 on.
+    """phi [1] at a rate, and an upper bound of its slope: the secant, from where phi is 1.1 on.
 
     At lower rates what phi adds is below a tenth of the force, however steep.
     """
@@ -316,7 +317,7 @@ def growth(p, speed, curves):
 
 @kernel
 def resist_tangent(p, state, x, rate, curves):
-    """Rise of the force over the deformation x and over its rate, from an accepted state."""
+    """Rise of the force over the deformation x [N/m or N m/rad] and over its rate, from a state."""
     side = 1.0 if x >= 0.0 else -1.0
     e = max(side * x - p.gap, 0.0)
     speed = side * rate
@@ -336,7 +337,7 @@ def resist_tangent(p, state, x, rate, curves):
 
 @kernel
 def slider_tangent(p, state, side, e, speed, upper, upper_slope, curves):
-    """Force and slope of the elastic line, or of the curve along which the slider moves."""
+    """Force and slope [N/m or N m/rad] of the elastic line, or of the curve of a moving slider."""
     k = p.unloading_stiffness
     f = k * (e - state.set[0 if side > 0.0 else 1])
     # a slider that moves keeps the force on the curve to round-off
@@ -354,7 +355,7 @@ def slider_tangent(p, state, side, e, speed, upper, upper_slope, curves):
 
 @kernel
 def growth_tangent(p, speed, curves):
-    """phi at a rate and its slope; near rest, where a power law is vertical, that close to rest."""
+    """phi [1] at a rate and its slope; near rest, where a power law is vertical, that close by."""
     if p.rate_curve > 0:
         phi, slope, _ = curve_value(curves, p.rate_curve, speed)
         return phi, slope

@@ -14,14 +14,9 @@ import numpy as np
 
 from crashsolve.foundation.orientation import matrices, products
 from crashsolve.foundation.rows import as_rows
+from crashsolve.materials import elastoplastic
 from crashsolve.parts.beams.static_tangent import by_motions, skew, slopes_of_strains, strains
-from crashsolve.springs._segment_yield import (
-    FROZEN,
-    flow_stress,
-    growth,
-    scaled_back,
-    softened,
-)
+from crashsolve.springs._segment_yield import FROZEN, growth, scaled_back, softened
 
 # what yields together, among u and theta
 FLOWING = np.array([0, 4, 5])
@@ -77,7 +72,7 @@ def share_to_yield(p: Any, state: Any, nodes: Any, way: np.ndarray, curves: Any)
     _, trial, change = _trials(p, state, nodes, way)
     named, past, least = as_rows(p), as_rows(state), 1.0
     for i in np.flatnonzero(p["yields"]):
-        limit = flow_stress(named[i], past[i].strain, curves)[0] * named[i].moduli
+        limit = elastoplastic.flow(named[i], past[i].strain, curves)[0] * named[i].moduli
         f, d = trial[i] / limit, change[i] / limit
         # |f + s d| = 1 + OVER
         a, b, c = d @ d, f @ d, f @ f

@@ -11,8 +11,8 @@ Computational Inelasticity, 3.
 
 from math import sqrt
 
-from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
+from crashsolve.materials import elastoplastic
 
 PASSES = 50
 # of the yield stress: some units of round-off
@@ -22,10 +22,12 @@ NO_STEP, FLOWS, FROZEN = 0, 1, 2
 
 
 @kernel
-def resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot):
-    """N, M_y, M_z, the energy they store and what is lost in the step. Writes: new."""
+def resisting(p, old, new, h, q, q_dot, curves):
+    """N, M_y, M_z, the energy they store and what is lost in the step. Writes: new.
+
+    `q` is the stretch and both bends [m, rad].
+    """
     k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
-    q = (u[0], theta[1], theta[2])
     for i in range(3):
         new.plastic[i] = new.plastic[i] if p.at_rest == FROZEN else old.plastic[i]
     trial = (
@@ -35,7 +37,7 @@ def resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot):
     )
     flow, share = 0.0, 0.0
     if p.yields == 1 and (h > 0.0 or p.at_rest == FLOWS):
-        factor = factor_of(p, (u_dot[0], theta_dot[1], theta_dot[2]))
+        factor = factor_of(p, q_dot)
         flow, share = growth(p, k, trial, old.strain, factor, curves)
     new.strain = old.strain + flow / p.volume
     held = scaled_back(p, k, trial, share)
@@ -67,7 +69,7 @@ def growth(p, k, trial, strain, factor, curves):
     """
     flow, share = 0.0, 0.0
     for _ in range(PASSES):
-        stress, slope = flow_stress(p, strain + flow / p.volume, curves)
+        stress, slope = elastoplastic.flow(p, strain + flow / p.volume, curves)
         stress, slope = factor * stress, factor * slope / p.volume
         size, steep = 0.0, 0.0
         for i in range(3):
@@ -84,17 +86,8 @@ def growth(p, k, trial, strain, factor, curves):
 
 
 @kernel
-def flow_stress(p, strain, curves):
-    """Yield stress Y at no rate, and its slope."""
-    if p.curve > 0:
-        flow, slope, _ = curve_value(curves, p.curve, strain)
-        return flow, slope
-    return p.yield_stress + p.hardening * strain, p.hardening
-
-
-@kernel
 def factor_of(p, rate):
-    """By which the yield stress is higher at these rates of stretch and turns."""
+    """Factor [1] on the yield stress at rates of stretch and bends [m/s, rad/s]."""
     if p.rate_D == 0.0:
         return 1.0
     A, per = p.moduli[0], 1.0 / p.length
@@ -110,7 +103,7 @@ def softened(p, k, trial, flow, share, strain, factor, curves):
     dF = (diag(k s) - b b^T / B) dq,   s = 1 / (1 + share k / Z^2),   b = F s k / Z^2,
     B = sum F b / Z^2 + Y^2 Y' / (1 - Y' share), Y' per flow.
     """
-    stress, slope = flow_stress(p, strain + flow / p.volume, curves)
+    stress, slope = elastoplastic.flow(p, strain + flow / p.volume, curves)
     stress, slope = factor * stress, factor * slope / p.volume
     held = scaled_back(p, k, trial, share)
     s_0 = k[0] / (1.0 + share * k[0] / p.moduli[0] ** 2)

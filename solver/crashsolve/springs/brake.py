@@ -47,26 +47,26 @@ class Brake(PointSpringCard):
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
 CURVES_OF_TIME = ("force_curve",)
-PARAMETERS = POINTS + Record(
-    first=("1", 3, "first direction braked, axes of a"),
-    second=("1", 3, "second direction; 0 when only the first is braked"),
-    offset=("m", 3, "b from a at the start, axes of a"),
-    force=("N", "F over the factor of the curve"),
-    force_curve=("index", "factor over time; 0 for none"),
-    stiffness=("N/m", "K"),
-    damping=("N s/m", "c"),
-)
-HISTORY = Record(
-    slider=("m", 3, "s_p, axes of a"),
-    bristle=("m", 3, "z, axes of a"),
-    force=("N", 3, "f, axes of a"),
-    slid=("m", "way of the slider"),
-)
-OUTPUT = Record(
-    force=("N", 3, "on b, axes of a"),
-    limit=("N", "level at which it slides"),
-    slid=("m", "way slid so far"),
-)
+PARAMETERS = POINTS + Record("""
+    first        1      3  first direction braked, axes of a
+    second       1      3  second direction; 0 when only the first is braked
+    offset       m      3  b from a at the start, axes of a
+    force        N         F over the factor of the curve
+    force_curve  index     factor over time; 0 for none
+    stiffness    N/m       K
+    damping      N s/m     c
+""")
+HISTORY = Record("""
+    slider   m  3  s_p, axes of a
+    bristle  m  3  z, axes of a
+    force    N  3  f, axes of a
+    slid     m     way of the slider
+""")
+OUTPUT = Record("""
+    force  N  3  on b, axes of a
+    limit  N     level at which it slides
+    slid   m     way slid so far
+""")
 
 
 def build(card: Brake, scene: Any) -> dict[str, Any]:
@@ -116,7 +116,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 @kernel
 def braked(p, x):
-    """Part of a vector in the directions braked, axes of a."""
+    """Part of a vector (3) in the directions braked, axes of a."""
     first, second = vec(p.first), vec(p.second)
     return add_scaled(scale(dot(first, x), first), dot(second, x), second)
 

@@ -53,23 +53,23 @@ class Bushing(PointSpringCard):
     )
 
 
-PARAMETERS = POINTS + Record(
-    stiffness=("N/m", 3, "diagonal of K"),
-    damping=("N s/m", 3, "diagonal of C"),
-    turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
-    turning_damping=("N m s/rad", 3, "diagonal of C_r"),
-    offset=("m", 3, "x_0"),
-    reference=("1", 4, "q_a^-1 q_b at the start"),
-    turns=("flag", "whether it resists turns, which end at half a turn"),
-)
+PARAMETERS = POINTS + Record("""
+    stiffness          N/m        3  diagonal of K
+    damping            N s/m      3  diagonal of C
+    turning_stiffness  N m/rad    3  diagonal of K_r
+    turning_damping    N m s/rad  3  diagonal of C_r
+    offset             m          3  x_0
+    reference          1          4  q_a^-1 q_b at the start
+    turns              flag          whether it resists turns, which end at half a turn
+""")
 HISTORY = Record()
 TANGENTS = 6
-OUTPUT = Record(
-    force=("N", 3, "f, on a, axes of a"),
-    torque=("N m", 3, "m, on a, axes of a"),
-    displacement=("m", 3, "x - x_0, axes of a"),
-    angle=("rad", 3, "theta, axes of a"),
-)
+OUTPUT = Record("""
+    force         N    3  f, on a, axes of a
+    torque        N m  3  m, on a, axes of a
+    displacement  m    3  x - x_0, axes of a
+    angle         rad  3  theta, axes of a
+""")
 
 
 def build(card: Bushing, scene: Any) -> dict[str, Any]:

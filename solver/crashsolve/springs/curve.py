@@ -10,10 +10,10 @@ from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import line_tangent
+from crashsolve.foundation.motion import line_tangent, pull
 from crashsolve.foundation.record import Record
 from crashsolve.springs import _resistance
-from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
+from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
 from crashsolve.springs._line_turn import turn_line
 
@@ -43,16 +43,16 @@ class Curve(PointSpringCard, ResistanceCard):
     damping: float = quantity("N s/m", "force over rate", default=0.0, ge=0)
 
 
-PARAMETERS = POINTS + _resistance.RESISTANCE + Record(length=("m", "l_0"))
+PARAMETERS = POINTS + _resistance.RESISTANCE + Record("length  m  l_0")
 HISTORY = _resistance.SLIDER
 TANGENTS = 1
-OUTPUT = Record(
-    force=("N", "tension positive"),
-    length=("m", "present length"),
-    elongation=("m", "present length less that without deformation"),
-    rate=("m/s", "of the length"),
-    set=("m", "permanent elongation, the larger of both directions"),
-)
+OUTPUT = Record("""
+    force       N    tension positive
+    length      m    present length
+    elongation  m    present length less that without deformation
+    rate        m/s  of the length
+    set         m    permanent elongation, the larger of both directions
+""")
 
 
 def build(card: Curve, scene: Any) -> dict[str, Any]:

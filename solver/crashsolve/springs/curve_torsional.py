@@ -9,10 +9,11 @@ from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import turn_tangent
+from crashsolve.foundation.motion import turn_tangent, twist
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import TURN
 from crashsolve.springs import _resistance
-from crashsolve.springs._between import TURN, turned, twist
+from crashsolve.springs._between import turned
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
 
 
@@ -40,15 +41,15 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
 
 
 COUNTS_TURNS = True
-PARAMETERS = TURN + _resistance.RESISTANCE + Record(angle=("rad", "theta_0"))
-HISTORY = _resistance.SLIDER + Record(angle=("rad", "counted turn"))
+PARAMETERS = TURN + _resistance.RESISTANCE + Record("angle  rad  theta_0")
+HISTORY = _resistance.SLIDER + Record("angle  rad  counted turn")
 TANGENTS = 1
-OUTPUT = Record(
-    torque=("N m", "positive turns b back"),
-    angle=("rad", "turn of b from the start"),
-    rate=("rad/s", "of the angle"),
-    set=("rad", "permanent turn, the larger of both directions"),
-)
+OUTPUT = Record("""
+    torque  N m    positive turns b back
+    angle   rad    turn of b from the start
+    rate    rad/s  of the angle
+    set     rad    permanent turn, the larger of both directions
+""")
 
 
 def build(card: CurveTorsional, scene: Any) -> dict[str, Any]:

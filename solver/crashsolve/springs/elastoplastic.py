@@ -15,9 +15,9 @@ from typing import Any, Literal
 
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import line_tangent
+from crashsolve.foundation.motion import line_tangent, pull
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
+from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._line_turn import turn_line
 
@@ -36,27 +36,27 @@ class Elastoplastic(PointSpringCard):
     )
 
 
-PARAMETERS = POINTS + Record(
-    stiffness=("N/m", "k"),
-    yield_force=("N", "F_y"),
-    isotropic=("N/m", "H_i"),
-    kinematic=("N/m", "H_k"),
-    length=("m", "l_0"),
-)
-HISTORY = Record(
-    plastic=("m", "x_p"),
-    flow=("m", "alpha"),
-    flowing=("flag", "1 or -1: x_p grows or falls; 0: it rests"),
-)
+PARAMETERS = POINTS + Record("""
+    stiffness    N/m  k
+    yield_force  N    F_y
+    isotropic    N/m  H_i
+    kinematic    N/m  H_k
+    length       m    l_0
+""")
+HISTORY = Record("""
+    plastic  m     x_p
+    flow     m     alpha
+    flowing  flag  1 or -1: x_p grows or falls; 0: it rests
+""")
 TANGENTS = 1
-OUTPUT = Record(
-    force=("N", "tension positive"),
-    length=("m", "present length"),
-    elongation=("m", "present length less that without force at the start"),
-    rate=("m/s", "of the length"),
-    set=("m", "plastic elongation"),
-    flow=("m", "sum of plastic elongations in both directions"),
-)
+OUTPUT = Record("""
+    force       N    tension positive
+    length      m    present length
+    elongation  m    present length less that without force at the start
+    rate        m/s  of the length
+    set         m    plastic elongation
+    flow        m    sum of plastic elongations in both directions
+""")
 
 
 def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:

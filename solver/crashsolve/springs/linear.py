@@ -10,9 +10,9 @@ from typing import Any
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import line_tangent
+from crashsolve.foundation.motion import line_tangent, pull
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import POINTS, line_of_action, pull, rest_length
+from crashsolve.springs._between import POINTS, line_of_action, rest_length, spring_and_damper
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._line_turn import turn_line
 
@@ -27,16 +27,18 @@ class Linear(PointSpringCard):
     )
 
 
-PARAMETERS = POINTS + Record(
-    stiffness=("N/m", "k"),
-    damping=("N s/m", "c"),
-    length=("m", "l_0"),
-)
+PARAMETERS = POINTS + Record("""
+    stiffness  N/m    k
+    damping    N s/m  c
+    length     m      l_0
+""")
 HISTORY = Record()
 TANGENTS = 1
-OUTPUT = Record(
-    force=("N", "tension positive"), length=("m", "present length"), rate=("m/s", "of the length")
-)
+OUTPUT = Record("""
+    force   N    tension positive
+    length  m    present length
+    rate    m/s  of the length
+""")
 
 
 def build(card: Linear, scene: Any) -> dict[str, Any]:
@@ -49,13 +51,8 @@ def build(card: Linear, scene: Any) -> dict[str, Any]:
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
-    x = length - p.length
-    out.force = p.stiffness * x + p.damping * rate
+    out.force = spring_and_damper(p, out, length - p.length, rate)
     out.length = length
-    out.rate = rate
-    out.stored = 0.5 * p.stiffness * x * x
-    out.power = p.damping * rate * rate
-    out.loss = 0.0
     pull(p, nodes, out.force, u, d_a, d_b, p.stiffness, p.damping)
 
 

@@ -24,7 +24,7 @@ approach, Computers and Structures 6, 475-480. Powell and Chen (1986), ASCE J. E
 627-641 (the ellipse). Simo and Hughes (1998), Computational Inelasticity, 3 (return to it).
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,7 +42,7 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import note_fold, times
+from crashsolve.foundation.turn import axes_at, note_fold
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
 from crashsolve.parts.beams.corotational import (
     half_angle_over_sine,
@@ -84,38 +84,38 @@ class Segment(PointSpringCard):
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
 
 
-PARAMETERS = POINTS + Record(
-    turn_a=("1", 4, "unit quaternion, axes of the beam to those of a"),
-    turn_b=("1", 4, "the same for b"),
-    length=("m", "l"),
-    stiffness=("N/m", 3, "diagonal of K"),
-    turning_stiffness=("N m/rad", 3, "diagonal of K_r"),
-    damping=("s", "beta"),
-    moduli=("any", 3, "A, Z_y, Z_z"),
-    volume=("m^3", "A l"),
-    yields=("flag", "whether the material yields"),
-    yield_stress=("Pa", "Y_0"),
-    hardening=("Pa", "H"),
-    curve=("index", "Y over e; 0 for none"),
-    rate_D=("1/s", "D of Cowper and Symonds; 0 for none"),
-    rate_q=("1", "q of Cowper and Symonds"),
-    at_rest=("flag", "NO_STEP, FLOWS or FROZEN, in load steps"),
-)
-HISTORY = Record(
-    plastic=("any", 3, "u_p along the beam, theta_p about y and z"),
-    held=("any", 3, "N, M_y, M_z"),
-    strain=("1", "e"),
-    work=("J", "plastic work"),
-)
-OUTPUT = Record(
-    force=("N", 3, "tension, shear along y and z, axes of the beam"),
-    moment=("N m", 3, "torsion, bending about y and z, in the middle"),
-    displacement=("m", 3, "u"),
-    angle=("rad", 3, "theta"),
-    plastic_angle=("rad", 2, "theta_p about y and z"),
-    plastic_strain=("1", "e, mean over the section"),
-    plastic_work=("J", "taken up so far"),
-)
+PARAMETERS = POINTS + Record("""
+    turn_a             1        4  unit quaternion, axes of the beam to those of a
+    turn_b             1        4  the same for b
+    length             m           l
+    stiffness          N/m      3  diagonal of K
+    turning_stiffness  N m/rad  3  diagonal of K_r
+    damping            s           beta
+    moduli             any      3  A, Z_y, Z_z
+    volume             m^3         A l
+    yields             flag        whether the material yields
+    yield_stress       Pa          Y_0
+    isotropic          Pa          H
+    curve              index       Y over e; 0 for none
+    rate_D             1/s         D of Cowper and Symonds; 0 for none
+    rate_q             1           q of Cowper and Symonds
+    at_rest            flag        NO_STEP, FLOWS or FROZEN, in load steps
+""")
+HISTORY = Record("""
+    plastic  any  3  u_p along the beam, theta_p about y and z
+    held     any  3  N, M_y, M_z
+    strain   1       e
+    work     J       plastic work
+""")
+OUTPUT = Record("""
+    force           N    3  tension, shear along y and z, axes of the beam
+    moment          N m  3  torsion, bending about y and z, in the middle
+    displacement    m    3  u
+    angle           rad  3  theta
+    plastic_angle   rad  2  theta_p about y and z
+    plastic_strain  1       e, mean over the section
+    plastic_work    J       taken up so far
+""")
 
 
 def build(card: Segment, scene: Any) -> dict[str, Any]:
@@ -141,7 +141,7 @@ def build(card: Segment, scene: Any) -> dict[str, Any]:
         "volume": A * length,
         "yields": "yield_stress" in material,
         "yield_stress": material.get("yield_stress", 0.0),
-        "hardening": material.get("isotropic", 0.0),
+        "isotropic": material.get("isotropic", 0.0),
         "curve": material.get("curve", 0),
         "rate_D": material.get("rate_D", 0.0),
         "rate_q": material.get("rate_q", 1.0),
@@ -190,34 +190,43 @@ def _triad(card: Segment, scene: Any) -> np.ndarray:
     return np.column_stack([axis, side, np.cross(axis, side)])
 
 
+class Seen(NamedTuple):
+    """What a spring has been brought to, in axes of the beam but for R and the arms."""
+
+    R: Any  # mean triad, v and w of corotational.py
+    v: Any
+    w: float
+    d_a: Any  # arms of both sides [m], world axes
+    d_b: Any
+    u: Any  # stretch and shear [m]
+    theta: Any  # twist and bends [rad]
+    u_dot: Any
+    theta_dot: Any
+
+
 @kernel
-def seen(p, nodes):
-    """R, v, w of corotational.py, arms of both ends, u, theta, and the rates of these two."""
+def seen_by(p, nodes):
+    """Deformation of the spring and its rates."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = mean_frame_of(turned(a, p.turn_a), turned(b, p.turn_b))
+    R, v, w = mean_frame_of(axes_at(a, p.turn_a), axes_at(b, p.turn_b))
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)
     eta, spin = half_angle_over_sine(v, w), matvec_t(R, sub(vec(b.w), vec(a.w)))
     mean = scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
     u = matvec_t(R, x)
     u_dot = sub(matvec_t(R, x_dot), cross(sub(mean, swing_of(v, w, spin)), u))
-    return R, v, w, d_a, d_b, u, scale(2.0 * eta, v), u_dot, turned_rate(eta, v, spin)
-
-
-@kernel
-def turned(body, turn):
-    """Configuration of the beam's axes at a body: a unit quaternion."""
-    q = (body.q[0], body.q[1], body.q[2], body.q[3])
-    return times(q, (turn[0], turn[1], turn[2], turn[3]))
+    return Seen(R, v, w, d_a, d_b, u, scale(2.0 * eta, v), u_dot, turned_rate(eta, v, spin))
 
 
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    R, v, w, d_a, d_b, u, theta, u_dot, theta_dot = seen(p, nodes)
-    note_fold(curves, p.node_b, w)
+    seen = seen_by(p, nodes)
+    u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot
+    note_fold(curves, p.node_b, seen.w)
     k, k_r = vec(p.stiffness), vec(p.turning_stiffness)
-    held, stored, lost = resisting(p, old, new, h, curves, u, theta, u_dot, theta_dot)
+    q, q_dot = (u[0], theta[1], theta[2]), (u_dot[0], theta_dot[1], theta_dot[2])
+    held, stored, lost = resisting(p, old, new, h, q, q_dot, curves)
     f = (held[0], k[1] * u[1], k[2] * u[2])
     m = (k_r[0] * theta[0], held[1], held[2])
     elastic = f[1] * u[1] + f[2] * u[2] + m[0] * theta[0]
@@ -234,30 +243,30 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     put(out.angle, theta)
     out.plastic_angle[0], out.plastic_angle[1] = new.plastic[1], new.plastic[2]
     out.plastic_strain, out.plastic_work = new.strain, new.work
-    act(p, nodes, R, v, w, d_a, d_b, u, f, m)
-    tell(p, nodes, R, v, w, d_a, d_b, u)
+    act(p, nodes, seen, f, m)
+    tell(p, nodes, seen)
 
 
 @kernel
-def act(p, nodes, R, v, w, d_a, d_b, u, f, m):
+def act(p, nodes, seen, f, m):
     """The force f and the moments m, which belong to u and theta, on both bodies. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    c = cross(u, f)
+    R, v, w, c = seen.R, seen.v, seen.w, cross(seen.u, f)
     m = sub(turned_rate(half_angle_over_sine(v, w), v, m), swing_of(v, w, c))
     pull = matvec(R, f)
-    apply_force(a, pull, d_a)
-    apply_force(b, scale(-1.0, pull), d_b)
+    apply_force(a, pull, seen.d_a)
+    apply_force(b, scale(-1.0, pull), seen.d_b)
     apply_torque(a, matvec(R, add_scaled(m, 0.5, c)))
     apply_torque(b, matvec(R, add_scaled(scale(-1.0, m), 0.5, c)))
 
 
 @kernel
-def tell(p, nodes, R, v, w, d_a, d_b, u):
+def tell(p, nodes, seen):
     """Tell the step control of all six directions. Writes: nodes."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
+    a, b, R = nodes[p.node_a], nodes[p.node_b], seen.R
     # rows of a bent spring are longer than those of a straight one, and end half-way between
-    growth, gap = half_angle_over_sine(v, w) ** 2, scale(0.5, matvec(R, u))
-    at_a, at_b = add(d_a, gap), sub(d_b, gap)
+    growth, gap = half_angle_over_sine(seen.v, seen.w) ** 2, scale(0.5, matvec(R, seen.u))
+    at_a, at_b = add(seen.d_a, gap), sub(seen.d_b, gap)
     for k in range(3):
         e = (R[k], R[3 + k], R[6 + k])
         stiffness, turning = p.stiffness[k], growth * p.turning_stiffness[k]
@@ -270,7 +279,8 @@ def tell(p, nodes, R, v, w, d_a, d_b, u):
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Of the forces by places and velocities, but for the turn of the forces. Writes: rows."""
-    R, v, w, d_a, d_b, u, theta, u_dot, theta_dot = seen(p, nodes)
+    seen = seen_by(p, nodes)
+    u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot
     k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
     trial = (
         k[0] * (u[0] - state.plastic[0]),
@@ -283,8 +293,8 @@ def tangent(p, state, nodes, curves, rows, first):
         flow, share = growth(p, k, trial, state.strain, factor, curves)
     for i in range(3):
         k_u, k_t = p.stiffness[i], p.turning_stiffness[i]
-        shear_row(rows[first + i], R, v, w, d_a, d_b, u, i)
-        turning_row(rows[first + 3 + i], R, v, w, i)
+        shear_row(rows[first + i], seen, i)
+        turning_row(rows[first + 3 + i], seen, i)
         rows[first + i].stiffness, rows[first + 3 + i].stiffness = k_u, k_t
         rows[first + i].damping, rows[first + 3 + i].damping = p.damping * k_u, p.damping * k_t
     if flow > 0.0:
@@ -306,24 +316,24 @@ def mix(rows, first, stretch, about_y, about_z, own, stiffness):
 
 
 @kernel
-def shear_row(row, R, v, w, d_a, d_b, u, k):
+def shear_row(row, seen, k):
     """Derivative of -u_k by the motions of both bodies. Writes: row."""
     e = unit(k)
-    c = cross(u, e)
-    m = scale(-1.0, swing_of(v, w, c))
-    write(row, R, e, add_scaled(m, 0.5, c), add_scaled(scale(-1.0, m), 0.5, c))
-    pull = matvec(R, e)
-    turn_a, turn_b = cross(d_a, pull), cross(d_b, pull)
+    c = cross(seen.u, e)
+    m = scale(-1.0, swing_of(seen.v, seen.w, c))
+    write(row, seen.R, e, add_scaled(m, 0.5, c), add_scaled(scale(-1.0, m), 0.5, c))
+    pull = matvec(seen.R, e)
+    turn_a, turn_b = cross(seen.d_a, pull), cross(seen.d_b, pull)
     for j in range(3):
         row.D[3 + j] += turn_a[j]
         row.D[9 + j] -= turn_b[j]
 
 
 @kernel
-def turning_row(row, R, v, w, k):
+def turning_row(row, seen, k):
     """Derivative of -theta_k by the turns of both bodies. Writes: row."""
-    m = turned_rate(half_angle_over_sine(v, w), v, unit(k))
-    write(row, R, ZERO, m, scale(-1.0, m))
+    m = turned_rate(half_angle_over_sine(seen.v, seen.w), seen.v, unit(k))
+    write(row, seen.R, ZERO, m, scale(-1.0, m))
 
 
 @kernel

@@ -20,7 +20,7 @@ from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
-from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
+from crashsolve.springs._between import SLIDE, push, seen_from_a, stiffen_along
 from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share
 from crashsolve.springs._joint import named_joint
 
@@ -45,31 +45,29 @@ class SlideFriction(Card):
 
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
-PARAMETERS = POINTS + BRISTLE + Record(axis_a=("1", 3, "joint axis, axes of a"))
-HISTORY = PRESSING + Record(
-    travel=("m", "of b from the start"),
-    slider=("m", "travel without stretch of the bristle"),
-    force=("N", "F"),
-    slid=("m", "way slid"),
-)
-OUTPUT = Record(
-    force=("N", "positive pushes b back along the axis"),
-    limit=("N", "at which it slides"),
-    slid=("m", "way slid so far"),
-)
+PARAMETERS = SLIDE + BRISTLE
+HISTORY = PRESSING + Record("""
+    travel  m  of b from the start
+    slider  m  travel without stretch of the bristle
+    force   N  F
+    slid    m  way slid
+""")
+OUTPUT = Record("""
+    force  N  positive pushes b back along the axis
+    limit  N  at which it slides
+    slid   m  way slid so far
+""")
 
 
 def build(card: SlideFriction, scene: Any) -> dict[str, Any]:
     joint = named_joint(scene, card.joint, "travel")
-    columns = {column.name: joint.frame[column.name] for column in POINTS.columns}
-    return columns | {
+    return SLIDE.taken_from(joint.frame) | {
         "level": card.force,
         "pressed": card.coefficient,
         "first_row": joint.first_row,
         "pressing": joint.angular.count(False),
         "stiffness": card.stiffness,
         "damping": card.damping,
-        "axis_a": joint.frame["axis_a"],
     }
 
 

@@ -14,7 +14,7 @@ from crashsolve.foundation.motion import arm, axis_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs import _joint
-from crashsolve.springs._between import POINTS, push, seen_from_a, stiffen_along
+from crashsolve.springs._between import SLIDE, push, seen_from_a, stiffen_along
 
 LEDGER = "joint"
 
@@ -30,20 +30,19 @@ class SlideLimit(_joint.StopCard):
     damping: float = quantity("N s/m", "c", default=0.0, ge=0)
 
 
-PARAMETERS = POINTS + _joint.STOPS + Record(axis_a=("1", 3, "joint axis, axes of a"))
+PARAMETERS = SLIDE + _joint.STOPS
 HISTORY = _joint.STOPPED
 TANGENTS = 1
-OUTPUT = Record(
-    force=("N", "positive pushes b back"),
-    travel=("m", "of b from the start"),
-    rate=("m/s", "of the travel"),
-)
+OUTPUT = Record("""
+    force   N    positive pushes b back
+    travel  m    of b from the start
+    rate    m/s  of the travel
+""")
 
 
 def build(card: SlideLimit, scene: Any) -> dict[str, Any]:
     frame = _joint.named_joint(scene, card.joint, "travel").frame
-    columns = {column.name: frame[column.name] for column in POINTS.columns}
-    return columns | _joint.stops(card, scene) | {"axis_a": frame["axis_a"]}
+    return SLIDE.taken_from(frame) | _joint.stops(card, scene)
 
 
 @kernel

@@ -11,9 +11,10 @@ from typing import Any
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import turn_tangent
+from crashsolve.foundation.motion import turn_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.springs._between import TURN, turned, twist
+from crashsolve.foundation.turn import TURN
+from crashsolve.springs._between import spring_and_damper, turned
 from crashsolve.springs._card import AxisSpringCard
 
 
@@ -26,16 +27,18 @@ class Torsional(AxisSpringCard):
 
 
 COUNTS_TURNS = True
-PARAMETERS = TURN + Record(
-    stiffness=("N m/rad", "k"), damping=("N m s/rad", "c"), angle=("rad", "theta_0")
-)
-HISTORY = Record(angle=("rad", "counted turn"))
+PARAMETERS = TURN + Record("""
+    stiffness  N m/rad    k
+    damping    N m s/rad  c
+    angle      rad        theta_0
+""")
+HISTORY = Record("angle  rad  counted turn")
 TANGENTS = 1
-OUTPUT = Record(
-    torque=("N m", "positive turns b back"),
-    angle=("rad", "turn of b from the start"),
-    rate=("rad/s", "of the angle"),
-)
+OUTPUT = Record("""
+    torque  N m    positive turns b back
+    angle   rad    turn of b from the start
+    rate    rad/s  of the angle
+""")
 
 
 def build(card: Torsional, scene: Any) -> dict[str, Any]:
@@ -48,13 +51,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = turned(p, old.angle, nodes)
     new.angle = angle
-    x = angle - p.angle
-    out.torque = p.stiffness * x + p.damping * rate
+    out.torque = spring_and_damper(p, out, angle - p.angle, rate)
     out.angle = angle
-    out.rate = rate
-    out.stored = 0.5 * p.stiffness * x * x
-    out.power = p.damping * rate * rate
-    out.loss = 0.0
     twist(p, nodes, out.torque, g, p.stiffness, p.damping)
 
 

@@ -53,22 +53,22 @@ class TurnFriction(Card):
 COUNTS_TURNS = True
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
-PARAMETERS = BRISTLE + Record(
-    node_a=("index", "first body"),
-    node_b=("index", "second body"),
-    axis_a=("1", 3, "joint axis, axes of a; 0 for a ball"),
-)
-HISTORY = PRESSING + Record(
-    configuration=("1", 4, "quaternion of b in a"),
-    bristle=("rad", 3, "z, axes of a"),
-    torque=("N m", 3, "M, axes of a"),
-    slid=("rad", "angle slid"),
-)
-OUTPUT = Record(
-    torque=("N m", 3, "on b, world axes"),
-    limit=("N m", "at which it slides"),
-    slid=("rad", "angle slid so far"),
-)
+PARAMETERS = BRISTLE + Record("""
+    node_a  index     first body
+    node_b  index     second body
+    axis_a  1      3  joint axis, axes of a; 0 for a ball
+""")
+HISTORY = PRESSING + Record("""
+    configuration  1    4  quaternion of b in a
+    bristle        rad  3  z, axes of a
+    torque         N m  3  M, axes of a
+    slid           rad     angle slid
+""")
+OUTPUT = Record("""
+    torque  N m  3  on b, world axes
+    limit   N m     at which it slides
+    slid    rad     angle slid so far
+""")
 
 
 def build(card: TurnFriction, scene: Any) -> dict[str, Any]:
@@ -138,7 +138,7 @@ def keep(new, configuration, z, torque, slid):
 
 @kernel
 def turn_mobility(body, a, p):
-    """Mobility about the axis of a; an upper bound about any axis for a ball."""
+    """Mobility about the axis of a [1/(kg m^2)]; an upper bound about any axis for a ball."""
     axis = vec(p.axis_a)
     if dot(axis, axis) > 0.0:
         return spin_mobility(body, arm(a, axis))

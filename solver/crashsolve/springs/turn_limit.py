@@ -10,10 +10,11 @@ from typing import Any, ClassVar
 
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import turn_tangent
+from crashsolve.foundation.motion import turn_tangent, twist
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.turn import TURN
 from crashsolve.springs import _joint
-from crashsolve.springs._between import TURN, turned, twist
+from crashsolve.springs._between import turned
 
 LEDGER = "joint"
 
@@ -31,18 +32,18 @@ class TurnLimit(_joint.StopCard):
 
 COUNTS_TURNS = True
 PARAMETERS = TURN + _joint.STOPS
-HISTORY = _joint.STOPPED + Record(angle=("rad", "theta, with all turns"))
+HISTORY = _joint.STOPPED + Record("angle  rad  theta, with all turns")
 TANGENTS = 1
-OUTPUT = Record(
-    torque=("N m", "positive turns b back"),
-    angle=("rad", "of b from the start"),
-    rate=("rad/s", "of the angle"),
-)
+OUTPUT = Record("""
+    torque  N m    positive turns b back
+    angle   rad    of b from the start
+    rate    rad/s  of the angle
+""")
 
 
 def build(card: TurnLimit, scene: Any) -> dict[str, Any]:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
-    return {column.name: frame[column.name] for column in TURN.columns} | _joint.stops(card, scene)
+    return TURN.taken_from(frame) | _joint.stops(card, scene)
 
 
 @kernel

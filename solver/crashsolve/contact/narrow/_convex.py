@@ -24,13 +24,13 @@ from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale,
 
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
-PARAMETERS = Record(
-    node=("index", "body"),
-    point=("m", 3, "centre from the mass centre, body axes"),
-    axes=("1", 9, "rotation matrix, shape to body, by rows"),
-    count=("count", "ellipsoids in the sum"),
-    E=("m^2", 27, "their matrices, body axes"),
-)
+PARAMETERS = Record("""
+    node   index      body
+    point  m       3  centre from the mass centre, body axes
+    axes   1       9  rotation matrix, shape to body, by rows
+    count  count      ellipsoids in the sum
+    E      m^2    27  their matrices, body axes
+""")
 # directions are found to this angle [rad]; the depth is then right to its square
 ANGLE = 1e-10
 ITERATIONS = 60

@@ -29,17 +29,17 @@ __all__ = ["PARAMETERS", "bound", "data", "expand", "gap", "patch"]
 POINTS = "one, or where sides lie flat up to eight (twelve with a cap) that share the force"
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
-PARAMETERS = Record(
-    node=("index", "body"),
-    point=("m", 3, "centre from the mass centre, body axes"),
-    axes=("1", 9, "rotation matrix, shape to body, by rows"),
-    half=("m", 3, "half sizes; of a cylinder radius, radius, half length"),
-    radius=("m", "of the enclosing sphere"),
-    edge=("m", "rounding of the edges"),
-    is_round=("flag", "a cylinder about axis 3, not a box"),
-    alpha=("m^2", 3, "of the three ellipsoids, across their axes"),
-    beta=("m^2", 3, "what is more along them"),
-)
+PARAMETERS = Record("""
+    node      index     body
+    point     m      3  centre from the mass centre, body axes
+    axes      1      9  rotation matrix, shape to body, by rows
+    half      m      3  half sizes; of a cylinder radius, radius, half length
+    radius    m         of the enclosing sphere
+    edge      m         rounding of the edges
+    is_round  flag      a cylinder about axis 3, not a box
+    alpha     m^2    3  of the three ellipsoids, across their axes
+    beta      m^2    3  what is more along them
+""")
 # square of the least sine of the angle between two edges that span a direction
 PARALLEL = 1e-12
 # directions to start from, and how like the one before a start is that leads to the same top

@@ -22,12 +22,12 @@ from crashsolve.foundation.motion import place
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
 
-SPOT = Record(
-    u=("m", "corner of the patch from its middle, along the first tangent"),
-    v=("m", "along the second"),
-    point=("m", 3, "where the force acts, world axes"),
-    share=("1", "of the force"),
-)
+SPOT = Record("""
+    u      m     corner of the patch from its middle, along the first tangent
+    v      m     along the second
+    point  m  3  where the force acts, world axes
+    share  1     of the force
+""")
 # rows of a polygon, and of three: of both sides, and one to work on
 CORNERS = 24
 ROWS = 3 * CORNERS

@@ -9,21 +9,21 @@ from crashsolve.foundation.record import Record
 # triangles in the smallest boxes
 LEAF = 4
 
-BOX = Record(
-    low=("m", 3, "lower corner"),
-    high=("m", 3, "upper corner"),
-    skip=("index", "box to go on with when this one is too far"),
-    first=("index", "first triangle"),
-    count=("count", "triangles; 0 for a box of boxes"),
-)
-TRIANGLE = Record(
-    i=("m", 3, "first corner, shape axes"),
-    j=("m", 3, "second corner"),
-    l=("m", 3, "third corner"),
-    n=("1", 3, "outward unit normal"),
-    edge_n=("1", 18, "outward directions at the three edges and the three corners"),
-    is_open=("flag", 6, "whether those belong to an open edge"),
-)
+BOX = Record("""
+    low    m      3  lower corner
+    high   m      3  upper corner
+    skip   index     box to go on with when this one is too far
+    first  index     first triangle
+    count  count     triangles; 0 for a box of boxes
+""")
+TRIANGLE = Record("""
+    i        m      3  first corner, shape axes
+    j        m      3  second corner
+    l        m      3  third corner
+    n        1      3  outward unit normal
+    edge_n   1     18  outward directions at the three edges and the three corners
+    is_open  flag   6  whether those belong to an open edge
+""")
 
 
 def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from crashsolve.foundation.record import Record
 POINTS = "one for each of the eight corners, with a quarter of the force: a lone corner has K/4"
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
-PARAMETERS_A = sphere.PARAMETERS + Record(share=("1", "of the force of the law"))
+PARAMETERS_A = sphere.PARAMETERS + Record("share  1  of the force of the law")
 
 
 def expand_a(elements):

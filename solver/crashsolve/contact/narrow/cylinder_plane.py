@@ -22,14 +22,14 @@ from crashsolve.foundation.vec3 import add_scaled, dot, scale, sub, vec
 UPRIGHT = 1e-4
 # what the manual tells
 POINTS = "three on a cap and three on the side, each a third of the force"
-PARAMETERS_A = Record(
-    node=("index", "body"),
-    point=("m", 3, "on the axis, from the mass centre, body axes"),
-    axis=("1", 3, "unit vector, body axes"),
-    side=("1", 3, "unit vector across, body axes: the lowest of an upright cylinder"),
-    rho=("m", "from the axis downwards; negative upwards"),
-    share=("1", "of the force of the law"),
-)
+PARAMETERS_A = Record("""
+    node   index     body
+    point  m      3  on the axis, from the mass centre, body axes
+    axis   1      3  unit vector, body axes
+    side   1      3  unit vector across, body axes: the lowest of an upright cylinder
+    rho    m         from the axis downwards; negative upwards
+    share  1         of the force of the law
+""")
 
 
 def expand_a(elements):

@@ -25,17 +25,17 @@ from crashsolve.foundation.record import Record
 # how far, in shares of the restitution asked for, the one returned may be off without a warning
 SILENT = 0.02
 
-PARAMETERS = Record(
-    stiffness=("N/m^n", "K"),
-    exponent=("1", "n"),
-    chi=("1", "damping factor of the law"),
-    returned=("1", "restitution x of a free impact"),
-    speed_limit=("m/s", "impact speed beyond which the law is outside its range"),
-)
-HISTORY = Record(
-    damping_speed=("m/s", "v_0"),
-    too_fast=("flag", "an impact was faster than speed_limit"),
-)
+PARAMETERS = Record("""
+    stiffness    N/m^n  K
+    exponent     1      n
+    chi          1      damping factor of the law
+    returned     1      restitution x of a free impact
+    speed_limit  m/s    impact speed beyond which the law is outside its range
+""")
+HISTORY = Record("""
+    damping_speed  m/s   v_0
+    too_fast       flag  an impact was faster than speed_limit
+""")
 # flags of HISTORY that the log reports at the end of a run, with the words for it
 WARNINGS = {"too_fast": "impact faster than 1e-5 sqrt(E/rho): outside the law's range of validity"}
 

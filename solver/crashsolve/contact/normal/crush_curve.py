@@ -31,12 +31,12 @@ class CrushCurve(Card):
     damping: float = quantity("N s/m", "c of the dashpot, while loaded", 0.0, ge=0)
 
 
-PARAMETERS = Record(
-    curve=("index", "force over penetration"),
-    unloading_stiffness=("N/m", "k"),
-    damping=("N s/m", "c"),
-)
-HISTORY = Record(crush=("m", "deepest loading so far, d"))
+PARAMETERS = Record("""
+    curve                index  force over penetration
+    unloading_stiffness  N/m    k
+    damping              N s/m  c
+""")
+HISTORY = Record("crush  m  deepest loading so far, d")
 
 
 def build(card: CrushCurve, scene: Any, pair: Any) -> dict[str, Any]:

@@ -38,11 +38,11 @@ class KelvinVoigt(Card):
         return self
 
 
-PARAMETERS = Record(
-    stiffness=("N/m", "k"),
-    damping=("N s/m", "c"),
-    damping_ratio=("1", "zeta, adds 2 zeta sqrt(k m) to c"),
-)
+PARAMETERS = Record("""
+    stiffness      N/m    k
+    damping        N s/m  c
+    damping_ratio  1      zeta, adds 2 zeta sqrt(k m) to c
+""")
 HISTORY = Record()
 
 

@@ -32,7 +32,7 @@ class Penalty(Card):
         return self
 
 
-PARAMETERS = Record(stiffness=("N/m", "k"))
+PARAMETERS = Record("stiffness  N/m  k")
 HISTORY = Record()
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix
+from crashsolve.foundation.record import Record
 
 
 class PlacedCard(Card):
@@ -16,11 +17,11 @@ class PlacedCard(Card):
     rotation: Rotation | None = word("orientation of the shape in the body", None)
 
 
-PLACED: dict[str, tuple[Any, ...]] = {
-    "node": ("index", "body"),
-    "point": ("m", 3, "centre from the mass centre, body axes"),
-    "axes": ("1", 9, "rotation matrix, shape to body, by rows"),
-}
+PLACED = Record("""
+    node   index     body
+    point  m      3  centre from the mass centre, body axes
+    axes   1      9  rotation matrix, shape to body, by rows
+""")
 
 
 def placement(card: PlacedCard, scene: Any) -> dict[str, Any]:

@@ -19,7 +19,7 @@ class Box(PlacedCard):
     size: Vec3 = quantity("m", "edges along the axes of the shape", gt=0)
 
 
-PARAMETERS = Record(**PLACED, half=("m", 3, "half edges"))
+PARAMETERS = PLACED + Record("half  m  3  half edges")
 
 
 def build(card: Box, scene: Any) -> list[dict[str, Any]]:

@@ -24,9 +24,10 @@ class Cylinder(Card):
     length: float = quantity("m", "from cap to cap", gt=0)
 
 
-PARAMETERS = Record(
-    **PLACED, radius=("m", "radius"), half_length=("m", "from the centre to a cap, along axis 3")
-)
+PARAMETERS = PLACED + Record("""
+    radius       m  radius
+    half_length  m  from the centre to a cap, along axis 3
+""")
 
 
 def build(card: Cylinder, scene: Any) -> list[dict[str, Any]]:

@@ -16,7 +16,7 @@ class Ellipsoid(PlacedCard):
     semi_axes: Vec3 = quantity("m", "half lengths along the axes of the shape", gt=0)
 
 
-PARAMETERS = Record(**PLACED, semi=("m", 3, "semi-axes"))
+PARAMETERS = PLACED + Record("semi  m  3  semi-axes")
 
 
 def build(card: Ellipsoid, scene: Any) -> list[dict[str, Any]]:

@@ -38,11 +38,10 @@ class Mesh(PlacedCard):
         return self
 
 
-PARAMETERS = Record(
-    **PLACED,
-    thickness=("m", "depth of the solid below the surface; infinite for a closed mesh"),
-    root=("index", "first box of its tree"),
-)
+PARAMETERS = PLACED + Record("""
+    thickness  m      depth of the solid below the surface; infinite for a closed mesh
+    root       index  first box of its tree
+""")
 
 
 def build(card: Mesh, scene: Any) -> list[dict[str, Any]]:

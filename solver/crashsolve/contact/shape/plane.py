@@ -14,11 +14,11 @@ class Plane(Card):
     normal: Vec3 = quantity("1", "outward direction, body axes; any length", (0.0, 0.0, 1.0))
 
 
-PARAMETERS = Record(
-    node=("index", "body"),
-    point=("m", 3, "point of the plane from the mass centre, body axes"),
-    normal=("1", 3, "outward unit normal, body axes"),
-)
+PARAMETERS = Record("""
+    node    index     body
+    point   m      3  point of the plane from the mass centre, body axes
+    normal  1      3  outward unit normal, body axes
+""")
 
 
 def build(card: Plane, scene: Any) -> list[dict[str, Any]]:

@@ -14,11 +14,11 @@ class Sphere(Card):
     radius: float = quantity("m", "radius", gt=0)
 
 
-PARAMETERS = Record(
-    node=("index", "body"),
-    point=("m", 3, "centre from the mass centre, body axes"),
-    radius=("m", "radius"),
-)
+PARAMETERS = Record("""
+    node    index     body
+    point   m      3  centre from the mass centre, body axes
+    radius  m         radius
+""")
 
 
 def build(card: Sphere, scene: Any) -> list[dict[str, Any]]:

@@ -9,8 +9,8 @@ ANGULAR = (True, True)
 @kernel
 def residual(p, nodes, rows, r):
     """Writes: rows."""
-    square_residual(p, p.side_a, p.axis_b, nodes, rows[r])
-    square_residual(p, p.third_a, p.axis_b, nodes, rows[r + 1])
+    rows[r].phi = square_residual(p, p.side_a, p.axis_b, nodes)
+    rows[r + 1].phi = square_residual(p, p.third_a, p.axis_b, nodes)
 
 
 @kernel
@@ -23,5 +23,5 @@ def jacobian(p, nodes, rows, r):
 @kernel
 def convective(p, nodes, rows, r):
     """Writes: rows."""
-    square_convective(p, p.side_a, p.axis_b, nodes, rows[r])
-    square_convective(p, p.third_a, p.axis_b, nodes, rows[r + 1])
+    rows[r].gamma = square_convective(p, p.side_a, p.axis_b, nodes)
+    rows[r + 1].gamma = square_convective(p, p.third_a, p.axis_b, nodes)

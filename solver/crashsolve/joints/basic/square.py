@@ -9,7 +9,7 @@ ANGULAR = (True,)
 @kernel
 def residual(p, nodes, rows, r):
     """Writes: rows."""
-    square_residual(p, p.side_a, p.third_b, nodes, rows[r])
+    rows[r].phi = square_residual(p, p.side_a, p.third_b, nodes)
 
 
 @kernel
@@ -21,4 +21,4 @@ def jacobian(p, nodes, rows, r):
 @kernel
 def convective(p, nodes, rows, r):
     """Writes: rows."""
-    square_convective(p, p.side_a, p.third_b, nodes, rows[r])
+    rows[r].gamma = square_convective(p, p.side_a, p.third_b, nodes)

@@ -7,7 +7,7 @@ import numpy as np
 
 
 def grouped(keys: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Values by key, each once and ascending: where those of a key begin, and all of them."""
+    """Values by key, each once and ascending: where those of a key begin (count + 1,), all (n,)."""
     pairs = np.unique(np.column_stack([keys, values]), axis=0)
     first = np.searchsorted(pairs[:, 0], np.arange(count + 1))
     return first.astype(np.int64), np.ascontiguousarray(pairs[:, 1])
@@ -98,7 +98,7 @@ def points_along(
 
 
 def merged(one: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Values by key of two tables together."""
+    """Values by key of two tables together, as `grouped` gives them (keys + 1,), (n,)."""
     count = len(one[0]) - 1
     keys = np.r_[*(np.repeat(np.arange(count), np.diff(first)) for first, _ in (one, other))]
     return grouped(keys, np.r_[one[1], other[1]], count)

@@ -46,96 +46,96 @@ REACH = 0.5
 # shapes that press on shapes, and on faces
 PRESSING = (("points", "sphere"), ("points", "sphere", "ellipsoid"))
 
-PROBE = Record(
-    point=("index", "point of a shell; -1 for one on a body"),
-    node=("index", "the body, if it is on one"),
-    at=("m", 3, "from the mass centre, body axes"),
-)
-PARAMETERS = Record(
-    card=("index", "contact card"),
-    order=("count", "+1 when probes are on side a of the card, -1 when on side b"),
-    speed_floor=("m/s", "closing speed below which a touch counts as resting"),
-    gap=("m", "of probe and mid-surface, below which they touch"),
-    over=("m", "reach of an ellipsoid beyond its ball; 0 of others"),
-    share=("1", "of what is left of the gap between both, on the side of the probe"),
-    reach=("m", "by which a step may bring both nearer"),
-    margin=("m", "beyond the gap, of the lists of near faces"),
-    extent=("m", "the model's size, for the speed of shapes that turn"),
-    thick=("m", "of rigid shapes, from the surface of a probe that touches to both middles"),
-    first_point=("index", "of the part whose speed counts"),
-    point_count=("count", "its points"),
-    own=("flag", "whether the probes are among them"),
-    first_corner=("index", "of the faces"),
-    face_count=("count", "faces"),
-    quads=("count", "of them, quadrilaterals; triangles come after them"),
-    empty=("count", "lanes that the last block of quadrilaterals leaves empty"),
-    first_number=("index", "in blocks, of quadrilaterals"),
-    stride=("count", "numbers of a block of them"),
-    first_third=("index", "in blocks, of triangles"),
-    stride_third=("count", "numbers of a block of triangles"),
-    first_own=("index", "first point of the part with the faces"),
-    bucket_count=("count", "buckets of cubes, a power of two"),
-    room=("count", "of the lists of near faces"),
-)
-TOTALS = Record(
-    fastest=("m/s", "largest closing speed that there can be"),
-    way=("m", "sum of that over the steps"),
-    listed=("m", "the same when lists were made"),
-    pairs=("count", "in the lists"),
-    searches=("count", "lists made"),
-    stored=("J", "recoverable energy"),
-    dissipated=("J", "lost by the normal force"),
-    bristled=("J", "recoverable energy of friction"),
-    friction_loss=("J", "lost by friction"),
-    depth=("m", "deepest touch"),
-    passed=("s", "time at which a probe has passed through faces; 0: none has"),
-)
-PROBE_STATE = Record(
-    active=("flag", "touching"),
-    depth=("m", "penetration"),
-    impact_speed=("m/s", "closing speed at the onset, not below the floor"),
-    power=("W", "dissipated"),
-    force=("N", "on the probe"),
-    stored=("J", "recoverable energy"),
-    face=("index", "that is touched"),
-    normal=("1", 3, "towards the probe"),
-    N=("1", 4, "weights of the corners"),
-)
-RUB = Record(
-    rub=("N", 3, "friction on the probe"),
-    bristled=("J", "recoverable energy of friction"),
-)
-HIT = Record(
-    depth=("m", "penetration; 0: no touch"),
-    distance=("m", "to the face"),
-    face=("index", "the nearest"),
-    crossed=("flag", "whether it has been passed"),
-    normal=("1", 3, "towards the side where the probe belongs"),
-    N=("1", 4, "weights of the corners"),
-)
+PROBE = Record("""
+    point  index     point of a shell; -1 for one on a body
+    node   index     the body, if it is on one
+    at     m      3  from the mass centre, body axes
+""")
+PARAMETERS = Record("""
+    card          index  contact card
+    order         count  +1 when probes are on side a of the card, -1 when on side b
+    speed_floor   m/s    closing speed below which a touch counts as resting
+    gap           m      of probe and mid-surface, below which they touch
+    over          m      reach of an ellipsoid beyond its ball; 0 of others
+    share         1      of what is left of the gap between both, on the side of the probe
+    reach         m      by which a step may bring both nearer
+    margin        m      beyond the gap, of the lists of near faces
+    extent        m      the model's size, for the speed of shapes that turn
+    thick         m      of rigid shapes, from the surface of a probe that touches to both middles
+    first_point   index  of the part whose speed counts
+    point_count   count  its points
+    own           flag   whether the probes are among them
+    first_corner  index  of the faces
+    face_count    count  faces
+    quads         count  of them, quadrilaterals; triangles come after them
+    empty         count  lanes that the last block of quadrilaterals leaves empty
+    first_number  index  in blocks, of quadrilaterals
+    stride        count  numbers of a block of them
+    first_third   index  in blocks, of triangles
+    stride_third  count  numbers of a block of triangles
+    first_own     index  first point of the part with the faces
+    bucket_count  count  buckets of cubes, a power of two
+    room          count  of the lists of near faces
+""")
+TOTALS = Record("""
+    fastest        m/s    largest closing speed that there can be
+    way            m      sum of that over the steps
+    listed         m      the same when lists were made
+    pairs          count  in the lists
+    searches       count  lists made
+    stored         J      recoverable energy
+    dissipated     J      lost by the normal force
+    bristled       J      recoverable energy of friction
+    friction_loss  J      lost by friction
+    depth          m      deepest touch
+    passed         s      time at which a probe has passed through faces; 0: none has
+""")
+PROBE_STATE = Record("""
+    active        flag      touching
+    depth         m         penetration
+    impact_speed  m/s       closing speed at the onset, not below the floor
+    power         W         dissipated
+    force         N         on the probe
+    stored        J         recoverable energy
+    face          index     that is touched
+    normal        1      3  towards the probe
+    N             1      4  weights of the corners
+""")
+RUB = Record("""
+    rub       N  3  friction on the probe
+    bristled  J     recoverable energy of friction
+""")
+HIT = Record("""
+    depth     m         penetration; 0: no touch
+    distance  m         to the face
+    face      index     the nearest
+    crossed   flag      whether it has been passed
+    normal    1      3  towards the side where the probe belongs
+    N         1      4  weights of the corners
+""")
 # of probes that a piece has looked at
-LOOK = Record(
-    first=("index", "of those that touch, or have touched"),
-    count=("count", "of these"),
-)
-SEEN = Record(probe=("index", "that touches, or has touched"))
+LOOK = Record("""
+    first  index  of those that touch, or have touched
+    count  count  of these
+""")
+SEEN = Record("probe  index  that touches, or has touched")
 # of a point that is touched
-STIFFENED = Record(
-    stiffness=("1/s^2", "sum of k N / m"),
-    damping=("1/s", "sum of c N / m"),
-    listed=("flag", "whether the point is among those that are touched"),
-    pressed=("m/s^2", "sum of normal force times N / m, where friction acts"),
-    was_pressed=("m/s^2", "the same in the last step"),
-)
-TOUCHED = Record(
-    count=("count", "points that are touched"),
-    rate=("1/s^2", "largest bound of squared frequency of these"),
-    damping=("1/s", "largest sum of c N / m"),
-    shortened=("1", "largest factor by which contact has shortened the stable step"),
-    first_seen=("index", "first of the points whose speeds were looked at last"),
-    seen=("count", "points looked at"),
-    speed=("m/s", "largest of their speeds"),
-)
+STIFFENED = Record("""
+    stiffness    1/s^2  sum of k N / m
+    damping      1/s    sum of c N / m
+    listed       flag   whether the point is among those that are touched
+    pressed      m/s^2  sum of normal force times N / m, where friction acts
+    was_pressed  m/s^2  the same in the last step
+""")
+TOUCHED = Record("""
+    count       count  points that are touched
+    rate        1/s^2  largest bound of squared frequency of these
+    damping     1/s    largest sum of c N / m
+    shortened   1      largest factor by which contact has shortened the stable step
+    first_seen  index  first of the points whose speeds were looked at last
+    seen        count  points looked at
+    speed       m/s    largest of their speeds
+""")
 
 
 @dataclass

@@ -29,7 +29,7 @@ MARGIN = 0.5
 APART = 0.2
 # reach of what has no end, which times no turn is still nothing [m]
 ENDLESS = 1e300
-SEEN = Record(r=("m", 3, "centre of an element when the list was made"))
+SEEN = Record("r  m  3  centre of an element when the list was made")
 
 
 @dataclass

@@ -2,88 +2,89 @@
 
 from crashsolve.foundation.record import Record
 
-PARAMETERS = Record(
-    a=("index", "element on side a"),
-    b=("index", "element on side b"),
-    card=("index", "contact card"),
-    order=("count", "+1 when a is on side a of the card, -1 when on side b"),
-    speed_floor=("m/s", "closing speed below which a touch counts as resting"),
-    thick=("m", "half thickness of both sides where they are thinnest; infinite with a plane"),
-    spread_a=("m", "how much farther the element on side a reaches than it is thick"),
-    spread_b=("m", "the same for side b"),
-)
+PARAMETERS = Record("""
+    a            index  element on side a
+    b            index  element on side b
+    card         index  contact card
+    order        count  +1 when a is on side a of the card, -1 when on side b
+    speed_floor  m/s    closing speed below which a touch counts as resting
+    thick        m      half thickness of both sides where they are thinnest; infinite with a plane
+    spread_a     m      how much farther the element on side a reaches than it is thick
+    spread_b     m      the same for side b
+""")
 # of pairs whose gap is bounded by how far they have moved
-RESTING = Record(
-    reach_a=("m", "how far the element on side a reaches from the mass centre of its body"),
-    reach_b=("m", "the same for side b"),
-)
+RESTING = Record("""
+    reach_a  m  how far the element on side a reaches from the mass centre of its body
+    reach_b  m  the same for side b
+""")
 # of cards that give it
-TORSION = Record(torsion_radius=("m", "at which friction resists a spin about the normal"))
+TORSION = Record("torsion_radius  m  at which friction resists a spin about the normal")
 # of pairs whose friction resists a spin
-SPUN = Record(radius=("m", "at which it does, at the last step"))
-HISTORY = Record(
-    active=("flag", "touching"),
-    depth=("m", "penetration; negative is a gap"),
-    impact_speed=("m/s", "closing speed at the onset, not below the floor"),
-    dissipated=("J", "by the normal force"),
-    power=("W", "its present rate"),
-    friction_dissipated=("J", "by friction"),
-    friction_power=("W", "its present rate"),
-    push=("N", 3, "normal force on side a"),
-    rub=("N", 3, "friction on side a"),
-    bristled=("J", "recoverable energy of friction"),
-    place=("m", 3, "point of contact"),
-)
+SPUN = Record("radius  m  at which it does, at the last step")
+HISTORY = Record("""
+    active               flag     touching
+    depth                m        penetration; negative is a gap
+    impact_speed         m/s      closing speed at the onset, not below the floor
+    dissipated           J        by the normal force
+    power                W        its present rate
+    friction_dissipated  J        by friction
+    friction_power       W        its present rate
+    push                 N     3  normal force on side a
+    rub                  N     3  friction on side a
+    bristled             J        recoverable energy of friction
+    place                m     3  point of contact
+""")
 # of pairs whose sides have an end (system/contact/passing.py)
-FACE = Record(
-    held=("flag", "goes on by its own face though another is nearer"),
-    passed=("s", "time at which one side has passed the middle of the other; 0: it has not"),
-)
-WAY = Record(normal=("1", 3, "out of b")) + FACE
-OUTPUT = Record(
-    force=("N", 3, "on side a"),
-    point=("m", 3, "point of contact"),
-    stored=("J", "recoverable energy of the normal force"),
-    friction_stored=("J", "recoverable energy of the friction bristle"),
-)
-CARD_OUTPUT = Record(
-    force=("N", 3, "on side a, sum of all pairs"),
-    normal=("N", "sum of normal forces"),
-    tangential=("N", "sum of friction forces"),
-    depth=("m", "deepest pair; negative is a gap, of a list of near pairs up to its margin"),
-    impact_speed=("m/s", "largest of the touching pairs"),
-    touching=("1", "number of touching pairs"),
-    stored=("J", "recoverable energy"),
-    dissipated=("J", "energy lost by the normal force"),
-    friction_dissipated=("J", "energy lost by friction"),
-)
-CARD_HISTORY = Record(
-    force_before=("N", 3, "force on side a at the last step"),
-    late=("N", 3, "part of the force on side a that began during the step"),
-    impulse=("N s", 3, "impulse on side a"),
-    peak_normal=("N", "largest normal force of any step"),
-    peak_depth=("m", "largest depth of any step"),
-    peak_share=(
-        "1",
-        "the same over the half thicknesses of both sides, where round sides have an end",
-    ),
-    onsets=("count", "number of onsets"),
-    held=("J", "recoverable energy of the normal force"),
-    bristled=("J", "recoverable energy of friction"),
-    work=("J", "of the normal force on both sides"),
-    friction_work=("J", "of friction on both sides"),
-    held_first=("J", "held before the first step"),
-    handled=("J", "most that the normal force has held and lost so far"),
-    friction_handled=("J", "most that friction has"),
-    touches=("count", "times the card has begun to touch"),
-    first_touch=("s", "when that was first; before the start of the run where it never was"),
-    last_release=("s", "when it last ceased to touch; the same"),
-    duration=("s", "for how long it has touched"),
-    in_touch=("flag", "whether it touches"),
-    begun=("s", "since when"),
-    lasted=("s", "for how long it had touched by the last release"),
-    deepest=("m", "depth of the deepest pair"),
-    left_dissipated=("J", "lost by the normal force of pairs that are not near any more"),
-    left_friction_dissipated=("J", "lost by their friction"),
-    left_warnings=("flag", "bit k: such a pair met the k-th of the WARNINGS of its normal law"),
-)
+FACE = Record("""
+    held    flag  goes on by its own face though another is nearer
+    passed  s     time at which one side has passed the middle of the other; 0: it has not
+""")
+WAY = Record("normal  1  3  out of b") + FACE
+OUTPUT = Record("""
+    force            N  3  on side a
+    point            m  3  point of contact
+    stored           J     recoverable energy of the normal force
+    friction_stored  J     recoverable energy of the friction bristle
+""")
+CARD_OUTPUT = Record("""
+    force                N    3  on side a, sum of all pairs
+    normal               N       sum of normal forces
+    tangential           N       sum of friction forces
+    depth                m       deepest pair; negative is a gap, of a list of near pairs up to its
+                                 margin
+    impact_speed         m/s     largest of the touching pairs
+    touching             1       number of touching pairs
+    stored               J       recoverable energy
+    dissipated           J       energy lost by the normal force
+    friction_dissipated  J       energy lost by friction
+""")
+CARD_HISTORY = Record("""
+    force_before              N      3  force on side a at the last step
+    late                      N      3  part of the force on side a that began during the step
+    impulse                   N s    3  impulse on side a
+    peak_normal               N         largest normal force of any step
+    peak_depth                m         largest depth of any step
+    peak_share                1         the same over the half thicknesses of both sides, where
+                                        round sides have an end
+    onsets                    count     number of onsets
+    held                      J         recoverable energy of the normal force
+    bristled                  J         recoverable energy of friction
+    work                      J         of the normal force on both sides
+    friction_work             J         of friction on both sides
+    held_first                J         held before the first step
+    handled                   J         most that the normal force has held and lost so far
+    friction_handled          J         most that friction has
+    touches                   count     times the card has begun to touch
+    first_touch               s         when that was first; before the start of the run where it
+                                        never was
+    last_release              s         when it last ceased to touch; the same
+    duration                  s         for how long it has touched
+    in_touch                  flag      whether it touches
+    begun                     s         since when
+    lasted                    s         for how long it had touched by the last release
+    deepest                   m         depth of the deepest pair
+    left_dissipated           J         lost by the normal force of pairs that are not near any more
+    left_friction_dissipated  J         lost by their friction
+    left_warnings             flag      bit k: such a pair met the k-th of the WARNINGS of its
+                                        normal law
+""")

@@ -17,10 +17,10 @@ from crashsolve.parts.shells.tangents.records import CHANGE, SEEN
 
 HELD = 63  # all motions
 
-COUNTS = Record(
-    numbers=("count", "numbers that elements keep"),
-    arms=("count", "points that ride beside the mass centres of bodies"),
-)
+COUNTS = Record("""
+    numbers  count  numbers that elements keep
+    arms     count  points that ride beside the mass centres of bodies
+""")
 
 
 def embody(model: Any, state: Any) -> None:

@@ -15,21 +15,21 @@ from crashsolve.foundation.vec3 import add, cross, put, scale, sub, vec
 from crashsolve.parts.shells.elements.corners import corner
 from crashsolve.parts.shells.records import WORK
 
-TAP = Record(
-    part=("index", "row of the part"),
-    kind=("index", "of the element, in KINDS"),
-    first=("index", "numbers of its block"),
-    corner=("index", "corners of its block"),
-    lane=("index", "its place in the block"),
-    cut=("index", "that it belongs to"),
-    front=("flag", 4, "whether a corner is in front"),
-)
-CUT = Record(
-    force=("N", 3, "on what is in front"),
-    moment=("N m", 3, "on what is in front, about `place`"),
-    place=("m", 3, "middle of the cut elements"),
-    corners=("count", "of the cut elements"),
-)
+TAP = Record("""
+    part    index     row of the part
+    kind    index     of the element, in KINDS
+    first   index     numbers of its block
+    corner  index     corners of its block
+    lane    index     its place in the block
+    cut     index     that it belongs to
+    front   flag   4  whether a corner is in front
+""")
+CUT = Record("""
+    force    N      3  on what is in front
+    moment   N m    3  on what is in front, about `place`
+    place    m      3  middle of the cut elements
+    corners  count     of the cut elements
+""")
 OUTPUT = ("force", "moment", "place")
 
 

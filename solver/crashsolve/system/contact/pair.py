@@ -25,8 +25,19 @@ class Meeting(NamedTuple):
     motion: Any  # see work.motion_over; None where the work of both halves is not summed
 
 
+class Slide(NamedTuple):
+    """What a law of friction is told."""
+
+    normal_force: float  # [N]
+    slip: Any  # velocity of a over b [m/s]
+    way: Any  # displacement of a over b in the step [m]; None where power is summed
+    n: Any  # unit normal
+    mass: float  # of both sides along n [kg]
+    ease: float  # slip that friction takes per newton in half a step [s/kg]
+
+
 class Sliding(NamedTuple):
-    """What a law of friction is told of a pair."""
+    """How a pair slides."""
 
     n: Any  # unit normal
     slip: Any  # velocity of a over b [m/s]

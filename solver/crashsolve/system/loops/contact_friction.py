@@ -6,6 +6,7 @@ length of the step; any other friction is.
 
 from crashsolve.foundation.kernels import stage
 from crashsolve.system.contact import areas, touches, work
+from crashsolve.system.contact.pair import Slide
 from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
@@ -20,8 +21,9 @@ def friction_in_point(group, clock, h, pair, sliding, curves):
         mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
         ease = touches.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
     slid = work.along_plane(way, n) if KICK_DRIFT_KICK else None
+    slide = Slide(f, slip, slid, n, mass, ease)
     t, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
-        p, old, new, f, slip, slid, n, mass, ease, curves
+        p, old, new, slide, curves
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
         u = touches.along(t, slip, n)
@@ -42,8 +44,9 @@ def friction_in_area(group, clock, h, pair, sliding, motion, radius, curves):
         u = touches.ahead(old, slip, n)
         mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
         ease = touches.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
+    slide = Slide(f, slip, glide, areas.NO_TURN, mass, ease)
     rub, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
-        p, old, new, f, slip, glide, areas.NO_TURN, mass, ease, curves
+        p, old, new, slide, curves
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
         u = touches.along(rub, slip, n)

@@ -2,6 +2,7 @@
 
 from crashsolve.foundation.kernels import stage
 from crashsolve.system.contact import node_contact, surface_friction, touches, work
+from crashsolve.system.contact.pair import Slide
 
 
 @stage
@@ -23,9 +24,8 @@ def friction_on_face(group, clock, h, touch, pressing, nodes, curves, scene):
         ahead = touches.ahead(old, slip, n)
         rates = surface_friction.pressed_on_face(h, p, touch, (d, e), ahead, f, nodes, scene)
         ease = surface_friction.ease_under(clock, h, rates, f)
-    t, t_stored, _, t_loss, t_k, t_c = group.friction.friction_force(
-        p, old, new, f, slip, work.along_plane(way, n), n, mass, ease, curves
-    )
+    slide = Slide(f, slip, work.along_plane(way, n), n, mass, ease)
+    t, t_stored, _, t_loss, t_k, t_c = group.friction.friction_force(p, old, new, slide, curves)
     ahead = touches.along(t, slip, n)
     surface_friction.rub_probe(probe, t, ahead, d, t_k, t_c, nodes, scene)
     surface_friction.rub_face(p, hit, t, e, t_k, t_c, scene)
@@ -54,9 +54,8 @@ def friction_on_shape(group, clock, h, touch, pressing, nodes, curves, scene):
         ahead = touches.ahead(old, slip, n)
         rates = surface_friction.pressed_on_shape(h, touch, body, (d, y), ahead, f, nodes, scene)
         ease = surface_friction.ease_under(clock, h, rates, f)
-    t, t_stored, _, t_loss, t_k, t_c = group.friction.friction_force(
-        p, old, new, f, slip, work.along_plane(way, n), n, mass, ease, curves
-    )
+    slide = Slide(f, slip, work.along_plane(way, n), n, mass, ease)
+    t, t_stored, _, t_loss, t_k, t_c = group.friction.friction_force(p, old, new, slide, curves)
     ahead = touches.along(t, slip, n)
     surface_friction.rub_probe(probe, t, ahead, d, t_k, t_c, nodes, scene)
     surface_friction.rub_body(body, y, t, ahead, t_k, t_c)

@@ -1,0 +1,10 @@
+"""What the cards of friction laws share."""
+
+from typing import Any
+
+from crashsolve.deck.card import Card
+
+
+def columns(card: Card, scene: Any) -> dict[str, Any]:
+    """Every field of a card as the column of PARAMETERS named after it, in SI units."""
+    return {f"friction_{name}": value for name, value in card}
