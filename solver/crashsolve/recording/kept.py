@@ -7,6 +7,7 @@ for a hundred. At a sample itself the tables they are made of are only copied, i
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
@@ -96,7 +97,8 @@ def _pieces(
         raise ValueError("a table must lie in one piece")
     if not isinstance(source, Columns):
         return [(_bytes(table), copies.view(np.uint8).reshape(len(copies), -1))]
-    old, new = table.dtype.fields or {}, copies.dtype.fields or {}
+    old: Any = table.dtype.fields
+    new: Any = copies.dtype.fields
     # a record is of numbers of eight bytes
     words, kept = _words(table), _words(copies).reshape(len(copies), table.size, -1)
     found = []

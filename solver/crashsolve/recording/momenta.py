@@ -2,7 +2,6 @@
 
 import numpy as np
 
-
 # columns of nodes that it is made of
 OF_NODES = frozenset({"r", "v", "L", "mass_inv"})
 
