@@ -128,11 +128,16 @@ def measure(deck: Path, bare: float) -> dict[str, float]:
 
 def survey() -> None:
     """The table of `--all`; the number of decks done so far goes to standard error."""
-    found, all_decks = [], decks()
-    for deck in all_decks:
-        with tempfile.TemporaryDirectory() as cache:
-            found.append((deck.relative_to(ROOT), start(deck, cache), start(deck, cache)))
-        told = f"{len(found)} of {len(all_decks)}: {found[-1][0]} {found[-1][1].cpu:.2f} s"
+    found, apart, all_decks = [], [], decks()
+    for number, deck in enumerate(all_decks, 1):
+        name = deck.relative_to(ROOT)
+        try:
+            with tempfile.TemporaryDirectory() as cache:
+                found.append((name, start(deck, cache), start(deck, cache)))
+        except SystemExit as reason:
+            apart.append(f"{name} has no first step: {str(reason).splitlines()[0]}")
+            continue
+        told = f"{number} of {len(all_decks)}: {name} {found[-1][1].cpu:.2f} s"
         print(told, file=sys.stderr, flush=True)
     found.sort(key=lambda row: -row[1].cpu)
     print(f"CPU time [s] {'':40}    cold =    run + compiler    warm")
@@ -144,6 +149,7 @@ def survey() -> None:
         cold_ones = [cold.cpu for _, cold, _ in found if cold.is_flexible == flexible]
         kind = "flexible" if flexible else "rigid"
         print(f"{len(cold_ones)} {kind}: median {median(cold_ones):.2f}, most {max(cold_ones):.2f}")
+    print(*apart, sep="\n")
 
 
 def main() -> None:
