@@ -4,6 +4,7 @@
     python benchmarks/start.py decks/tutorial/bouncing_ball.yaml \\
         decks/benchmark/andrews_squeezer.yaml decks/scenes/train_test.yaml \\
         decks/benchmark/tube_crush.yaml decks/verification/parts/shell_radau.yaml
+    python benchmarks/start.py --all
 
 A child process runs the command `crashsolve DECK` and ends after its first step; what it has used
 by then is counted from the start of the process. Cold: an empty cache of compiled code. Warm: the
@@ -12,6 +13,10 @@ Memory: the largest of a warm process above that of `python -c "import numpy, h5
 8 s by the clock and of CPU time, 1.0 s of CPU time warm, +150 MB. The first run of a scene has a
 child process that compiles: its time counts as cold, its memory stands in the last column, without
 a budget. The second command names small and large scenes, shell_radau.yaml the largest of all.
+
+`--all` is shorter and tells of every deck: CPU time of one cold and one warm start, worst first,
+with the parts of the cold one that read and build (this process) and that compile (its child).
+Decks with beams or shells are marked flexible.
 """
 
 import json
@@ -23,6 +28,7 @@ import tempfile
 import time
 from pathlib import Path
 from statistics import median
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 STARTS = 5
@@ -32,9 +38,10 @@ BARE = "import resource, numpy, h5py; print(resource.getrusage(resource.RUSAGE_S
 
 
 def decks() -> list[Path]:
-    """Every deck of the project; a file without `control:` is a part for others to include."""
+    """Every deck of the project; in `shared`, and without `control:`, are parts for others."""
     found = sorted((ROOT / "decks").rglob("*.yaml"))
-    return [path for path in found if "\ncontrol:" in path.read_text("utf-8")]
+    alone = [path for path in found if path.parent.name != "shared"]
+    return [path for path in alone if "\ncontrol:" in path.read_text("utf-8")]
 
 
 def end_after_first_step(deck: str, folder: str) -> None:
@@ -43,22 +50,51 @@ def end_after_first_step(deck: str, folder: str) -> None:
 
     step = Engine._step
 
+    def end(engine: Engine) -> None:
+        used, peaks = os.times(), [resource.getrusage(who).ru_maxrss / 1024 for who in PROCESSES]
+        is_flexible = bool(engine.model.elements) or any(
+            families()[g.keyword].picture == ELEMENTS for g in engine.model.force_groups()
+        )
+        print(json.dumps([sum(used[:2]), sum(used[2:4]), *peaks, is_flexible]), flush=True)
+        os._exit(0)
+
     def one_step(engine: Engine, until: float, _: float) -> None:
         # the result is not wanted, only that one step is done
         first = min(until, float(engine.clock["time"] + engine.clock["next_step"]))
         step(engine, first, first)
-        peaks = [resource.getrusage(who).ru_maxrss / 1024 for who in PROCESSES]
-        print(json.dumps([sum(os.times()[:4]), *peaks]), flush=True)
-        os._exit(0)
+        end(engine)
+
+    def one_pause(engine: Engine, *_: object) -> None:
+        # an equilibrium takes many calls of the step
+        end(engine)
 
     Engine._step = one_step  # type: ignore[method-assign]
     from crashsolve.cli import main
+    from crashsolve.deck.family import ELEMENTS, families
+    from crashsolve.system.static.equilibrium import StaticEngine
+
+    StaticEngine._step = one_pause  # type: ignore[method-assign]
 
     sys.exit(main([deck, "-o", folder]))
 
 
-def start(deck: Path, cache: str) -> tuple[float, float, float, float]:
-    """Clock and CPU time [s], peak memory [MB] of the run and its compiler, of one start."""
+class Start(NamedTuple):
+    """One start: time on the clock and CPU time [s] of the run and of its compiler, and memory."""
+
+    wall: float
+    run: float
+    compiler: float
+    peak: float  # [MB] of the run
+    compiler_peak: float
+    is_flexible: bool
+
+    @property
+    def cpu(self) -> float:
+        return self.run + self.compiler
+
+
+def start(deck: Path, cache: str) -> Start:
+    """One start of a deck with a cache. Raises SystemExit with the message of a run that fails."""
     environment = os.environ | {"CRASHSOLVE_CACHE": cache}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     begun = time.monotonic()
@@ -72,8 +108,7 @@ def start(deck: Path, cache: str) -> tuple[float, float, float, float]:
     wall = time.monotonic() - begun
     if child.returncode:
         raise SystemExit(f"{deck}: {child.stderr.strip()}")
-    cpu, peak, compiler = json.loads(child.stdout.splitlines()[-1])
-    return wall, cpu, peak, compiler
+    return Start(wall, *json.loads(child.stdout.splitlines()[-1]))
 
 
 def _output(*command: str) -> str:
@@ -83,15 +118,43 @@ def _output(*command: str) -> str:
 def measure(deck: Path, bare: float) -> dict[str, float]:
     """The three figures of the budget for one deck, and the memory of the compiler."""
     with tempfile.TemporaryDirectory() as cache:
-        wall, cold, _, compiler = start(deck, cache)
+        cold = start(deck, cache)
         warm = [start(deck, cache) for _ in range(STARTS)]
-    memory = max(peak for _, _, peak, _ in warm) - bare
-    warm_cpu = median(cpu for _, cpu, _, _ in warm)
-    found = {"cold wall": wall, "cold s": cold, "warm s": warm_cpu, "memory MB": memory}
-    return found | {"compiler MB": compiler}
+    memory = max(one.peak for one in warm) - bare
+    found = {"cold wall": cold.wall, "cold s": cold.cpu, "memory MB": memory}
+    found["warm s"] = median(one.cpu for one in warm)
+    return {name: found[name] for name in BUDGET} | {"compiler MB": cold.compiler_peak}
+
+
+def survey() -> None:
+    """The table of `--all`; the number of decks done so far goes to standard error."""
+    found, apart, all_decks = [], [], decks()
+    for number, deck in enumerate(all_decks, 1):
+        name = deck.relative_to(ROOT)
+        try:
+            with tempfile.TemporaryDirectory() as cache:
+                found.append((name, start(deck, cache), start(deck, cache)))
+        except SystemExit as reason:
+            apart.append(f"{name} has no first step: {str(reason).splitlines()[0]}")
+            continue
+        told = f"{number} of {len(all_decks)}: {name} {found[-1][1].cpu:.2f} s"
+        print(told, file=sys.stderr, flush=True)
+    found.sort(key=lambda row: -row[1].cpu)
+    print(f"CPU time [s] {'':40}    cold =    run + compiler    warm")
+    for deck, cold, warm in found:
+        kind = "flexible" if cold.is_flexible else "rigid"
+        figures = (cold.cpu, cold.run, cold.compiler, warm.cpu)
+        print(f"{deck!s:52}{kind:9}" + "".join(f"{figure:8.2f}" for figure in figures))
+    for flexible in (False, True):
+        cold_ones = [cold.cpu for _, cold, _ in found if cold.is_flexible == flexible]
+        kind = "flexible" if flexible else "rigid"
+        print(f"{len(cold_ones)} {kind}: median {median(cold_ones):.2f}, most {max(cold_ones):.2f}")
+    print(*apart, sep="\n")
 
 
 def main() -> None:
+    if sys.argv[1:] == ["--all"]:
+        return survey()
     given = [Path(name).resolve() for name in sys.argv[1:]]
     bare = float(_output(sys.executable, "-c", BARE)) / 1024
     print(f"bare: {bare:.0f} MB")

@@ -43,6 +43,14 @@ def products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     ).T
 
 
+def crosses(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Cross products of vectors (..., 3); the same digits as numpy's own, which is for any axis."""
+    found = np.empty(np.broadcast_shapes(u.shape, v.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.subtract(u[..., j] * v[..., k], u[..., k] * v[..., j], out=found[..., i])
+    return found
+
+
 def turned_by(q: np.ndarray, q_0: np.ndarray) -> np.ndarray:
     """Rotation vectors (n, 3) [rad], at most pi long, from q_0 to q (n, 4), in world axes."""
     turn = products(q, q_0 * [1.0, -1.0, -1.0, -1.0])

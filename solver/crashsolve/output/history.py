@@ -55,12 +55,13 @@ class HistoryWriter:
         self._flush_seconds = flush_seconds
         self._file: FileIO | None = None
         self._rows = 0
-        # times, and values (k, n_id, n_column) of every family
-        self._waiting: list[tuple[np.ndarray, list[np.ndarray]]] = []
         self._last_time = -np.inf
         self._flushed_at = clock.monotonic()
         doubles = sum(len(family.ids) * len(family.columns) for family in self.families)
-        self._most_waiting = min(max(1, buffer_bytes // (8 * doubles)), MOST_BUFFERED_ROWS)
+        most = min(max(1, buffer_bytes // (8 * doubles)), MOST_BUFFERED_ROWS)
+        # rows in waiting: their number, times, and values (n_column, k, n_id) of every family
+        self._count, self._times = 0, np.empty(most)
+        self._values = [np.empty((len(f.columns), most, len(f.ids))) for f in self.families]
         if resume_time is not None:
             self._read_kept_rows(resume_time)
         expected = min(expected_rows or FIRST_CAPACITY, MOST_RESERVED_BYTES // (8 * doubles + 8))
@@ -76,12 +77,14 @@ class HistoryWriter:
             if block.shape != (len(times), len(family.ids), len(family.columns)):
                 raise ValueError(f"family '{family.name}': values of shape {block.shape}")
         sound, error = self._judge(times, blocks)
-        if sound:
-            self._waiting.append((times[:sound], [block[:sound] for block in blocks]))
-            self._last_time = float(times[sound - 1])
+        taken = 0
+        while taken < sound:
+            taken += self._take(times[taken:sound], [block[taken:sound] for block in blocks])
+            if self._count == len(self._times):
+                self.flush()
         if error is not None:
             raise error
-        if self._count() >= self._most_waiting or self.is_due():
+        if self.is_due():
             self.flush()
 
     def is_due(self) -> bool:
@@ -90,17 +93,17 @@ class HistoryWriter:
 
     def flush(self) -> None:
         """Write the gathered rows: values, wait for the disk, then the times that validate them."""
-        if self._waiting:
-            count = self._count()
+        if self._count:
+            count = self._count
             if self._rows + count > self._capacity:
                 self._rebuild(2 * (self._rows + count))
-            times, blocks = self._gathered()
+            times, blocks = self._times[:count], [values[:, :count] for values in self._values]
             with reported(self.path):
                 self._write_rows(times, blocks)
             for number, block in enumerate(blocks):
                 self.extremes.update(number, times, block)
             self._rows += count
-            self._waiting.clear()
+            self._count = 0
         self._flushed_at = clock.monotonic()
 
     def close(self) -> None:
@@ -125,17 +128,15 @@ class HistoryWriter:
         else:
             self.close()
 
-    def _count(self) -> int:
-        """Rows in waiting."""
-        return sum(len(times) for times, _ in self._waiting)
-
-    def _gathered(self) -> tuple[np.ndarray, list[np.ndarray]]:
-        """Times and values (n_column, k, n_id) of the rows in waiting."""
-        times = np.concatenate([times for times, _ in self._waiting])
-        columns = [
-            np.concatenate(some) for some in zip(*(b for _, b in self._waiting), strict=True)
-        ]
-        return times, [np.ascontiguousarray(np.moveaxis(block, 2, 0)) for block in columns]
+    def _take(self, times: np.ndarray, blocks: list[np.ndarray]) -> int:
+        """Gather rows, as many as there is room for; returns their number."""
+        first, last = self._count, min(self._count + len(times), len(self._times))
+        count = last - first
+        self._times[first:last] = times[:count]
+        for values, block in zip(self._values, blocks, strict=True):
+            values[:, first:last] = block[:count].transpose(2, 0, 1)
+        self._count, self._last_time = last, float(times[count - 1])
+        return count
 
     def _judge(self, times: np.ndarray, blocks: list[np.ndarray]) -> tuple[int, OutputError | None]:
         """How many rows are sound, and what is wrong with the next: its time, or a number."""

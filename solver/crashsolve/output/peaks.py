@@ -22,14 +22,16 @@ class Extremes:
 
     def update(self, family: int, times: np.ndarray, values: np.ndarray) -> None:
         """Take in rows: times (k,), values (n_column, k, n_id)."""
-        for found, bound, bound_time, better in (
-            (values.argmin(axis=1), self.least[family], self.least_time[family], np.less),
-            (values.argmax(axis=1), self.greatest[family], self.greatest_time[family], np.greater),
+        for extreme, where, bound, bound_time, better in (
+            (np.min, np.argmin, self.least[family], self.least_time[family], np.less),
+            (np.max, np.argmax, self.greatest[family], self.greatest_time[family], np.greater),
         ):
-            value = np.take_along_axis(values, found[:, None, :], axis=1)[:, 0, :]
-            new = better(value, bound)
-            bound[new] = value[new]
-            bound_time[new] = times[found][new]
+            # few channels have new ones in any block
+            column, entity = np.nonzero(better(extreme(values, axis=1), bound))
+            courses = values[column, :, entity]
+            found = where(courses, axis=1)
+            bound[column, entity] = courses[np.arange(len(found)), found]
+            bound_time[column, entity] = times[found]
 
 
 def write_peaks(path: Path | str, extremes: Extremes) -> None:

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.family import families
+from crashsolve.foundation.orientation import crosses
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
 from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST, MECHANICAL
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.output.channels import Column, Family
-from crashsolve.recording.kept import Kept, Source
-from crashsolve.recording.momenta import Momenta
+from crashsolve.recording.kept import Columns, Kept, Source, identity, together
+from crashsolve.recording.momenta import OF_NODES, Momenta
 from crashsolve.system.engine import Engine
 
 AXES = ("x", "y", "z")
@@ -84,10 +85,10 @@ class Histories:
         # a family without entities leaves no trace
         self._parts = [part for part in self._parts if part[0].ids and part[0].columns]
         # a table that several families are made of is kept once
-        sources = {id(source): source for _, own, _ in self._parts for source in own}
+        sources = together(source for _, own, _ in self._parts for source in own)
         self._kept = Kept(list(sources.values()))
         numbers = {key: number for number, key in enumerate(sources)}
-        self._places = [[numbers[id(source)] for source in own] for _, own, _ in self._parts]
+        self._places = [[numbers[identity(source)] for source in own] for _, own, _ in self._parts]
 
     @property
     def families(self) -> tuple[Family, ...]:
@@ -117,7 +118,8 @@ class Histories:
         for name, unit in (("momentum", "N s"), ("angular_momentum", "N m s")):
             columns += [Column(name, axis, unit, "sum over bodies") for axis in AXES]
         e, elements = self.engine, self.engine.model.elements
-        sources = [e.ledger, e.sample_clock, e.state.clock, e.nodes]
+        sources: list[Source] = [e.ledger, e.sample_clock, e.state.clock]
+        sources.append(Columns(e.nodes, OF_NODES))
         sources += [] if elements is None else [elements.motion]
         return Family("glstat", ("model",), tuple(columns)), tuple(sources), self._model_values
 
@@ -143,12 +145,17 @@ class Histories:
         family = Family("rbdout", tuple(self.engine.model.bodies[1:]), tuple(columns))
         names = [name for _, name, _, _ in BODY] + ["q"]
         count = len(self.engine.model.bodies)
-        return family, (self.engine.nodes,), lambda nodes: _flat(nodes[:, 1:count], names)
+        nodes = Columns(self.engine.nodes, frozenset(names))
+        return family, (nodes,), lambda nodes: _flat(nodes[:, 1:count], names)
 
     def _joints(self) -> Part:
         columns = [Column("force", a, "N", "of the joint on body b, world axes") for a in AXES]
         columns += [Column("moment", a, "N m", "the same, about the joint point") for a in AXES]
-        joints, tables = self.engine.model.joints, (self.engine.nodes, self.engine.rows)
+        joints, engine = self.engine.model.joints, self.engine
+        tables = (
+            Columns(engine.nodes, frozenset({"A"})),
+            Columns(engine.rows, frozenset({"D", "reaction"})),
+        )
         family = Family("jntforc", tuple(joint.name for joint in joints), tuple(columns))
         return family, tables, lambda nodes, rows: _reactions(joints, nodes, rows)
 
@@ -165,7 +172,7 @@ class Histories:
         # pairs farther apart than the margin of a list are not in it
         cards["depth"] = np.maximum(cards["depth"], -self._margin)
         names = [column.name for column in records.CARD_OUTPUT.columns]
-        return np.concatenate([_flat(cards, names), _flat(now, CARD_COLUMNS)], axis=2)
+        return _beside(_flat(cards, names), _flat(now, CARD_COLUMNS))
 
     def _margins(self) -> np.ndarray:
         """Margin of the list of near pairs of every contact card; infinite without a list."""
@@ -213,7 +220,8 @@ class Histories:
             return np.concatenate([meshed.gauge_values(blocks, row) for _, meshed, row in gauged])
 
         family = Family("elout-shell", tuple(names), tuple(columns))
-        return [(family, (values,), lambda found: found)]
+        # what has been kept is overwritten by later samples
+        return [(family, (values,), np.copy)]
 
     def _cuts(self) -> list[Part]:
         """Sections of shells."""
@@ -251,13 +259,18 @@ class Histories:
 
 def _reactions(joints: list[Joint], nodes: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Force and moment of every joint on its body b at the joint point, world axes."""
-    values = np.zeros((len(nodes), len(joints), 6))
-    wrench = rows["D"][:, :, 6:] * rows["reaction"][:, :, None]
-    for value, joint in zip(values.swapaxes(0, 1), joints, strict=True):
-        value[:] = wrench[:, joint.first_row : joint.first_row + joint.rows].sum(1)
-        if "point_b" in joint.frame:
-            turned = nodes["A"][:, joint.node_b].reshape(-1, 3, 3)
-            value[:, 3:] -= np.cross(turned @ joint.frame["point_b"], value[:, :3])
+    # every joint has a row at least
+    firsts = np.cumsum([0, *(joint.rows for joint in joints[:-1])])
+    own = np.concatenate([np.arange(j.first_row, j.first_row + j.rows) for j in joints])
+    wrench = rows["D"][:, own, 6:] * rows["reaction"][:, own, None]
+    # nothing is 0, not -0
+    values = np.add.reduceat(wrench, firsts, axis=1) + 0.0
+    pointed = [k for k, joint in enumerate(joints) if "point_b" in joint.frame]
+    if pointed:
+        places = np.array([joints[k].frame["point_b"] for k in pointed])
+        bodies = nodes["A"][:, [joints[k].node_b for k in pointed]]
+        arms = bodies.reshape(*bodies.shape[:2], 3, 3) @ places[:, :, None]
+        values[:, pointed, 3:] -= crosses(arms[..., 0], values[:, pointed, :3])
     return values
 
 
@@ -273,7 +286,21 @@ def _spread(c: Any) -> list[Column]:
     return [Column(c.name, part, unit, c.meaning) for part in parts]
 
 
+def _beside(*parts: np.ndarray) -> np.ndarray:
+    """Columns of the same entities, each in one piece as `_flat` has them."""
+    return np.concatenate([part.transpose(2, 0, 1) for part in parts]).transpose(1, 2, 0)
+
+
 def _flat(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
-    """Columns of tables (samples, n) as numbers (samples, n, total width)."""
-    columns = [tables[name] for name in names]
-    return np.concatenate([c.reshape(*tables.shape, -1).astype(float) for c in columns], axis=2)
+    """Columns of tables (samples, n) as numbers (samples, n, total width).
+
+    In memory a column stands in one piece, as it does in the history.
+    """
+    columns = [tables[name].reshape(*tables.shape, -1) for name in names]
+    found = np.empty((sum(c.shape[2] for c in columns), *tables.shape))
+    first = 0
+    for column in columns:
+        last = first + column.shape[2]
+        found[first:last] = column.transpose(2, 0, 1)
+        first = last
+    return found.transpose(1, 2, 0)

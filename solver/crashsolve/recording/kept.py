@@ -4,11 +4,23 @@ Channels are made of many samples at once, since a call of numpy costs as much f
 for a hundred. At a sample itself the tables they are made of are only copied, in bytes.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
 
 import numpy as np
 
-Source = np.ndarray | Callable[[], np.ndarray]
+
+@dataclass(frozen=True)
+class Columns:
+    """Of a table, those columns that values are made of: few of many are cheaper to keep."""
+
+    table: np.ndarray
+    names: frozenset[str]
+
+
+Source = np.ndarray | Columns | Callable[[], np.ndarray]
 
 # [bytes] of a block, and samples in it: more would wait in memory for longer, and gain nothing
 MOST_BYTES, MOST_SAMPLES = 1 << 22, 256
@@ -19,23 +31,24 @@ class Kept:
 
     def __init__(self, sources: list[Source]) -> None:
         self._asked = [(i, s) for i, s in enumerate(sources) if callable(s)]
-        tables = [source() if callable(source) else source for source in sources]
-        size = sum(table.nbytes for table in tables)
+        tables = [_layout(source) for source in sources]
+        size = sum(dtype.itemsize * int(np.prod(shape)) for shape, dtype in tables)
         self.most = min(max(MOST_BYTES // max(size, 1), 1), MOST_SAMPLES)
-        self._tables = [np.empty((self.most, *table.shape), table.dtype) for table in tables]
+        self._tables = [np.empty((self.most, *shape), dtype) for shape, dtype in tables]
         # numpy would copy columns one by one
-        self._bytes = [
-            (_bytes(source), copies.view(np.uint8).reshape(self.most, -1))
+        self._pieces = [
+            piece
             for source, copies in zip(sources, self._tables, strict=True)
-            if not callable(source) and source.nbytes
+            if not callable(source) and copies.size
+            for piece in _pieces(source, copies)
         ]
         self.count = 0
 
     def take(self) -> None:
         """Keep the tables of the present sample."""
         k = self.count
-        for table, copies in self._bytes:
-            copies[k] = table
+        for piece, copies in self._pieces:
+            copies[k] = piece
         for i, source in self._asked:
             self._tables[i][k] = source()
         self.count = k + 1
@@ -50,7 +63,56 @@ class Kept:
         return [copies[:count] for copies in self._tables]
 
 
-def _bytes(table: np.ndarray) -> np.ndarray:
+def together(sources: Iterable[Source]) -> dict[int, Source]:
+    """Sources by the identity of their tables, with all columns that are asked of one together."""
+    found: dict[int, Source] = {}
+    for source in sources:
+        known = found.get(identity(source))
+        if isinstance(source, Columns) and isinstance(known, Columns):
+            source = Columns(source.table, source.names | known.names)
+        found[identity(source)] = source
+    return found
+
+
+def identity(source: Source) -> int:
+    """What tells two sources apart."""
+    return id(source.table if isinstance(source, Columns) else source)
+
+
+def _layout(source: Source) -> tuple[tuple[int, ...], np.dtype]:
+    """Shape and type of what is kept of a source."""
+    if isinstance(source, Columns):
+        names = [name for name in source.table.dtype.names or () if name in source.names]
+        return source.table.shape, np.dtype([(n, source.table.dtype[n]) for n in names])
+    table = source() if callable(source) else source
+    return table.shape, table.dtype
+
+
+def _pieces(
+    source: np.ndarray | Columns, copies: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Columns that are side by side in a table and in its copies, each in words of both."""
+    table = source.table if isinstance(source, Columns) else source
     if not table.flags.c_contiguous:
         raise ValueError("a table must lie in one piece")
+    if not isinstance(source, Columns):
+        return [(_bytes(table), copies.view(np.uint8).reshape(len(copies), -1))]
+    old: Any = table.dtype.fields
+    new: Any = copies.dtype.fields
+    # a record is of numbers of eight bytes
+    words, kept = _words(table), _words(copies).reshape(len(copies), table.size, -1)
+    found = []
+    for _, run in groupby(new, lambda name: old[name][1] - new[name][1]):
+        names = list(run)
+        size = sum(new[name][0].itemsize for name in names) // 8
+        i, j = old[names[0]][1] // 8, new[names[0]][1] // 8
+        found.append((words[:, i : i + size], kept[:, :, j : j + size]))
+    return found
+
+
+def _words(table: np.ndarray) -> np.ndarray:
+    return table.reshape(-1).view(np.int64).reshape(table.size, -1)
+
+
+def _bytes(table: np.ndarray) -> np.ndarray:
     return table.reshape(-1).view(np.uint8)

@@ -2,6 +2,9 @@
 
 import numpy as np
 
+# columns of nodes that it is made of
+OF_NODES = frozenset({"r", "v", "L", "mass_inv"})
+
 
 class Momenta:
     """Counts from the first sample: `start` (2, 3), and `largest` (2,) sums of sizes so far."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from crashsolve.deck.family import ELEMENTS, LINE, families
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.foundation.orientation import matrix, turned_by
+from crashsolve.foundation.orientation import crosses, matrix, turned_by
 from crashsolve.model.model import Group
 from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.simulation import body_shapes
@@ -65,9 +65,9 @@ class Pictures:
         self._contact_points = ContactPoints(engine)
         self._marks = HingeMarks(engine.model, engine.state.nodes)
         self._skin = self._pieces()
-        # body of every point
+        # the body of every piece, and how many points it has
         self._skin_owners = {
-            name: np.repeat([n for n, _, _ in pieces], [len(p) for _, p, _ in pieces])
+            name: ([n for n, _, _ in pieces], [len(p) for _, p, _ in pieces])
             for name, pieces in self._skin.items()
         }
         self.blocks = self._blocks()
@@ -203,15 +203,14 @@ class Pictures:
         return np.concatenate([self._r0[n] + p @ self._A0[n].reshape(3, 3).T for n, p, _ in pieces])
 
     def _skin_fields(self, name: str, pieces: list[Piece]) -> dict[str, np.ndarray]:
-        nodes = self.engine.nodes
-        owner, old = self._skin_owners[name], self._block(name).points
-        turns = nodes["A"].reshape(-1, 3, 3)
-        turned = np.concatenate([points @ turns[n].T for n, points, _ in pieces])
-        w = nodes["w"][owner]
-        return {
-            "displacement": nodes["r"][owner] + turned - old,
-            "velocity": nodes["v"][owner] + np.cross(w, turned),
-        }
+        owners, counts = self._skin_owners[name]
+        bodies, old = self.engine.nodes[owners], self._block(name).points
+        turns = bodies["A"].reshape(-1, 3, 3)
+        turned = np.concatenate(
+            [points @ A.T for A, (_, points, _) in zip(turns, pieces, strict=True)]
+        )
+        r, v, w = (np.repeat(bodies[column], counts, axis=0) for column in "rvw")
+        return {"displacement": r + turned - old, "velocity": v + crosses(w, turned)}
 
     def _block(self, name: str) -> Block:
         return next(block for block in self.blocks if block.name == name)

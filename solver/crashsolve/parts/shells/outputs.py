@@ -51,11 +51,21 @@ def values_of(
         table = blocks[start : start + count * stride].reshape(count, stride // LANES, LANES)
         met = np.flatnonzero((wanted >= own.start) & (wanted < own.stop))
         for some in (met[k : k + PIECE] for k in range(0, len(met), PIECE)):
-            place = wanted[some] - own.start
-            for name, values in fields(part, table[place // LANES, :, place % LANES]).items():
+            for name, values in fields(part, _rows(table, wanted[some] - own.start)).items():
                 found[name][some] = values
         start += count * stride
     return found
+
+
+def _rows(table: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """What elements keep (m, rows), from blocks of them side by side (blocks, rows, LANES)."""
+    if np.any(np.diff(places) != 1):
+        return table[places // LANES, :, places % LANES]
+    # elements side by side are turned at once
+    first, last = int(places[0]), int(places[-1]) + 1
+    begun = first // LANES
+    turned = table[begun : -(-last // LANES)].transpose(0, 2, 1).reshape(-1, table.shape[1])
+    return turned[first - begun * LANES : last - begun * LANES]
 
 
 def fields(part: DiscretisedShell, rows: np.ndarray) -> dict[str, np.ndarray]:
@@ -64,7 +74,7 @@ def fields(part: DiscretisedShell, rows: np.ndarray) -> dict[str, np.ndarray]:
     end = rows.shape[1] - VISCOUS.SIZE * part.slows - EROSION.SIZE * part.can_fail
     layers = rows[:, BLOCK.SIZE : end].reshape(len(rows), -1, count, part.layer_rows)
     t, shear = rows[:, BLOCK.thickness], rows[:, BLOCK.shear : BLOCK.shear + 2]
-    mean = layers.mean(axis=1)
+    mean = _mean(layers)
     zeta, weight = part.rule
     share = 0.5 * t[:, None] * weight
     arm = 0.5 * t[:, None] * zeta
@@ -72,7 +82,7 @@ def fields(part: DiscretisedShell, rows: np.ndarray) -> dict[str, np.ndarray]:
     plastic = part.law.plastic_strain(part.material, mean)
     E, nu = part.material.young, part.material.poisson
     elastic = part.law.stored(part.material, layers)
-    density = 0.5 * elastic.mean(axis=1) @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
+    density = 0.5 * _mean(elastic) @ weight + 1.2 * (1.0 + nu) / E * (shear**2).sum(1)
     volume = rows[:, BLOCK.mass] / part.material.density
     return {
         "thickness": t,
@@ -87,3 +97,9 @@ def fields(part: DiscretisedShell, rows: np.ndarray) -> dict[str, np.ndarray]:
         "plastic_strain_mid": plastic[:, (count - 1) // 2],
         "plastic_strain_bottom": plastic[:, 0],
     }
+
+
+def _mean(points: np.ndarray) -> np.ndarray:
+    """Over the points of a plane, (m, points, ...); of most elements there is one."""
+    found: np.ndarray = points[:, 0] if points.shape[1] == 1 else points.mean(axis=1)
+    return found
