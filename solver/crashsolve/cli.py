@@ -247,7 +247,7 @@ def _check(options: argparse.Namespace) -> int:
     deck = read_deck(options.deck, _overrides(options))
     model, state = build(deck)
     look_up(deck, families_of(model, state))
-    for text in model.warnings:
+    for text in (*deck.unread, *model.warnings):
         print(printable(f"warning: {text}"))
     print(printable(f"{options.deck}: no mistakes found"))
     return ExitCode.NORMAL

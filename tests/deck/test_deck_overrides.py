@@ -14,7 +14,7 @@ title: "ball of ${r*1000} mm"
 units: {length: mm}
 parameters: {r: 1.8 mm, n: 3}
 control: {end_time: 1}
-curves: {f: {points: [[0, 0], [1, 2]]}}
+curves: {f: {points: [[0, 0], ["${n/3}", 2]]}}
 bodies:
   ball: &ball {mass: 1, inertia: [1, 1, 1], velocity: [1, 2, 3]}
   other: *ball

@@ -62,6 +62,10 @@ WRONG = {
     # of the deck
     "an unknown parameter": ("mass: [", "mas: [", "5:3: error: run 1: mas = "),
     "an unknown path": ("mass: [", "bodies.wagn.mass: [", "unknown body 'wagn'"),
+    "a word without use": ('mass: ["10 t", "20 t"]', "control.steps: [5, 6]",
+                           "5:3: error: run 1: control: control.steps = 5: it belongs to"),
+    "a set word without use": ("deck: wagon.yaml", "deck: wagon.yaml\nset: {control.steps: 5}",
+                               "2:7: error: run 1: control: control.steps = 5: it belongs to"),
     "a value the deck refuses": ('["10 t", "20 t"]', '["-1 t", "-2 t"]', "must be greater than 0"),
     "a wrong unit": ('"5 km/h", to: "15 km/h"', '"5 kg", to: "15 kg"', "4:3: error: run 1: speed"),
 }  # fmt: skip

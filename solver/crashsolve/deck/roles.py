@@ -21,6 +21,9 @@ class Expanded(Protocol):
     def expand(self, name: str, card: Any, laws: Any, control: Any) -> Any:
         """Entries by keyword and name, as a deck has them."""
 
+    def unused(self, card: Any) -> Any:
+        """Why paths of the card change nothing beside its other words, by path."""
+
 
 class BasicConstraint(Protocol):
     """Rows of which joints are made, from row r on (joints/basic)."""

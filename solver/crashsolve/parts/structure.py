@@ -21,7 +21,7 @@ mass, mass centre, inertia and elastic stiffness are those of the members in clo
 descriptions.
 """
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import model_validator
 
@@ -37,11 +37,11 @@ from crashsolve.deck.card import (
 )
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
-from crashsolve.parts.structures.cards import expand
+from crashsolve.parts.structures.cards import DESCRIPTIONS, expand, unused
 
-__all__ = ["expand"]
+__all__ = ["expand", "unused"]
 PARAMETERS = HISTORY = OUTPUT = Record()
-Deformation = Literal["rigid", "hinges", "segments", "beams", "shells"]
+Deformation: Any = Literal[DESCRIPTIONS]
 
 
 class Point(Card):

@@ -7,7 +7,8 @@ from math import isfinite
 from pathlib import Path
 
 from crashsolve.deck.reading.deck import Deck, read_deck
-from crashsolve.foundation.errors import DeckError, ExitCode
+from crashsolve.deck.reading.several import Several
+from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
 from crashsolve.foundation.streams import printable, say
 from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import Lock
@@ -18,6 +19,7 @@ from crashsolve.study.plot import draw
 from crashsolve.study.settings import (
     AUTO,
     MESHES,
+    Setting,
     descriptions,
     divisible,
     order_of,
@@ -57,7 +59,7 @@ def study(request: Request) -> int:
 
     Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
     """
-    deck = read_deck(request.deck, request.overrides)
+    deck = read_deck(request.deck, request.overrides, refuses_idle=False)
     own = [deck.control.integrator] if request.vary else []
     if request.methods or own:
         methods = [resolved(deck, method) for method in request.methods or own]
@@ -69,6 +71,7 @@ def study(request: Request) -> int:
         deck, list(dict.fromkeys(methods)), _steps(request, deck), request.tolerances, meshes,
         request.vary,
     )  # fmt: skip
+    _refuse_idle(request, grid)
     watches = watched(deck, request.channels)
     # where a path does not converge, these may
     more = [watch for watch in overall(deck) if watch not in watches]
@@ -96,6 +99,22 @@ def study(request: Request) -> int:
         extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
         _report(request, deck, trials, findings, extra)
         return ExitCode.NORMAL if good else max(trial.code for trial in trials)
+
+
+def _refuse_idle(request: Request, grid: Sequence[Setting]) -> None:
+    """Raise DeckErrors for values that change no run, of --set and of --vary."""
+    asked, several = {*request.overrides}, Several()
+    asked |= {request.vary.partition("=")[0]} if request.vary else set()
+    for setting in grid if asked else ():
+        try:
+            several.read(request.deck, {**request.overrides, **setting.overrides})
+        except DeckErrors:
+            # a run that fails; others may go
+            continue
+        if not asked & {*(several.idle or ())}:
+            return
+    if found := [error for name, error in (several.idle or {}).items() if name in asked]:
+        raise DeckErrors(found)
 
 
 def _steps(request: Request, deck: Deck) -> str | None:

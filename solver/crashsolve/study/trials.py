@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import crashsolve
-from crashsolve.deck.reading.deck import read_deck
+from crashsolve.deck.reading.several import Several
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 from crashsolve.study.child_runs import reason, start, status_of
 from crashsolve.study.settings import Series, Setting
@@ -83,11 +83,11 @@ def _trial(
 ) -> Trial:
     """Run one setting, unless its results are there."""
     try:
-        text = read_deck(deck, overrides).text
+        own, overrides = Several().read(deck, overrides)
     except CrashsolveError as error:
         return Trial(setting, folder, int(error.exit_code), str(error).splitlines()[0])
     status = status_of(folder)
-    if status.get("exit_code") in COMPLETE and _is_of(folder, text):
+    if status.get("exit_code") in COMPLETE and _is_of(folder, own.text):
         return _finished(setting, folder, int(status["exit_code"]), "", was_kept=True)
     with start(deck, folder, overrides, False, subprocess.PIPE, jobs) as run:
         _, errors = run.communicate()

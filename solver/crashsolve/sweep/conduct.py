@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.deck.reading.several import Several
 from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
 from crashsolve.foundation.streams import printable, say
 from crashsolve.model.build import build
@@ -110,15 +111,16 @@ def task(folder: Path, number: int) -> int:
 def prepared(plan: Plan) -> tuple[str, list[Run]]:
     """Title and runs of a plan, the deck of each read. Raises DeckErrors for the first wrong one.
 
-    The model of the first is built as well: what is wrong with all of them is known then.
+    The model of the first is built as well: what is wrong with all of them is known then. What
+    changes no run is refused.
     """
     fixed = {name: as_text(value) for name, value in plan.card.set.items()}
     points, runs, title = points_of(plan), list[Run](), plan.card.title
-    wrong = list[tuple[int, Point, DeckErrors]]()
+    wrong, several = list[tuple[int, Point, DeckErrors]](), Several()
     for number, point in enumerate(points, 1):
         overrides = {**fixed, **point}
         try:
-            deck = read_deck(plan.deck, overrides)
+            deck, overrides = several.read(plan.deck, overrides)
             if not runs:
                 build(deck)
                 title = title or deck.title
@@ -130,6 +132,8 @@ def prepared(plan: Plan) -> tuple[str, list[Run]]:
             runs.append(Run(number, point, overrides, mark_of(deck)))
         if wrong and not runs:
             break
+    if not wrong and several.idle:
+        wrong.append((1, points[0], DeckErrors(list(several.idle.values()))))
     if wrong:
         raise _refused(plan, wrong, len(points))
     return title, runs
@@ -140,11 +144,12 @@ def _refused(plan: Plan, wrong: list[tuple[int, Point, DeckErrors]], count: int)
     number, point, errors = wrong[0]
     found = []
     values = ", ".join(f"{name} = {text}" for name, text in point.items())
+    given = {name: as_text(value) for name, value in plan.card.set.items()} | point
     for error in errors.errors:
         name = error.file.removeprefix("--set ").partition("=")[0]
         card = ": ".join(filter(None, (f"run {number}", error.card)))
         if error.file.startswith("--set ") and name in plan.places:
-            text = f"{name} = {point[name]}: {error.message}"
+            text = f"{name} = {given[name]}: {error.message}"
             found.append(DeckError(*plan.places[name], card, text, error.advice))
         else:
             advice = "; ".join(filter(None, (error.advice, f"with {values}")))

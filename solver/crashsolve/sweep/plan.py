@@ -142,7 +142,7 @@ class PlanCard(Card):
 
 @dataclass(frozen=True)
 class Plan:
-    """A plan without mistakes. `places` tells where the varied names stand, for messages."""
+    """A plan without mistakes. `places` tells where varied and set names stand, for messages."""
 
     path: Path
     card: PlanCard
@@ -172,7 +172,11 @@ def read_plan(path: Path) -> Plan:
         found += _contradictions(card, axes)
     if found or errors or card is None:
         raise DeckErrors(_in_order([*errors, *(_placed(path, table, m) for m in found)]))
-    places = {name: locate(_start(path), table, ("vary", name), True) for name in axes}
+    places = {
+        name: locate(_start(path), table, (keyword, name), True)
+        for keyword, names in (("set", card.set), ("vary", axes))
+        for name in names
+    }
     return Plan(path, card, axes, places)
 
 

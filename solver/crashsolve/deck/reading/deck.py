@@ -19,6 +19,7 @@ from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
 from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.reading.files import Files
+from crashsolve.deck.reading.idle import Unused, idle, unread, unused
 from crashsolve.deck.reading.items import Item, items_of
 from crashsolve.deck.reading.overrides import place_given, set_fields
 from crashsolve.deck.reading.parameters import Parameters
@@ -65,6 +66,9 @@ class Deck:
     entries: dict[str, dict[str, Entry]]
     # cards of the deck that stand in entries no more, but what was made of them
     written_out: list[Entry]
+    # values set from outside that change nothing, and warnings of parameters unread
+    idle: dict[str, DeckError]
+    unread: list[str]
 
     @cached_property
     def text(self) -> str:
@@ -95,12 +99,18 @@ class Deck:
         return _placed(entry.item, Mistake(path, message, advice))
 
 
-def read_deck(path: Path | str, overrides: Mapping[str, str] | None = None) -> Deck:
+def read_deck(
+    path: Path | str, overrides: Mapping[str, str] | None = None, refuses_idle: bool = True
+) -> Deck:
     """The deck in a file; `overrides` replace parameters, and fields such as `control.step`.
 
-    Raises DeckErrors with all mistakes.
+    Raises DeckErrors with all mistakes, overrides that change nothing among them if it
+    `refuses_idle`: one of many runs may have no use for what others need.
     """
-    return _Reader(Path(path), overrides or {}).deck()
+    deck = _Reader(Path(path), overrides or {}).deck()
+    if deck.idle and refuses_idle:
+        raise DeckErrors(list(deck.idle.values()))
+    return deck
 
 
 class _Reader:
@@ -123,6 +133,10 @@ class _Reader:
         if files.incomplete:
             raise DeckErrors(self.in_order())
         self.items = items_of(self.tables, self.mistakes)
+        self.overrides = overrides
+        self.unused: list[Unused] = []
+        # keywords and names that cards name
+        self.named: set[tuple[str, str]] = set()
         others = set_fields(self.items, overrides, self.tables, self.mistakes)
         self.parameters = Parameters(self.items["parameters"], others, self.mistakes)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
@@ -159,6 +173,8 @@ class _Reader:
             self.refuse(self.items["control"][""], Mistake(("threads",), message, "leave it out"))
         if self.mistakes or not control or not output:
             raise DeckErrors(self.in_order())
+        words = control.unused(output.history.interval is not None)
+        self.unused += unused(self.items, words, self.named)
         return Deck(
             title=title,
             path=self.path,
@@ -172,6 +188,8 @@ class _Reader:
             watch_at=[item.where for item in self.items["watch"].values()],
             entries=entries,
             written_out=self.written_out,
+            idle=idle(self.items, self.parameters, self.unused, self.overrides),
+            unread=unread(self.parameters, self.unused, next(iter(self.tables))),
         )
 
     def expand(self) -> None:
@@ -190,6 +208,8 @@ class _Reader:
             own = [name for _, name in names if name.keyword in laws]
             is_known = all(name in laws[name.keyword] for name in own)
             self.written_out.append(entry)
+            paths = import_module(entry.module_name).unused(entry.card)
+            self.unused += [Unused(item, path, why) for path, why in paths.items()]
             if not is_known or not expand(entry, laws, control, self.items, self.refuse):
                 self.unwritten.add(item.name)
             del self.items["parts"][item.name]
@@ -325,6 +345,7 @@ class _Reader:
     def check_names(self, item: Item, names: Iterable[tuple[tuple[str | int, ...], Name]]) -> None:
         """Report the names in a card that nothing in the deck bears."""
         for path, name in names:
+            self.named.add((name.keyword, str(name)))
             known = [own for keyword in answering(name.keyword) for own in self.items[keyword]]
             if name.keyword == "bodies":
                 known += self.nodes

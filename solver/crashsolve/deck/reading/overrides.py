@@ -38,10 +38,14 @@ def set_fields(
 
     What is wrong with a path goes to `mistakes`. Writes: items, tables.
     """
-    parameters = {}
+    parameters: dict[str, str] = {}
     for name, text in overrides.items():
         own = name.removeprefix(PARAMETERS)
         if own in items["parameters"] or ("." not in own and own not in KEYWORDS):
+            if own in parameters:
+                told = f"parameter '{own}' is set twice, to {shown(parameters[own])} and this"
+                place = f"--set {name}={text}"
+                mistakes.append(DeckError(place, None, None, "", told, "leave one of them out"))
             parameters[own] = text
             continue
         value, message, advice = plain_scalar(text.strip())

@@ -5,7 +5,7 @@ numbers is itself a bare number, in the units of the file it stands in.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from crashsolve.channels.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
@@ -23,6 +23,8 @@ _EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
 # the base of a power needs brackets, or -2**2 would be -4
 _RAISED = re.compile(r"\$\{[^{}]*\}(?=\s*\*\*)")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+# title of a card and the place within it where a parameter stands
+Reader = tuple[str, Position]
 
 
 class Parameters:
@@ -35,6 +37,10 @@ class Parameters:
         self.mistakes = mistakes
         self.values: dict[str, Any] = {}
         self.pending: list[str] = []
+        # who reads each of them, other parameters aside
+        self.readers: dict[str, set[Reader]] = {name: set() for name in items}
+        # the words of the command line that set them
+        self.given: dict[str, str] = {}
         self.overrides = self._checked(overrides)
         for name in self._in_order():
             self._value(name)
@@ -42,7 +48,12 @@ class Parameters:
     def substitute(self, value: Any, card: str, where: Position) -> Any:
         """The value with every expression in it worked out, or BROKEN where that fails."""
         if isinstance(value, str):
-            return self._text(value, card, where) if "${" in value else value
+            if "${" not in value:
+                return value
+            if not self.pending:
+                for name in self._named_in(value):
+                    self.readers[name].add((card, where))
+            return self._text(value, card, where)
         if isinstance(value, Table):
             table = Table(value.file)
             for key, part in value.items():
@@ -57,6 +68,23 @@ class Parameters:
                 rows.append(self.substitute(part, card, value.place(i)))
             return rows
         return value
+
+    def read(self, but: Collection[Reader] = ()) -> set[str]:
+        """Names of those that cards read, by way of others too; not what stands in readers `but`.
+
+        A title reads nothing that a run could follow.
+        """
+        waiting = [
+            name
+            for name, readers in self.readers.items()
+            if any(reader not in but and reader[0] != "title" for reader in readers)
+        ]
+        found = set(waiting)
+        while waiting:
+            more = set(self._needs(waiting.pop())) - found
+            found |= more
+            waiting += more
+        return found
 
     def _in_order(self) -> list[str]:
         """Names, each after those it needs, so that long chains nest no calls; circles last."""
@@ -79,7 +107,11 @@ class Parameters:
     def _needs(self, name: str) -> list[str]:
         """Parameters that the value of a parameter may name."""
         value = self.overrides.get(name, self.items[name].value)
-        parts = _EXPRESSION.findall(value) if isinstance(value, str) else []
+        return self._named_in(value) if isinstance(value, str) else []
+
+    def _named_in(self, text: str) -> list[str]:
+        """Parameters in the expressions of a text."""
+        parts = _EXPRESSION.findall(text)
         return [n for part in parts for n in _NAME.findall(part) if n in self.items]
 
     def _text(self, text: str, card: str, where: Position) -> Any:
@@ -161,11 +193,11 @@ class Parameters:
                 advice = choices(name, self.items, "parameters")
             elif not message:
                 message, advice = _misfit(value, self.items[name].value)
+            place = f"--set {name}={text}"
             if message:
-                place = f"--set {name}={text}"
                 self.mistakes.append(DeckError(place, None, None, "", message, advice))
             else:
-                checked[name] = value
+                checked[name], self.given[name] = value, place
         return checked
 
 

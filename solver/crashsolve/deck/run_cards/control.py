@@ -112,6 +112,22 @@ class Control(Card):
         """Whether steps are such as threads can share."""
         return bool(self.integrator == "rattle" and self.solution == "transient")
 
+    def unused(self, has_interval: bool) -> dict[str, str]:
+        """Words without use beside the others, and why; `has_interval` of samples of the deck."""
+        found = {}
+        is_static = self.solution == "quasi_static"
+        if is_static:
+            found["step"] = "solution quasi_static has load steps, by steps"
+        elif self.integrator == "rattle":
+            found["tolerance"] = "steps of rattle are not chosen by their error, but by safety"
+        if is_static or self.integrator not in ("generalized_alpha", "auto"):
+            found["spectral_radius"] = "it belongs to integrator generalized_alpha"
+        if not is_static:
+            found["steps"] = "it belongs to solution quasi_static"
+        elif has_interval:
+            found["steps"] = "output.history.interval goes before"
+        return found
+
     def _leaves_the_choice(self) -> None:
         """Raises ValueError for what an accuracy chooses, or needs."""
         if self.tolerance or self.step != "auto":

@@ -8,6 +8,9 @@ from crashsolve.deck.expansion import Made
 from crashsolve.parts.structures.cards import plain, welds
 from crashsolve.parts.structures.plan import Member, Plan
 
+# of the card of the structure
+WORDS = ("divisions", "damping", "fibres")
+
 
 def stub(member: Member) -> float:
     """Length of a member, besides the joint, that belongs to the body at its end [m]."""

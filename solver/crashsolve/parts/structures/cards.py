@@ -1,7 +1,8 @@
 """A structure written out in ordinary cards: bodies at its points, and what each member becomes.
 
 The file of a description has `stub`, the length of a member that belongs to the body at its end,
-beside the rigid joint, and `cards` of a member, whose names begin with that of the member.
+beside the rigid joint, `cards` of a member, whose names begin with that of the member, and WORDS,
+those of the structure's card that it follows and others may not.
 """
 
 from collections.abc import Iterator
@@ -10,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.expansion import Law, Made
+from crashsolve.deck.expansion import Law, Made, Steps
 from crashsolve.parts.structures.plan import Member, Plan, plan
 
+DESCRIPTIONS = ("rigid", "hinges", "segments", "beams", "shells")
 # methods in whose steps nodes of beams may be part of a rigid body
 EXPLICIT = ("rattle", "dormand_prince_5", "dormand_prince_8")
 
@@ -47,7 +49,27 @@ def _members(whole: Plan) -> Iterator[Made]:
 
 def description(member: Member) -> Any:
     """The module of how a member deforms."""
-    return import_module(f"{__package__}.{member.deformation}")
+    return _description(member.deformation)
+
+
+def _description(word: str) -> Any:
+    return import_module(f"{__package__}.{word}")
+
+
+def unused(card: Any) -> dict[Steps, str]:
+    """Paths of a structure's card that none of its members follows, and why."""
+    chosen = [member.deformation or card.deformation for member in card.members]
+    told = f"its members are {' and '.join(dict.fromkeys(chosen))}"
+    followed = {word for name in chosen for word in _description(name).WORDS}
+    words = {word for name in DESCRIPTIONS for word in _description(name).WORDS}
+    found: dict[Steps, str] = {(word,): told for word in sorted(words - followed)}
+    for word in ("deformation", "divisions", "material", "section", "side"):
+        if all(getattr(member, word) is not None for member in card.members):
+            found.setdefault((word,), "all members have their own")
+    for k, name in enumerate(chosen):
+        if "divisions" not in _description(name).WORDS:
+            found["members", k, "divisions"] = f"the member is {name}"
+    return found
 
 
 def _body(whole: Plan, k: int, point: str) -> Made:

@@ -7,6 +7,9 @@ is redundant. Consequence to test: a structure in free flight has the inertia of
 from crashsolve.deck.expansion import Made
 from crashsolve.parts.structures.plan import Member, Plan
 
+# of the card of the structure
+WORDS: tuple[str, ...] = ()
+
 
 def stub(member: Member) -> float:
     """Length of a member, besides the joint, that belongs to the body at its end [m]."""

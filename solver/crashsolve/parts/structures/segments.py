@@ -14,6 +14,9 @@ from crashsolve.deck.expansion import Made
 from crashsolve.parts.structures.cards import bar, plain
 from crashsolve.parts.structures.plan import Member, Plan
 
+# of the card of the structure
+WORDS = ("divisions", "damping")
+
 
 def stub(member: Member) -> float:
     """Length of a member, besides the joint, that belongs to the body at its end [m]."""

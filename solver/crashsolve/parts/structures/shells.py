@@ -11,6 +11,9 @@ from crashsolve.deck.expansion import Made, Problem
 from crashsolve.parts.structures.cards import plain
 from crashsolve.parts.structures.plan import Member, Plan
 
+# of the card of the structure
+WORDS = ("across", "damping")
+
 
 def stub(member: Member) -> float:
     """Length of a member, besides the joint, that belongs to the body at its end [m]."""
