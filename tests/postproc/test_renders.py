@@ -12,7 +12,8 @@ from small_results import Command
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
 from crashpost.renders.beams import rotated
-from crashpost.renders.drawing import Look, Scene
+from crashpost.renders.drawing import Scene
+from crashpost.renders.look import Look
 from crashpost.renders.shades import Shades
 from crashpost.renders.sheet import Key
 from crashpost.renders.studio import clock
@@ -119,6 +120,33 @@ def test_what_moves_is_where_it_was_between_states_half_way(run: Path) -> None:
     scene = Scene(States(run), Look())
     assert scene.positions(2, "bodies")[:, 0].max() == pytest.approx(1.2)
     assert scene.positions(1.5, "bodies")[:, 0].max() == pytest.approx(1.15)
+
+
+def test_magnified_displacements_are_so_many_times_as_large_and_said(
+    run: Path, crashpost: Command, tmp_path: Path
+) -> None:
+    states = States(run)
+    for number in (0, 1.5, 3):
+        # the cube moves by 0.1 m from state to state
+        plain = Scene(states, Look()).positions(number, "bodies")
+        large = Scene(states, Look(magnify=5.0)).positions(number, "bodies")
+        np.testing.assert_allclose(
+            plain - CUBE, np.outer(np.ones(8), [0.1 * number, 0, 0]), atol=1e-7
+        )
+        np.testing.assert_allclose(
+            large - CUBE, np.outer(np.ones(8), [0.5 * number, 0, 0]), atol=1e-7
+        )
+    assert Look(magnify=5.0).told == "displacements x 5"
+    assert Look().told == ""
+    picture = tmp_path / "strip.svg"
+    code, _, _ = crashpost("render", run, "--magnify", "5", "-o", picture)
+    assert code == 0
+    # forces act where bodies are, and have no place beside magnified ones
+    with pytest.raises(PostError, match="magnified"):
+        Scene(states, Look(arrows="rcforc", magnify=5.0))
+    for wrong in ("0", "-2", "nan", "inf"):
+        code, _, words = crashpost("render", run, f"--magnify={wrong}", "-o", picture)
+        assert (code, "magnify must be a positive number" in words) == (2, True), wrong
 
 
 def test_what_turns_far_between_states_is_not_shrunk_on_the_way(run: Path) -> None:
@@ -306,7 +334,8 @@ def test_a_result_larger_than_memory_is_read_state_by_state(tmp_path: Path, run:
         target.hardlink_to(run / "states" / "000000.h5")
     code = (
         "import resource, sys\n"
-        "from crashpost.renders.drawing import Look, Scene\n"
+        "from crashpost.renders.drawing import Scene\n"
+        "from crashpost.renders.look import Look\n"
         "from crashpost.results.states import States\n"
         "states = States(sys.argv[1])\n"
         "states.blocks = {k: v for k, v in states.blocks.items() if k == 'part_sheet'}\n"

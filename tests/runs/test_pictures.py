@@ -182,47 +182,108 @@ def test_bodies_without_surfaces_are_their_primitives_or_lines(governor: Path) -
     assert set(mesh["links/body"]) == {2}
 
 
+DECKS = HERE.parents[1] / "decks"
+HAS_PARAVIEW = bool(shutil.which("pvpython") and shutil.which("xvfb-run"))
+# what ParaView's reader of states gives at each time, and the box and ranges of each block
+READ = """
+import json, sys
+from paraview import servermanager
+from paraview.simple import XDMFReader
+r = XDMFReader(FileNames=[sys.argv[1]])
+r.UpdatePipelineInformation()
+found = []
+for time in r.TimestepValues:
+    r.UpdatePipeline(time)
+    data, blocks = servermanager.Fetch(r), {}
+    for k in range(data.GetNumberOfBlocks()):
+        block, name = data.GetBlock(k), data.GetMetaData(k).Get(data.NAME())
+        here = {"points": [block.GetPoint(i) for i in range(block.GetNumberOfPoints())]}
+        for arrays in (block.GetPointData(), block.GetCellData()):
+            for j in range(arrays.GetNumberOfArrays()):
+                a = arrays.GetArray(j)
+                here[arrays.GetArrayName(j)] = [a.GetTuple(i) for i in range(a.GetNumberOfTuples())]
+        blocks[name] = here
+    found.append([time, blocks])
+json.dump(found, open(sys.argv[2], "w"))
+"""
+
+
 @pytest.mark.long
 @pytest.mark.skipif(
-    not (shutil.which("pvpython") and shutil.which("xvfb-run")),
+    not HAS_PARAVIEW,
     reason="ParaView, which draws on a display alone: apt-get install paraview xvfb xauth",
 )
-def test_paraview_itself_reads_what_was_written(shapes: Path, tmp_path: Path) -> None:
-    """Times, blocks, places and forces by the reader of ParaView against the history."""
-    script = tmp_path / "read.py"
-    script.write_text(
-        "import json, sys\n"
-        "from paraview.simple import XDMFReader\n"
-        "from paraview import servermanager\n"
-        "r = XDMFReader(FileNames=[sys.argv[1]])\n"
-        "r.UpdatePipelineInformation()\n"
-        "r.UpdatePipeline(0.28)\n"
-        "data, found = servermanager.Fetch(r), {}\n"
-        "for k in range(data.GetNumberOfBlocks()):\n"
-        "    block, name = data.GetBlock(k), data.GetMetaData(k).Get(data.NAME())\n"
-        "    arrays = [block.GetPointData(), block.GetCellData()]\n"
-        "    ranges = {a.GetArrayName(j): a.GetArray(j).GetRange(-1)\n"
-        "              for a in arrays for j in range(a.GetNumberOfArrays())}\n"
-        "    found[name] = [block.GetBounds(), ranges]\n"
-        "print(json.dumps([list(r.TimestepValues), found]))\n"
-    )
-    command = ["pvpython", "--force-offscreen-rendering", str(script), str(shapes / "states.xdmf")]
+@pytest.mark.parametrize(
+    ("deck", "settings"),
+    [
+        (HERE / "shapes.yaml", ()),
+        (DECKS / "tutorial" / "bouncing_ball.yaml", ()),
+        (DECKS / "scenes" / "train_test.yaml", ("output.states.interval=0.05",)),
+        # a coarse tube, as far as its first fold
+        (
+            DECKS / "benchmark" / "tube_crush.yaml",
+            ("across=8", "along=48", "control.end_time=4e-3"),
+        ),
+        # fibre beams, drawn as tubes
+        (DECKS / "scenes" / "beam_impact_4_continuous.yaml", ()),
+    ],
+    ids=lambda value: value.stem if isinstance(value, Path) else "",
+)
+def test_paraview_itself_reads_and_shows_what_was_written(
+    deck: Path, settings: tuple[str, ...], tmp_path: Path
+) -> None:
+    """Times, blocks, values and ranges by the reader of ParaView against history and states."""
+    folder = tmp_path / "out"
+    words = [word for setting in (*settings, "control.estimate=off") for word in ("--set", setting)]
+    done = crashsolve(deck, "-o", folder, *words)
+    assert done.returncode == 0, done.stderr
+    script, answer = tmp_path / "read.py", tmp_path / "found.json"
+    script.write_text(READ)
+    command = ["pvpython", str(script), str(folder / "states.xdmf"), str(answer)]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    times, found = json.loads(done.stdout.splitlines()[-1])
-    assert len(times) == 31
-    assert set(found) == {"mass_centres", "bodies", "ground", "springs", "contacts"}
-    # the brick touches with two corners then, whose sum another test compares with the history
-    force = np.linalg.norm(state_at(shapes, 0.28)["contacts/force"], axis=1).max()
-    assert found["contacts"][1]["force"][1] == pytest.approx(force, rel=1e-6)
-    assert found["contacts"][0][4] <= 0.0
-    assert found["bodies"][1]["body"] == [1.0, 6.0]
-    # the script opens them as well, and sees something
+    found = json.loads(answer.read_text())
+    paths = sorted((folder / "states").glob("*.h5"))
+    assert len(found) == len(paths) > 2
+    with h5py.File(folder / "mesh.h5") as file:
+        names = json.loads(file.attrs["names"])
+        assert set(found[0][1]) == set(file)
+    mesh = datasets(folder / "mesh.h5")
+    for (time, blocks), path in zip(found, paths, strict=True):
+        with h5py.File(path) as file:
+            assert time == file.attrs["time"]
+        # every number of every array, in single precision as it was written
+        for name, written in datasets(path).items():
+            block, field = name.split("/")
+            np.testing.assert_allclose(
+                np.squeeze(blocks[block][field]), np.squeeze(written), rtol=1e-6, err_msg=name
+            )
+        for name, written in mesh.items():
+            block, field = name.split("/")
+            if field in blocks[block] and name not in datasets(path):
+                np.testing.assert_allclose(
+                    np.squeeze(blocks[block][field]), np.squeeze(written), rtol=1e-6, err_msg=name
+                )
+        # bodies are where the history says, single precision of some metres of travel
+        centres = blocks["mass_centres"]
+        places = np.array(centres["points"]) + np.array(centres["displacement"])
+        for row, body in zip(places, names["bodies"][1:], strict=True):
+            if body in Result(folder).families["rbdout"].ids:
+                asked = [channel(folder, f"rbdout.{body}.position.{axis}", time) for axis in "xyz"]
+                np.testing.assert_allclose(row, asked, atol=2e-6, err_msg=f"{body} at {time}")
+    # the script sees the model, whole: the first view is neither empty nor cut
     picture = tmp_path / "view.png"
-    command = ["pvpython", "--force-offscreen-rendering", str(shapes / "view_in_paraview.py")]
-    command = ["xvfb-run", "-a", *command, str(picture), "0.28"]
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24 -noreset", "pvpython"]
+    command += [str(folder / "view_in_paraview.py"), str(picture)]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     from matplotlib.image import imread
 
-    assert len(np.unique(imread(picture).reshape(-1, imread(picture).shape[2]), axis=0)) > 50
+    pixels = imread(picture)[:, :, :3]
+    painted = np.any(pixels < 0.99, axis=2)
+    # without legends, right, and axes, left below
+    middle = painted[:, 220:1000]
+    assert 0.01 < middle.mean() < 0.6
+    assert len(np.unique(pixels[:, 220:1000].reshape(-1, 3), axis=0)) > 50
+    assert not painted[[0, -1]].any()
+    assert not painted[:, [0, -1]].any()

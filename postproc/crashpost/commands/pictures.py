@@ -16,7 +16,15 @@ if TYPE_CHECKING:
 BAR = 40
 
 # the look of who says nothing of it
-UNSAID = {"view": "auto", "show": (), "color": "", "arrows": "", "follow": "", "ghost": True}
+UNSAID = {
+    "view": "auto",
+    "show": (),
+    "color": "",
+    "arrows": "",
+    "follow": "",
+    "magnify": 1.0,
+    "ghost": True,
+}
 
 Add = Callable[[str, Callable[[argparse.Namespace], int], str], argparse.ArgumentParser]
 
@@ -77,6 +85,13 @@ def _add_look(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--follow", default="", metavar="NAME", help="body or part that stays in place"
+    )
+    sub.add_argument(
+        "--magnify",
+        type=float,
+        default=1.0,
+        metavar="N",
+        help="draw small displacements N times as large; the picture says so",
     )
     sub.add_argument("--no-ghost", action="store_true", help="without a shade of the start")
 
@@ -150,12 +165,16 @@ def _scene(result: "Result", look: dict[str, Any]) -> tuple[list[str], dict[str,
 
 
 def _look(options: argparse.Namespace) -> dict[str, Any]:
+    from crashpost.reports.sights import check_magnify
+
+    check_magnify(options.magnify)
     return {
         "view": options.view,
         "show": tuple(word.strip() for word in options.show.split(",") if word.strip()),
         "color": options.color,
         "arrows": options.arrows,
         "follow": options.follow,
+        "magnify": options.magnify,
         "ghost": not options.no_ghost,
     }
 

@@ -1,18 +1,42 @@
 """Elements of beams as prisms with the outline of their section."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from crashpost.results.states import States
 
+# numbers of elements (n,), corners of their section, its outlines at both ends (n, 2, corners, 3)
+Outline = tuple[np.ndarray, int, np.ndarray]
 
-def rings(states: States, number: int, own: np.ndarray, kind: int, ends: np.ndarray) -> np.ndarray:
+
+def outlines(
+    states: States, number: int, points: np.ndarray, shown: np.ndarray, magnify: float
+) -> Iterator[Outline]:
+    """For each section the elements with it that are shown (m,); points (2 m, 3) of their ends."""
+    fixed, ends = states.blocks["beams"].fixed, points.reshape(-1, 2, 3)
+    for kind, outline in enumerate(states.sections if "side" in fixed else []):
+        own = np.flatnonzero((fixed["section"].astype(int) == kind) & shown)
+        if len(own):
+            yield own, len(outline), rings(states, number, own, kind, ends, magnify)
+
+
+def rings(
+    states: States,
+    number: int,
+    own: np.ndarray,
+    kind: int,
+    ends: np.ndarray,
+    magnify: float = 1.0,
+) -> np.ndarray:
     """Outlines (n, 2, k, 3) of a section at both ends of elements, each turned with its node.
 
-    `own` are the numbers of the elements, `ends` (m, 2, 3) the places of the ends of all.
+    `own` are the numbers of the elements, `ends` (m, 2, 3) the places of the ends of all;
+    rotations are drawn `magnify` times as large.
     """
     block = states.blocks["beams"]
     vectors = states.read(number, "beams", "rotation")["rotation"].astype(float)
-    turned = rotated(vectors).reshape(-1, 2, 3, 3)
+    turned = rotated(magnify * vectors).reshape(-1, 2, 3, 3)
     start = block.points.reshape(-1, 2, 3)
     axis = start[:, 1] - start[:, 0]
     y = block.fixed["side"].astype(float)

@@ -4,13 +4,15 @@ Bodies are drawn by their surfaces, beams by their sections, springs by lines, c
 arrows; what is deleted is not drawn.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
 import numpy as np
 
 from crashpost.errors import PostError, unknown
-from crashpost.renders.beams import prisms, rings
+from crashpost.renders.beams import Outline, outlines, prisms
+from crashpost.renders.groups import groups, is_node
+from crashpost.renders.look import Look
 from crashpost.renders.planes import cut, footprints, planes
 from crashpost.renders.shapes import (
     COLOURS,
@@ -32,25 +34,15 @@ BESIDE = 0.02
 LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
 
 
-@dataclass(frozen=True)
-class Look:
-    """What is to be seen: see `crashpost render --help`."""
-
-    show: tuple[str, ...] = ()
-    color: str = ""
-    arrows: str = ""
-    ghost: bool = True
-
-
 class Scene:
     """Draws the states of a run by a look; raises PostError for a word that names nothing."""
 
     def __init__(self, states: States, look: Look) -> None:
         self.states, self.look = states, look
         names = states.names["bodies"]
-        self.groups = _groups(names)
+        self.groups = groups(names)
         # bodies but for the nodes of parts, which are drawn by their elements
-        own = (k for k in range(1, len(names)) if not _is_node(names[k], states.names["parts"]))
+        own = (k for k in range(1, len(names)) if not is_node(names[k], states.names["parts"]))
         self.own = set(own)
         self.wholes = sorted({self.groups[k] for k in self.own})
         self.bodies, self.parts = self._shown()
@@ -106,6 +98,8 @@ class Scene:
                 # the ground may reach beyond what alone is to be seen
                 used = used[:0] if self.look.show else np.setdiff1d(used, self.planes)
             found.append(points[used])
+            if name == "beams" and len(used):
+                found += [ring.reshape(-1, 3) for _, _, ring in self._outlines(number, points)]
         points = np.concatenate(found)
         if not len(points) and "ground" in self.drawn:
             points = self.positions(number, "ground")
@@ -149,6 +143,15 @@ class Scene:
         raise unknown("body or part", name, known)
 
     def positions(self, number: float, name: str) -> np.ndarray:
+        """Points (n, 3) of a block as they are drawn, with displacements magnified."""
+        found = self._between(number, name)
+        if self.look.magnify == 1.0 or name == "contacts":
+            return found
+        start = self.states.blocks[name].points
+        magnified: np.ndarray = start + self.look.magnify * (found - start)
+        return magnified
+
+    def _between(self, number: float, name: str) -> np.ndarray:
         """Points (n, 3) of a block; between two states on the way from one to the other.
 
         What turns so far from state to state that the straight way would shrink it stays where it
@@ -266,6 +269,8 @@ class Scene:
         if family != "rcforc" or (card and not met):
             known = ["velocity", "rcforc", *(f"rcforc.{name}" for name in names)]
             raise unknown("arrows", word, known)
+        if self.look.magnify != 1.0:
+            raise PostError(f"arrows {word}: forces do not act where magnified displacements lead")
         return met
 
     def forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
@@ -373,17 +378,13 @@ class Scene:
         if "side" not in block.fixed:
             drawing.lines.append(Lines(ends[shown], LINE, 3.0))
             return
-        of, part = block.fixed["section"].astype(int), block.fixed["part"].astype(int)
+        part = block.fixed["part"].astype(int)
         palette = [GREY]
         if not self.look.color:
             palette = [self._part_colour(k) for k in range(len(self.states.names["parts"]))]
-        for kind, outline in enumerate(self.states.sections):
-            own = np.flatnonzero((of == kind) & shown)
-            if not len(own):
-                continue
-            cloud = rings(self.states, int(number), own, kind, ends).reshape(-1, 3)
-            sides, caps = prisms(len(own), len(outline))
-            for polygons, repeat in ((sides, len(outline)), (caps, 2)):
+        for own, corners, ring in self._outlines(number, points):
+            cloud, (sides, caps) = ring.reshape(-1, 3), prisms(len(own), corners)
+            for polygons, repeat in ((sides, corners), (caps, 2)):
                 which = np.zeros(len(polygons), int)
                 if not self.look.color:
                     which = np.repeat(part[own], repeat)
@@ -391,6 +392,10 @@ class Scene:
                 drawing.surfaces.append(
                     Surface(cloud, polygons, palette, which, np.arange(len(which)), colour)
                 )
+
+    def _outlines(self, number: float, points: np.ndarray) -> Iterator[Outline]:
+        shown = self._cells_shown("beams")
+        return outlines(self.states, int(number), points, shown, self.look.magnify)
 
     def _springs(self, drawing: Drawing, number: float, points: np.ndarray) -> None:
         if self.look.show:
@@ -421,22 +426,6 @@ class Scene:
 def _edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Length of an edge of each cell."""
     return np.linalg.norm(points[corners[:, 1]] - points[corners[:, 0]], axis=1)
-
-
-def _is_node(name: str, parts: list[str]) -> bool:
-    """Whether a body is a node of a part by its name."""
-    return any(name.startswith(f"{part}_") for part in parts)
-
-
-def _groups(names: list[str]) -> list[int]:
-    """For each body the shortest other whose name it begins with: A_bogie_1 belongs to A."""
-    places = {name: k for k, name in enumerate(names)}
-    found = []
-    for k, name in enumerate(names):
-        words = name.split("_")
-        heads = ("_".join(words[:n]) for n in range(1, len(words)))
-        found.append(next((places[head] for head in heads if places.get(head)), k))
-    return found
 
 
 def outermost(points: np.ndarray) -> np.ndarray:

@@ -13,7 +13,8 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.renders.camera import Camera
-from crashpost.renders.drawing import Look, Scene
+from crashpost.renders.drawing import Scene
+from crashpost.renders.look import Look
 from crashpost.renders.shades import Shades
 from crashpost.renders.shapes import ARROW, Drawing, Surface
 from crashpost.renders.studio import Task, View, clock
@@ -114,7 +115,9 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
         # who may turn it sees at once that it is more than flat
         look["view"] = "iso"
     task = Task("", "", (), **look)
-    scene = Scene(states, Look(task.show, task.color, task.arrows, ghost=False))
+    scene = Scene(
+        states, Look(task.show, task.color, task.arrows, ghost=False, magnify=task.magnify)
+    )
     numbers = _thinned(scene, len(states.times))
     no_shift = [np.zeros(3)] * len(numbers)
     view = View(scene, task, [float(n) for n in numbers], no_shift)
@@ -151,20 +154,22 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
         ).replace("</", "<\\/"),
     )
     text = shown.get_snapshot(9, additional_js_code=script)
-    return _titled(text, result.title), f"{len(numbers)} of {len(states.times)} states"
+    words = f"{len(numbers)} of {len(states.times)} states"
+    return _titled(text, result.title), ", ".join(filter(None, [words, scene.look.told]))
 
 
 def _key(shades: Shades, scene: Scene) -> list[tuple[str, str]]:
     """Colours of the picture and what they stand for."""
+    told = [("", scene.look.told)] if scene.look.told else []
     if not shades.name:
-        return [(colour, name) for name, colour in scene.legend()[:MOST_NAMES]]
+        return told + [(colour, name) for name, colour in scene.legend()[:MOST_NAMES]]
     unit = f" {shades.shown_unit}" if shades.shown_unit not in ("", "1") else ""
     found = []
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
         red, green, blue = shades.table[int(255 * share)].astype(int)
         value = (shades.low + share * (shades.high - shades.low)) * shades.scale
         found.append((f"#{red:02x}{green:02x}{blue:02x}", f"{value:.3g}{unit}"))
-    return [("", shades.name.replace("_", " ")), *found]
+    return [*told, ("", shades.name.replace("_", " ")), *found]
 
 
 def _thinned(scene: Scene, count: int) -> list[int]:

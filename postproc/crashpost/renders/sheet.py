@@ -49,6 +49,7 @@ class Key:
     arrow: float = 0.0  # metres for each unit
     arrow_unit: str = ""
     arrow_size: float = 0.0  # the largest, in its unit
+    told: str = ""  # what is not as long as it was
 
     @property
     def scale_bar(self) -> tuple[float, str]:
@@ -247,7 +248,8 @@ def _footer(figure: Figure, key: Key, panel: float) -> None:
     for end in (left, left + bar):
         axes.plot([end, end], [0.31, 0.41], color=INK, linewidth=1)
     axes.text(left, 0.24, label, fontsize=8, va="top", color=INK)
-    start = max(left + bar, 1.2) + 0.3
+    axes.text(left, 0.11, key.told, fontsize=8, va="top", color=ARROW)
+    start = max(left + bar, 1.7 if key.told else 1.2) + 0.3
     stop = width - (1.65 if key.arrow_size else 0.1)
     if key.shades.name:
         _colour_bar(figure, key.shades, start, stop)

@@ -19,7 +19,8 @@ import numpy as np
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
 from crashpost.renders.arrows import arrows_of, unit_length
-from crashpost.renders.drawing import Look, Scene
+from crashpost.renders.drawing import Scene
+from crashpost.renders.look import Look
 from crashpost.renders.shades import Shades
 from crashpost.renders.shapes import Drawing
 from crashpost.results.states import States
@@ -49,6 +50,7 @@ class Task:
     color: str = ""
     arrows: str = ""
     ghost: bool = True
+    magnify: float = 1.0
     follow: str = ""
     is_film: bool = False
     fps: float = 25.0
@@ -82,7 +84,7 @@ def make(
 
 
 def look_of(task: Task) -> Look:
-    return Look(task.show, task.color, task.arrows, task.ghost)
+    return Look(task.show, task.color, task.arrows, task.ghost, task.magnify)
 
 
 def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
@@ -107,6 +109,7 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
         arrow,
         scene.arrow_unit,
         view.largest if arrow else 0.0,
+        scene.look.told,
     )
     captions = [caption for _, caption in task.frames]
     sizes = compose.layout(captions, seen.aspect, task.title)

@@ -32,7 +32,10 @@ def strip_task(result: "Result", output: Path, at: list[str], title: str, **look
         wanted = moment(result, word, last)
         number = _state_near(states, wanted.time, word)
         caption = clock(float(states.times[number]), last)
-        frames.append((float(number), f"{caption}\n{wanted.why}" if wanted.why else caption))
+        # the state that shows a peak may lie beside it
+        is_beside = caption != clock(wanted.time, last)
+        why = f"nearest to {wanted.why}" if is_beside else wanted.why
+        frames.append((float(number), f"{caption}\n{why}" if wanted.why else caption))
     return Task(str(output), title, tuple(frames), **look)
 
 

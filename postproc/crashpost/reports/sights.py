@@ -7,6 +7,7 @@ contact forces where there are contacts and plastic strain where something yield
 import base64
 import sys
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -18,7 +19,7 @@ from crashpost.results.states import States
 
 CHOICES = ("all", "strips", "none")
 WORDS = ("view", "color", "arrows", "follow")
-FIELDS = ("title", "at", "show", *WORDS)
+FIELDS = ("title", "at", "show", "magnify", *WORDS)
 # of the film [pixels], its height as the scene asks; nobody waits for a cinema's size in a page
 SIZE = (720, 0)
 # the run in 3-D is left out where even two states would take this much [numbers]
@@ -55,6 +56,7 @@ def scenes_of(described: Any) -> list[dict[str, Any]]:
                 raise unknown("field", str(name), FIELDS, whole="scene")
         texts = [entry.get(name, "") for name in ("title", *WORDS)]
         lists = [entry.get(name, []) for name in ("at", "show")]
+        check_magnify(entry.get("magnify", 1.0))
         if not all(isinstance(t, str) for t in texts) or not all(
             isinstance(x, list) for x in lists
         ):
@@ -120,7 +122,18 @@ def _tasks(
 def look(scene: dict[str, Any]) -> dict[str, Any]:
     """What of a scene is a matter of the camera and of colours."""
     words = {name: scene[name] for name in WORDS if scene.get(name)}
-    return {"show": tuple(scene.get("show") or ()), **words}
+    return {
+        "show": tuple(scene.get("show") or ()),
+        "magnify": float(scene.get("magnify", 1.0)),
+        **words,
+    }
+
+
+def check_magnify(value: Any) -> None:
+    """Raises PostError for what no displacement can be multiplied by."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or not (isfinite(value) and value > 0):
+        raise PostError(f"magnify must be a positive number, not {value}")
 
 
 def _moves(states: States) -> bool:

@@ -148,6 +148,12 @@ class Scene(Card):
     color: str = word("field of the states such as plastic_strain; by body when empty", "")
     arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
     follow: str = word("body or part that stays in place", "")
+    magnify: float = quantity(
+        "1",
+        "small displacements are drawn this many times as large, and the picture says so",
+        1.0,
+        gt=0,
+    )
 
     @field_validator("at", mode="before")
     @classmethod
