@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crashsolve.deck.family import check_law
+from crashsolve.deck.family import FamilyError, check_law, imported
 
 if TYPE_CHECKING:
     from crashsolve.deck.card import Card
@@ -58,9 +58,11 @@ def law_class(folder: str, word: object) -> "type[Card]":
     if not isinstance(word, str) or word not in types:
         near = get_close_matches(str(word), list(types), n=1, cutoff=ALIKE)
         raise UnknownType(f"unknown type '{word}'", choices(word, types, "types"), "".join(near))
-    module = importlib.import_module(f"{PACKAGE}.{folder.replace('/', '.')}.{word}")
+    module = imported(types[word])
     check_law(module)
     card: type[Card] = getattr(module, class_name(word))
+    if not hasattr(card, "model_validate"):
+        raise FamilyError(f"{module.__name__}: {card.__name__} must be a Card")
     return card
 
 

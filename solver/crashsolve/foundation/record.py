@@ -27,9 +27,18 @@ class Column:
 
 
 class Record:
-    """Columns given as name=(unit, meaning) or name=(unit, size, meaning)."""
+    """Columns given as name=(unit, meaning) or name=(unit, size, meaning).
+
+    Raises ValueError for what is neither, and for names that numpy's records have.
+    """
 
     def __init__(self, **columns: tuple[Any, ...]) -> None:
+        for name, spec in columns.items():
+            is_long = isinstance(spec, tuple) and len(spec) in (2, 3)
+            if not is_long or not all(isinstance(x, str) and x for x in (spec[0], spec[-1])):
+                raise ValueError(f"column {name} must be (unit, meaning) or (unit, size, meaning)")
+            if len(spec) == 3 and not (isinstance(spec[1], int) and spec[1] > 0):
+                raise ValueError(f"column {name}: size {spec[1]!r} must be a number of values")
         self.columns = tuple(
             Column(name, spec[0], spec[1] if len(spec) == 3 else 1, spec[-1])
             for name, spec in columns.items()

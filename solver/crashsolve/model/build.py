@@ -33,7 +33,7 @@ from crashsolve.model.elements import (
 from crashsolve.model.implicit.assembly import embody
 from crashsolve.model.integrator_selection import choose
 from crashsolve.model.ledger import ENTRIES
-from crashsolve.model.materials import fill, laws_of, with_constants, with_memory
+from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.partition import cut
@@ -49,8 +49,8 @@ FORCE_OUTPUT = Record(
     power=("W", "rate of energy lost, or of work done by a load"),
     loss=("J", "energy lost in this step without a rate"),
 )
-
-
+# columns of loads on points, whose places are known when all entries are
+FILLED_LATER = ("first_member", "member_count")
 # error of a step where the deck asks for nothing
 TOLERANCE = 1e-6
 
@@ -258,7 +258,9 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     for i, entry in enumerate(entries):
         with scene.building(entry):
             scene.refuse_stepwise(module)
-            fill(table[i], module.build(entry.card, scene))
+            built = module.build(entry.card, scene)
+            refuse_unlike(module, module.PARAMETERS, built, FILLED_LATER)
+            fill(table[i], built)
             if hasattr(module, "initial_history"):
                 for side in (0, 1):
                     fill(rest[side, i], module.initial_history(entry.card, table[i], scene))
