@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from crashsolve.channels.units import UnitError
+from crashsolve.deck.card import Card
 from crashsolve.deck.family import (
     LINE,
     Family,
@@ -180,6 +181,11 @@ def test_a_row_that_does_not_fit_its_columns_is_refused(values: Any, told: str) 
 def test_a_column_without_unit_or_meaning_is_refused(column: Any) -> None:
     with pytest.raises(ValueError, match="column length"):
         Record(length=column)
+
+
+def test_a_field_that_is_not_declared_is_refused() -> None:
+    with pytest.raises(TypeError, match="length of Rope must be declared: quantity"):
+        type("Rope", (Card,), {"__annotations__": {"length": float}, "length": 0.3})
 
 
 def test_a_quantity_has_a_known_unit_and_a_meaning() -> None:

@@ -297,7 +297,9 @@ def imported(path: Path) -> Any:
         if isinstance(error, SyntaxError) and error.filename == str(path):
             lines, error = [error.lineno], SyntaxError(error.msg)
         line = "".join(f"{number}:" for number in lines[-1:])
-        told = f"{PACKAGE}/{place.as_posix()}:{line} {type(error).__name__}: {error}"
+        # the first line says what is wrong, those of pydantic behind it where to read of it
+        first = str(error).partition("\n")[0]
+        told = f"{PACKAGE}/{place.as_posix()}:{line} {type(error).__name__}: {first}"
         raise FamilyError(told) from error
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.deck.family import families
+from crashsolve.deck.family import FamilyError, families
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.point import BLOCK_SUM, HOLD, RIDES, blocks_of
@@ -252,7 +252,11 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     if families()[keyword].has_rows:
         parameters = parameters + Record(first_row=("index", "first constraint row"))
     if hasattr(module, "force"):
-        history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
+        try:
+            history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
+        except ValueError as error:
+            told = f"{module.__name__}: {error}; every law of force has these of itself"
+            raise FamilyError(told) from None
     table = np.zeros(len(entries), parameters.dtype)
     rest = np.zeros((2, len(entries)), history.dtype)
     for i, entry in enumerate(entries):
