@@ -25,7 +25,12 @@ def test_a_law_has_card_build_and_kernels(law: tuple[str, str]) -> None:
     if folder == "contact":  # the one card that only brings shapes and laws together
         return
     module = import_module(law_class(folder, word).__module__)
-    assert module.__doc__
+    assert module.__doc__, f"{module.__file__} needs a docstring that begins with its equation"
+    card = law_class(folder, word)
+    # KEYWORDS.md and the manual tell what a card is by its own words, not those of the class above
+    assert card.__doc__ and card.__doc__ != card.__mro__[1].__doc__, (
+        f"{card.__name__} of {module.__file__} needs a docstring of its own"
+    )
     check_law(module)
     if hasattr(module, "expand"):
         return  # written out in other cards: there is nothing of it to build

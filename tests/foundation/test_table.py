@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crashsolve.compiler.machine import machine_code
+from crashsolve.compiler.machine import CompileError, machine_code
 from crashsolve.compiler.table import Tables
 from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.record import Record
@@ -74,7 +74,7 @@ def test_what_cannot_be_compiled_is_told(tmp_path: Path) -> None:
         "from crashsolve.foundation.kernels import entry\n\n\n"
         "@entry\ndef work(number, flag, tables):\n    tables.nothing[0] = 1.0\n"
     )
-    with pytest.raises(RuntimeError, match="(?s)cannot compile .*wrong.py.*nothing"):
+    with pytest.raises(CompileError, match="(?s)cannot compile .*wrong.py.*nothing"):
         machine_code(source, "work", Tables(arrays()))
 
 

@@ -253,7 +253,7 @@ WRONG = {
     "a list": ("x = [number]", "kernels have no List"),
     "a name from nowhere": ("x = missing + 1", "unknown name `missing`"),
     "no such table": ("x = scene.nothing", "the scene has no table `nothing`"),
-    "no such column": ("x = scene.table[0].mass", "these rows have no column `mass`"),
+    "no such column": ("x = scene.table[0].mass", "these rows have no column `mass`, but "),
     "an index that is no integer": ("x = scene.out[number]", "an index must be an integer"),
     "one kind or another": ("x = 1 if flag else (1, 2)", "must be of one kind"),
     "a variable of two kinds": (

@@ -26,7 +26,12 @@ import llvmlite.binding as llvm
 from crashsolve.compiler.cache import CacheError, cache_folder, locked, read_sealed
 from crashsolve.compiler.pages import give_back_pages
 from crashsolve.compiler.table import Tables
-from crashsolve.foundation.errors import ExitCode
+from crashsolve.foundation.errors import CrashsolveError, ExitCode
+
+
+class CompileError(CrashsolveError):
+    """A kernel is none that can be translated: a law's, or one of the solver."""
+
 
 Function = Callable[[float, bool, Tables], None]
 # functions by the file they are kept in
@@ -38,7 +43,7 @@ SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_bool, ctypes.c_void
 def machine_code(source: Path, name: str, tables: Tables) -> Function:
     """The function `name` of a source file, compiled for tables of this layout.
 
-    Raises: RuntimeError with the compiler's message when it cannot be compiled, CacheError where
+    Raises: CompileError with the compiler's message when it cannot be compiled, CacheError where
     compiled code cannot be kept.
     """
     if runs_plain():
@@ -49,7 +54,7 @@ def machine_code(source: Path, name: str, tables: Tables) -> Function:
 def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple[Function, ...]:
     """Several functions of a file, compiled together: what they call is there once.
 
-    Raises: RuntimeError with the compiler's message when they cannot be compiled, CacheError where
+    Raises: CompileError with the compiler's message when they cannot be compiled, CacheError where
     compiled code cannot be kept.
     """
     path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{tables.layout}.{processor()}.o"
@@ -94,7 +99,7 @@ def import_file(source: Path) -> ModuleType:
 def _compile_once(source: Path, names: tuple[str, ...], tables: Tables, path: Path) -> bytes:
     """Machine code at `path`, made here or by another run that was first.
 
-    Raises: RuntimeError with the compiler's message, CacheError when the code cannot be kept.
+    Raises: CompileError with the compiler's message, CacheError when the code cannot be kept.
     """
     with locked(path) as lock:
         return read_sealed(path) or _compile_apart(source, names, tables, path, lock)
@@ -106,7 +111,7 @@ def _compile_apart(
     """Machine code, written to `path` by a process of its own, which no signal to this one reaches.
 
     That process holds the lock too: should this one die, others still wait for what it makes.
-    Raises: RuntimeError with the compiler's message, CacheError when the code cannot be kept.
+    Raises: CompileError with the compiler's message, CacheError when the code cannot be kept.
     """
     words = [sys.executable, "-m", "crashsolve.compiler.process", source, path, *names]
     done = subprocess.run(
@@ -122,7 +127,7 @@ def _compile_apart(
     if done.returncode < 0:
         raise CacheError(f"the compiler was killed by signal {-done.returncode}: out of memory?")
     if done.returncode:
-        raise RuntimeError(f"cannot compile {source}: {told}")
+        raise CompileError(f"cannot compile {source}: {told.strip()}")
     code = read_sealed(path)
     if code is None:
         raise CacheError(f"the compiled code {path} cannot be read back; is the disk sound?")

@@ -145,6 +145,14 @@ class Card(BaseModel):
         alias_generator=lambda name: name.removesuffix("_"),
     )
 
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Raises TypeError for fields without a declaration: manual and reader ask it for all."""
+        plain = [name for name, info in cls.model_fields.items() if not info.json_schema_extra]
+        if plain:
+            told = f"{', '.join(plain)} of {cls.__name__} must be declared"
+            raise TypeError(f"{told}: quantity(unit, meaning), word(meaning) or Law(folder)")
+
     @field_validator("*", mode="wrap")
     @classmethod
     def _read(cls, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:

@@ -7,14 +7,17 @@ not provide what the family promises, is one error at import, in words.
 """
 
 import re
+import traceback
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import FunctionType
 from typing import Any, Protocol
 
-from crashsolve.deck.roles import Expanded, OwnRows
+from crashsolve.deck.roles import Expanded, OwnRows, StepLaw
 from crashsolve.foundation.errors import CrashsolveError
+from crashsolve.foundation.record import Record
 
 PACKAGE = __name__.partition(".")[0]
 LINE = "line"  # a picture: from point a of one body to point b of another
@@ -58,8 +61,52 @@ class Family:
                 f"a family must declare {', '.join(missing)}: see the fields of Family in "
                 f"{PACKAGE}/deck/family.py for what each one answers"
             )
+        wrong = [
+            f"{name} must be {meant}, not {getattr(self, name)!r}"
+            for name, is_right, meant in self._kinds()
+            if not is_right
+        ]
+        if wrong:
+            raise FamilyError("; ".join(wrong))
         if "force" in provided(self.law) and not self.energy:
             raise FamilyError("a family with forces must name an entry of the ledger under energy")
+        if self.acts and "build" not in provided(self.law):
+            raise FamilyError("`law` must be a Protocol with the role Built beside its others")
+        if self.acts and self.entry is not None and not self.channels:
+            raise FamilyError("a family whose laws act must name the first word of its channels")
+
+    def _kinds(self) -> tuple[tuple[str, bool, str], ...]:
+        """For each declaration whether it is of its kind, and what it must be."""
+        channels = self.channels or {}
+        texts = list(channels.values()) if isinstance(channels, dict) else [None]
+        return (
+            ("entry", self.entry is None or _is_word(self.entry), "a word or None"),
+            (
+                "follows",
+                self.entry is None or isinstance(self.follows, str),
+                "the name of a section, or FIRST",
+            ),
+            ("energy", _are_words(self.energy), 'words in a tuple, as ("tether",)'),
+            (
+                "channels",
+                _are_words(tuple(channels)) and all(isinstance(x, str) and x for x in texts),
+                'first words and what they hold, as {"tetherout": "tension of tethers"}, or None',
+            ),
+            (
+                "picture",
+                self.picture is None or self.picture in (LINE, ELEMENTS, MARK),
+                "LINE, ELEMENTS, MARK or None",
+            ),
+            ("uses", _are_paths(self.uses), 'families in a tuple, as ("joints",)'),
+            (
+                "integrators",
+                bool(self.integrators) and _are_words(self.integrators),
+                'ANY, or methods in a tuple, as ("rattle",)',
+            ),
+            ("default", self.default == "" or _is_word(self.default), "a type of it"),
+            ("section", self.section == "" or _is_word(self.section), "a word"),
+            ("at_rest", isinstance(self.at_rest, bool), "True or False"),
+        )
 
     @property
     def name(self) -> str:
@@ -81,6 +128,22 @@ class Family:
         return self.integrators == ANY or integrator in self.integrators
 
 
+def _is_word(value: Any) -> bool:
+    return isinstance(value, str) and value.isidentifier()
+
+
+def _are_words(values: Any) -> bool:
+    """Whether these are words in a tuple, none of them twice."""
+    is_tuple = isinstance(values, tuple) and all(_is_word(word) for word in values)
+    return is_tuple and len(set(values)) == len(values)
+
+
+def _are_paths(values: Any) -> bool:
+    """The same, of words that may be folders within folders (contact/normal)."""
+    is_tuple = isinstance(values, tuple) and all(isinstance(word, str) for word in values)
+    return is_tuple and _are_words(tuple(word.replace("/", "_") for word in values))
+
+
 @cache
 def provided(law: Any) -> tuple[str, ...]:
     """Functions that a law must provide, by the Protocol of its family."""
@@ -94,8 +157,8 @@ def constants(law: Any) -> tuple[str, ...]:
 
 
 def _roles(law: Any) -> list[Any]:
-    if not getattr(law, "_is_protocol", False):
-        raise FamilyError(f"a family's `law` must be a Protocol, not {law!r}")
+    if not getattr(law, "_is_protocol", False) or law is Protocol:
+        raise FamilyError(f"a family's `law` must be a Protocol made of roles, not {law!r}")
     return [r for r in law.__mro__ if r is not Protocol and "_is_protocol" in vars(r)]
 
 
@@ -118,14 +181,41 @@ def check_law(module: Any) -> None:
         if getattr(module, constant, next(iter(known), "")) not in (*known, ""):
             message = f"{constant} of {module.__name__} must be one of {', '.join(known)}"
             raise FamilyError(f"{message}, as declared in {PACKAGE}/{folder}/__init__.py")
+    if family.acts and law is family.law:
+        _check_records(module)
+        hooks = (name for name in provided(StepLaw) if hasattr(module, name))
+        wanted |= {name: getattr(StepLaw, name) for name in hooks}
     for name, function in wanted.items():
+        if not isinstance(getattr(module, name), FunctionType):
+            raise FamilyError(f"{module.__name__}: {name} must be a function")
         asked, given = _arguments(function)[1:], _arguments(getattr(module, name))
+        least = len(asked) - len(function.__defaults__ or ())
         # a name that begins with _ is one that the law has no use for
-        if len(given) != len(asked) or any(
-            g != a and g[0] != "_" for g, a in zip(given, asked, strict=True)
+        if not least <= len(given) <= len(asked) or any(
+            g != a and g[0] != "_" for g, a in zip(given, asked, strict=False)
         ):
             message = f"{name}({', '.join(asked)}), not {name}({', '.join(given)})"
             raise FamilyError(f"{module.__name__} must provide {message}")
+
+
+def _check_records(module: Any) -> None:
+    """Raises FamilyError for columns that a law of the step lacks, or names and has not."""
+    needed = ("PARAMETERS", "OUTPUT") if hasattr(module, "force") else ("PARAMETERS",)
+    told = [name for name in needed if not hasattr(module, name)]
+    if told:
+        raise FamilyError(f"{module.__name__} must provide {', '.join(told)}: Record(...)")
+    for name in ("PARAMETERS", "HISTORY", "OUTPUT"):
+        if not isinstance(getattr(module, name, Record()), Record):
+            raise FamilyError(f"{module.__name__}: {name} must be Record(...)")
+    if hasattr(module, "TANGENTS") != hasattr(module, "tangent"):
+        raise FamilyError(f"{module.__name__}: TANGENTS and tangent belong together")
+    columns = [column.name for column in module.PARAMETERS.columns]
+    for name in ("AMPLITUDE", "CURVES_OF_TIME", "FURTHER_NODES"):
+        named = getattr(module, name, ())
+        listed = (named,) if name == "AMPLITUDE" and named else named
+        if not isinstance(listed, tuple) or any(word not in columns for word in listed):
+            kind = "a column" if name == "AMPLITUDE" else "columns, in a tuple,"
+            raise FamilyError(f"{module.__name__}: {name} must name {kind} of PARAMETERS")
 
 
 def _has_own_rows(module: Any) -> bool:
@@ -155,18 +245,18 @@ def families() -> dict[str, Family]:
     """All families: by the section of decks, then those within cards by folder.
 
     Sections stand each behind the one that it follows. Raises: FamilyError, also for a family that
-    follows none.
+    follows none, or takes a name that another has.
     """
-    root = Path(next(iter(import_module(PACKAGE).__path__)))
+    root = _root()
     found = []
     for path in sorted(root.glob("**/__init__.py")):
-        if re.search(r"^FAMILY = ", path.read_text("utf-8"), re.MULTILINE):
+        if re.search(r"^FAMILY\b.*=", path.read_text("utf-8"), re.MULTILINE):
+            family = imported(path).FAMILY
             folder = path.parent.relative_to(root).as_posix()
-            try:
-                family = import_module(f"{PACKAGE}.{folder.replace('/', '.')}").FAMILY
-            except FamilyError as error:
-                raise FamilyError(f"{PACKAGE}/{folder}/__init__.py: {error}") from None
+            if not isinstance(family, Family):
+                raise FamilyError(f"{PACKAGE}/{folder}/__init__.py: FAMILY must be Family(...)")
             found.append(replace(family, folder=folder))
+    _refuse_clashes(found)
     return _in_order({f.name: f for f in found if f.entry is not None}) | {
         f.name: f for f in found if f.entry is None
     }
@@ -175,11 +265,67 @@ def families() -> dict[str, Family]:
 @cache
 def integrators() -> tuple[str, ...]:
     """Methods that decks may name, the default first: the files of integrators/ say so."""
-    root = Path(next(iter(import_module(PACKAGE).__path__))) / "integrators"
-    named = [
-        p.stem for p in sorted(root.glob("[!_]*.py")) if "IN_DECKS = False" not in p.read_text()
-    ]
+    files = sorted((_root() / "integrators").glob("[!_]*.py"))
+    named = [path.stem for path in files if "IN_DECKS = False" not in path.read_text()]
     return tuple(sorted(named, key=lambda name: name != DEFAULT_INTEGRATOR))
+
+
+def _root() -> Path:
+    """Folder of the package."""
+    return Path(next(iter(import_module(PACKAGE).__path__)))
+
+
+def imported(path: Path) -> Any:
+    """The module of a file of the package.
+
+    Raises FamilyError with file and line for whatever keeps Python from importing it.
+    """
+    place = path.relative_to(_root())
+    parts = (*place.parts[:-1], *([] if place.stem == "__init__" else [place.stem]))
+    try:
+        return import_module(".".join((PACKAGE, *parts)))
+    except FamilyError as error:
+        if str(error).startswith(f"{PACKAGE}/"):
+            raise
+        raise FamilyError(f"{PACKAGE}/{place.as_posix()}: {error}") from None
+    except CrashsolveError:
+        raise
+    except Exception as error:
+        lines = [
+            f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)
+        ]
+        if isinstance(error, SyntaxError) and error.filename == str(path):
+            lines, error = [error.lineno], SyntaxError(error.msg)
+        line = "".join(f"{number}:" for number in lines[-1:])
+        # the first line says what is wrong, those of pydantic behind it where to read of it
+        first = str(error).partition("\n")[0]
+        told = f"{PACKAGE}/{place.as_posix()}:{line} {type(error).__name__}: {first}"
+        raise FamilyError(told) from error
+
+
+def _refuse_clashes(found: list[Family]) -> None:
+    """Raises FamilyError for names that two families have, and for those that nothing has."""
+    owners: dict[tuple[str, str], str] = {("channels", "glstat"): "the whole model"}
+    for family in found:
+        place = f"{PACKAGE}/{family.folder}/__init__.py"
+        names = [("section", family.name)] if family.entry is not None else []
+        names += [("energy", word) for word in family.energy]
+        names += [("channels", word) for word in family.channels or ()]
+        for name in names:
+            if name in owners:
+                raise FamilyError(f"{place}: {name[0]} '{name[1]}' is that of {owners[name]}")
+            owners[name] = f"{PACKAGE}/{family.folder}"
+        known = {f.name for f in found}
+        for what, words, right in (
+            ("uses", family.uses, known),
+            ("integrators", () if family.integrators == ANY else family.integrators, integrators()),
+        ):
+            unknown = [word for word in words if word not in right]
+            if unknown:
+                told = f"{place}: {what} names '{unknown[0]}', which is none of "
+                raise FamilyError(told + ", ".join(sorted(right)))
+        if family.default and not (_root() / family.folder / f"{family.default}.py").is_file():
+            raise FamilyError(f"{place}: default '{family.default}' has no file in its folder")
 
 
 def _in_order(waiting: dict[str, Family]) -> dict[str, Family]:

@@ -10,6 +10,8 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, Field
 from pydantic.fields import FieldInfo
 
+from crashsolve.channels.units import parse_unit
+
 REQUIRED: Any = ...
 BOUNDS = {
     "gt": (operator.gt, "greater than"),
@@ -32,7 +34,12 @@ def quantity(
     """Field of a number, or of nested tuples of numbers, in SI; bounds hold for each number.
 
     A unit may depend on fields declared before: "N/m^{exponent}". "any" takes every unit.
+    Raises: UnitError for an unknown unit, ValueError for none.
     """
+    if not unit or not meaning:
+        raise ValueError("a quantity has a unit ('1' for a pure number) and a meaning")
+    if unit != "any" and "{" not in unit:
+        parse_unit(unit)
     return _noted(default, {"gt": gt, "ge": ge, "lt": lt, "le": le}, unit=unit, meaning=meaning)
 
 

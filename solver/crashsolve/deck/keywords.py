@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from crashsolve.deck.card import Card
-from crashsolve.deck.family import families
+from crashsolve.deck.family import FamilyError, families
 from crashsolve.deck.run_cards.control import Control
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.output import Output
@@ -37,4 +37,8 @@ def answering(keyword: str) -> tuple[str, ...]:
 SINGLE: dict[str, type[Card]] = {"units": Units, "control": Control, "output": Output}
 # keywords whose entries stand in a list, without names
 LISTS: dict[str, type[Card]] = {"watch": Watch, "expect": Expect}
+_OWN = ("title", "parameters", "include", *SINGLE, *LISTS)
+for _name in SECTIONS:
+    if _name in _OWN:
+        raise FamilyError(f"section '{_name}' of a family is a keyword of decks already")
 KEYWORDS = ("title", "units", "parameters", "include", "control", *SECTIONS, "output", *LISTS)

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crashsolve.deck.family import check_law
+from crashsolve.deck.family import FamilyError, check_law, imported
 
 if TYPE_CHECKING:
     from crashsolve.deck.card import Card
@@ -57,10 +57,18 @@ def law_class(folder: str, word: object) -> "type[Card]":
     types = types_in(folder)
     if not isinstance(word, str) or word not in types:
         near = get_close_matches(str(word), list(types), n=1, cutoff=ALIKE)
-        raise UnknownType(f"unknown type '{word}'", choices(word, types, "types"), "".join(near))
-    module = importlib.import_module(f"{PACKAGE}.{folder.replace('/', '.')}.{word}")
+        advice = choices(word, types, "types")
+        if isinstance(word, str) and word.isidentifier() and word[0] != "_":
+            file = Path(folder) / f"{word}.py"
+            if (package_folder() / file).is_file():
+                place = f"{PACKAGE}/{file.as_posix()}"
+                advice = f"{place} has no `class {class_name(word)}(...)`, its card"
+        raise UnknownType(f"unknown type '{word}'", advice, "".join(near))
+    module = imported(types[word])
     check_law(module)
     card: type[Card] = getattr(module, class_name(word))
+    if not hasattr(card, "model_validate"):
+        raise FamilyError(f"{module.__name__}: {card.__name__} must be a Card")
     return card
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.deck.family import families
+from crashsolve.deck.family import FamilyError, families
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.point import BLOCK_SUM, HOLD, RIDES, blocks_of
@@ -33,7 +33,7 @@ from crashsolve.model.elements import (
 from crashsolve.model.implicit.assembly import embody
 from crashsolve.model.integrator_selection import choose
 from crashsolve.model.ledger import ENTRIES
-from crashsolve.model.materials import fill, laws_of, with_constants, with_memory
+from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.partition import cut
@@ -52,8 +52,8 @@ FORCE_OUTPUT = Record("""
     power   W  rate of energy lost, or of work done by a load
     loss    J  energy lost in this step without a rate
 """)
-
-
+# columns of loads on points, whose places are known when all entries are
+FILLED_LATER = ("first_member", "member_count")
 # error of a step where the deck asks for nothing
 TOLERANCE = 1e-6
 
@@ -255,13 +255,19 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     if families()[keyword].has_rows:
         parameters = parameters + Record("first_row  index  first constraint row")
     if hasattr(module, "force"):
-        history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
+        try:
+            history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
+        except ValueError as error:
+            told = f"{module.__name__}: {error}; every law of force has these of itself"
+            raise FamilyError(told) from None
     table = np.zeros(len(entries), parameters.dtype)
     rest = np.zeros((2, len(entries)), history.dtype)
     for i, entry in enumerate(entries):
         with scene.building(entry):
             scene.refuse_stepwise(module)
-            fill(table[i], module.build(entry.card, scene))
+            built = module.build(entry.card, scene)
+            refuse_unlike(module, module.PARAMETERS, built, FILLED_LATER)
+            fill(table[i], built)
             if hasattr(module, "initial_history"):
                 for side in (0, 1):
                     fill(rest[side, i], module.initial_history(entry.card, table[i], scene))

@@ -74,3 +74,21 @@ def fill(record: Any, values: dict[str, Any]) -> None:
             fill(record[name], value)
         else:
             record[name] = value
+
+
+def refuse_unlike(module: Any, record: Record, values: Any, later: tuple[str, ...] = ()) -> None:
+    """Raises FamilyError unless what `build` of a law returned fits its PARAMETERS.
+
+    A column that it left out would be 0 without a word; `later` are those that others fill.
+    """
+    if not isinstance(values, dict):
+        raise FamilyError(f"{module.__name__}: build must return a dict of columns, not {values!r}")
+    sizes = {column.name: column.size for column in record.columns}
+    told = [f"nothing for '{n}' of PARAMETERS" for n in sizes if n not in {*values, *later}]
+    told += [f"'{n}', which PARAMETERS has not" for n in values if n not in sizes]
+    for name, size in sizes.items():
+        numbers = np.asarray(values.get(name, np.zeros(size)))
+        if numbers.size != size or numbers.dtype.kind not in "biuf":
+            told.append(f"{values[name]!r} for '{name}', which has {size} number{'s' * (size > 1)}")
+    if told:
+        raise FamilyError(f"{module.__name__}: build returns {'; '.join(told)}")

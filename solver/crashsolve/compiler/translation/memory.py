@@ -59,7 +59,8 @@ def place_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, b
     assert isinstance(row.kind, Row)
     fields: Any = row.kind.dtype.fields or {}
     if name not in fields:
-        raise Untranslatable(f"these rows have no column `{name}`")
+        known = ", ".join(fields) or "none"
+        raise Untranslatable(f"these rows have no column `{name}`, but {known}")
     dtype, offset = fields[name][:2]
     place = text.at("i8", row.words[0], str(offset))
     return place, dtype.base, bool(dtype.shape)

@@ -27,6 +27,7 @@ from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
 from crashsolve.model.contact.node_to_surface import NodalBuilder
 from crashsolve.model.contact.pairs import ENDLESS, Block, Elements, Pairing, Search, resting
+from crashsolve.model.materials import refuse_unlike
 from crashsolve.model.scene import IMPLICIT, Scene
 
 if TYPE_CHECKING:
@@ -281,9 +282,12 @@ class GroupBuilder:
         first, *others = _laws(entry.card)
         scene.refuse_stepwise(self.modules[0])
         law = self.modules[0].build(first, scene, Pair(entry.name, a.radius, b.radius))
+        refuse_unlike(self.modules[0], self.modules[0].PARAMETERS, law)
         for module, card in zip(self.modules[1:], others, strict=True):
             scene.refuse_stepwise(module, "friction")
-            law = law | module.build(card, scene)
+            own = module.build(card, scene)
+            refuse_unlike(module, module.PARAMETERS, own)
+            law = law | own
         if _torsion_radius(entry.card) is not None:
             law = law | {"torsion_radius": entry.card.torsion_radius}
         return dict(law)

@@ -1,0 +1,196 @@
+"""Claim: what a family or a law declares wrongly is one error in words, when it is imported."""
+
+from types import ModuleType
+from typing import Any, Protocol
+
+import numpy as np
+import pytest
+
+from crashsolve.channels.units import UnitError
+from crashsolve.deck.card import Card
+from crashsolve.deck.family import (
+    LINE,
+    Family,
+    FamilyError,
+    _refuse_clashes,
+    check_law,
+    families,
+)
+from crashsolve.deck.fields import quantity
+from crashsolve.deck.roles import Built, Force
+from crashsolve.foundation.record import Record
+from crashsolve.model.materials import refuse_unlike
+from crashsolve.springs import linear
+
+
+class RopeLaw(Built, Force, Protocol):
+    """What the file of a rope provides."""
+
+
+class Bare(Force, Protocol):
+    """A law that is not built."""
+
+
+DECLARED: dict[str, Any] = {
+    "entry": "tether",
+    "follows": "springs",
+    "law": RopeLaw,
+    "energy": ("tether",),
+    "channels": {"tetherout": "tension of tethers"},
+    "picture": LINE,
+    "uses": (),
+    "integrators": ("rattle",),
+}
+
+
+def declared(**other: Any) -> Family:
+    return Family(**(DECLARED | other))
+
+
+def test_the_declaration_as_it_should_be_is_taken() -> None:
+    assert declared().name == ""
+    _refuse_clashes([*families().values(), declared(folder="tethers")])
+
+
+@pytest.mark.parametrize("name", DECLARED)
+def test_a_declaration_that_is_forgotten_is_named(name: str) -> None:
+    rest = {word: value for word, value in DECLARED.items() if word != name}
+    with pytest.raises(FamilyError, match=f"a family must declare {name}: see the fields of Fam"):
+        Family(**rest)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("entry", 3),
+        ("entry", ""),
+        ("follows", None),
+        ("law", None),
+        ("law", "RopeLaw"),
+        ("law", Protocol),
+        ("law", Bare),
+        ("energy", "tether"),
+        ("energy", None),
+        ("energy", (3,)),
+        ("energy", ("tether", "tether")),
+        ("energy", ("of ropes",)),
+        ("energy", ()),
+        ("channels", "tetherout"),
+        ("channels", ("tetherout",)),
+        ("channels", {"tetherout": None}),
+        ("channels", {"tether.out": "tension"}),
+        ("channels", {}),
+        ("channels", None),
+        ("picture", "lines"),
+        ("picture", True),
+        ("uses", "springs"),
+        ("uses", None),
+        # `in` of a text would find any part of the word
+        ("integrators", "rattle"),
+        ("integrators", ()),
+        ("integrators", None),
+        ("default", 3),
+        ("section", 3),
+        ("at_rest", "no"),
+    ],
+)
+def test_a_declaration_of_a_wrong_kind_is_refused(name: str, value: Any) -> None:
+    with pytest.raises(FamilyError, match=name):
+        declared(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        ({"section": "springs"}, "section 'springs' is that of crashsolve/springs"),
+        ({"energy": ("spring",)}, "energy 'spring' is that of crashsolve/springs"),
+        ({"channels": {"rcforc": "x"}}, "channels 'rcforc' is that of crashsolve/contact"),
+        ({"channels": {"glstat": "x"}}, "channels 'glstat' is that of the whole model"),
+        ({"uses": ("ropes",)}, "uses names 'ropes', which is none of bodies, "),
+        ({"integrators": ("rattl",)}, "integrators names 'rattl', which is none of dormand_"),
+        ({"default": "rope"}, "default 'rope' has no file in its folder"),
+    ],
+)
+def test_names_that_are_taken_or_unknown_are_refused(other: dict[str, Any], told: str) -> None:
+    family = declared(folder="tethers", **other)
+    with pytest.raises(FamilyError, match=f"^crashsolve/tethers/__init__.py: {told}"):
+        _refuse_clashes([*families().values(), family])
+
+
+def law(**other: Any) -> ModuleType:
+    """A spring with some names changed, or left out where they are None."""
+    module = ModuleType("crashsolve.springs.changed")
+    for name, value in (vars(linear) | other).items():
+        if value is not None and not name.startswith("__"):
+            setattr(module, name, value)
+    return module
+
+
+def slope(p: Any, rows: Any) -> None: ...
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        ({"PARAMETERS": None}, "changed must provide PARAMETERS: Record"),
+        ({"OUTPUT": None}, "changed must provide OUTPUT: Record"),
+        ({"PARAMETERS": {}}, "PARAMETERS must be Record"),
+        ({"HISTORY": {}}, "HISTORY must be Record"),
+        ({"tangent": None}, "TANGENTS and tangent belong together"),
+        ({"TANGENTS": None}, "TANGENTS and tangent belong together"),
+        ({"tangent": slope}, r"must provide tangent\(p, state, nodes, .*not tangent\(p, rows\)"),
+        ({"event": slope}, r"must provide event\(p, old, h, nodes, curves\), not event\(p, rows\)"),
+        ({"build": 3}, "build must be a function"),
+        ({"force": 3}, "force must be a function"),
+        # a text in place of a tuple would be taken letter by letter
+        ({"CURVES_OF_TIME": "stiffness"}, "CURVES_OF_TIME must name columns, in a tuple, of PARAM"),
+        ({"CURVES_OF_TIME": ("none",)}, "CURVES_OF_TIME must name columns, in a tuple, of PARAM"),
+        ({"AMPLITUDE": "none"}, "AMPLITUDE must name a column of PARAMETERS"),
+        ({"LEDGER": "hemp"}, "must be one of spring, joint, brake, as declared"),
+    ],
+)
+def test_what_a_law_lacks_or_has_wrongly_is_told(other: dict[str, Any], told: str) -> None:
+    check_law(law())
+    with pytest.raises(FamilyError, match=told):
+        check_law(law(**other))
+
+
+COLUMNS = Record(k=("N/m", "stiffness"), u=("1", 3, "direction"), first_member=("index", "place"))
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"u": (0, 0, 1)}, "nothing for 'k' of PARAMETERS"),
+        ({"k": 1.0, "u": (0, 0, 1), "c": 2.0}, "'c', which PARAMETERS has not"),
+        # a number would be written into all three places
+        ({"k": 1.0, "u": 1.0}, "1.0 for 'u', which has 3 numbers"),
+        ({"k": (1.0, 2.0), "u": (0, 0, 1)}, "for 'k', which has 1 number"),
+        ({"k": "stiff", "u": (0, 0, 1)}, "'stiff' for 'k', which has 1 number"),
+        (None, "must return a dict of columns, not None"),
+    ],
+)
+def test_a_row_that_does_not_fit_its_columns_is_refused(values: Any, told: str) -> None:
+    later = ("first_member",)
+    refuse_unlike(linear, COLUMNS, {"k": 1.0, "u": np.ones(3)}, later)
+    with pytest.raises(FamilyError, match=f"springs.linear: build .*{told}"):
+        refuse_unlike(linear, COLUMNS, values, later)
+
+
+@pytest.mark.parametrize("column", ["m", ("m",), ("", "length"), ("m", ""), ("m", 0, "length")])
+def test_a_column_without_unit_or_meaning_is_refused(column: Any) -> None:
+    with pytest.raises(ValueError, match="column length"):
+        Record(length=column)
+
+
+def test_a_field_that_is_not_declared_is_refused() -> None:
+    with pytest.raises(TypeError, match="length of Rope must be declared: quantity"):
+        type("Rope", (Card,), {"__annotations__": {"length": float}, "length": 0.3})
+
+
+def test_a_quantity_has_a_known_unit_and_a_meaning() -> None:
+    with pytest.raises(UnitError, match="furlong"):
+        quantity("furlong", "length")
+    for unit, meaning in (("", "length"), ("m", "")):
+        with pytest.raises(ValueError, match="a quantity has a unit"):
+            quantity(unit, meaning)
