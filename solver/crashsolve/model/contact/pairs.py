@@ -16,6 +16,7 @@ import numpy as np
 from crashsolve.contact.broad import near_pairs
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.contact.pieces import cut
 from crashsolve.model.model import State
 
 # more possible pairs than this, and a group looks for the near ones; implicit methods, which find
@@ -181,6 +182,8 @@ def _renew(group: ContactGroup, search: Search, state: State, current: int) -> N
     _credit(*left, list(getattr(group.normal, "WARNINGS", {})), state.card_history)
     group.parameters, group.history = rows, history
     group.output = np.zeros(len(rows), group.output.dtype)
+    if group.in_pieces:
+        cut(group)
 
 
 def _identity(group: ContactGroup, rows: np.ndarray) -> np.ndarray:
