@@ -48,7 +48,7 @@ class ContactGroup(Touching):
     TABLES: ClassVar = (
         *("parameters", "history", "output", "elements_a", "elements_b", "data"),
         *("seen_a", "seen_b", "slack"),
-        *("pieces", "sums", "counts", "loads", "felt", "links", "bearers", "ranges"),
+        *("pieces", "sums", "counts", "loads", "felt", "places", "bearers", "ranges"),
     )
 
     word: str
@@ -66,9 +66,9 @@ class ContactGroup(Touching):
     pieces: Any = None
     sums: Any = None  # of a piece, as a card has them
     counts: Any = None
-    loads: Any = None  # of a pair on either body
-    felt: Any = None  # whether a pair has loads now
-    links: Any = None  # loads, body by body
+    loads: Any = None  # on bodies, body by body
+    felt: Any = None  # whether there is such a load now
+    places: Any = None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
     bearers: Any = None
     ranges: Any = None  # pieces of the bodies
 

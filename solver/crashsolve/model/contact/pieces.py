@@ -31,11 +31,10 @@ PIECE = Record(
     nearest=("m", "largest depth that begins in a step; negative is a gap"),
     before=("m", "the same at the start of the step"),
 )
-LINK = Record(load=("index", "of a pair on a body; of pair i the loads 2 i and 2 i + 1"))
 BEARER = Record(
     node=("index", "body that pairs press on"),
-    first=("index", "of its links"),
-    end=("index", "first link after them"),
+    first=("index", "of its loads"),
+    end=("index", "first load after them"),
 )
 RANGE = Record(first=("index", "first body"), end=("index", "first body after it"))
 
@@ -53,11 +52,11 @@ def cut(group: ContactGroup) -> None:
     group.sums = np.zeros(len(group.pieces), records.CARD_OUTPUT.dtype)
     group.counts = np.zeros(len(group.pieces), records.COUNTS.dtype)
     group.loads = np.zeros(2 * len(rows), records.LOAD.dtype)
-    group.felt = np.zeros(len(rows), np.int64)
+    group.felt = np.zeros(2 * len(rows), np.int8)
     nodes = np.empty(2 * len(rows), np.int64)
     nodes[0::2] = group.elements_a["node"][rows["a"]]
     nodes[1::2] = group.elements_b["node"][rows["b"]]
-    group.links, group.bearers = _bodies(nodes)
+    group.places, group.bearers = _bodies(nodes)
     group.ranges = _ranges(len(group.bearers))
 
 
@@ -65,25 +64,25 @@ def _pieces(cards: np.ndarray) -> np.ndarray:
     """Pieces of a list of pairs that is sorted by card, each of one card."""
     starts = np.flatnonzero(np.diff(cards, prepend=-1))
     ends = np.append(starts[1:], len(cards))
-    found = [
-        (first, min(first + PAIRS, end), cards[start])
-        for start, end in zip(starts, ends, strict=True)
-        for first in range(start, end, PAIRS)
-    ]
-    pieces = np.zeros(len(found), PIECE.dtype)
-    for name, column in zip(("first", "end", "card"), zip(*found, strict=True), strict=False):
-        pieces[name] = column
+    first = np.concatenate(
+        [np.zeros(0, int), *(np.arange(*two, PAIRS) for two in zip(starts, ends, strict=True))]
+    )
+    pieces = np.zeros(len(first), PIECE.dtype)
+    pieces["first"], pieces["card"] = first, cards[first]
+    pieces["end"] = np.append(first[1:], len(cards))
     return pieces
 
 
 def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Loads by the bodies they are on, of one body in their order, and where each body's are."""
-    links = np.argsort(nodes, kind="stable").astype(LINK.dtype)
-    bodies, first = np.unique(nodes[links["load"]], return_index=True)
-    bearers = np.zeros(len(bodies), BEARER.dtype)
-    bearers["node"], bearers["first"] = bodies, first
+    """Places of loads body by body, of one body in their order, and where each body's are."""
+    order = np.argsort(nodes, kind="stable")
+    places = np.empty(len(nodes), np.int64)
+    places[order] = np.arange(len(nodes))
+    first = np.flatnonzero(np.diff(nodes[order], prepend=-1))
+    bearers = np.zeros(len(first), BEARER.dtype)
+    bearers["node"], bearers["first"] = nodes[order[first]], first
     bearers["end"] = np.append(first[1:], len(nodes))
-    return links, bearers
+    return places, bearers
 
 
 def _ranges(bodies: int) -> Any:

@@ -51,6 +51,14 @@ def open_load(load):
 
 
 @kernel
+def note_felt(felt, places, i, now):
+    """Whether pair i has loads. Writes: felt, and no word that threads share without need."""
+    for k in (2 * i, 2 * i + 1):
+        if felt[places[k]] != now:
+            felt[places[k]] = now
+
+
+@kernel
 def open_count(c):
     """Zero what a piece of pairs adds to what its card remembers. Writes: c."""
     for j in range(3):

@@ -28,8 +28,6 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         old, new = history[clock.current, i], history[1 - clock.current, i]
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         m, w = nodes[a.node], nodes[b.node]
-        if group.in_pieces:
-            group.felt[i] = 0
         totals = totals_of(group, piece, i, clock, p, m, w, scene)
         card, count = totals.card, totals.count
         if KICK_DRIFT_KICK and group.rests:
@@ -62,6 +60,8 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             work.end_push(h, old, motion, m, count)
         if depth <= 0.0:
             touches.separate(clock, old, new, out, depth, x)
+            if group.in_pieces:
+                touches.note_felt(group.felt, group.places, i, 0)
             group.normal.release(p, old, new)
             if group.keeps_faces:
                 new.dissipated += passing.given_up(clock, h, old, n, stored)
@@ -72,7 +72,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             touches.sum_losses(card, new)
             continue
         if group.in_pieces:
-            group.felt[i] = 1
+            touches.note_felt(group.felt, group.places, i, 1)
         pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
         press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene)
         if group.keeps_faces and old.held == 1 and not held:
@@ -85,8 +85,8 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
 def totals_of(group, piece, i, clock, p, m, w, scene):
     """What pair i adds to. Of many pairs each has loads, and each piece sums, of its own."""
     if group.in_pieces:
-        loads, sums = group.loads, group.sums[piece]
-        return Totals(loads[2 * i], loads[2 * i + 1], sums, group.counts[piece])
+        on_a, on_b = group.loads[group.places[2 * i]], group.loads[group.places[2 * i + 1]]
+        return Totals(on_a, on_b, group.sums[piece], group.counts[piece])
     return Totals(m, w, scene.cards[p.card], scene.card_history[1 - clock.current, p.card])
 
 

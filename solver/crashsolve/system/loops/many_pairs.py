@@ -26,9 +26,8 @@ def bear_piece(group, k, scene):
         bearer = group.bearers[j]
         body = scene.nodes[bearer.node]
         for at in range(bearer.first, bearer.end):
-            load = group.links[at].load
-            if group.felt[load // 2] == 1:
-                touches.take_load(body, group.loads[load])
+            if group.felt[at] == 1:
+                touches.take_load(body, group.loads[at])
 
 
 @kernel
