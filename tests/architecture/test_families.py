@@ -155,8 +155,8 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
         ),
         (
             "rope",
-            "OUTPUT = Record(",
-            'OUTPUT = Record(stored=("J", "own"), ',
+            'OUTPUT = Record("force  N  tension")',
+            'OUTPUT = Record("stored  J  own")',
             "columns declared twice: ['stored']; every law of force has these of itself",
         ),
         (

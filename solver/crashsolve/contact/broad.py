@@ -32,6 +32,10 @@ PAIR = Record("""
 """)
 # cubes along one axis at most, so that the three numbers of a cube fit one integer
 WIDEST = 2_000_000
+# of the 3 x 3 columns of cubes about a sphere the one that it is in
+OWN = 4
+# pairs of a sphere, for which there is room at first
+USUAL = 8
 
 
 def near_pairs(
@@ -60,18 +64,21 @@ def near_pairs(
     )
     keys = np.zeros(len(second), KEY.dtype)
     keys["key"], keys["sphere"] = _keys(second["cube"]), np.arange(len(second))
-    keys.sort(order="key", kind="stable")
-    count = np.zeros(1, np.int64)
-    tables = {"spheres": first, "others": second, "keys": keys, "count": count}
-    pairs = np.zeros(0, PAIR.dtype)
-    # once to count them, once to note them
-    for _ in range(2):
-        found = Tables(tables | {"pairs": pairs})
-        machine_code(Path(__file__), "visit", found)(margin, same, found)
-        pairs = pairs if len(pairs) else np.zeros(count[0], PAIR.dtype)
-    return np.stack([pairs["first"], pairs["second"]], axis=1)[
-        np.lexsort((pairs["second"], pairs["first"]))
-    ]
+    keys = keys[np.argsort(keys["key"], kind="stable")]
+    tables = {"spheres": first, "others": second, "keys": keys, "count": np.zeros(1, np.int64)}
+    pairs = _visit(tables, USUAL * len(first), margin, same)
+    # one number per pair, which is sorted faster than two
+    number = pairs["first"] * len(others) + pairs["second"]
+    number.sort()
+    return np.stack(np.divmod(number, len(others)), axis=1)
+
+
+def _visit(tables: dict[str, np.ndarray], room: int, margin: float, same: bool) -> np.ndarray:
+    """Near pairs, in any order, for which there is room at first; if there are more, once more."""
+    found = Tables(tables | {"pairs": np.zeros(room, PAIR.dtype)})
+    machine_code(Path(__file__), "visit", found)(margin, same, found)
+    count = int(tables["count"][0])
+    return found.pairs[:count] if count <= room else _visit(tables, count, margin, same)
 
 
 def _spheres(centres: np.ndarray, radii: np.ndarray, low: np.ndarray, width: float) -> np.ndarray:
@@ -89,27 +96,31 @@ def _keys(cubes: np.ndarray) -> Any:
 
 @entry
 def visit(margin, same, tables):
-    """Count the near pairs; note them while there is room. Writes: count, pairs."""
+    """Count the near pairs; note them while there is room. Writes: count, pairs.
+
+    Of one set, of two cubes beside each other the spheres of the first look at those of the second.
+    """
     spheres, others, keys, pairs = tables.spheres, tables.others, tables.keys, tables.pairs
     count = 0
     for i in range(spheres.shape[0]):
         s = spheres[i]
-        for column in range(9):
+        for column in range(OWN if same else 0, 9):
             x, y, z = s.cube[0] + column // 3 - 1, s.cube[1] + column % 3 - 1, s.cube[2]
             # three cubes above one another are one run of keys
-            first = (x << 42) + (y << 21) + z - 1
-            k = _first_at(keys, first)
-            while k < keys.shape[0] and keys[k].key <= first + 2:
+            middle = (x << 42) + (y << 21) + z
+            is_own = same and column == OWN
+            k = _first_at(keys, middle if is_own else middle - 1)
+            while k < keys.shape[0] and keys[k].key <= middle + 1:
                 j = keys[k].sphere
                 k += 1
-                if same and j <= i:
+                if is_own and keys[k - 1].key == middle and j <= i:
                     continue
                 near = s.radius + others[j].radius + margin
                 way = sub(vec(s.centre), vec(others[j].centre))
                 if dot(way, way) < near * near:
                     if count < pairs.shape[0]:
-                        pairs[count].first = i
-                        pairs[count].second = j
+                        pairs[count].first = min(i, j) if same else i
+                        pairs[count].second = max(i, j) if same else j
                     count += 1
     tables.count[0] = count
 

@@ -139,7 +139,7 @@ def gap_before(clock, nodes, curves, scene):
     """Largest depth of what begins, at the start of the step [m or rad]."""
     gap = -1e300
     if CONTACTS:
-        gap = approach_before(clock.current, scene)
+        gap = approach_before(clock, scene)
     if EVENTS:
         gap = max(gap, event(clock.current, 0.0, nodes, curves, scene))
     return min(gap, 0.0)

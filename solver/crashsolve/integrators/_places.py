@@ -58,7 +58,7 @@ def onset_gap(h, clock, control, nodes, curves, scene):
     """Largest depth of what begins in a step of h: a contact, its end, or a branch of a law."""
     gap = -1e300
     if CONTACTS:
-        gap = approach(clock.current, nodes, scene, -1e300)
+        gap = approach(clock, nodes, scene, -1e300)
     if EVENTS:
         # what rests at a corner passes it by round-off again and again
         past = event(clock.current, h, nodes, curves, scene) - ROUND_OFF * control.length

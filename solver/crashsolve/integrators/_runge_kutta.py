@@ -243,7 +243,7 @@ def gap_before(h, clock, nodes, curves, scene):
     """The same at the start of the step. Writes: nodes, which the next trial moves again."""
     gap = -1e300
     if CONTACTS:
-        gap = approach_before(clock.current, scene)
+        gap = approach_before(clock, scene)
     if EVENTS:
         reach(nodes, scene.stages, scene.A, 0, h)
         refresh(nodes)

@@ -107,9 +107,9 @@ def move(h, clock, control, nodes, rows, saddle, curves, scene):
         if RESTING:
             note_motion(nodes)
         # of a whole step without an onset nothing else is asked
-        gap = approach(clock.current, nodes, scene, 0.0 if bracket[-1] == 0 else -1e300)
+        gap = approach(clock, nodes, scene, 0.0 if bracket[-1] == 0 else -1e300)
         if bracket[-1] == 0:
-            before = approach_before(clock.current, scene)
+            before = approach_before(clock, scene)
             # long steps of free flight must not spoil what a smaller safety asks of the contact
             share = 1e-3 * control.safety
             bracket = first_gap(bracket, before, gap, control, share)

@@ -36,6 +36,8 @@ from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
+from crashsolve.model.contact.pieces import cut as cut_pairs
+from crashsolve.model.contact.pieces import has_many
 from crashsolve.model.partition import cut
 from crashsolve.model.scene import Scene
 
@@ -127,6 +129,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         model.integrator, model.choice = _choose(model, state, scene)
     if model.elements:
         _arrange(model, state, scene)
+    _share_pairs(model, scene)
     state.stages = initial_stages(model, len(state.nodes))
     if hasattr(_method(model), "DENSE"):
         for g in model.force_groups():
@@ -152,9 +155,25 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
     blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
     model.elements.block_sums = np.zeros(blocks, BLOCK_SUM.dtype)
     if scene.threads > 1:
+        model.threads = scene.threads
         model.elements.pieces = pieces = cut(model, state, scene.threads)
         for g in [*model.element_groups(), *model.element_loads()]:
             g.pieces, g.spans = pieces.rows[g.word], pieces.spans.get(g.word)
+
+
+def _share_pairs(model: Model, scene: Scene) -> None:
+    """Many contact pairs in pieces, whether or not there are threads to share them.
+
+    Raises: DeckErrors for threads without a use. Writes: model.
+    """
+    groups = [g for g in model.contact_groups if has_many(g)]
+    if hasattr(_method(model), "KICK_DRIFT_KICK"):
+        for group in groups:
+            cut_pairs(group)
+    if groups and scene.threads > 1:
+        model.threads = scene.threads
+    if not groups and not model.elements and (scene.deck.control.threads or 1) > 1:
+        raise DeckErrors([scene.deck.unshared()])
 
 
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:

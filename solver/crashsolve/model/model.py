@@ -180,6 +180,7 @@ class Model:
     elements: Elements | None = None
     nodal_groups: list[NodalGroup] = field(default_factory=list)
     nodal_loads: dict[str, np.ndarray] = field(default_factory=dict)  # of all these groups
+    threads: int = 1  # that share its steps
 
     def joint_groups(self) -> list[Group]:
         """Groups with constraint rows."""
@@ -247,11 +248,6 @@ class Model:
             for name, row in zip(g.names, g.parameters, strict=True)
         ]
         return next((name, row) for name, row in reversed(rows) if row[column] <= number)
-
-    @property
-    def threads(self) -> int:
-        """Threads that share its steps."""
-        return self.elements.pieces.threads if self.elements and self.elements.pieces else 1
 
     def sensor_groups(self) -> list[Group]:
         """Groups that are read at samples."""

@@ -16,17 +16,8 @@ import numpy as np
 
 from crashsolve.foundation.point import LANES, POINT
 from crashsolve.foundation.record import Record
-from crashsolve.model.clock import CLOCK
 from crashsolve.model.model import Model, State
 
-JOB = Record("""
-    threads  count  that share it
-    number   index  what the threads are to do
-    h        s      step
-    group    index  for which group of loads or contacts
-    entry    index  for which of its loads
-    current  index  of its history
-""")
 PIECE = Record("""
     first_loan   index  of those that it takes back
     loan_count   count  of them
@@ -53,13 +44,11 @@ PIECES = 4
 class Pieces:
     """What several threads need beside the tables of one."""
 
-    threads: int
     rows: dict[str, np.ndarray]  # parameters of parts, and of loads on them, by word, a piece each
     spans: dict[str, np.ndarray]  # which of these are an entry's, of loads
     pieces: np.ndarray
     points: np.ndarray  # all of them, those that stand for others behind
     loans: np.ndarray  # for which
-    clocks: np.ndarray  # of all threads but the first
 
     @property
     def lent(self) -> np.ndarray:
@@ -110,13 +99,11 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     pieces["loan_count"] = [len(own) for own in loans]
     pieces["first_loan"] = np.cumsum(pieces["loan_count"]) - pieces["loan_count"]
     return Pieces(
-        threads,
         {word: np.array(found) for word, found in rows.items()},
         spans,
         pieces,
         table,
         np.concatenate(loans),
-        np.zeros(threads - 1, CLOCK.dtype),
     )
 
 

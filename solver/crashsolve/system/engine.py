@@ -99,16 +99,23 @@ class Engine:
         )
         shared |= self.tableau | self.stages
         state = {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": s.ledger}
-        copies = zip(state, (self.sample_clock, self.nodes, self.rows, self.ledger), strict=True)
+        copied = (self.sample_clock, self.nodes, self.rows, self.ledger)
+        copies = dict(zip(state, copied, strict=True))
+        copies |= {name: copy for name, (_, copy) in self._histories.items()}
+        # that of the first thread, which others are told by this name
+        leaders = [{"leader": own["clock"]} if is_shared(m) else {} for own in (state, copies)]
+        own = own_arrays(m)
         self._present, self._sampled = (
-            Tables(shared | state),
-            Tables(
-                shared | dict(copies) | {name: copy for name, (_, copy) in self._histories.items()}
-            ),
+            self._tables(shared | step | leader, own)
+            for step, leader in zip((state, copies), leaders, strict=True)
         )
-        if is_shared(m):
-            others = [Tables(shared | state | own) for own in own_arrays(m)]
-            self._present.of_threads = self._sampled.of_threads = others
+
+    @staticmethod
+    def _tables(arrays: dict[str, np.ndarray], others: list[dict[str, np.ndarray]]) -> Tables:
+        """Tables of the first thread, and of others that have some of their own."""
+        tables = Tables(arrays)
+        tables.of_threads = [Tables(arrays | own) for own in others]
+        return tables
 
     def _tableau(self) -> dict[str, np.ndarray]:
         """Coefficients of a Runge-Kutta method; a sample is one more stage of it."""

@@ -39,6 +39,7 @@ NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 ATTACHMENTS = True  # nodes welded to rigid bodies
 CUTS = True  # sensors that cut through elements
 SEARCHES = True  # lists of near pairs, which are renewed
+MANY_PAIRS = True  # contacts whose pairs are done in pieces
 RESTING = True  # contacts whose pairs are left alone until they may have met
 PAIR_DAMPERS = True  # contacts whose friction depends on the sliding speed alone
 NODAL_DAMPERS = True  # the same between nodes and faces
@@ -46,7 +47,7 @@ NODAL_DAMPERS = True  # the same between nodes and faces
 # how the scene is stepped
 KICK_DRIFT_KICK = True  # one force pass a step, and the work of a step is that of both its ends
 ASSEMBLED = True  # implicit, with a matrix of all nodes, for shells and beams
-THREADS = True  # several share the elements
+THREADS = True  # several share the elements, and many contact pairs
 DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
 EVENTS = True  # there are laws with an event function
@@ -75,6 +76,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "ATTACHMENTS": len(model.attached_nodes) > 0,
         "CUTS": model.elements is not None and len(model.elements.cuts) > 0,
         "SEARCHES": any(c.search is not None for c in contacts),
+        "MANY_PAIRS": any(c.in_pieces for c in contacts),
         "RESTING": hasattr(method(model), "KICK_DRIFT_KICK") and any(c.rests for c in contacts),
         "PAIR_DAMPERS": any(damped) or any(c.friction_damps for c in contacts),
         "NODAL_DAMPERS": any(damped),
@@ -105,7 +107,7 @@ def is_assembled(model: Model) -> bool:
 
 
 def is_shared(model: Model) -> bool:
-    """Whether several threads share the elements."""
+    """Whether several threads share its steps."""
     return model.threads > 1
 
 

@@ -33,6 +33,13 @@ from crashsolve.deck.source import BROKEN, Position, Table, locate
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 AnyCard = TypeVar("AnyCard", bound=Card)
+# of control.threads; of contacts only the model knows (model/build.py)
+UNSHARED = Mistake(
+    ("threads",),
+    "share the elements of shells, and rigid contacts with many elements (1000 on both sides "
+    "together), and there are neither",
+    "leave it out",
+)
 # units of x and y of a curve
 Axes = tuple[str, str]
 
@@ -64,6 +71,7 @@ class Deck:
     watch: list[Watch]
     watch_at: list[Position]
     entries: dict[str, dict[str, Entry]]
+    control_item: Item
     # cards of the deck that stand in entries no more, but what was made of them
     written_out: list[Entry]
     # values set from outside that change nothing, and warnings of parameters unread
@@ -83,9 +91,13 @@ class Deck:
         """
         if self.control.threads is not None:
             return self.control.threads
-        if not self.control.is_explicit or not _has_points(self.entries["parts"]):
+        if not self.control.is_explicit or not _may_share(self.entries):
             return 1
         return cores_given()
+
+    def unshared(self) -> DeckError:
+        """That threads have nothing to share."""
+        return _placed(self.control_item, UNSHARED)
 
     def expectations(self) -> list[dict[str, Any]]:
         """The expect cards as plain data with their lines, as the results keep them."""
@@ -168,9 +180,8 @@ class _Reader:
             self.refuse(item, Mistake(("accuracy",), "needs channels whose error counts", advice))
         is_known = not self.unread_parts
         threads = control.threads if control else None
-        if threads and threads > 1 and is_known and not _has_points(entries["parts"]):
-            message = "share the elements of shells, and there are none"
-            self.refuse(self.items["control"][""], Mistake(("threads",), message, "leave it out"))
+        if threads and threads > 1 and is_known and not _may_share(entries):
+            self.refuse(self.items["control"][""], UNSHARED)
         if self.mistakes or not control or not output:
             raise DeckErrors(self.in_order())
         words = control.unused(output.history.interval is not None)
@@ -187,6 +198,7 @@ class _Reader:
             watch=[card for card in watch if card],
             watch_at=[item.where for item in self.items["watch"].values()],
             entries=entries,
+            control_item=self.items["control"][""],
             written_out=self.written_out,
             idle=idle(self.items, self.parameters, self.unused, self.overrides),
             unread=unread(self.parameters, self.unused, next(iter(self.tables))),
@@ -419,9 +431,10 @@ def joints_of_parts(
     return found
 
 
-def _has_points(parts: dict[str, Entry]) -> bool:
-    """Whether any part keeps its elements in blocks."""
-    return any(hasattr(import_module(e.module_name), "KINDS") for e in parts.values())
+def _may_share(entries: dict[str, dict[str, Entry]]) -> bool:
+    """Whether there are contacts, or parts that keep their elements in blocks."""
+    parts = (import_module(e.module_name) for e in entries["parts"].values())
+    return bool(entries["contacts"]) or any(hasattr(part, "KINDS") for part in parts)
 
 
 def _placed(item: Item, mistake: Mistake) -> DeckError:

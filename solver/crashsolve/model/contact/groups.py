@@ -48,6 +48,7 @@ class ContactGroup(Touching):
     TABLES: ClassVar = (
         *("parameters", "history", "output", "elements_a", "elements_b", "data"),
         *("seen_a", "seen_b", "slack"),
+        *("pieces", "sums", "counts", "loads", "felt", "places", "bearers", "ranges"),
     )
 
     word: str
@@ -61,6 +62,20 @@ class ContactGroup(Touching):
     history: np.ndarray
     output: np.ndarray
     search: Any | None  # of the near pairs; None when all pairs are kept
+    # of many pairs, see model/contact/pieces.py
+    pieces: Any = None
+    sums: Any = None  # of a piece, as a card has them
+    counts: Any = None
+    loads: Any = None  # on bodies, body by body
+    felt: Any = None  # whether there is such a load now
+    places: Any = None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
+    bearers: Any = None
+    ranges: Any = None  # pieces of the bodies
+
+    @property
+    def in_pieces(self) -> bool:
+        """Whether its pairs are many, and done in pieces."""
+        return self.pieces is not None
 
     @property
     def is_unilateral(self) -> bool:

@@ -16,6 +16,7 @@ import numpy as np
 from crashsolve.contact.broad import near_pairs
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.contact.pieces import cut
 from crashsolve.model.model import State
 
 # more possible pairs than this, and a group looks for the near ones; implicit methods, which find
@@ -93,6 +94,9 @@ class Pairing:
         for block in self.blocks:
             keep = block.member[0][a] & block.member[1][b]
             found.append(self._allowed(block, a[keep], b[keep]))
+        if len(found) == 1:
+            # they are in this order
+            return found[0]
         rows = np.concatenate(found)
         return rows[np.lexsort((rows["b"], rows["a"], rows["card"]))]
 
@@ -172,15 +176,17 @@ def renew(groups: list[ContactGroup], state: State) -> None:
 def _renew(group: ContactGroup, search: Search, state: State, current: int) -> None:
     rows = search.look(state.nodes)
     before, after = (_identity(group, p) for p in (group.parameters, rows))
-    kept = np.isin(before, after, assume_unique=True)
-    history = resting(len(rows), group.history.dtype, search)
     # both lists are in ascending order: what stays is in the same order in both
-    stays = np.isin(after, before, assume_unique=True)
-    history[:, stays] = group.history[current, kept]
+    at = np.searchsorted(after, before)
+    kept = np.append(after, -1)[at] == before
+    history = resting(len(rows), group.history.dtype, search)
+    history[:, at[kept]] = group.history[current, kept]
     left = group.parameters["card"][~kept], group.history[current, ~kept]
     _credit(*left, list(getattr(group.normal, "WARNINGS", {})), state.card_history)
     group.parameters, group.history = rows, history
     group.output = np.zeros(len(rows), group.output.dtype)
+    if group.in_pieces:
+        cut(group)
 
 
 def _identity(group: ContactGroup, rows: np.ndarray) -> np.ndarray:

@@ -58,6 +58,25 @@ CARD_OUTPUT = Record("""
     dissipated           J       energy lost by the normal force
     friction_dissipated  J       energy lost by friction
 """)
+# what many pairs add to, in pieces, before it goes to bodies and cards (model/contact/pieces.py)
+LOAD = Record("""
+    force        N      3  on one of the bodies of a pair
+    torque       N m    3  about its mass centre
+    late_force   N      3  part of force that began during the step
+    late_torque  N m    3  part of torque that began during the step
+    stiffness    1/s^2     sum of k times mobility, for the stable step
+    damping      1/s       sum of c times mobility
+    pressed      m/s^2     normal force times mobility along the slip, where friction acts
+""")
+COUNTS = Record("""
+    late           N      3  part of the force on side a that began during the step
+    onsets         count     number of onsets
+    peak_share     1         largest depth over the half thicknesses of both sides
+    held           J         recoverable energy of the normal force
+    bristled       J         recoverable energy of friction
+    work           J         of the normal force on both sides
+    friction_work  J         of friction on both sides
+""")
 CARD_HISTORY = Record("""
     force_before              N      3  force on side a at the last step
     late                      N      3  part of the force on side a that began during the step

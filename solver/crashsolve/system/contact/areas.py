@@ -95,12 +95,13 @@ def respond(body, d, force, moment):
 
 
 @kernel
-def press_over_area(a, b, spots, count, n, x, felt, push):
+def press_over_area(pair, totals, spots, count, n, x, felt, push):
     """Normal force in the points of an area, where closing speeds differ from that of its middle.
 
     Laws are linear in the speed where they press. Returns the force [N], the power that the
-    differences dissipate [W] and the point of the line on which all of it acts. Writes: a, b.
+    differences dissipate [W] and the point of the line on which all of it acts. Writes: totals.
     """
+    a, b, on_a, on_b = pair.a, pair.b, totals.on_a, totals.on_b
     f, rate, damping, most_stiffness, most_damping = push
     total, power, moment = 0.0, -f * rate, NO_TURN
     for k in range(count):
@@ -108,13 +109,13 @@ def press_over_area(a, b, spots, count, n, x, felt, push):
         rate_k, _, d_a, d_b = closing(a, b, y, n)
         f_k = share * max(0.0, f + damping * (rate_k - rate))
         own = scale(f_k, n)
-        apply_force(a, own, d_a)
-        apply_force(b, scale(-1.0, own), d_b)
+        apply_force(on_a, own, d_a)
+        apply_force(on_b, scale(-1.0, own), d_b)
         if felt < 1.0:
-            note_late(a, scale(1.0 - felt, own), d_a)
-            note_late(b, scale(felt - 1.0, own), d_b)
+            note_late(on_a, scale(1.0 - felt, own), d_a)
+            note_late(on_b, scale(felt - 1.0, own), d_b)
         mob_a, mob_b = pair_mobility(a, b, d_a, d_b, n)
-        count_stiffness(a, b, mob_a, mob_b, share * most_stiffness, share * most_damping)
+        count_stiffness(on_a, on_b, mob_a, mob_b, share * most_stiffness, share * most_damping)
         total += f_k
         power += f_k * rate_k
         moment = add_scaled(moment, f_k, y)

@@ -16,6 +16,15 @@ class Pair(NamedTuple):
     b: Any
 
 
+class Totals(NamedTuple):
+    """What a pair adds to."""
+
+    on_a: Any  # forces on both bodies: the bodies, or loads of the pair's own
+    on_b: Any
+    card: Any  # its contact card, and what that remembers, or such of its piece
+    count: Any
+
+
 class Meeting(NamedTuple):
     """Where the elements meet, and how a has moved over b in the step."""
 

@@ -6,6 +6,7 @@ at the true onset. A pair that separates forgets it.
 
 from math import sqrt
 
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     apply_force,
@@ -27,12 +28,76 @@ SEEN = 0.05
 def open_cards(cards):
     """Zero the sums of a force pass. Writes: cards."""
     for k in range(cards.shape[0]):
-        c = cards[k]
-        for j in range(3):
-            c.force[j] = 0.0
-        c.normal = c.tangential = c.impact_speed = c.touching = 0.0
-        c.stored = c.dissipated = c.friction_dissipated = 0.0
-        c.depth = -1e300
+        open_card(cards[k])
+
+
+@kernel
+def open_card(c):
+    """Zero the sums of a card, or of a piece of its pairs. Writes: c."""
+    for j in range(3):
+        c.force[j] = 0.0
+    c.normal = c.tangential = c.impact_speed = c.touching = 0.0
+    c.stored = c.dissipated = c.friction_dissipated = 0.0
+    c.depth = -1e300
+
+
+@kernel
+def open_load(load):
+    """Zero what a pair of its own adds to. Writes: load."""
+    for k in range(3):
+        load.force[k] = load.torque[k] = 0.0
+        load.late_force[k] = load.late_torque[k] = 0.0
+    load.stiffness = load.damping = load.pressed = 0.0
+
+
+@kernel
+def note_felt(felt, places, i, now):
+    """Whether pair i has loads. Writes: felt, and no word that threads share without need."""
+    for k in (2 * i, 2 * i + 1):
+        if felt[places[k]] != now:
+            felt[places[k]] = now
+
+
+@kernel
+def open_count(c):
+    """Zero what a piece of pairs adds to what its card remembers. Writes: c."""
+    for j in range(3):
+        c.late[j] = 0.0
+    c.onsets = 0
+    c.peak_share = c.work = c.friction_work = c.held = c.bristled = 0.0
+
+
+@kernel
+def take_load(body, load):
+    """Add what a pair presses to a body. Writes: body."""
+    add_to(body.force, vec(load.force))
+    add_to(body.torque, vec(load.torque))
+    add_to(body.late_force, vec(load.late_force))
+    add_to(body.late_torque, vec(load.late_torque))
+    body.stiffness += load.stiffness
+    body.damping += load.damping
+    body.pressed += load.pressed
+
+
+@kernel
+def take_sums(card, history, sums, counts):
+    """Add what a piece of the pairs of a card comes to. Writes: card, history."""
+    add_to(card.force, vec(sums.force))
+    card.normal += sums.normal
+    card.tangential += sums.tangential
+    card.impact_speed = max(card.impact_speed, sums.impact_speed)
+    card.touching += sums.touching
+    card.stored += sums.stored
+    card.depth = max(card.depth, sums.depth)
+    card.dissipated += sums.dissipated
+    card.friction_dissipated += sums.friction_dissipated
+    add_to(history.late, vec(counts.late))
+    history.onsets += counts.onsets
+    history.peak_share = max(history.peak_share, counts.peak_share)
+    history.work += counts.work
+    history.friction_work += counts.friction_work
+    history.held += counts.held
+    history.bristled += counts.bristled
 
 
 @kernel
@@ -76,7 +141,7 @@ def pair_mobility(a, b, d_a, d_b, n):
 
 
 @kernel
-def latch(p, old, new, depth, rate, cards):
+def latch(p, old, new, depth, rate, count):
     """Impact speed of this contact. Writes: new, onset count of the card."""
     new.active = 1
     new.depth = depth
@@ -84,7 +149,7 @@ def latch(p, old, new, depth, rate, cards):
         new.impact_speed = old.impact_speed
     else:
         new.impact_speed = max(rate, p.speed_floor)
-        cards[p.card].onsets += 1
+        count.onsets += 1
 
 
 @kernel
@@ -126,9 +191,9 @@ def begun_before(clock, old, h):
 
 
 @kernel
-def touch(pair, sliding, felt, f, t, x):
-    """Normal force f and friction t on both sides, in the place x. Writes: pair.a, b, out."""
-    a, b, out, d_a, d_b = pair.a, pair.b, pair.out, sliding.d_a, sliding.d_b
+def touch(pair, totals, sliding, felt, f, t, x):
+    """Normal force f and friction t on both sides, in the place x. Writes: totals, out."""
+    a, b, out, d_a, d_b = totals.on_a, totals.on_b, pair.out, sliding.d_a, sliding.d_b
     total = add_scaled(t, f, sliding.n)
     apply_force(a, total, d_a)
     apply_force(b, scale(-1.0, total), d_b)
@@ -155,17 +220,17 @@ def open_rubbing(nodes):
 
 
 @kernel
-def ease_of_pair(clock, h, a, b, mob_a, mob_b, f):
+def ease_of_pair(clock, h, pair, totals, mob_a, mob_b, f):
     """Slip that friction takes from a pair in half a step, over the friction [s/kg].
 
     Of what all friction on both bodies can take, this pair has the share of its normal force f in
-    what they press: sum of f w over the last step. Writes: a, b.
+    what they press: sum of f w over the last step. Writes: totals.
     """
     if f <= 0.0:
         return 0.0
-    a.pressed += f * mob_a
-    b.pressed += f * mob_b
-    total = max(a.was_pressed, f * mob_a) + max(b.was_pressed, f * mob_b)
+    totals.on_a.pressed += f * mob_a
+    totals.on_b.pressed += f * mob_b
+    total = max(pair.a.was_pressed, f * mob_a) + max(pair.b.was_pressed, f * mob_b)
     return 0.5 * max(h, clock.next_step) * total / f
 
 

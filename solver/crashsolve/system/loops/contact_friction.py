@@ -11,15 +11,15 @@ from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
 @stage
-def friction_in_point(group, clock, h, pair, sliding, curves):
-    """Friction against the slip: force, power, loss without a rate. Writes: new, out, m, w."""
+def friction_in_point(group, clock, h, pair, totals, sliding, curves):
+    """Friction against the slip: force, power, loss without a rate. Writes: new, out, totals."""
     p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
     n, slip, way, f, mass, d_a, d_b = sliding
     ease = 0.0
     if KICK_DRIFT_KICK and group.friction_damps:
         u = touches.ahead(old, slip, n)
         mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
-        ease = touches.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
+        ease = touches.ease_of_pair(clock, h, pair, totals, mob_t, mob_u, f)
     slid = work.along_plane(way, n) if KICK_DRIFT_KICK else None
     slide = Slide(f, slip, slid, n, mass, ease)
     t, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
@@ -28,13 +28,13 @@ def friction_in_point(group, clock, h, pair, sliding, curves):
     if not (KICK_DRIFT_KICK and group.friction_damps):
         u = touches.along(t, slip, n)
         mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
-        touches.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)
+        touches.count_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
     return t, power, loss
 
 
 @stage
-def friction_in_area(group, clock, h, pair, sliding, motion, radius, curves):
-    """Friction against slip and spin, and the way of both; power, loss. Writes: new, out, m, w."""
+def friction_in_area(group, clock, h, pair, totals, sliding, motion, radius, curves):
+    """Friction against slip and spin, and the way of both; power, loss. Writes: new, out, totals."""
     p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
     n, slip, way, f, mass, d_a, d_b = sliding
     slip = areas.sliding(m, w, slip, n, radius)
@@ -43,7 +43,7 @@ def friction_in_area(group, clock, h, pair, sliding, motion, radius, curves):
     if KICK_DRIFT_KICK and group.friction_damps:
         u = touches.ahead(old, slip, n)
         mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
-        ease = touches.ease_of_pair(clock, h, m, w, mob_t, mob_u, f)
+        ease = touches.ease_of_pair(clock, h, pair, totals, mob_t, mob_u, f)
     slide = Slide(f, slip, glide, areas.NO_TURN, mass, ease)
     rub, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
@@ -51,5 +51,5 @@ def friction_in_area(group, clock, h, pair, sliding, motion, radius, curves):
     if not (KICK_DRIFT_KICK and group.friction_damps):
         u = touches.along(rub, slip, n)
         mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
-        touches.count_stiffness(m, w, mob_t, mob_u, t_k, t_c)
+        touches.count_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
     return rub, glide, power, loss

@@ -8,28 +8,35 @@ nearest (system/contact/passing.py), and one that cannot have met is left alone
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import areas, passing, resting, touches, work
-from crashsolve.system.contact.pair import Meeting, Pair, Push, Sliding
+from crashsolve.system.contact.pair import Meeting, Pair, Push, Sliding, Totals
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
 from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
 @kernel
-def contact_pairs(group, clock, h, nodes, curves, scene):
-    """Forces of all pairs of a group. Writes: nodes, scene.cards, outputs, new histories."""
+def contact_pairs(group, piece, clock, h, nodes, curves, scene):
+    """Forces of the pairs of a group, of many those of a piece of them.
+
+    Writes: outputs, new histories; nodes and scene.cards, or loads and sums of the piece.
+    """
     params, history, output = group.parameters, group.history, group.output
-    counts = scene.card_history[1 - clock.current]
-    for i in range(params.shape[0]):
+    first, end = 0, params.shape[0]
+    if group.in_pieces:
+        first, end = group.pieces[piece].first, group.pieces[piece].end
+    for i in range(first, end):
         p, out = params[i], output[i]
         old, new = history[clock.current, i], history[1 - clock.current, i]
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         m, w = nodes[a.node], nodes[b.node]
+        totals = totals_of(group, piece, i, clock, p, m, w, scene)
+        card, count = totals.card, totals.count
         if KICK_DRIFT_KICK and group.rests:
             way = resting.way_gone(p, m, w)
-            if resting.rests(h, old, new, way, scene.cards[p.card].depth):
+            if resting.rests(h, old, new, way, card.depth):
                 new.depth = old.depth + way
-                touches.sum_losses(scene.cards[p.card], new)
+                touches.sum_losses(card, new)
                 continue
-        depth, n, x = gap(group, p, old, a, b, nodes, scene)
+        depth, n, x = gap(group, card, old, a, b, nodes, scene)
         if group.keeps_faces:
             held, over, stored = False, -1.0, out.stored
             if passing.is_another_face(old, depth, n, a.radius):
@@ -46,13 +53,15 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
             passing.note_way(clock, h, p, old, new, depth, n)
         motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
         if KICK_DRIFT_KICK and group.resists_spin:
-            friction_loss = areas.end_first_half(h, old, motion, m, counts[p.card])
+            friction_loss = areas.end_first_half(h, old, motion, m, count)
         elif KICK_DRIFT_KICK and group.friction:
-            friction_loss = work.end_first_half(h, old, motion, m, counts[p.card])
+            friction_loss = work.end_first_half(h, old, motion, m, count)
         elif KICK_DRIFT_KICK:
-            work.end_push(h, old, motion, m, counts[p.card])
+            work.end_push(h, old, motion, m, count)
         if depth <= 0.0:
             touches.separate(clock, old, new, out, depth, x)
+            if group.in_pieces:
+                touches.note_felt(group.felt, group.places, i, 0)
             group.normal.release(p, old, new)
             if group.keeps_faces:
                 new.dissipated += passing.given_up(clock, h, old, n, stored)
@@ -60,43 +69,57 @@ def contact_pairs(group, clock, h, nodes, curves, scene):
                 group.friction.release(p, old, new)
             if group.friction and KICK_DRIFT_KICK:
                 work.part_pair(old, new, friction_loss)
-            touches.sum_losses(scene.cards[p.card], new)
+            touches.sum_losses(card, new)
             continue
+        if group.in_pieces:
+            touches.note_felt(group.felt, group.places, i, 1)
         pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
-        press_pair(group, clock, h, pair, meeting, nodes, curves, scene)
+        press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene)
         if group.keeps_faces and old.held == 1 and not held:
             # it leaves its own face sideways, deep within
             new.dissipated += max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)
-        touches.sum_losses(scene.cards[p.card], new)
+        touches.sum_losses(card, new)
 
 
 @stage
-def gap(group, p, old, a, b, nodes, scene):
+def totals_of(group, piece, i, clock, p, m, w, scene):
+    """What pair i adds to. Of many pairs each has loads, and each piece sums, of its own."""
+    if group.in_pieces:
+        on_a, on_b = group.loads[group.places[2 * i]], group.loads[group.places[2 * i + 1]]
+        return Totals(on_a, on_b, group.sums[piece], group.counts[piece])
+    return Totals(m, w, scene.cards[p.card], scene.card_history[1 - clock.current, p.card])
+
+
+@stage
+def gap(group, card, old, a, b, nodes, scene):
     """Depth, normal and place of a pair.
 
     Of one apart, where another of the card is deeper anyway, only what the depth does not exceed.
     """
     if hasattr(group.narrow, "bound") and old.active == 0:
         depth = group.narrow.bound(a, b, nodes, group.data)
-        if depth <= min(0.0, scene.cards[p.card].depth):
+        if depth <= min(0.0, card.depth):
             return depth, areas.NO_TURN, areas.NO_TURN
     return group.narrow.gap(a, b, nodes, group.data)
 
 
 @stage
-def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
-    """Forces of one pair in touch. Writes: nodes, scene.cards, output, new history."""
+def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
+    """Forces of one pair in touch. Writes: totals, output, new history."""
     p, old, new, out, a, _, m, w = pair
+    on_a, on_b, card, count = totals
     depth, n, x, motion = meeting
-    counts = scene.card_history[1 - clock.current]
+    if group.in_pieces:
+        touches.open_load(on_a)
+        touches.open_load(on_b)
     rate, slip, d_a, d_b = touches.closing(m, w, x, n)
-    touches.latch(p, old, new, depth, rate, counts)
+    touches.latch(p, old, new, depth, rate, count)
     if group.has_ends and not group.keeps_faces:
-        counts[p.card].peak_share = max(counts[p.card].peak_share, depth / p.thick)
+        count.peak_share = max(count.peak_share, depth / p.thick)
     mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
     mass = 1.0 / (mob_a + mob_b)
     if group.is_flat or group.has_radius:
-        count, radius = patch_of(group, pair, meeting, nodes, scene)
+        corners, radius = patch_of(group, pair, meeting, nodes, scene)
     if group.is_flat:
         felt = share_of_step(clock, h, old, depth, rate)
     f, out.stored, power, loss, k, c = group.normal.normal_force(
@@ -106,7 +129,7 @@ def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
         _, c_now = group.normal.normal_tangent(p, new, depth, rate, mass, curves)
         spots = group.data[0]
         push = Push(f, rate, c_now, k, c)
-        f, more, x = areas.press_over_area(m, w, spots, count, n, x, felt, push)
+        f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, felt, push)
         power += more
         _, slip, d_a, d_b = touches.closing(m, w, x, n)
     elif group.has_shares:
@@ -119,28 +142,28 @@ def press_pair(group, clock, h, pair, meeting, nodes, curves, scene):
     sliding = Sliding(n, slip, way, f, mass, d_a, d_b)
     if group.resists_spin:
         rub, glide, t_power, t_loss = friction_in_area(
-            group, clock, h, pair, sliding, motion, radius, curves
+            group, clock, h, pair, totals, sliding, motion, radius, curves
         )
         t = areas.along_surface(rub, n)
     elif group.friction:
-        t, t_power, t_loss = friction_in_point(group, clock, h, pair, sliding, curves)
+        t, t_power, t_loss = friction_in_point(group, clock, h, pair, totals, sliding, curves)
     if group.is_flat:
-        touches.touch(pair, sliding, felt, 0.0, t, x)
+        touches.touch(pair, totals, sliding, felt, 0.0, t, x)
         areas.add_pressure(f, n, out)
     else:
         felt = share_of_step(clock, h, old, depth, rate)
-        touches.touch(pair, sliding, felt, f, t, x)
-        touches.count_stiffness(m, w, mob_a, mob_b, k, c)
+        touches.touch(pair, totals, sliding, felt, f, t, x)
+        touches.count_stiffness(on_a, on_b, mob_a, mob_b, k, c)
     if group.resists_spin:
-        areas.twist(m, w, rub, n, radius, felt)
+        areas.twist(on_a, on_b, rub, n, radius, felt)
     touches.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)
-    touches.sum_card(scene.cards[p.card], counts[p.card], p.order, felt, f, t, new, out)
+    touches.sum_card(card, count, p.order, felt, f, t, new, out)
     if KICK_DRIFT_KICK and group.resists_spin:
-        areas.begin_second_half(felt, pair, sliding, x, rub, glide, radius, counts[p.card])
+        areas.begin_second_half(felt, pair, sliding, x, rub, glide, radius, count)
     elif KICK_DRIFT_KICK and group.friction:
-        work.begin_second_half(felt, pair, sliding, x, t, counts[p.card])
+        work.begin_second_half(felt, pair, sliding, x, t, count)
     elif KICK_DRIFT_KICK:
-        work.begin_push(felt, way, f, n, x, out, new, counts[p.card])
+        work.begin_push(felt, way, f, n, x, out, new, count)
 
 
 @stage

@@ -1,12 +1,15 @@
 """What begins within a step: onsets of contact, branches of laws, lists of pairs to renew."""
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.system.contact import areas, node_contact, projection, resting, touches
-from crashsolve.system.placeholders import BRANCHES, CONTACTS, KICK_DRIFT_KICK, NODAL, SLIDING
+from crashsolve.system.contact import areas, node_contact, projection, touches
+from crashsolve.system.loops.approach import apart_before, gaps_of
+from crashsolve.system.loops.many_pairs import before_of_pieces
+from crashsolve.system.loops.pieces import approach_in_pieces
+from crashsolve.system.placeholders import BRANCHES, CONTACTS, NODAL, SLIDING
 
 
 @kernel
-def approach(current, nodes, scene, floor):
+def approach(clock, nodes, scene, floor):
     """Largest depth of what did not touch at the start of the step [m]; negative is a gap.
 
     Where ends of contacts are located too: and largest gap of what did touch. What is not above
@@ -14,41 +17,22 @@ def approach(current, nodes, scene, floor):
     """
     deepest = -1e300
     for group in CONTACTS:
-        params, history = group.parameters, group.history
-        for i in range(params.shape[0]):
-            if not KICK_DRIFT_KICK:
-                # a method of high order feels the kink at the end of a contact too
-                a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
-                depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
-                deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
-            elif history[current, i].active == 0:
-                a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
-                if group.rests:
-                    way = resting.way_gone(params[i], nodes[a.node], nodes[b.node])
-                    if history[current, i].depth + way <= max(deepest, floor):
-                        continue
-                if hasattr(group.narrow, "bound"):
-                    if group.narrow.bound(a, b, nodes, group.data) > max(deepest, floor):
-                        depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
-                        deepest = max(deepest, depth)
-                else:
-                    depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
-                    deepest = max(deepest, depth)
+        if group.in_pieces:
+            deepest = approach_in_pieces(group, clock, floor, deepest, scene)
+        else:
+            deepest = gaps_of(group, 0, clock.current, nodes, floor, deepest, scene)
     return deepest
 
 
 @kernel
-def approach_before(current, scene):
+def approach_before(clock, scene):
     """The same at the start of the step [m]."""
     deepest = -1e300
     for group in CONTACTS:
-        history = group.history
-        for i in range(history.shape[1]):
-            depth = history[current, i].depth
-            if not KICK_DRIFT_KICK:
-                deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
-            elif history[current, i].active == 0:
-                deepest = max(deepest, depth)
+        if group.in_pieces:
+            deepest = before_of_pieces(group, deepest, scene)
+        else:
+            deepest = apart_before(group, 0, clock.current, deepest, scene)
     return min(deepest, 0.0)
 
 

@@ -11,7 +11,7 @@ from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
 from crashsolve.system.loops.node_to_shape import node_to_shape
 from crashsolve.system.loops.node_to_surface import node_to_surface
-from crashsolve.system.loops.pieces import share_load
+from crashsolve.system.loops.pieces import contact_in_pieces, share_load
 from crashsolve.system.loops.unilateral import find_touching
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -101,8 +101,10 @@ def apply_contacts(clock, time, h, nodes, curves, scene):
     for group in CONTACTS:
         if group.is_unilateral:
             find_touching(group, clock, h, nodes, scene)
+        elif group.in_pieces:
+            contact_in_pieces(group, clock, h, scene)
         else:
-            contact_pairs(group, clock, h, nodes, curves, scene)
+            contact_pairs(group, 0, clock, h, nodes, curves, scene)
     if NODAL:
         apply_nodal_contacts(clock, h, nodes, curves, scene)
     touches.close_cards(clock, scene.cards, scene.card_history)

@@ -87,7 +87,7 @@ def press_on_shape(group, clock, h, touch, seen, nodes, curves, scene):
     mass = 1.0 / max(mob + node_contact.mobility_of(probe, hit, nodes, points), node_contact.STUCK)
     w = node_contact.probe_foretells(probe, hit, points)
     rate = node_contact.closing(v, node_contact.body_velocity(body, x), hit, h, old, w)
-    touches.latch(p, old, new, hit.depth, rate, counts)
+    touches.latch(p, old, new, hit.depth, rate, counts[p.card])
     if group.keeps_faces:
         passing.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
     elif group.has_ends:

@@ -105,7 +105,7 @@ def press_on_face(group, clock, h, touch, nodes, curves, scene):
     mass = 1.0 / max(mob + mob_face, node_contact.STUCK)
     u = projection.face_velocity(p, hit, h, points, corners)
     rate = node_contact.closing(v, u, hit, h, old, w)
-    touches.latch(p, old, new, hit.depth, rate, counts)
+    touches.latch(p, old, new, hit.depth, rate, counts[p.card])
     f, stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, hit.depth, rate, mass, curves
     )

@@ -7,7 +7,21 @@ from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.system import points
 from crashsolve.system.contact import node_contact
 from crashsolve.system.loops.looks import look_at_faces, look_at_shapes
-from crashsolve.system.placeholders import ELEMENT_LOADS, ELEMENTS, NODAL
+from crashsolve.system.loops.many_pairs import (
+    approach_piece,
+    bear_piece,
+    nearest_of_pieces,
+    press_piece,
+    sum_pieces,
+)
+from crashsolve.system.placeholders import (
+    CONTACTS,
+    ELEMENT_LOADS,
+    ELEMENTS,
+    MANY_PAIRS,
+    NODAL,
+    THREADS,
+)
 from crashsolve.system.threads import jobs, worker
 
 
@@ -57,6 +71,42 @@ def share_loans(first, pieces, clock, h, scene):
 
 
 @kernel
+def contact_in_pieces(group, clock, h, scene):
+    """Forces of all pairs of a group of many. Writes: nodes, cards, outputs, new histories."""
+    if THREADS:
+        note_contact(group, scene)
+        share(jobs.PRESS, group.pieces.shape[0], clock, h, scene)
+        share(jobs.BEAR, group.ranges.shape[0], clock, h, scene)
+    else:
+        for k in range(group.pieces.shape[0]):
+            press_piece(group, k, clock, h, scene)
+        for k in range(group.ranges.shape[0]):
+            bear_piece(group, k, scene)
+    sum_pieces(group, clock, scene)
+
+
+@kernel
+def approach_in_pieces(group, clock, floor, deepest, scene):
+    """Largest depth of the pairs of a group of many, and of another [m]. Writes: group.pieces."""
+    if THREADS:
+        note_contact(group, scene)
+        scene.job[0].floor = floor
+        share(jobs.APPROACH, group.pieces.shape[0], clock, 0.0, scene)
+    else:
+        for k in range(group.pieces.shape[0]):
+            approach_piece(group, k, clock, floor, scene)
+    return nearest_of_pieces(group, deepest, scene)
+
+
+@kernel
+def note_contact(group, scene):
+    """The group of many pairs that a job is for. Writes: job."""
+    for number, other in enumerate(CONTACTS):
+        if other is group:
+            scene.job[0].group = number
+
+
+@kernel
 def do_pieces(me, called, clock, scene):
     """Pieces of a job until none is left, by the thread `me`. Writes: what the job writes."""
     threads = scene.job[0].threads
@@ -77,14 +127,29 @@ def do_piece(k, me, clock, scene):
         look_piece(k, me, job.group, scene)
     elif NODAL and job.number == jobs.SPEED:
         speed_piece(k, scene)
-    elif job.number == jobs.OPEN:
+    elif ELEMENTS and job.number == jobs.OPEN:
         open_piece(k, job.h, scene)
-    elif job.number == jobs.DEFORM:
+    elif ELEMENTS and job.number == jobs.DEFORM:
         deform_piece(k, clock, job.h, scene)
-    elif job.number == jobs.TAKE:
+    elif ELEMENTS and job.number == jobs.TAKE:
         jobs.take_back(scene.pieces[job.entry + k], scene)
-    else:
+    elif ELEMENTS and job.number == jobs.CLOSE:
         close_piece(k, clock, job.h, scene)
+    elif MANY_PAIRS:
+        pairs_piece(k, job, scene)
+
+
+@kernel
+def pairs_piece(k, job, scene):
+    """Some pairs of a contact, or some of their bodies. Writes: what the job writes."""
+    for number, group in enumerate(CONTACTS):
+        if group.in_pieces and job.group == number:
+            if job.number == jobs.PRESS:
+                press_piece(group, k, scene.leader[0], job.h, scene)
+            elif job.number == jobs.BEAR:
+                bear_piece(group, k, scene)
+            else:
+                approach_piece(group, k, scene.leader[0], job.floor, scene)
 
 
 @kernel

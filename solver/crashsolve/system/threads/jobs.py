@@ -5,7 +5,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.vec3 import put, vec
 
-NONE, OPEN, DEFORM, LOAD, TAKE, CLOSE, SPEED, LOOK = range(8)
+NONE, OPEN, DEFORM, LOAD, TAKE, CLOSE, SPEED, LOOK, PRESS, BEAR, APPROACH = range(11)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""What threads that share the elements are given: tables, and a start together."""
+"""What threads that share a step are given: tables, and a start together."""
 
 from collections.abc import Callable
 from threading import Thread
@@ -6,33 +6,52 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.record import Record
+from crashsolve.model.clock import CLOCK
 from crashsolve.model.elements import line_up
-from crashsolve.model.partition import JOB
 from crashsolve.system.threads.worker import HOME, LINE, QUEUES, ROUND
+
+JOB = Record("""
+    threads  count  that share it
+    number   index  what the threads are to do
+    h        s      step
+    group    index  for which group of loads or contacts
+    entry    index  for which of its loads
+    current  index  of its history
+    floor    m      depth that need not be known
+""")
 
 
 def shared_arrays(model: Any) -> dict[str, Any]:
     """What the threads tell each other, and the pieces."""
-    pieces = model.elements.pieces
     job = np.zeros(1, JOB.dtype)
-    job["threads"] = pieces.threads
-    return {
-        "turns": np.zeros(QUEUES + LINE * pieces.threads, np.int64),
+    job["threads"] = model.threads
+    shared = {
+        "turns": np.zeros(QUEUES + LINE * model.threads, np.int64),
         "job": job,
         "seat": np.zeros(1, np.int64),
-        "pieces": pieces.pieces,
-        "loans": pieces.loans,
-        "lent": pieces.lent,
     }
+    if model.elements:
+        pieces = model.elements.pieces
+        shared |= {"pieces": pieces.pieces, "loans": pieces.loans, "lent": pieces.lent}
+    return shared
 
 
 def own_arrays(model: Any) -> list[dict[str, Any]]:
-    """What threads other than the first must not share with it: number, clock, room for a block."""
-    clocks, room = model.elements.pieces.clocks, len(model.elements.work)
-    return [
-        {"seat": np.array([1 + k]), "clock": clocks[k : k + 1], "work": line_up(room)}
-        for k in range(len(clocks))
-    ]
+    """What threads other than the first must not share with it, for each of them.
+
+    Number, clock, room for a block of elements, and for the area on which a pair presses.
+    """
+    rooms = [g for g in model.contact_groups if g.in_pieces and g.is_flat]
+    found = []
+    for seat in range(1, model.threads):
+        own = {"seat": np.array([seat]), "clock": np.zeros(1, CLOCK.dtype)}
+        if model.elements:
+            own["work"] = line_up(len(model.elements.work))
+        for g in rooms:
+            own |= {f"{g.word}_data_{k}": data.copy() for k, data in enumerate(g.data)}
+        found.append(own)
+    return found
 
 
 def together(first: Callable[..., None], other: Callable[..., None]) -> Callable[..., None]:

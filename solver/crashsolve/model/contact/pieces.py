@@ -1,0 +1,96 @@
+"""Many contact pairs in pieces, which one thread or several do side by side.
+
+A pair writes its own rows alone: histories, output, and a load for either of its bodies. Sums over
+the pairs of a contact card are taken piece by piece, those on a body pair by pair, in the order of
+the list. Neither depends on who does what, so any number of threads gives the bits of one. Groups
+of few pairs add to bodies and cards at once; what differs is the order of the sums.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.foundation.record import Record
+from crashsolve.model.contact import records
+
+if TYPE_CHECKING:
+    from crashsolve.model.contact.groups import ContactGroup
+
+# elements on both sides of a group from which on its pairs are many: its near pairs are about as
+# many, and a job for several threads costs as much as some hundred of them
+MANY = 1000
+# pairs of a piece, and bodies, but for the last ones
+PAIRS, BODIES = 128, 64
+
+PIECE = Record("""
+    first    index  first pair
+    end      index  first pair after it
+    card     index  contact card of all of them
+    nearest  m      largest depth that begins in a step; negative is a gap
+    before   m      the same at the start of the step
+""")
+BEARER = Record("""
+    node   index  body that pairs press on
+    first  index  of its loads
+    end    index  first load after them
+""")
+RANGE = Record("""
+    first  index  first body
+    end    index  first body after it
+""")
+
+
+def has_many(group: ContactGroup) -> bool:
+    """Whether the pairs of a group are done in pieces."""
+    elements = len(group.elements_a) + len(group.elements_b)
+    return elements >= MANY and not group.is_unilateral
+
+
+def cut(group: ContactGroup) -> None:
+    """The present pairs of a group in pieces. Writes: group."""
+    rows = group.parameters
+    group.pieces = _pieces(rows["card"])
+    group.sums = np.zeros(len(group.pieces), records.CARD_OUTPUT.dtype)
+    group.counts = np.zeros(len(group.pieces), records.COUNTS.dtype)
+    group.loads = np.zeros(2 * len(rows), records.LOAD.dtype)
+    group.felt = np.zeros(2 * len(rows), np.int8)
+    nodes = np.empty(2 * len(rows), np.int64)
+    nodes[0::2] = group.elements_a["node"][rows["a"]]
+    nodes[1::2] = group.elements_b["node"][rows["b"]]
+    group.places, group.bearers = _bodies(nodes)
+    group.ranges = _ranges(len(group.bearers))
+
+
+def _pieces(cards: np.ndarray) -> np.ndarray:
+    """Pieces of a list of pairs that is sorted by card, each of one card."""
+    starts = np.flatnonzero(np.diff(cards, prepend=-1))
+    ends = np.append(starts[1:], len(cards))
+    first = np.concatenate(
+        [np.zeros(0, int), *(np.arange(*two, PAIRS) for two in zip(starts, ends, strict=True))]
+    )
+    pieces = np.zeros(len(first), PIECE.dtype)
+    pieces["first"], pieces["card"] = first, cards[first]
+    pieces["end"] = np.append(first[1:], len(cards))
+    return pieces
+
+
+def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places of loads body by body, of one body in their order, and where each body's are."""
+    order = np.argsort(nodes, kind="stable")
+    places = np.empty(len(nodes), np.int64)
+    places[order] = np.arange(len(nodes))
+    first = np.flatnonzero(np.diff(nodes[order], prepend=-1))
+    bearers = np.zeros(len(first), BEARER.dtype)
+    bearers["node"], bearers["first"] = nodes[order[first]], first
+    bearers["end"] = np.append(first[1:], len(nodes))
+    return places, bearers
+
+
+def _ranges(bodies: int) -> Any:
+    """Pieces of a list of bodies."""
+    first = np.arange(0, bodies, BODIES)
+    ranges = np.zeros(len(first), RANGE.dtype)
+    ranges["first"], ranges["end"] = first, np.minimum(first + BODIES, bodies)
+    return ranges

@@ -1,0 +1,53 @@
+"""How near the pairs of a contact group are at the end of a step, and were at its start."""
+
+from crashsolve.foundation.kernels import stage
+from crashsolve.system.contact import resting
+from crashsolve.system.placeholders import KICK_DRIFT_KICK
+
+
+@stage
+def gaps_of(group, piece, current, nodes, floor, deepest, scene):
+    """The largest depth of the pairs of a group, or of a piece of it, and of another [m].
+
+    Of what did not touch at the start of the step; see approach in events.py.
+    """
+    params, history = group.parameters, group.history
+    first, end = 0, params.shape[0]
+    if group.in_pieces:
+        first, end = group.pieces[piece].first, group.pieces[piece].end
+    for i in range(first, end):
+        if not KICK_DRIFT_KICK:
+            # a method of high order feels the kink at the end of a contact too
+            a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
+            depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+            deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
+        elif history[current, i].active == 0:
+            a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
+            if group.rests:
+                way = resting.way_gone(params[i], nodes[a.node], nodes[b.node])
+                if history[current, i].depth + way <= max(deepest, floor):
+                    continue
+            if hasattr(group.narrow, "bound"):
+                if group.narrow.bound(a, b, nodes, group.data) > max(deepest, floor):
+                    depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+                    deepest = max(deepest, depth)
+            else:
+                depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+                deepest = max(deepest, depth)
+    return deepest
+
+
+@stage
+def apart_before(group, piece, current, deepest, scene):
+    """The same at the start of the step [m]."""
+    history = group.history
+    first, end = 0, history.shape[1]
+    if group.in_pieces:
+        first, end = group.pieces[piece].first, group.pieces[piece].end
+    for i in range(first, end):
+        depth = history[current, i].depth
+        if not KICK_DRIFT_KICK:
+            deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
+        elif history[current, i].active == 0:
+            deepest = max(deepest, depth)
+    return deepest

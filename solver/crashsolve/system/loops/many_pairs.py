@@ -1,0 +1,63 @@
+"""Many contact pairs in pieces: what each piece is, and what is put together of all of them.
+
+One thread does the pieces one after the other, several do them side by side (pieces.py); both run
+the same functions, which are apart (foundation/kernels.py), and sum up in the same order
+(model/contact/pieces.py). Consequence to test: the same bits for any number of threads.
+"""
+
+from crashsolve.foundation.kernels import apart, kernel
+from crashsolve.system.contact import touches
+from crashsolve.system.loops.approach import apart_before, gaps_of
+from crashsolve.system.loops.contact_pairs import contact_pairs
+
+
+@apart
+def press_piece(group, k, clock, h, scene):
+    """Forces of some pairs. Writes: loads, felt, sums, counts, outputs, new histories."""
+    touches.open_card(group.sums[k])
+    touches.open_count(group.counts[k])
+    contact_pairs(group, k, clock, h, scene.nodes, scene.curves, scene)
+
+
+@apart
+def bear_piece(group, k, scene):
+    """Add to some bodies what their pairs press, pair by pair. Writes: scene.nodes."""
+    for j in range(group.ranges[k].first, group.ranges[k].end):
+        bearer = group.bearers[j]
+        body = scene.nodes[bearer.node]
+        for at in range(bearer.first, bearer.end):
+            if group.felt[at] == 1:
+                touches.take_load(body, group.loads[at])
+
+
+@kernel
+def sum_pieces(group, clock, scene):
+    """Add what the pieces come to to the contact cards. Writes: scene.cards, card_history."""
+    for k in range(group.pieces.shape[0]):
+        card = group.pieces[k].card
+        history = scene.card_history[1 - clock.current, card]
+        touches.take_sums(scene.cards[card], history, group.sums[k], group.counts[k])
+
+
+@apart
+def approach_piece(group, k, clock, floor, scene):
+    """Largest depth of some pairs at both ends of a step. Writes: pieces."""
+    piece = group.pieces[k]
+    piece.nearest = gaps_of(group, k, clock.current, scene.nodes, floor, -1e300, scene)
+    piece.before = apart_before(group, k, clock.current, -1e300, scene)
+
+
+@kernel
+def nearest_of_pieces(group, deepest, scene):
+    """The largest of these depths, and of another [m]."""
+    for k in range(group.pieces.shape[0]):
+        deepest = max(deepest, group.pieces[k].nearest)
+    return deepest
+
+
+@kernel
+def before_of_pieces(group, deepest, scene):
+    """The same at the start of the step, as it was when depths at its end were last looked for."""
+    for k in range(group.pieces.shape[0]):
+        deepest = max(deepest, group.pieces[k].before)
+    return deepest
