@@ -75,10 +75,11 @@ def near_pairs(
 
 def _visit(tables: dict[str, np.ndarray], room: int, margin: float, same: bool) -> np.ndarray:
     """Near pairs, in any order, for which there is room at first; if there are more, once more."""
-    found = Tables(tables | {"pairs": np.zeros(room, PAIR.dtype)})
+    pairs = np.zeros(room, PAIR.dtype)
+    found = Tables(tables | {"pairs": pairs})
     machine_code(Path(__file__), "visit", found)(margin, same, found)
     count = int(tables["count"][0])
-    return found.pairs[:count] if count <= room else _visit(tables, count, margin, same)
+    return pairs[:count] if count <= room else _visit(tables, count, margin, same)
 
 
 def _spheres(centres: np.ndarray, radii: np.ndarray, low: np.ndarray, width: float) -> np.ndarray:

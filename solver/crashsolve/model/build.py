@@ -24,6 +24,8 @@ from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contact import records
 from crashsolve.model.contact.build import build_contacts
 from crashsolve.model.contact.node_to_surface import loads_of_points
+from crashsolve.model.contact.pieces import cut as cut_pairs
+from crashsolve.model.contact.pieces import has_many
 from crashsolve.model.elements import (
     build_elements,
     initial_blocks,
@@ -36,8 +38,6 @@ from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
-from crashsolve.model.contact.pieces import cut as cut_pairs
-from crashsolve.model.contact.pieces import has_many
 from crashsolve.model.partition import cut
 from crashsolve.model.scene import Scene
 
