@@ -251,8 +251,8 @@ def families() -> dict[str, Family]:
     found = []
     for path in sorted(root.glob("**/__init__.py")):
         if re.search(r"^FAMILY\b.*=", path.read_text("utf-8"), re.MULTILINE):
-            family = imported(path).FAMILY
             folder = path.parent.relative_to(root).as_posix()
+            family = imported(f"{PACKAGE}.{folder.replace('/', '.')}", path).FAMILY
             if not isinstance(family, Family):
                 raise FamilyError(f"{PACKAGE}/{folder}/__init__.py: FAMILY must be Family(...)")
             found.append(replace(family, folder=folder))
@@ -275,32 +275,34 @@ def _root() -> Path:
     return Path(next(iter(import_module(PACKAGE).__path__)))
 
 
-def imported(path: Path) -> Any:
-    """The module of a file of the package.
+def imported(name: str, path: Path) -> Any:
+    """The module of a file.
 
     Raises FamilyError with file and line for whatever keeps Python from importing it.
     """
-    place = path.relative_to(_root())
-    parts = (*place.parts[:-1], *([] if place.stem == "__init__" else [place.stem]))
+    place = name.replace(".", "/") + ("/__init__.py" if path.stem == "__init__" else ".py")
     try:
-        return import_module(".".join((PACKAGE, *parts)))
+        return import_module(name)
     except FamilyError as error:
         if str(error).startswith(f"{PACKAGE}/"):
             raise
-        raise FamilyError(f"{PACKAGE}/{place.as_posix()}: {error}") from None
+        raise FamilyError(f"{place}: {error}") from None
     except CrashsolveError:
         raise
     except Exception as error:
-        lines = [
-            f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)
-        ]
-        if isinstance(error, SyntaxError) and error.filename == str(path):
-            lines, error = [error.lineno], SyntaxError(error.msg)
-        line = "".join(f"{number}:" for number in lines[-1:])
-        # the first line says what is wrong, those of pydantic behind it where to read of it
-        first = str(error).partition("\n")[0]
-        told = f"{PACKAGE}/{place.as_posix()}:{line} {type(error).__name__}: {first}"
-        raise FamilyError(told) from error
+        raise FamilyError(_what_python_says(error, place, path)) from error
+
+
+def _what_python_says(error: Exception, place: str, path: Path) -> str:
+    """File, line and reason of an error of an import, in one line."""
+    trace = traceback.extract_tb(error.__traceback__)
+    lines = [step.lineno for step in trace if step.filename == str(path)]
+    # pydantic tells behind its first line where to read of it
+    reason = str(error).partition("\n")[0]
+    if isinstance(error, SyntaxError) and error.filename == str(path):
+        lines, reason = [error.lineno], error.msg
+    line = f"{lines[-1]}:" if lines else ""
+    return f"{place}:{line} {type(error).__name__}: {reason}"
 
 
 def _refuse_clashes(found: list[Family]) -> None:

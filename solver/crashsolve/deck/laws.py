@@ -64,7 +64,7 @@ def law_class(folder: str, word: object) -> "type[Card]":
                 place = f"{PACKAGE}/{file.as_posix()}"
                 advice = f"{place} has no `class {class_name(word)}(...)`, its card"
         raise UnknownType(f"unknown type '{word}'", advice, "".join(near))
-    module = imported(types[word])
+    module = imported(f"{PACKAGE}.{folder.replace('/', '.')}.{word}", types[word])
     check_law(module)
     card: type[Card] = getattr(module, class_name(word))
     if not hasattr(card, "model_validate"):
