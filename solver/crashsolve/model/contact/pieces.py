@@ -66,13 +66,13 @@ def cut(group: ContactGroup) -> None:
 def _pieces(cards: np.ndarray) -> np.ndarray:
     """Pieces of a list of pairs that is sorted by card, each of one card."""
     starts = np.flatnonzero(np.diff(cards, prepend=-1))
-    ends = np.append(starts[1:], len(cards))
+    ends = np.append(starts, len(cards))[1:]
     first = np.concatenate(
         [np.zeros(0, int), *(np.arange(*two, PAIRS) for two in zip(starts, ends, strict=True))]
     )
     pieces = np.zeros(len(first), PIECE.dtype)
     pieces["first"], pieces["card"] = first, cards[first]
-    pieces["end"] = np.append(first[1:], len(cards))
+    pieces["end"] = np.append(first, len(cards))[1:]
     return pieces
 
 
@@ -84,7 +84,7 @@ def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     first = np.flatnonzero(np.diff(nodes[order], prepend=-1))
     bearers = np.zeros(len(first), BEARER.dtype)
     bearers["node"], bearers["first"] = nodes[order[first]], first
-    bearers["end"] = np.append(first[1:], len(nodes))
+    bearers["end"] = np.append(first, len(nodes))[1:]
     return places, bearers
 
 
