@@ -128,7 +128,18 @@ class StaticEngine(Engine):
             self.on_pause()
 
     def _tries(self, target: float) -> Problem | None:
-        """Go to the equilibrium of a moment; why it cannot be had."""
+        """Go to the equilibrium of a moment, or of one before it; why it cannot be had."""
+        kept, known, problem = self.keep(), self.known, self._goes(target)
+        if problem is None or not self.yielding.straight or self.yielding.is_least:
+            return problem
+        # a corner that cannot be passed from afar is gone to, and passed from there
+        self.take_back(kept)
+        self.known = known
+        near = self.yielding.before(self, target)
+        return problem if near >= target or self._goes(near) else None
+
+    def _goes(self, target: float) -> Problem | None:
+        """Go to the equilibrium of a moment, or to a corner before it; why it cannot be had."""
         clock, start = self.clock, self.state.nodes.copy()
         begun, before = float(clock.time), self._missing_energy()
         self.work.begin()
@@ -197,11 +208,13 @@ class StaticEngine(Engine):
 
     def _reaches(self, time: float) -> float | None:
         """The equilibrium at a time, or at the first corner of a law before it; when that is."""
-        start = self.state.nodes.copy()
+        start, whole = self.state.nodes.copy(), time
         if self.yielding.groups:
             time = self.yielding.foretold(self, time)
         if self.flowing.groups:
             time = self.flowing.foretold(self, time)
+        if self.yielding.is_least:
+            self.known = self.yielding.branch(self, whole) or self.known
         passes = self.finds(time)
         if passes and self.yielding.groups:
             time, passes = self.yielding.first(self, start, time, passes)
@@ -216,7 +229,7 @@ class StaticEngine(Engine):
         for passes in range(PASSES):
             way = self.correction(time, self.known if passes == 0 else None)
             if passes == 0:
-                self.forces.meet(self._imbalance(time)[0], self)
+                self.forces.meet(self.imbalance(time)[0], self)
             worst = self._size(way)
             if not np.isfinite(worst) or self.flowing.is_lost(self.cut(way)):
                 break
@@ -227,7 +240,7 @@ class StaticEngine(Engine):
             if is_still or (stays and worst <= AS_GOOD_AS_IT_GETS):
                 # trials may lead past the end of a curve, which only the answer must not
                 self.model.curves[0]["fault"] = 0
-                g, _, phi = self._imbalance(time)
+                g, _, phi = self.imbalance(time)
                 self.forces.meet_reactions(self)
                 if self._is_closed(phi) and self.forces.balance(g, self._round_off()):
                     return passes + 1
@@ -241,7 +254,7 @@ class StaticEngine(Engine):
             g.history[:] = g.history[1 - int(clock.current)]
         clock.cycle += 1
         clock.iterations += passes
-        # where a hinge has just begun to yield, a tangent there cannot know which way it goes on
+        # where a hinge has just begun to yield, a tangent cannot know which way it goes on
         self.known = self.tangent if self.yielding.groups or self.flowing.groups else None
 
     def _is_closed(self, phi: np.ndarray) -> bool:
@@ -315,13 +328,17 @@ class StaticEngine(Engine):
 
     def correction(self, time: float, known: Tangent | None = None) -> np.ndarray:
         """Newton's correction (n, 6) of places and turns of the free nodes, by a known tangent."""
-        g, D, phi = self._imbalance(time)
+        g, D, phi = self.imbalance(time)
         self.tangent = known or (-self._tangent(time, g, D), D)
-        columns = -self.tangent[0]
+        return eliminate(*self.bordered(-self.tangent[0], g, D, phi)).reshape(-1, 6)
+
+    def bordered(
+        self, columns: np.ndarray, g: np.ndarray, D: np.ndarray, phi: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Matrix (6 n, 6 n) and right side (6 n,) of Newton's equation, of dg/dq in columns."""
         scale = self._balance_of_both(columns) / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
         held = np.einsum("mi,mj->ij", D, D)
-        way = eliminate(columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi))
-        return way.reshape(-1, 6)
+        return columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi)
 
     def _balance_of_both(self, columns: np.ndarray) -> float:
         """A stiffness [N/m] beside which round-off is nothing, also where drivers hold all."""
@@ -340,21 +357,27 @@ class StaticEngine(Engine):
         stiff = self._of_free(self.yielding.stiffness(current, still))
         with self.yielding.held(current):
             elastic = self._of_free(self.yielding.stiffness(current, still))
-            nodes, columns = still.copy(), self._let_go(self._beams(), D)
+        return self.elastic_tangent(time, g, D) + self.let_go(elastic - stiff, D)
+
+    def elastic_tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
+        """The same while no hinge yields that has straight branches."""
+        current, still = int(self.clock.current), self.state.nodes
+        with self.yielding.held(current):
+            nodes, columns = still.copy(), self.let_go(self._beams(), D)
             for k in np.flatnonzero(np.repeat(self.differs, 6)):
                 i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
                 kept = nodes[i].copy()
                 nudge(nodes[i], int(k % 6), size)
                 columns[:, k] = (self._rest(time, nodes) - g) / size
                 nodes[i] = kept
-        return columns + self._let_go(elastic - stiff, D)
+        return columns
 
     def _of_free(self, K: np.ndarray) -> np.ndarray:
         """The part (6 n, 6 n) of the free nodes in a matrix of all (N, 6, N, 6)."""
         size = 6 * len(self.free)
         return K[self.free][:, :, self.free].reshape(size, size)
 
-    def _let_go(self, columns: np.ndarray, D: np.ndarray) -> np.ndarray:
+    def let_go(self, columns: np.ndarray, D: np.ndarray) -> np.ndarray:
         """Less what joints hold of it: D^T (D M^-1 D^T)^-1 D M^-1 of forces (6 n, k)."""
         nodes = self.state.nodes[self.free]
         A, J = nodes["A"].reshape(-1, 3, 3), nodes["J_inv"].reshape(-1, 3, 3)
@@ -388,7 +411,7 @@ class StaticEngine(Engine):
             [j.first_row + k for j in self.model.joints for k in range(j.rows)], dtype=int
         )
 
-    def _imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Forces and moments that nothing holds (6 n,), D (m, 6 n) and Phi (m,)."""
         g, rows = self._rest(time, self.state.nodes), self.rows
         D = np.zeros((len(rows), len(self.nodes), 6))

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Problem:
-    """Why there is no next equilibrium: "lost", "balance", "way out" or "end of curve"."""
+    """Why there is no next equilibrium: "lost", "balance", "way out", "fork", "end of curve"."""
 
     def __init__(self, kind: str, target: float, place: str = "the model") -> None:
         self.kind, self.target, self.place = kind, target, place
@@ -22,6 +22,7 @@ class Problem:
         if self.kind == "end of curve":
             return SolverError(time, cycle, *curve_end(engine.model, engine.clock))
         told = {"lost": self._lost, "balance": self._unbalanced, "way out": self._left}
+        told["fork"] = self._forked
         cause, advice = told[self.kind](engine, moment)
         return SolverError(time, cycle, self.place, cause, advice)
 
@@ -54,6 +55,13 @@ class Problem:
             "the load there is the critical one; to go on give a small imperfection or side load, "
             "prescribe the motion by a driver, whose reaction is the load, or say "
             "solution: transient; what stands upside down needs something that holds it",
+        )
+
+    def _forked(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        return (
+            "either of them may go on while the others unload, and both ways are equally stable: "
+            "nothing in the model says which",
+            "make one of them a little weaker, or give a small imperfection or side load",
         )
 
 

@@ -162,7 +162,7 @@ class RestEngine(StaticEngine):
         own = np.flatnonzero(~np.isin(self.free, list(theirs)))
         if not len(own):
             return ""
-        imbalance, D, _ = self._imbalance(now)
+        imbalance, D, _ = self.imbalance(now)
         columns, nodes = [], self.state.nodes.copy()
         for k in range(6 * len(own)):
             i, size = int(self.free[own[k // 6]]), STEP * (self.model.size if k % 6 < 3 else 1.0)

@@ -26,9 +26,11 @@ import numpy as np
 from crashsolve.foundation.curve import HOLD, POINT
 from crashsolve.model.model import Model
 from crashsolve.model.nodes import COMPLIANT
+from crashsolve.system.static.branches import Branches, Candidate, slope_ahead
+from crashsolve.system.static.problem import Problem
 
 if TYPE_CHECKING:
-    from crashsolve.system.static.equilibrium import StaticEngine
+    from crashsolve.system.static.equilibrium import StaticEngine, Tangent
 
 # a corner may be passed by this share of the way of the load step: its square is the error of work
 CLOSE = 1e-6
@@ -37,6 +39,8 @@ LEAST = 1e-8
 PASSES = 60
 # so much before a failure a step ends [of its way]
 BEFORE = 4.0 * CLOSE
+# where a corner cannot be passed a load step ends so much before it [of its way]
+SHORT = 1e-5
 # a foretold corner is passed by a little more than the tangent errs
 BEHIND = 1.2
 # of a hinge that never yields; squares of it are numbers too [N m]
@@ -106,13 +110,66 @@ class Yielding:
         )
         return begun + min(share, 1.0) * (time - begun)
 
-    def _crossing(self, engine: "StaticEngine", way: np.ndarray) -> float:
-        """Share of a way (n, 6) of the free nodes to the first corner; 1 where there is none."""
+    def before(self, engine: "StaticEngine", time: float) -> float:
+        """Moment a little before the first corner on the way to another, by the tangent."""
+        begun = float(engine.clock.time)
+        way = engine.correction(time, engine.known)
+        if not np.isfinite(way).all():
+            return time
+        cut = engine.cut(way)
+        share = cut * self._crossing(engine, cut * way, SHORT)
+        return begun + (1.0 - 2.0 * SHORT) * share * (time - begun)
+
+    def branch(self, engine: "StaticEngine", time: float) -> "Tangent | None":
+        """Tangent of the hinges that flow on from a corner; None where that is not known.
+
+        Raises SolverError where either of two may.
+        """
+        found = Branches(engine, self.at_yield(engine), time)
+        if fork := found.fork():
+            raise Problem("fork", time, " and ".join(fork)).error(engine, float(engine.clock.time))
+        return found.tangent()
+
+    def at_yield(self, engine: "StaticEngine") -> list[Candidate]:
+        """The motions of hinges that stand at yield."""
+        current, nodes, found = int(engine.clock.current), engine.state.nodes, list[Candidate]()
+        place = np.full(len(nodes), -1)
+        place[engine.free] = np.arange(len(engine.free))
+        ahead = [
+            [
+                {side: slope_ahead(p, state, c, side, self.curves()) for side in (1.0, -1.0)}
+                for c in range(g.module.TANGENTS)
+            ]
+            for g, p, state, _ in self._each(current, nodes, self.straight)
+        ]
+        names = [f"hinge '{name}'" for g in self.straight for name in g.names]
+        with self.held(current):
+            each = self._each(current, nodes, self.straight)
+            for name, motions, (g, p, state, here) in zip(names, ahead, each, strict=True):
+                rows = [plain(row) for row in np.zeros(g.module.TANGENTS, COMPLIANT.dtype)]
+                g.module.tangent(p, state, here, self.curves(), rows, 0)
+                for row, slopes in zip(rows, motions, strict=True):
+                    d = np.zeros((len(engine.free), 6))
+                    for node, part in zip(
+                        (p.node_a, p.node_b), (row.D[:6], row.D[6:]), strict=True
+                    ):
+                        if place[node] >= 0:
+                            # rows tell the deformation by -D
+                            d[place[node]] -= part
+                    for side, slope in slopes.items():
+                        if slope is not None and row.stiffness > 0.0:
+                            found.append(Candidate(name, d.ravel(), row.stiffness, side, slope))
+        return found
+
+    def _crossing(self, engine: "StaticEngine", way: np.ndarray, closely: float = 0.1) -> float:
+        """Share of a way (n, 6) of the free nodes to the first corner; 1 where there is none.
+
+        To a part `closely` of itself, and not before it.
+        """
         nodes, current = engine.state.nodes, int(engine.clock.current)
         start, low, high = nodes.copy(), 0.0, 1.0
         share = high
-        # to a tenth of itself
-        while high > LEAST and high - low > 0.1 * high:
+        while high > LEAST and high - low > closely * high:
             nodes[:] = start
             engine.shift(nodes, share * way)
             if self._pasts(current, nodes).max() > 0.0:
