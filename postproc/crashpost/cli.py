@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # exit code of a request that cannot be met
 REFUSED = 2
+# commands whose answers do not show by themselves that a run is not finished
+TELLING = {"value", "values", "plot", "compare", "export", "render", "film"}
 CHANNELS = "name, pattern such as 'rcforc.*.force.x', or arithmetic such as '-a.b.c / 2'"
 STATISTIC = "as under expect in a deck: max, mean, at:T with T in seconds, ..."
 
@@ -32,6 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(protected(given))
     try:
         code: int = options.command(options)
+        if options.word in TELLING:
+            _tell_unfinished(options)
         sys.stdout.flush()
         return code
     except PostError as error:
@@ -58,6 +62,18 @@ def _give_up_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+def _tell_unfinished(options: argparse.Namespace) -> None:
+    """Beside numbers, curves and pictures of a run that did not end, on standard error."""
+    from crashpost.results.status import read_status, unfinished
+
+    for path in (options.result, *map(Path, getattr(options, "words", []))):
+        folder = path if path.is_dir() else path.parent
+        is_result = (folder / "history.h5").is_file()
+        text = unfinished(read_status(folder / "status.json")) if is_result else ""
+        if text:
+            print(printable(f"crashpost: {folder}: {text}"), file=sys.stderr)
+
+
 def _say(text: str) -> None:
     """Print lines of which none can pass for another, whatever names and titles hold."""
     print(printable_lines(text))
@@ -71,7 +87,7 @@ def _parser() -> argparse.ArgumentParser:
     def add(command: str, function: object, words: str) -> argparse.ArgumentParser:
         sub = commands.add_parser(command, help=words, description=words)
         sub.add_argument("result", type=Path, help="results folder, or the history.h5 in it")
-        sub.set_defaults(command=function)
+        sub.set_defaults(command=function, word=command)
         return sub
 
     add("summary", _summary, "status, energies, balances, peaks and warnings on one screen")
@@ -105,7 +121,9 @@ def _parser() -> argparse.ArgumentParser:
         help="strips: without film and 3-D; none: curves and tables only",
     )
     add_completion(commands)
-    commands.choices["completion"].set_defaults(command=lambda o: _completion(parser, o))
+    commands.choices["completion"].set_defaults(
+        command=lambda o: _completion(parser, o), word="completion"
+    )
     return parser
 
 

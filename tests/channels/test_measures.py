@@ -96,6 +96,14 @@ def test_the_criterion_is_of_second_order_in_the_interval(limit: str) -> None:
         assert abs(measured(expression, "half sine", 80, 0.05, h) - exact) < bound
 
 
+@pytest.mark.parametrize("count", [0, 1])
+@pytest.mark.parametrize("window", ["", ", '15 ms'"])
+def test_the_criterion_of_no_window_is_refused(count: int, window: str) -> None:
+    nothing = Series(np.zeros(count), np.full(count, 500.0), "m/s^2")
+    with pytest.raises(ChannelError, match=f"two samples or more, not {count}"):
+        evaluate(f"hic(a.b.c{window})", lambda _: nothing)
+
+
 def test_the_criterion_so_far_is_that_of_a_shorter_history() -> None:
     time = np.linspace(0, 0.2, 401)
     values = 300 * np.sin(40 * time) ** 2 * np.exp(-5 * time) + 50

@@ -145,6 +145,34 @@ def test_exported_numbers_read_back_exactly(cars: Path, tmp_path: Path, crashpos
     assert np.array_equal(numbers[:, 1:3], two_cars()["rbdout"][1]["velocity/x"][2])
 
 
+def test_a_shorter_mme_export_leaves_no_channel_of_a_longer_one(
+    cars: Path, tmp_path: Path, crashpost: Command
+) -> None:
+    for patterns, count in ((["*"], 9), (["rbdout.*"], 2)):
+        assert crashpost("export", cars, *patterns, "-o", tmp_path / "run.mme")[0] == 0
+        assert len(list((tmp_path / "Channel").glob("run.[0-9]*"))) == count
+
+
+@pytest.mark.parametrize("state", ["running", "failed", "stopped"])
+def test_numbers_of_a_run_that_did_not_end_say_so(
+    cars: Path, tmp_path: Path, crashpost: Command, state: str
+) -> None:
+    asks = (
+        ["value", cars, f"{SPEED_A}:final"],
+        ["plot", cars, SPEED_A, "-o", tmp_path / "p.svg"],
+        ["export", cars, SPEED_A, "-o", tmp_path / "x.csv"],
+    )
+    for ask in asks:
+        assert crashpost(*ask)[2] == ""
+    # of another machine, on which the process may live
+    write_status(cars, state, host="elsewhere")
+    for ask in asks:
+        code, out, told = crashpost(*ask)
+        assert code == 0
+        assert out.strip()
+        assert f"not finished ({state} at t = 0.140496 s)" in told
+
+
 @pytest.mark.parametrize("arguments", [("-o", "no/such/folder/x.csv"), ("nothing*", "-o", "x.csv")])
 def test_an_impossible_export_exits_with_2(
     cars: Path,

@@ -53,6 +53,9 @@ def write_mme(result: Result, path: Path, series: dict[str, Series]) -> None:
             rows.append((f"Name of channel {serial:03d}", f"{code(name, one.unit)} / {name}"))
             lines = [*_head(name, one, is_even=not times), *map(repr, one.values.tolist())]
             _write(folder / f"{path.stem}.{serial:03d}", lines)
+        # channels of an earlier and longer export would pass for some of this one
+        for serial in range(len(channels) + 1, MOST + 1):
+            (folder / f"{path.stem}.{serial:03d}").unlink(missing_ok=True)
         _write(folder / f"{path.stem}.chn", _lines(rows))
         _write(path, _lines(_test(result, path.stem)))
     except OSError as error:

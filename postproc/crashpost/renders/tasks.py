@@ -57,7 +57,11 @@ def film_task(
 
     states = States(result.folder)
     last = float(states.times[-1])
-    first, end = (moment(result, word, last).time for word in span)
+    # a run without samples yet has states
+    known = {"start": float(states.times[0]), "end": last}
+    first, end = (
+        known[word] if word in known else moment(result, word, last).time for word in span
+    )
     for time, word in zip((first, end), span, strict=True):
         _state_near(states, time, word)
     if not end > first:

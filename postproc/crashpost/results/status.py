@@ -33,6 +33,16 @@ def read_status(path: Path) -> dict[str, Any]:
     return status
 
 
+def unfinished(status: dict[str, Any]) -> str:
+    """What is said beside numbers and pictures of a run that did not end; "" of one that did."""
+    state = status["state"]
+    if state in ("finished", "unknown"):
+        return ""
+    time = status.get("time")
+    until = "" if time is None else f" at t = {time:g} s"
+    return f"the run is not finished ({state}{until}): this is what there is"
+
+
 def _alive(pid: object) -> bool:
     """Whether a process with this number exists; true when that cannot be told."""
     if not isinstance(pid, int) or not 0 < pid <= MOST_PID:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crashsolve.channels.errors import ChannelError
+from crashsolve.channels.errors import ChannelError, TooShort
 from crashsolve.channels.series import SAME, cumulative
 from crashsolve.channels.term import Term, duration, in_gravities
 
@@ -32,7 +32,9 @@ class Worst(NamedTuple):
 
 
 def worst(time: np.ndarray, a: Term, window: Term | None, function: str) -> Worst:
-    """The criterion up to each sample; raises ChannelError."""
+    """The criterion up to each sample; raises ChannelError, TooShort for less than two samples."""
+    if len(time) < 2:
+        raise TooShort(f"{function}() needs two samples or more, not {len(time)}")
     size = in_gravities(a, time, function)
     length = np.inf if window is None else duration(window, function)
     if np.isnan(size).any():
@@ -48,7 +50,7 @@ def worst(time: np.ndarray, a: Term, window: Term | None, function: str) -> Wors
         if not len(last):
             break
         _take(found, last, time[last - lag], time[last], gained[last] - gained[last - lag])
-    if np.isfinite(length) and len(time) > 1:
+    if np.isfinite(length):
         for begin in _full_windows(time, length):
             end = begin + length
             more = _integral(time, size, gained, end) - _integral(time, size, gained, begin)
