@@ -147,12 +147,7 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
         # what Python says of a file, with its line and without a traceback
         ("rope", "HISTORY =", "HISTORY ==", ": NameError: name 'HISTORY' is not defined"),
         ("rope", "    d_a, d_b =", "    d_a, d_b = =", ": SyntaxError: invalid syntax"),
-        (
-            "rope",
-            "class Rope(",
-            "class Ropes(",
-            "rope.py has no `class Rope(...)`, its card",
-        ),
+        ("rope", "class Rope(", "class Ropes(", "rope.py has no `class Rope(...)`, its card"),
         (
             "rope",
             'OUTPUT = Record("force  N  tension")',

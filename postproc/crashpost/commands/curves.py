@@ -22,12 +22,8 @@ Add = Callable[[str, Callable[[argparse.Namespace], int], str], argparse.Argumen
 def add_commands(add: Add) -> None:
     """Put `plot`, `compare` and `export` among the commands."""
     sub = add("plot", _plot, "draw channels of one result or several, laid over each other")
-    sub.add_argument(
-        "words",
-        nargs="+",
-        metavar="RESULT|CHANNEL[:STATISTIC]",
-        help=f"more results; {CHANNELS}; or a figure by its word: {KINDS}",
-    )
+    about = f"more results; {CHANNELS}; or a figure by its word: {KINDS}"
+    sub.add_argument("words", nargs="+", metavar="RESULT|CHANNEL[:STATISTIC]", help=about)
     sub.add_argument("--against", default="time", metavar="CHANNEL", help="abscissa, default time")
     sub.add_argument("--along", metavar="PATTERN", help="abscissa of entities, at the moments --at")
     sub.add_argument("--at", default="", metavar="T,T,...", help="moments [s] of --along")
@@ -39,12 +35,8 @@ def add_commands(add: Add) -> None:
     sub.add_argument("-o", "--output", type=Path, help="png, svg or pdf; default RESULT/plot.png")
     add_units(sub)
     sub = add("compare", _compare, "results side by side; exit code 1 where they differ")
-    sub.add_argument(
-        "words",
-        nargs="+",
-        metavar="RESULT|CHANNEL",
-        help=f"more results; {CHANNELS}; all if absent",
-    )
+    about = f"more results; {CHANNELS}; all if absent"
+    sub.add_argument("words", nargs="+", metavar="RESULT|CHANNEL", help=about)
     sub.add_argument(
         "--tolerance",
         default="1 %",

@@ -204,7 +204,7 @@ class Motion(NamedTuple):
 
 
 def backbones(
-    card: Any, motions: tuple[Motion, ...], built: dict[str, Any], scene: Any
+    motions: tuple[Motion, ...], card: Any, built: dict[str, Any], scene: Any
 ) -> dict[str, Backbone]:
     """Yield moments over plastic angles, by the fields of a card that name curves."""
     found: dict[str, Backbone] = {}
@@ -222,11 +222,11 @@ def backbones(
 
 
 def pair_backbones(
-    card: Any, motions: tuple[Motion, ...], built: dict[str, Any], scene: Any
+    motions: tuple[Motion, ...], card: Any, built: dict[str, Any], scene: Any
 ) -> dict[str, Any]:
     """The same of two motions; on one ellipse, squares of the yield moments over plastic work."""
     if card.interaction == "uncoupled":
-        return backbones(card, motions, built, scene)
+        return backbones(motions, card, built, scene)
     if card.cyclic != "isotropic":
         raise scene.fail("an ellipse hardens and softens as a whole: say isotropic", "cyclic")
     for motion in motions:
@@ -237,7 +237,7 @@ def pair_backbones(
             )
     return {
         field: over_work(found, field, scene)
-        for field, found in backbones(card, motions, built, scene).items()
+        for field, found in backbones(motions, card, built, scene).items()
     }
 
 

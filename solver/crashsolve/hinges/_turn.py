@@ -6,6 +6,7 @@ The angle is counted over any number of turns. `phi` grows with |theta_dot|, or 
 tip at some distance of the axis.
 """
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,7 @@ ROWS, ANGULAR = rows_of(CONSTRAINTS)
 TANGENTS = 1
 COUNTS_TURNS = True
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),)
+curves = partial(backbones, MOTIONS)
 PARAMETERS = FRAME + LAW + Record("tip  m or 1  speed of the factor over the rate")
 HISTORY = PATH
 OUTPUT = COMMON + Record("""
@@ -50,11 +52,6 @@ OUTPUT = COMMON + Record("""
     plastic_angle   rad    sum of plastic turns in both directions
     residual_angle  rad    that would be left without moment
 """)
-
-
-def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
-    """Backbones by field."""
-    return backbones(card, MOTIONS, built, scene)
 
 
 def build(card: Any, scene: Any) -> dict[str, Any]:

@@ -9,6 +9,7 @@ the way m V_0^2 / 2 P_s.
 References: Ambrosio (2003), Eq. 7 and Fig. 3.
 """
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ CONSTRAINTS, FREE = prismatic.CONSTRAINTS, prismatic.FREE
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
 TANGENTS = 1
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_stroke", "failure_stroke"),)
+curves = partial(backbones, MOTIONS)
 
 
 class Axial(HingeCard):
@@ -60,11 +62,6 @@ OUTPUT = COMMON + Record("""
     plastic_stroke   m    sum of plastic ways in both directions
     residual_stroke  m    that would be left without force
 """)
-
-
-def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
-    """Backbones by field."""
-    return backbones(card, MOTIONS, built, scene)
 
 
 def build(card: Axial, scene: Any) -> dict[str, Any]:

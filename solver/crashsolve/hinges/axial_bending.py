@@ -10,6 +10,7 @@ References: Ambrosio (2003), Eq. 6-7 and Fig. 3; Powell and Chen (1986), ASCE J.
 627-641.
 """
 
+from functools import partial
 from math import sqrt
 from typing import Any
 
@@ -41,6 +42,7 @@ MOTIONS = (
     Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),
     Motion("axial_curve", "axial_negative", "axial_stiffness", "initial_stroke", "failure_stroke"),
 )
+curves = partial(pair_backbones, MOTIONS)
 
 
 class AxialBending(PairCard):
@@ -94,11 +96,6 @@ OUTPUT = COMMON + Record("""
     plastic_stroke   m      sum of plastic ways in both directions
     residual_stroke  m      that would be left without moment and force
 """)
-
-
-def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
-    """Backbones by field; on an ellipse, squares of yield moment and force over work."""
-    return pair_backbones(card, MOTIONS, built, scene)
 
 
 def build(card: AxialBending, scene: Any) -> dict[str, Any]:

@@ -14,6 +14,7 @@ in every configuration.
 References: Ambrosio (2003), Fig. 3; Bauchau and Trainelli (2003), Nonlinear Dynamics 32, 71-92.
 """
 
+from functools import partial
 from math import sqrt
 from typing import Any
 
@@ -46,6 +47,7 @@ MOTIONS = (
     Motion("curve", "", "stiffness", "initial_angles", "failure_angle"),
     Motion("second_curve", "", "second_stiffness", "initial_angles", ""),
 )
+curves = partial(pair_backbones, MOTIONS)
 
 
 class Biaxial(PairCard):
@@ -93,11 +95,6 @@ OUTPUT = COMMON + Record("""
     plastic_angle   rad    2  sum of plastic turns in both directions
     residual_angle  rad    2  that would be left without moment
 """)
-
-
-def curves(card: Any, built: dict[str, Any], scene: Any) -> dict[str, Any]:
-    """Backbones by field; on an ellipse, squares of yield moments over work."""
-    return pair_backbones(card, MOTIONS, built, scene)
 
 
 def build(card: Biaxial, scene: Any) -> dict[str, Any]:
