@@ -1,4 +1,4 @@
-"""Claim: many pairs in pieces act as pairs one by one, with the same bits for any number of threads."""
+"""Claim: many pairs in pieces act as pairs one by one, to the same bits on one thread or more."""
 
 import shutil
 import signal
@@ -219,9 +219,7 @@ def test_every_pair_is_in_one_piece_of_its_card_and_every_load_on_one_body() -> 
     group = group_of(cards, nodes)
     pieces.cut(group)
     pairs = [
-        (k, piece["card"])
-        for piece in group.pieces
-        for k in range(piece["first"], piece["end"])
+        (k, piece["card"]) for piece in group.pieces for k in range(piece["first"], piece["end"])
     ]
     assert pairs == list(enumerate(cards))
     assert (group.pieces["end"] - group.pieces["first"] <= pieces.PAIRS).all()

@@ -42,7 +42,8 @@ from crashsolve.model.partition import cut
 from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
-    from crashsolve.deck.reading.deck import Deck, Entry
+    from crashsolve.deck.reading.deck import Deck
+    from crashsolve.deck.reading.items import Entry
 
 # every law that stores or loses energy has these beside its own columns
 FORCE_HISTORY = Record("""

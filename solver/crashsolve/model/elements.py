@@ -13,7 +13,8 @@ from crashsolve.model.model import Elements, Group, Model
 from crashsolve.parts.shells.section_cut import CUT, TAP
 
 if TYPE_CHECKING:
-    from crashsolve.deck.reading.deck import Deck, Entry
+    from crashsolve.deck.reading.deck import Deck
+    from crashsolve.deck.reading.items import Entry
     from crashsolve.model.scene import Scene
 
 

@@ -15,7 +15,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.materials import GeneralLaw, VonMisesLaw
 
 if TYPE_CHECKING:
-    from crashsolve.deck.reading.deck import Entry
+    from crashsolve.deck.reading.items import Entry
     from crashsolve.model.scene import Scene
 
 

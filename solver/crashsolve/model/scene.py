@@ -24,7 +24,8 @@ from crashsolve.model.checks.finite import BEYOND, BEYOND_NUMBERS
 from crashsolve.model.checks.mesh_check import faults
 
 if TYPE_CHECKING:
-    from crashsolve.deck.reading.deck import Deck, Entry
+    from crashsolve.deck.reading.deck import Deck
+    from crashsolve.deck.reading.items import Entry
 
 Vector = np.ndarray
 # velocities of a node and of its place on a body that differ by less than this share are the same

@@ -15,7 +15,8 @@ from typing import Any, NamedTuple, get_args
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.fields import deck_words, declared
-from crashsolve.deck.reading.deck import Deck, Entry
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.deck.reading.items import Entry
 from crashsolve.deck.run_cards.control import Control
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.build import build

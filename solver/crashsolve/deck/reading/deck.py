@@ -20,16 +20,18 @@ from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.reading.files import Files
 from crashsolve.deck.reading.idle import Unused, idle, unread, unused
-from crashsolve.deck.reading.items import Item, items_of
-from crashsolve.deck.reading.overrides import place_given, set_fields
+from crashsolve.deck.reading.items import Entry, Item, items_of
+from crashsolve.deck.reading.overrides import set_fields
 from crashsolve.deck.reading.parameters import Parameters
+from crashsolve.deck.reading.parts import joints_of_parts, part_nodes
+from crashsolve.deck.reading.places import placed
 from crashsolve.deck.reading.size import excess
 from crashsolve.deck.run_cards.control import Control, cores_given
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.output import Output
 from crashsolve.deck.run_cards.units import Units
 from crashsolve.deck.run_cards.watch import Watch
-from crashsolve.deck.source import BROKEN, Position, Table, locate
+from crashsolve.deck.source import BROKEN, Position, Table
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 AnyCard = TypeVar("AnyCard", bound=Card)
@@ -42,18 +44,6 @@ UNSHARED = Mistake(
 )
 # units of x and y of a curve
 Axes = tuple[str, str]
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A named card of the deck, the module of its law, and where it stands."""
-
-    name: str
-    type: str
-    module_name: str
-    card: Any
-    where: Position
-    item: Item
 
 
 @dataclass(frozen=True)
@@ -97,7 +87,7 @@ class Deck:
 
     def unshared(self) -> DeckError:
         """That threads have nothing to share."""
-        return _placed(self.control_item, UNSHARED)
+        return placed(self.control_item, UNSHARED)
 
     def expectations(self) -> list[dict[str, Any]]:
         """The expect cards as plain data with their lines, as the results keep them."""
@@ -108,7 +98,7 @@ class Deck:
         """A mistake found after reading, at a field such as "normal.stiffness" or "points.3"."""
         steps = field.split(".") if field else ()
         path = tuple(int(step) if step.isdecimal() else step for step in steps)
-        return _placed(entry.item, Mistake(path, message, advice))
+        return placed(entry.item, Mistake(path, message, advice))
 
 
 def read_deck(
@@ -352,7 +342,7 @@ class _Reader:
         return self.parameters.substitute(value, item.title, item.at)
 
     def refuse(self, item: Item, mistake: Mistake) -> None:
-        self.mistakes.append(_placed(item, mistake))
+        self.mistakes.append(placed(item, mistake))
 
     def check_names(self, item: Item, names: Iterable[tuple[tuple[str | int, ...], Name]]) -> None:
         """Report the names in a card that nothing in the deck bears."""
@@ -399,55 +389,10 @@ def _names_written(kind: type[Card], value: Any) -> Iterator[tuple[tuple[str | i
                 yield (word, i) if isinstance(given, list) else (word,), Reference(keyword)(text)
 
 
-def part_nodes(
-    parts: Mapping[str, Entry], bodies: Mapping[str, Item], mistakes: list[DeckError]
-) -> list[str]:
-    """Names of the nodes of all parts; one that a body has as well goes to `mistakes`."""
-    names: list[str] = []
-    for part in parts.values():
-        own = part.card.node_names(part.name)
-        for name in sorted(set(own) & (set(bodies) | set(names))):
-            owner = "a body" if name in bodies else "a node of another part"
-            message = f"its node '{name}' has the name of {owner}"
-            mistakes.append(_placed(part.item, Mistake((), message, "rename one of them")))
-        names += own
-    return names
-
-
-def joints_of_parts(
-    entries: Mapping[str, dict[str, Entry]], mistakes: list[DeckError]
-) -> dict[str, Entry]:
-    """Joints that parts bring; one whose name a joint of the deck has goes to `mistakes`."""
-    found: dict[str, Entry] = {}
-    for part in entries["parts"].values():
-        own = part.card.joints(part.name) if hasattr(part.card, "joints") else {}
-        for name, (word, fields) in own.items():
-            if name in entries["joints"]:
-                message = f"its joint '{name}' has the name of another"
-                mistakes.append(_placed(part.item, Mistake((), message, "rename one of them")))
-            kind = law_class("joints", word)
-            card = kind.model_validate(fields)
-            found[name] = Entry(name, word, kind.__module__, card, part.where, part.item)
-    return found
-
-
 def _may_share(entries: dict[str, dict[str, Entry]]) -> bool:
     """Whether there are contacts, or parts that keep their elements in blocks."""
     parts = (import_module(e.module_name) for e in entries["parts"].values())
     return bool(entries["contacts"]) or any(hasattr(part, "KINDS") for part in parts)
-
-
-def _placed(item: Item, mistake: Mistake) -> DeckError:
-    """A mistake of a card with its place in the deck."""
-    path = mistake.path
-    place: tuple[str, int | None, int | None] = locate(item.where, item.value, path, mistake.key)
-    given = place_given(item, path, mistake.key)
-    if given:
-        place = given, None, None
-    below = path[:-1] if mistake.key or path[-1:] == ("type",) else path
-    field = ".".join(step for step in below if isinstance(step, str))
-    message = f"{field}: {mistake.message}" if field else mistake.message
-    return DeckError(*place, item.title, message, mistake.advice)
 
 
 def _names(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Name]]:

@@ -1,6 +1,7 @@
 """What the files of a deck define: items under keywords, each with its places."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -110,3 +111,15 @@ def _listed(
         return
     for i, part in enumerate(value):
         yield Item(keyword, "", part, value.place(i), value.place(i), file)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A named card of the deck, the module of its law, and where it stands."""
+
+    name: str
+    type: str
+    module_name: str
+    card: Any
+    where: Position
+    item: Item

@@ -31,7 +31,8 @@ from crashsolve.model.materials import refuse_unlike
 from crashsolve.model.scene import IMPLICIT, Scene
 
 if TYPE_CHECKING:
-    from crashsolve.deck.reading.deck import Deck, Entry
+    from crashsolve.deck.reading.deck import Deck
+    from crashsolve.deck.reading.items import Entry
 
 NARROW = "crashsolve.contact.narrow"
 SHAPE = "crashsolve.contact.shape"

@@ -31,7 +31,7 @@ from crashsolve.model.partition import PIECES
 from crashsolve.model.scene import IMPLICIT
 
 if TYPE_CHECKING:
-    from crashsolve.deck.reading.deck import Entry
+    from crashsolve.deck.reading.items import Entry
     from crashsolve.model.scene import Scene
 
 # lists of near faces: their margin over the mean radius of a face, and the faces of a probe that
