@@ -30,13 +30,14 @@ def is_near(count, share, worst, previous, enough, control, stages, speed):
     model's size and speed.
     """
     left = worst * share / (1.0 - share)
+    way = way_of_step(stages, control.length, speed)
+    # as good as it gets: what is left is about as much as the last correction
+    stalls = worst >= previous and (count > PATIENCE or worst <= FLOOR * way)
+    if stalls:
+        left = worst
     if not left <= CARE * control.tolerance:
         return False
-    way = way_of_step(stages, control.length, speed)
-    if left <= max(enough, ROUND_OFF * way):
-        return True
-    # as good as it gets
-    if worst >= previous and (count > PATIENCE or worst <= FLOOR * way):
+    if stalls or left <= max(enough, ROUND_OFF * way):
         return True
     return count == PASSES - 1 and (control.fixed_step == 0.0 or left <= FLOOR * way)
 
