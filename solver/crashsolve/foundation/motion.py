@@ -4,6 +4,8 @@
 f there adds f to the body's force and d x f to its torque about the mass centre.
 """
 
+from typing import Any, NamedTuple
+
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
@@ -101,9 +103,20 @@ def twist(p, nodes, torque, g, stiffness, damping):
     stiffen(b, spin_mobility(b, g), stiffness, damping)
 
 
+class Line(NamedTuple):
+    """The line from a point of a to one of b, along which a spring acts."""
+
+    u: Any  # unit vector
+    length: float  # [m]
+    rate: float  # of the length [m/s]
+    d_a: Any  # arms of both points [m]
+    d_b: Any
+
+
 @kernel
-def line_tangent(row, a, b, u, length, d_a, d_b, stiffness, damping):
-    """Tangent of a force along the line u from d_a on a to d_b on b. Writes: row."""
+def line_tangent(row, a, b, line, stiffness, damping):
+    """Tangent of a force along the line from a to b. Writes: row."""
+    u, length, _, d_a, d_b = line
     v = sub(point_velocity(b, d_b), point_velocity(a, d_a))
     turning = scale(1.0 / length, sub(v, scale(dot(u, v), u))) if length > 0.0 else (0.0, 0.0, 0.0)
     point_tangent(row, u, d_a, d_b, stiffness, damping)

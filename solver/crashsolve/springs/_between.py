@@ -7,6 +7,7 @@ import numpy as np
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
+    Line,
     apply_force,
     arm,
     mobility,
@@ -54,15 +55,15 @@ def rest_length(card: Any, scene: Any, ends: dict[str, Any]) -> float:
 
 @kernel
 def line_of_action(p, nodes):
-    """Unit vector from a to b, distance [m], its rate [m/s], and the arms of both ends [m]."""
+    """The Line (foundation/motion.py) between both attachments; one of no length is along x."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)
     length = norm(x)
     if length < SHORTEST:
-        return (1.0, 0.0, 0.0), length, 0.0, d_a, d_b
+        return Line((1.0, 0.0, 0.0), length, 0.0, d_a, d_b)
     u = scale(1.0 / length, x)
-    return u, length, dot(u, x_dot), d_a, d_b
+    return Line(u, length, dot(u, x_dot), d_a, d_b)
 
 
 @kernel

@@ -77,10 +77,10 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
-    u, length, rate, d_a, d_b = line_of_action(p, nodes)
-    stiffness, damping = _resistance.resist_tangent(p, state, length - p.length, rate, curves)
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, damping)
+    line = line_of_action(p, nodes)
+    x, rate = line.length - p.length, line.rate
+    stiffness, damping = _resistance.resist_tangent(p, state, x, rate, curves)
+    line_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], line, stiffness, damping)
 
 
 turn_force = turn_line

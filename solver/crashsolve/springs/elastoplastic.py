@@ -105,16 +105,15 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
-    u, length, rate, d_a, d_b = line_of_action(p, nodes)
-    x, hardening = length - p.length, p.isotropic + p.kinematic
+    line = line_of_action(p, nodes)
+    x, hardening = line.length - p.length, p.isotropic + p.kinematic
     trial = p.stiffness * (x - state.plastic) - p.kinematic * state.plastic
     stiffness = p.stiffness
     # at yield but for round-off, and not on the way back
     at_yield = p.yield_force + p.isotropic * state.flow
-    if abs(trial) >= (1.0 - 1e-12) * at_yield and trial * rate > 0.0:
+    if abs(trial) >= (1.0 - 1e-12) * at_yield and trial * line.rate > 0.0:
         stiffness *= hardening / (p.stiffness + hardening)
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    line_tangent(rows[first], a, b, u, length, d_a, d_b, stiffness, 0.0)
+    line_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], line, stiffness, 0.0)
 
 
 turn_force = turn_line

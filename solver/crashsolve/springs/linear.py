@@ -59,9 +59,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
-    u, length, _, d_a, d_b = line_of_action(p, nodes)
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    line_tangent(rows[first], a, b, u, length, d_a, d_b, p.stiffness, p.damping)
+    a, b, line = nodes[p.node_a], nodes[p.node_b], line_of_action(p, nodes)
+    line_tangent(rows[first], a, b, line, p.stiffness, p.damping)
 
 
 turn_force = turn_line
