@@ -91,6 +91,16 @@ class Group:
         leaves = (kind.__name__.rpartition(".")[2] for kind in self.kinds)
         return tuple(self._beside(f"{self.module.SLOPES}.{leaf}") for leaf in leaves)
 
+    @property
+    def blocks(self) -> Any:
+        """Module that takes elements of any kind block by block."""
+        return self._beside(f"{self.module.KERNELS}.blocks")
+
+    @property
+    def slopes(self) -> Any:
+        """The same for their tangents."""
+        return self._beside(f"{self.module.SLOPES}.blocks")
+
     def _beside(self, name: str) -> Any:
         """A module in the folder of the group's own."""
         return import_module(f"{self.module.__name__.rpartition('.')[0]}.{name}")

@@ -234,7 +234,7 @@ def deform_part(group, p, clock, h, scene):
     for number, material in group.materials:
         if p.law == number:
             for kind in group.kinds:
-                kind.deform(p, clock, h, scene, material)
+                group.blocks.deform(kind, p, clock, h, scene, material)
 
 
 @kernel

@@ -66,7 +66,7 @@ def stiffen_elements(h, nodes, matrix, scene):
             for number, material in group.materials:
                 if p[i].law == number:
                     for kind in group.tangent_kinds:
-                        kind.tangent(p[i], h, scene, matrix, material)
+                        group.slopes.tangent(kind, p[i], h, scene, matrix, material)
 
 
 @kernel
