@@ -14,14 +14,18 @@ from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.constraints import scatter_trial, velocity_residual
-from crashsolve.system.implicit.collocation import correction_size, keep_spin_rates, solve_stage
-from crashsolve.system.implicit.compliance import factor_compliant, linearise
-from crashsolve.system.implicit.generalized_alpha import (
-    alpha_weights,
+from crashsolve.system.implicit.collocation import correction_size, keep_spin_rates
+from crashsolve.system.implicit.compliance import (
     answer_rows,
-    ask_positions,
     ask_rates,
     close_at_end,
+    factor_compliant,
+    linearise,
+    solve_stage,
+)
+from crashsolve.system.implicit.generalized_alpha import (
+    alpha_weights,
+    ask_positions,
     guess_end,
     improve_accelerations,
     miss_estimate,
@@ -29,7 +33,13 @@ from crashsolve.system.implicit.generalized_alpha import (
     open_accelerations,
     stand_at_end,
 )
-from crashsolve.system.implicit.iteration import PASSES, PATIENCE, enough_beside, is_near
+from crashsolve.system.implicit.iteration import (
+    PASSES,
+    enough_beside,
+    goes_astray,
+    is_near,
+    note_pass,
+)
 from crashsolve.system.implicit.stages import keep_outside, keep_rates
 from crashsolve.system.kinetics import clear_forces, take_late
 from crashsolve.system.loops.elements import keep_elements
@@ -101,13 +111,9 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         if JOINTS:
             ask_positions(rows, compliant)
             worst += close_at_end(scene.stages, compliant, factor, control.length)
-        clock.iterations += 1
-        clock.passes = count + 1
-        share = min(max(worst / previous, SHARE), 0.9)
-        if is_near(count, share, worst, previous, enough, control, scene.stages, speed):
-            converged = True
-            break
-        if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):
+        share = note_pass(clock, count, worst, previous, SHARE)
+        converged = is_near(count, share, worst, previous, enough, control, scene.stages, speed)
+        if converged or goes_astray(count, worst, previous):
             break
         previous = worst
     stand_at_end(nodes, scene.stages, weights, h, ratio)

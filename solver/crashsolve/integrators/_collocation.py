@@ -21,12 +21,17 @@ from crashsolve.system.implicit.collocation import (
     keep_past,
     keep_spin_rates,
     miss,
-    solve_stage,
     stand,
     weigh_estimate,
 )
-from crashsolve.system.implicit.compliance import factor_compliant, linearise
-from crashsolve.system.implicit.iteration import PASSES, PATIENCE, enough_beside, is_near
+from crashsolve.system.implicit.compliance import factor_compliant, linearise, solve_stage
+from crashsolve.system.implicit.iteration import (
+    PASSES,
+    enough_beside,
+    goes_astray,
+    is_near,
+    note_pass,
+)
 from crashsolve.system.implicit.stages import keep_rates
 from crashsolve.system.loops.elements import keep_elements
 from crashsolve.system.loops.tangents import bend, tangents
@@ -65,13 +70,9 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
     for count in range(PASSES):
         visit_stages(h, count == 0 and not kept, clock, nodes, rows, saddle, curves, scene)
         worst = correct_stages(h, speed, control, nodes, rows, scene)
-        clock.iterations += 1
-        clock.passes = count + 1
-        share = min(max(worst / previous, SHARE), 0.9)
-        if is_near(count, share, worst, previous, enough, control, scene.stages, speed):
-            converged = True
-            break
-        if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):
+        share = note_pass(clock, count, worst, previous, SHARE)
+        converged = is_near(count, share, worst, previous, enough, control, scene.stages, speed)
+        if converged or goes_astray(count, worst, previous):
             break
         previous = worst
         # beams bend far within a step: tangents of a guess do not serve
