@@ -59,11 +59,10 @@ def take_step(until, clock, nodes, rows, saddle, scene):
     save(nodes)
     open_step(clock, nodes, rows, scene)
     taken = take(h, clock, nodes, rows, saddle, scene)
-    time = until if is_last and taken == h else clock.time + taken
     if clock.status == RUNNING:
         add_outside(clock, scene.stages, scene.A, STAGES - 1, taken)
         add_kick(clock, 1.0)
-    return time, taken
+    return (until if is_last and taken == h else clock.time + taken), taken
 
 
 @stage

@@ -98,11 +98,12 @@ def project(time, clock, nodes, rows, saddle, scene):
     # per second, in the model's size; fast models have larger numbers to round
     limit = control.constraint_tolerance + UNSEEN * control.tolerance
     limit *= max(1.0, clock.fastest / control.length)
-    if not worst <= limit + spin_round_off(nodes):
+    is_held = worst <= limit + spin_round_off(nodes)
+    if is_held:
+        clock.rate_residual = max(clock.rate_residual, worst)
+    else:
         clock.fault = VELOCITY
-        return False
-    clock.rate_residual = max(clock.rate_residual, worst)
-    return True
+    return is_held
 
 
 @kernel

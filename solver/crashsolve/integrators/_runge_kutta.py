@@ -98,11 +98,10 @@ def take_step(until, clock, nodes, rows, saddle, scene):
     save(nodes)
     keep_rates(nodes, rows, scene.stages, 0)
     taken = take(h, clock, nodes, rows, saddle, scene)
-    time = clock.goal if is_last and taken == h else clock.time + taken
     if clock.status == RUNNING:
         add_outside(clock, scene.stages, scene.A, STAGES - 1, taken)
         add_kick(clock, 1.0)
-    return time, taken
+    return (clock.goal if is_last and taken == h else clock.time + taken), taken
 
 
 @stage

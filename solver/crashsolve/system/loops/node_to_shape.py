@@ -98,7 +98,7 @@ def press_on_shape(group, clock, h, touch, seen, nodes, curves, scene):
     way = work.way_over_body(p, probe, hit, False, x, body, h, nodes, points)
     if group.friction:
         pressing = Pressing(f, mass, way)
-        friction_on_shape(group, clock, h, touch, pressing, nodes, curves, scene)
+        friction_on_shape(group, clock, h, touch, pressing, nodes, scene)
     node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
     node_contact.push_body(body, x, f, k, c, hit, mob)
     node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))

@@ -114,7 +114,7 @@ def press_on_face(group, clock, h, touch, nodes, curves, scene):
         projection.let_go(h, totals, old, stored, group.gone)
     if group.friction:
         pressing = Pressing(f, mass, way)
-        friction_on_face(group, clock, h, touch, pressing, nodes, curves, scene)
+        friction_on_face(group, clock, h, touch, pressing, nodes, scene)
     node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
     projection.push_face(p, hit, f, k, c, scene)
     node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))
