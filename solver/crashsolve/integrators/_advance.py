@@ -5,7 +5,7 @@ The same for every method; what a step and a sample are is said by its stepper (
 """
 
 from crashsolve.foundation.kernels import entry
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.integrators.rattle import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING
 from crashsolve.system.energy import check

@@ -9,7 +9,7 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED

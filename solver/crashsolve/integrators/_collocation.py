@@ -10,7 +10,7 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED

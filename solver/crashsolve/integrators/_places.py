@@ -9,7 +9,7 @@ Reference: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projectio
 from math import sqrt
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.saddle import REDUNDANT, solve_rows
+from crashsolve.foundation.sparse.saddle import REDUNDANT, solve_rows
 from crashsolve.model.clock import POSITION, VELOCITY
 from crashsolve.system.constraints import (
     acceleration_right_side,

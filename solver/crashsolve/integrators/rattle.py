@@ -12,7 +12,7 @@ Geometric Numerical Integration, VII.1.4.
 """
 
 from crashsolve.foundation.kernels import stage
-from crashsolve.foundation.saddle import solve_rows
+from crashsolve.foundation.sparse.saddle import solve_rows
 from crashsolve.model.clock import (
     POSITION,
     RUNNING,

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from crashsolve.deck.roles import BasicConstraint, FibreLaw, StepLaw
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.model import ledger
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.tables import present_tables

@@ -9,7 +9,7 @@ Eq. 5 prints the opposite sign of lambda).
 
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import inlined, kernel
-from crashsolve.foundation.saddle import factorise
+from crashsolve.foundation.sparse.saddle import factorise
 from crashsolve.foundation.vec3 import add_scaled, dot, put, scale, vec
 from crashsolve.system.kinetics import accelerations
 

@@ -17,9 +17,9 @@ Reference: Crisfield (1990), Computer Methods in Applied Mechanics and Engineeri
 
 from math import cos, sin, sqrt, tan
 
-from crashsolve.foundation.bordered import resist_far, resist_own
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.sparse.bordered import resist_far, resist_own
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, scale, sub, vec
 from crashsolve.parts.beams.bowing import change_of_slopes
 from crashsolve.parts.beams.corotational import half_angle_over_sine, turned_rate

@@ -18,7 +18,7 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.saddle import assemble, eliminate, solve_rows
+from crashsolve.foundation.sparse.saddle import assemble, eliminate, solve_rows
 from crashsolve.foundation.vec3 import norm, put, scale, vec
 from crashsolve.system.constraints import weigh
 from crashsolve.system.implicit.stages import add_column, along_row, turned_by, turning_of

@@ -13,10 +13,10 @@ same corrections as by rows.
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
 
-from crashsolve.foundation.bordered import assemble, factorise, solve
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rotation import write_world_tensor
+from crashsolve.foundation.sparse.bordered import assemble, factorise, solve
 from crashsolve.foundation.vec3 import norm, put, scale, sub, vec
 from crashsolve.system.implicit.compliance import lean
 from crashsolve.system.implicit.stages import along_row, turned_by, turning_of

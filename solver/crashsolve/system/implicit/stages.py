@@ -15,7 +15,7 @@ from math import sqrt
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.rotation import rotate_by_cayley, write_matrix
-from crashsolve.foundation.saddle import solve_rows
+from crashsolve.foundation.sparse.saddle import solve_rows
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.constraints import clear_joint_forces, driver_power
 

@@ -10,9 +10,9 @@ from crashsolve.system.contact import (
     work,
 )
 from crashsolve.system.contact.pair import Pressing, Touch
-from crashsolve.system.loops.looks import look_at_faces
+from crashsolve.system.loops.nodal.looks import look_at_faces
+from crashsolve.system.loops.nodal.surface_friction import friction_on_face
 from crashsolve.system.loops.pieces import find_fastest, share_looks
-from crashsolve.system.loops.surface_friction import friction_on_face
 from crashsolve.system.placeholders import THREADS
 
 

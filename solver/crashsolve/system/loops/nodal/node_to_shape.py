@@ -3,9 +3,9 @@
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import node_contact, passing, surface_friction, touches, work
 from crashsolve.system.contact.pair import Pressing, Seen, Touch
-from crashsolve.system.loops.looks import look_at_shapes
+from crashsolve.system.loops.nodal.looks import look_at_shapes
+from crashsolve.system.loops.nodal.surface_friction import friction_on_shape
 from crashsolve.system.loops.pieces import find_fastest, share_looks
-from crashsolve.system.loops.surface_friction import friction_on_shape
 from crashsolve.system.placeholders import THREADS
 
 
