@@ -1,5 +1,6 @@
 """Nodes of shells, balls and ellipsoids on the faces of a shell: the probes of one group."""
 
+from crashsolve.contact.cells import Near
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import (
     ellipsoids,
@@ -26,7 +27,7 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
     spared = (group.spared_first, group.spared)
     if THREADS:
         find_fastest(p, clock, h, scene)
-    projection.open_faces(h, p, totals, probes, nodes, scene, grid, lists, spared)
+    projection.open_faces(h, p, totals, probes, nodes, scene, Near(grid, lists, spared))
     if group.can_fail:
         projection.bury(p, scene.lanes, group.gone)
     if THREADS:
