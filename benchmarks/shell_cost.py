@@ -26,6 +26,7 @@ from crashsolve.compiler.table import Tables
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.point import LANES, POINT
 from crashsolve.model.build import build
+from crashsolve.parts.shells.elements import blocks
 from crashsolve.system.engine import Engine
 
 DECK = """
@@ -51,12 +52,13 @@ output: {{history: {{interval: {end}}}}}
 BARE = """
 from crashsolve.foundation.kernels import entry
 from crashsolve.materials import {law}
-from crashsolve.parts.shells.elements.{kind} import deform
+from crashsolve.parts.shells.elements import {kind}
+from crashsolve.parts.shells.elements.blocks import deform
 
 @entry
 def advance(h, flag, scene):
     for _ in range(scene.cycles[0]):
-        deform(scene.p[0], scene.clock[0], h, scene, {law})
+        deform({kind}, scene.p[0], scene.clock[0], h, scene, {law})
 """
 # of which the fastest counts, a few hundredths of a second each
 RUNS = 50
@@ -149,7 +151,7 @@ def flops(folder: Path, element: str, material: str) -> float:
     p, clock = group.parameters.view(np.recarray)[0], state.clock.view(np.recarray)[0]
     (kind, pieces), law = KINDS[element], group.materials[0][1]
     kernels = import_module(f"crashsolve.parts.shells.elements.{kind}")
-    kernels.deform(p, clock, 1.0, scene, law)
+    blocks.deform(kernels, p, clock, 1.0, scene, law)
     return Counted.count / (16 * pieces)
 
 

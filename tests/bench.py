@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.foundation.bordered import BLOCK, PLACE
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.sparse.bordered import BLOCK, PLACE
 from crashsolve.model.build import build
 from crashsolve.model.nodes import NODE, ROW
 

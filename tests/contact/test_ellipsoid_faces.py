@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from crashsolve.contact.cells import corner_points
+from crashsolve.contact.cells import Near, corner_points
 from crashsolve.contact.narrow import _ellipsoid_face, _face, sphere_ellipsoid
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.rows import as_rows
@@ -137,7 +137,7 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
     node_contact.open_loads(g)
     projection.open_faces(
         *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
-        *((g.cells, g.starts, g.sorted), lists, (g.spared_first, g.spared)),
+        Near((g.cells, g.starts, g.sorted), lists, (g.spared_first, g.spared)),
     )
     ellipsoids.look(
         *(
@@ -146,11 +146,9 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
             g.totals[0],
             g.ellipsoids[0],
             g.nodes,
-            g.probe_states,
-            g.turns,
+            projection.Sides(g.probe_states, g.turns, g.found[0]),
             mesh,
             lists,
-            g.found[0],
         ),
     )
     if is_smooth:

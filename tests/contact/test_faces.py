@@ -10,7 +10,7 @@ import yaml
 from command import crashsolve, gone_on
 
 from crashpost.results.result import Result
-from crashsolve.contact.cells import corner_points
+from crashsolve.contact.cells import Near, corner_points
 from crashsolve.contact.narrow import _face
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
@@ -140,8 +140,8 @@ class Bench:
     def search(self, g: Any) -> None:
         node_contact.open_loads(g)
         projection.open_faces(
-            *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g, g.grid, g.lists),
-            (g.spared_first, g.spared),
+            *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
+            Near(g.grid, g.lists, (g.spared_first, g.spared)),
         )
 
     def look(self, x: Any, h: float = 1.0, is_smooth: bool = False) -> Any:
@@ -151,9 +151,8 @@ class Bench:
         g.due[:] = 0.0
         self.search(g)
         place = tuple(map(float, x))
-        projection.look(
-            0, place, g.p[0], g.totals[0], g.probe_states, g.turns, g.mesh, g.lists, g.found[0]
-        )
+        sides = projection.Sides(g.probe_states, g.turns, g.found[0])
+        projection.look(0, place, g.p[0], g.totals[0], sides, g.mesh, g.lists)
         if is_smooth:
             spared = (g.spared_first, g.spared)
             normals.smoothen(0, place, None, g.p[0], g.mesh, spared, g.found[0])

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crashsolve.foundation.bordered import assemble, factorise, plan, solve
 from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.sparse.bordered import assemble, factorise, plan, solve
 from crashsolve.model.nodes import COMPLIANT
 
 # a strip of elements between nodes, the ground 0; a rod, a gear of two parts, and three springs

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.rows import as_rows
-from crashsolve.foundation.saddle import factorise, plan, solve_rows
+from crashsolve.foundation.sparse.saddle import factorise, plan, solve_rows
 from crashsolve.model.nodes import ROW
 
 Block = tuple[int, tuple[int, ...]]

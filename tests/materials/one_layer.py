@@ -104,8 +104,10 @@ class Layers:
         """Derivatives (lanes, 4, 3) of the stress and of the strain across, by d; not a step."""
         kept, seen = self.blocks.copy(), np.zeros(POINT_ROWS * LANES)
         self.strained(d)
-        scene = (self.p, self.curves, self.law)
-        layers_and_tangent(self.blocks, kept, self.first, self.work, seen, 0, h, *scene)
+        scene = SimpleNamespace(
+            lanes=self.blocks, lanes_before=kept, work=self.work, seen=seen, curves=self.curves
+        )
+        layers_and_tangent(self.first, 0, h, self.p, scene, self.law)
         self.blocks[:] = kept
         table = seen.reshape(SIDE, SIDE, LANES).transpose(2, 0, 1)
         return table[:, [0, 1, 2, ACROSS_OUT], :3]

@@ -12,6 +12,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
+from crashsolve.parts.shells.elements import blocks
 from crashsolve.parts.shells.records import BLOCK, EROSION
 
 STEEL = {"type": "elastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
@@ -76,7 +77,7 @@ class Elements:
         self.clock.element_rate = 0.0
         self.points.rate, self.points.spin_rate = 0.0, 0.0
         for kind in self.kinds:
-            kind.deform(self.p, self.clock, h, self.scene, self.material)
+            blocks.deform(kind, self.p, self.clock, h, self.scene, self.material)
         return np.hstack([self.points.force, self.points.torque])
 
     def turn(self, axis: np.ndarray, about: np.ndarray, way: np.ndarray) -> np.ndarray:
@@ -92,7 +93,7 @@ class Elements:
     def energies(self) -> Any:
         self.module.energies(self.p, self.new, self.out, self.scene)
         for kind in self.kinds:
-            kind.add_energies(self.p, self.out, self.scene, self.material)
+            blocks.add_energies(kind, self.p, self.out, self.scene, self.material)
         return self.out
 
     def stiffness(self) -> np.ndarray:

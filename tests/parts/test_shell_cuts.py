@@ -9,6 +9,7 @@ from shells import KINDS, PATCH, Elements
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.rows import as_rows
 from crashsolve.parts.shells import section_cut
+from crashsolve.parts.shells.elements import blocks
 
 CUTS = [
     {"name": "across", "at": [0.1, 0, 0], "normal": [1, 0, 0]},
@@ -45,7 +46,7 @@ def measured(shell: Elements) -> np.ndarray:
     for tap in scene.taps:
         if tap.first != before:
             place = (tap.first, tap.corner, scene, shell.material)
-            kinds[int(tap.kind)].respond(shell.p, 0.0, *place)
+            blocks.respond(kinds[int(tap.kind)], shell.p, 0.0, *place)
         before = tap.first
         section_cut.add_tap(tap, scene)
     section_cut.close_cuts(scene)

@@ -18,6 +18,8 @@ from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.model.implicit.compliance import compliance
+from crashsolve.parts.shells.elements import blocks
+from crashsolve.parts.shells.tangents import blocks as slopes
 from crashsolve.system import points
 from crashsolve.system.implicit import global_matrix, stiffness
 
@@ -111,7 +113,7 @@ class Implicit:
         """As composed: forces on the points, from what the elements kept."""
         stiffness.begin_again(H, self.clock, self.scene)
         for kind in self.kinds:
-            kind.deform(self.p, self.clock, H, self.scene, self.material)
+            blocks.deform(kind, self.p, self.clock, H, self.scene, self.material)
 
     def force(self) -> np.ndarray:
         """Forces and torques (n, 6) of the elements where the bodies are."""
@@ -132,7 +134,7 @@ class Implicit:
         for kind in self.kinds:
             word = kind.__name__.rpartition(".")[2].lstrip("_")
             file = import_module(f"crashsolve.parts.shells.tangents.{word}")
-            file.tangent(self.p, H, self.scene, matrix, self.material)
+            slopes.tangent(file, self.p, H, self.scene, matrix, self.material)
         return self.matrix()
 
     def differences(self, size: float) -> np.ndarray:

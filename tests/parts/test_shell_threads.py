@@ -18,6 +18,7 @@ from crashsolve.deck.run_cards.control import CORES_GIVEN
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.model.partition import PIECES, cut
+from crashsolve.parts.shells.elements import blocks
 from crashsolve.system.compose import compose
 from crashsolve.system.threads import jobs, worker
 
@@ -257,7 +258,7 @@ def test_pieces_of_a_part_push_its_points_as_the_whole(
     for k in rng.permutation(len(rows)):
         one.clock.element_rate = 0.0
         for kind in one.kinds:
-            kind.deform(rows[k], one.clock, 1.0, scene, one.material)
+            blocks.deform(kind, rows[k], one.clock, 1.0, scene, one.material)
         scene.pieces[k].rate = one.clock.element_rate
         scene.pieces[k].element = one.clock.limit_element
     assert len(pieces.loans) > 50

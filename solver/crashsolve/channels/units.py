@@ -195,7 +195,7 @@ def symbol_unit(word: str) -> Unit:
 
 
 def split_quantity(text: str) -> tuple[float, str]:
-    """Number and unit text of "54 km/h"; the unit is empty for a bare number. Raises UnitError."""
+    """Number and unit text of "54 km/h"; "" for a bare number [1]. Raises UnitError."""
     match = _QUANTITY.fullmatch(text)
     if match is None:
         raise UnitError(f"'{text}' is not a number with a unit")

@@ -7,6 +7,7 @@ comparing all with all.
 """
 
 from math import floor, sqrt
+from typing import Any, NamedTuple
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
@@ -93,14 +94,22 @@ def sort(p, width, cells, starts, sorted_faces):
     starts[count] = p.face_count
 
 
-@kernel
-def list_near(i, x, p, way, reach, width, grid, lists, spared, total):
-    """List the faces whose bounding sphere comes within `reach` of x, those spared left out.
+class Near(NamedTuple):
+    """Tables by which the faces near each probe are known."""
 
-    Returns the length of all lists, which may be more than there is room for. Writes: lists.
+    grid: Any  # cells, starts of buckets, faces sorted by them
+    lists: Any  # first of each probe, faces near, way until each is due, that of the probe
+    spared: Any  # first of each probe, faces that it never meets
+
+
+@kernel
+def list_near(i, x, p, way, reach, width, near_faces, total):
+    """List the faces whose bounding sphere comes within `reach` [m] of x, but those spared.
+
+    Returns the length of all lists, which may be more than there is room for.
+    Writes: near_faces.lists.
     """
-    cells, starts, sorted_faces = grid
-    near, wait = lists[1], lists[2]
+    (cells, starts, sorted_faces), (_, near, wait, _), spared = near_faces
     centre = cube_of(x, width)
     for n in range(27):
         a, b, c = centre[0] + n // 9 - 1, centre[1] + n // 3 % 3 - 1, centre[2] + n % 3 - 1

@@ -6,7 +6,7 @@ import numpy as np
 
 
 def matrix(q: Any) -> np.ndarray:
-    """Rotation matrix of a unit quaternion."""
+    """Rotation matrix (3, 3) of a unit quaternion (4,), scalar first."""
     w, x, y, z = q
     return np.array(
         [
@@ -63,14 +63,17 @@ def turned_by(q: np.ndarray, q_0: np.ndarray) -> np.ndarray:
 
 
 def perpendicular(axis: np.ndarray) -> np.ndarray:
-    """A unit vector at right angles to a unit vector, from the world axis most across it."""
+    """A unit vector (3,) at right angles to one, from the world axis most across it."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
     side = np.cross(axis, helper)
     return side / np.linalg.norm(side)
 
 
 def quaternion_of(A: np.ndarray) -> np.ndarray:
-    """Unit quaternion of a rotation matrix (Shepperd 1978: from its largest component)."""
+    """Unit quaternion (4,) of a rotation matrix (3, 3).
+
+    Shepperd (1978), J. Guidance Control 1, 223-224: from its largest component.
+    """
     trace = float(np.trace(A))
     k = int(np.argmax([trace, *np.diag(A)]))
     q = np.zeros(4)
@@ -85,6 +88,6 @@ def quaternion_of(A: np.ndarray) -> np.ndarray:
 
 
 def relative(q_a: Any, q_b: Any) -> np.ndarray:
-    """Unit quaternion q_a^-1 q_b: orientation of b in axes of a."""
+    """Unit quaternion (4,) q_a^-1 q_b: orientation of b in axes of a."""
     w_a, w_b, v_a, v_b = q_a[0], q_b[0], np.asarray(q_a[1:]), np.asarray(q_b[1:])
     return np.array([w_a * w_b + v_a @ v_b, *(w_a * v_b - w_b * v_a - np.cross(v_a, v_b))])

@@ -5,7 +5,7 @@ The same for every method; what a step and a sample are is said by its stepper (
 """
 
 from crashsolve.foundation.kernels import entry
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.integrators.rattle import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING
 from crashsolve.system.energy import check
@@ -28,15 +28,15 @@ def advance(until, sampling, scene):
     while clock.status == RUNNING and (sampling or clock.time < until):
         h = 0.0
         if sampling:
-            time = prepare_sample(until, clock, control, nodes, rows, saddle, curves, scene)
+            time = prepare_sample(until, clock, nodes, rows, saddle, scene)
         else:
             if LOOKS_AHEAD and need_rebuild(clock, nodes, scene):
                 clock.status = REBUILD
                 return
-            time, h = take_step(until, clock, control, nodes, rows, saddle, curves, scene)
+            time, h = take_step(until, clock, nodes, rows, saddle, scene)
             if clock.status != RUNNING:
                 return
-        finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene)
+        finish(time, h, sampling, clock, nodes, rows, saddle, scene)
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)
             check(clock, control, nodes, ledger)

@@ -9,19 +9,23 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.constraints import scatter_trial, velocity_residual
-from crashsolve.system.implicit.collocation import correction_size, keep_spin_rates, solve_stage
-from crashsolve.system.implicit.compliance import factor_compliant, linearise
-from crashsolve.system.implicit.generalized_alpha import (
-    alpha_weights,
+from crashsolve.system.implicit.collocation import correction_size, keep_spin_rates
+from crashsolve.system.implicit.compliance import (
     answer_rows,
-    ask_positions,
     ask_rates,
     close_at_end,
+    factor_compliant,
+    linearise,
+    solve_stage,
+)
+from crashsolve.system.implicit.generalized_alpha import (
+    alpha_weights,
+    ask_positions,
     guess_end,
     improve_accelerations,
     miss_estimate,
@@ -29,7 +33,13 @@ from crashsolve.system.implicit.generalized_alpha import (
     open_accelerations,
     stand_at_end,
 )
-from crashsolve.system.implicit.iteration import PASSES, PATIENCE, enough_beside, is_near
+from crashsolve.system.implicit.iteration import (
+    PASSES,
+    enough_beside,
+    goes_astray,
+    is_near,
+    note_pass,
+)
 from crashsolve.system.implicit.stages import keep_outside, keep_rates
 from crashsolve.system.kinetics import clear_forces, take_late
 from crashsolve.system.loops.elements import keep_elements
@@ -60,13 +70,14 @@ def is_smooth(clock):
 
 
 @stage
-def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
+def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
     """The end of the step, by iteration. Returns whether that converges and the joints close.
 
     `kept`: with the factors at hand.
 
     Writes: nodes, rows, scene.stages, new histories.
     """
+    control = scene.control[0]
     weights = alpha_weights(control.spectral_radius, h)
     _, _, _, t, tt = weights
     # tangents by the acceleration of the end itself
@@ -82,17 +93,17 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         share = 0.0
     for count in range(PASSES):
         stand_at_end(nodes, scene.stages, weights, h, ratio)
-        visit_end(h, clock, nodes, rows, curves, scene)
+        visit_end(h, clock, nodes, rows, scene)
         if count == 0 and not kept:
-            tangents(clock, nodes, curves, compliant, scene)
+            tangents(clock, nodes, scene.curves, compliant, scene)
             if ASSEMBLED:
-                bend(h, clock, nodes, curves, factor, scene)
+                bend(h, clock, nodes, scene.curves, factor, scene)
             clock.factored = h
             linearise(rows, compliant, nodes, t, tt)
             factor_compliant(factor, compliant, rows.shape[0], tt, t)
         # elements bend far within a step: tangents of its start do not serve
         if ASSEMBLED and count > 0 and (share > 3.0 * SHARE or previous > 0.01):
-            renew(h, clock, nodes, rows, curves, compliant, factor, t, tt, scene)
+            renew(h, clock, nodes, compliant, factor, t, tt, scene)
         missing_accelerations(nodes, scene.stages)
         velocity_residual(rows, nodes)
         ask_rates(rows, compliant, scene.stages, t)
@@ -101,13 +112,9 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         if JOINTS:
             ask_positions(rows, compliant)
             worst += close_at_end(scene.stages, compliant, factor, control.length)
-        clock.iterations += 1
-        clock.passes = count + 1
-        share = min(max(worst / previous, SHARE), 0.9)
-        if is_near(count, share, worst, previous, enough, control, scene.stages, speed):
-            converged = True
-            break
-        if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):
+        share = note_pass(clock, count, worst, previous, SHARE)
+        converged = is_near(count, share, worst, previous, enough, control, scene.stages, speed)
+        if converged or goes_astray(count, worst, previous):
             break
         previous = worst
     stand_at_end(nodes, scene.stages, weights, h, ratio)
@@ -118,21 +125,21 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         return True
     for k in range(rows.shape[0]):
         rows[k].multiplier = rows[k].trial
-    return project(clock.time + h, clock, control, nodes, rows, saddle, curves, scene)
+    return project(clock.time + h, clock, nodes, rows, saddle, scene)
 
 
 @stage
-def visit_end(h, clock, nodes, rows, curves, scene):
+def visit_end(h, clock, nodes, rows, scene):
     """Forces and constraints at the end, with the multipliers so far. Writes: nodes, rows."""
     clock.opens, clock.closes, clock.ends = 1, 0, 1
     clock.lead, clock.share = 0.5 * h, 0.0
     clear_forces(nodes)
-    force_pass(clock, clock.time + h, h, nodes, rows, curves, scene)
+    force_pass(clock, clock.time + h, h, nodes, rows, scene.curves, scene)
     if CONTACTS:
         take_late(nodes, -1.0)
     if JOINTS:
-        residual(clock.current, clock.time + h, nodes, rows, curves, scene)
-        jacobian(clock.current, clock.time + h, nodes, rows, curves, scene)
+        residual(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
+        jacobian(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
     scatter_trial(rows, nodes)
 
 
@@ -144,14 +151,14 @@ def end_factor(scene):
 
 
 @stage
-def arrive(h, clock, nodes, rows, saddle, curves, scene):
+def arrive(h, clock, nodes, rows, saddle, scene):
     """Forces and losses at the end of the step. Writes: nodes, histories, scene.stages."""
     clock.opens = clock.closes = clock.ends = 1
     clock.lead = clock.share = 0.5 * h
-    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    evaluate(clock.time + h, h, clock, nodes, rows, saddle, scene)
     keep_outside(nodes, rows, scene.stages, 1)
     if CONTACTS:
-        begin_contacts(clock.time + h, clock, nodes, rows, saddle, curves, scene)
+        begin_contacts(clock.time + h, clock, nodes, rows, saddle, scene)
 
 
 @stage

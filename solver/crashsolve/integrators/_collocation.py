@@ -10,7 +10,7 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.integrators._places import begin_contacts, evaluate, project
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED
@@ -21,12 +21,17 @@ from crashsolve.system.implicit.collocation import (
     keep_past,
     keep_spin_rates,
     miss,
-    solve_stage,
     stand,
     weigh_estimate,
 )
-from crashsolve.system.implicit.compliance import factor_compliant, linearise
-from crashsolve.system.implicit.iteration import PASSES, PATIENCE, enough_beside, is_near
+from crashsolve.system.implicit.compliance import factor_compliant, linearise, solve_stage
+from crashsolve.system.implicit.iteration import (
+    PASSES,
+    enough_beside,
+    goes_astray,
+    is_near,
+    note_pass,
+)
 from crashsolve.system.implicit.stages import keep_rates
 from crashsolve.system.loops.elements import keep_elements
 from crashsolve.system.loops.tangents import bend, tangents
@@ -49,7 +54,7 @@ def open_step(clock, nodes, rows, scene):
 
 
 @stage
-def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
+def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
     """All stages, by iteration. Returns whether they converge and the joints can be closed.
 
     `kept`: with the factors at hand.
@@ -57,21 +62,18 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
     Writes: nodes, rows, scene.stages, new histories.
     """
     # accelerations jump with contacts
+    control = scene.control[0]
     ratio = h / clock.step if clock.step > 0.0 and clock.kinked == 0 else 0.0
     guess(nodes, scene.stages, scene.A, scene.C, h, ratio if ratio < FAR else 0.0)
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     previous, converged = 1e300, False
     enough = enough_beside(h, clock, control, ORDER, ESTIMATE)
     for count in range(PASSES):
-        visit_stages(h, count == 0 and not kept, clock, nodes, rows, saddle, curves, scene)
-        worst = correct_stages(h, speed, control, nodes, rows, scene)
-        clock.iterations += 1
-        clock.passes = count + 1
-        share = min(max(worst / previous, SHARE), 0.9)
-        if is_near(count, share, worst, previous, enough, control, scene.stages, speed):
-            converged = True
-            break
-        if not worst < 10.0 * previous or (count > PATIENCE and not worst < previous):
+        visit_stages(h, count == 0 and not kept, clock, nodes, rows, saddle, scene)
+        worst = correct_stages(h, speed, nodes, rows, scene)
+        share = note_pass(clock, count, worst, previous, SHARE)
+        converged = is_near(count, share, worst, previous, enough, control, scene.stages, speed)
+        if converged or goes_astray(count, worst, previous):
             break
         previous = worst
         # beams bend far within a step: tangents of a guess do not serve
@@ -83,11 +85,11 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
         return False
     if not JOINTS:
         return True
-    return project(clock.time + h, clock, control, nodes, rows, saddle, curves, scene)
+    return project(clock.time + h, clock, nodes, rows, saddle, scene)
 
 
 @stage
-def visit_stages(h, anew, clock, nodes, rows, saddle, curves, scene):
+def visit_stages(h, anew, clock, nodes, rows, saddle, scene):
     """Rates of all stages where they are at present; `anew`: also their matrices.
 
     Writes: nodes, rows, scene.stages, new histories.
@@ -99,21 +101,21 @@ def visit_stages(h, anew, clock, nodes, rows, saddle, curves, scene):
         stand(nodes, scene.stages, i)
         weigh_pass(h, i, clock, scene)
         time = scene.C[i] * h
-        evaluate(clock.time + time, time, clock, nodes, rows, saddle, curves, scene)
+        evaluate(clock.time + time, time, clock, nodes, rows, saddle, scene)
         keep_rates(nodes, rows, scene.stages, i)
         keep_spin_rates(nodes, scene.stages, i)
         if anew:
             t = h * scene.T[(STAGES + 1) * i]
-            tangents(clock, nodes, curves, tables[i - 1], scene)
+            tangents(clock, nodes, scene.curves, tables[i - 1], scene)
             if ASSEMBLED:
-                bend(time, clock, nodes, curves, factors[i - 1], scene)
+                bend(time, clock, nodes, scene.curves, factors[i - 1], scene)
             clock.factored = h
             linearise(rows, tables[i - 1], nodes, t, t * t)
             factor_compliant(factors[i - 1], tables[i - 1], rows.shape[0], t * t, t)
 
 
 @stage
-def correct_stages(h, speed, control, nodes, rows, scene):
+def correct_stages(h, speed, nodes, rows, scene):
     """One stage after the other. Returns the largest correction. Writes: nodes, scene.stages."""
     factors, tables, worst = stage_factors(scene), stage_tables(scene), 0.0
     for i in range(1, STAGES):
@@ -121,7 +123,7 @@ def correct_stages(h, speed, control, nodes, rows, scene):
         miss(nodes, scene.stages, scene.A, scene.T, i, h)
         t = h * scene.T[(STAGES + 1) * i]
         solve_stage(nodes, scene.stages, i, tables[i - 1], factors[i - 1], rows.shape[0], t)
-        size = correction_size(nodes, scene.stages, i, control.length, speed)
+        size = correction_size(nodes, scene.stages, i, scene.control[0].length, speed)
         if not size <= worst:
             worst = size
         improve(nodes, scene.stages, i)
@@ -146,15 +148,15 @@ def stage_factors(scene):
 
 
 @stage
-def arrive(h, clock, nodes, rows, saddle, curves, scene):
+def arrive(h, clock, nodes, rows, saddle, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
     clock.opens, clock.closes, clock.ends = 0, 1, 1
     clock.share = h * scene.A[STAGES * STAGES - 1]
-    evaluate(clock.time + h, h, clock, nodes, rows, saddle, curves, scene)
+    evaluate(clock.time + h, h, clock, nodes, rows, saddle, scene)
     keep_rates(nodes, rows, scene.stages, STAGES - 1)
     keep_spin_rates(nodes, scene.stages, STAGES - 1)
     if CONTACTS:
-        begin_contacts(clock.time + h, clock, nodes, rows, saddle, curves, scene)
+        begin_contacts(clock.time + h, clock, nodes, rows, saddle, scene)
 
 
 @kernel

@@ -34,53 +34,53 @@ ONSET = 1e-4  # of the way in the step, by which what begins may be passed
 
 
 @stage
-def prepare_sample(until, clock, control, nodes, rows, saddle, curves, scene):
+def prepare_sample(until, clock, nodes, rows, saddle, scene):
     """Forces, reactions and readings of a sample; returns its time [s].
 
     Writes: nodes, rows, outputs, new histories, clock.
     """
     if JOINTS:
-        residual(clock.current, clock.time, nodes, rows, curves, scene)
+        residual(clock.current, clock.time, nodes, rows, scene.curves, scene)
     refresh(nodes)
     clock.lead = clock.share = 0.0
     clock.opens = clock.closes = 1
-    evaluate(clock.time, 0.0, clock, nodes, rows, saddle, curves, scene)
+    evaluate(clock.time, 0.0, clock, nodes, rows, saddle, scene)
     accelerations(nodes)
-    measure(clock.time, nodes, rows, curves, scene)
+    measure(clock.time, nodes, rows, scene.curves, scene)
     if clock.next_step <= 0.0:
-        begin(clock, control, nodes)
+        begin(clock, scene.control[0], nodes)
     return clock.time
 
 
 @stage
-def take_step(until, clock, control, nodes, rows, saddle, curves, scene):
+def take_step(until, clock, nodes, rows, saddle, scene):
     """A step; returns the time at its end and its length [s]. Writes: nodes, rows, histories."""
     h, is_last = fit(clock.next_step, until - clock.time)
     save(nodes)
     open_step(clock, nodes, rows, scene)
-    taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
-    time = until if is_last and taken == h else clock.time + taken
+    taken = take(h, clock, nodes, rows, saddle, scene)
     if clock.status == RUNNING:
         add_outside(clock, scene.stages, scene.A, STAGES - 1, taken)
         add_kick(clock, 1.0)
-    return time, taken
+    return (until if is_last and taken == h else clock.time + taken), taken
 
 
 @stage
-def finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene):
+def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
     """The new state becomes the present one. Writes: clock."""
-    accept(time, h, clock, control)
+    accept(time, h, clock, scene.control[0])
 
 
 @stage
-def take(h, clock, control, nodes, rows, saddle, curves, scene):
+def take(h, clock, nodes, rows, saddle, scene):
     """One step of at most h that is accurate and ends where a contact or a branch of a law begins.
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
+    control = scene.control[0]
     bracket, trial, found, before = open_bracket(h), h, False, 0.0
     if ONSETS:
-        before = gap_before(clock, nodes, curves, scene)
+        before = gap_before(clock, nodes, scene)
     attempts = 0
     while True:
         attempts += 1
@@ -88,7 +88,7 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
             clock.status = STEP_TOO_SMALL
             break
         kept = serves(trial, clock)
-        if not pass_stages(trial, kept, clock, control, nodes, rows, saddle, curves, scene):
+        if not pass_stages(trial, kept, clock, nodes, rows, saddle, scene):
             clock.factored = 0.0
             # the factors may be what fails
             if kept:
@@ -102,16 +102,16 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
                 break
             continue
         if ONSETS:
-            gap = onset_gap(trial, clock, control, nodes, curves, scene)
+            gap = onset_gap(trial, clock, nodes, scene)
             if bracket[-1] == 0:
                 bracket = first_gap(bracket, before, gap, control, ONSET)
             bracket, trial, found = seek(bracket, h, trial, gap)
             if not found:
                 continue
         # past the end of a table on the way to the solution is no fault
-        curves[0].fault = 0
-        arrive(trial, clock, nodes, rows, saddle, curves, scene)
-        wanted = judge(trial, clock, control, nodes, scene)
+        scene.curves[0].fault = 0
+        arrive(trial, clock, nodes, rows, saddle, scene)
+        wanted = judge(trial, clock, nodes, scene)
         if wanted == 0.0:
             break
         clock.rejected += 1
@@ -135,19 +135,20 @@ def serves(h, clock):
 
 
 @kernel
-def gap_before(clock, nodes, curves, scene):
+def gap_before(clock, nodes, scene):
     """Largest depth of what begins, at the start of the step [m or rad]."""
     gap = -1e300
     if CONTACTS:
         gap = approach_before(clock, scene)
     if EVENTS:
-        gap = max(gap, event(clock.current, 0.0, nodes, curves, scene))
+        gap = max(gap, event(clock.current, 0.0, nodes, scene.curves, scene))
     return min(gap, 0.0)
 
 
 @stage
-def judge(h, clock, control, nodes, scene):
+def judge(h, clock, nodes, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
+    control = scene.control[0]
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
     error = estimate(h, clock, nodes, scene, control.length, speed)
     if control.fixed_step > 0.0:

@@ -9,7 +9,7 @@ Reference: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projectio
 from math import sqrt
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.saddle import REDUNDANT, solve_rows
+from crashsolve.foundation.sparse.saddle import REDUNDANT, solve_rows
 from crashsolve.model.clock import POSITION, VELOCITY
 from crashsolve.system.constraints import (
     acceleration_right_side,
@@ -54,29 +54,31 @@ def begin(clock, control, nodes):
 
 
 @kernel
-def onset_gap(h, clock, control, nodes, curves, scene):
+def onset_gap(h, clock, nodes, scene):
     """Largest depth of what begins in a step of h: a contact, its end, or a branch of a law."""
     gap = -1e300
     if CONTACTS:
         gap = approach(clock, nodes, scene, -1e300)
     if EVENTS:
         # what rests at a corner passes it by round-off again and again
-        past = event(clock.current, h, nodes, curves, scene) - ROUND_OFF * control.length
+        past = event(clock.current, h, nodes, scene.curves, scene)
+        past -= ROUND_OFF * scene.control[0].length
         gap = max(gap, past)
     return gap
 
 
 @kernel
-def project(time, clock, control, nodes, rows, saddle, curves, scene):
+def project(time, clock, nodes, rows, saddle, scene):
     """Positions onto Phi = 0 and velocities onto D v = nu. Returns whether it can be done.
 
     Writes: nodes.r, q, A, v, L, w, W.
     """
+    control = scene.control[0]
     tolerance = min(0.1 * control.constraint_tolerance, 1e-4 * control.tolerance)
-    if not close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves, scene):
+    if not close_positions(time, tolerance, clock, nodes, rows, saddle, scene):
         return False
     refresh(nodes)
-    jacobian(clock.current, time, nodes, rows, curves, scene)
+    jacobian(clock.current, time, nodes, rows, scene.curves, scene)
     # also those of the last stage
     factor_constraints(rows, saddle, nodes)
     previous, worst = 1e300, 0.0
@@ -96,23 +98,25 @@ def project(time, clock, control, nodes, rows, saddle, curves, scene):
     # per second, in the model's size; fast models have larger numbers to round
     limit = control.constraint_tolerance + UNSEEN * control.tolerance
     limit *= max(1.0, clock.fastest / control.length)
-    if not worst <= limit + spin_round_off(nodes):
+    is_held = worst <= limit + spin_round_off(nodes)
+    if is_held:
+        clock.rate_residual = max(clock.rate_residual, worst)
+    else:
         clock.fault = VELOCITY
-        return False
-    clock.rate_residual = max(clock.rate_residual, worst)
-    return True
+    return is_held
 
 
 @kernel
-def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves, scene):
+def close_positions(time, tolerance, clock, nodes, rows, saddle, scene):
     """Positions onto Phi = 0 by a simplified Newton's method. Returns whether it can be done.
 
     D and its factor are those of the last stage, made anew only where they do not serve.
     Writes: nodes.r, q, A.
     """
+    control = scene.control[0]
     previous, worst, is_anew = 1e300, 0.0, False
     for _ in range(PROJECTIONS):
-        residual(clock.current, time, nodes, rows, curves, scene)
+        residual(clock.current, time, nodes, rows, scene.curves, scene)
         worst, clock.place = worst_residual(rows)
         clock.value = worst
         # far better than the step: the error must not add up
@@ -123,7 +127,7 @@ def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves
             if is_anew or worst <= control.constraint_tolerance:
                 break
             refresh(nodes)
-            jacobian(clock.current, time, nodes, rows, curves, scene)
+            jacobian(clock.current, time, nodes, rows, scene.curves, scene)
             factor_constraints(rows, saddle, nodes)
             is_anew = True
         previous = worst
@@ -138,38 +142,38 @@ def close_positions(time, tolerance, clock, control, nodes, rows, saddle, curves
 
 
 @kernel
-def evaluate(time, h, clock, nodes, rows, saddle, curves, scene):
+def evaluate(time, h, clock, nodes, rows, saddle, scene):
     """Forces and reactions of the present place and velocity, but of contacts that begin there.
 
     Writes: nodes, rows, outputs, new histories.
     """
     clear_forces(nodes)
-    force_pass(clock, time, h, nodes, rows, curves, scene)
+    force_pass(clock, time, h, nodes, rows, scene.curves, scene)
     if CONTACTS:
         take_late(nodes, -1.0)
     if JOINTS:
-        jacobian(clock.current, time, nodes, rows, curves, scene)
+        jacobian(clock.current, time, nodes, rows, scene.curves, scene)
         factor_constraints(rows, saddle, nodes)
-        react(time, clock, nodes, rows, saddle, curves, scene)
+        react(time, clock, nodes, rows, saddle, scene)
 
 
 @kernel
-def begin_contacts(time, clock, nodes, rows, saddle, curves, scene):
+def begin_contacts(time, clock, nodes, rows, saddle, scene):
     """After the step, the forces of contacts that begin at its end. Writes: nodes, rows."""
     if any_late(nodes):
         take_late(nodes, 1.0)
         if JOINTS:
-            react(time, clock, nodes, rows, saddle, curves, scene)
+            react(time, clock, nodes, rows, saddle, scene)
 
 
 @kernel
-def react(time, clock, nodes, rows, saddle, curves, scene):
+def react(time, clock, nodes, rows, saddle, scene):
     """Reactions of the accelerations (Ambrosio (2003), Eq. 5). Writes: nodes, rows.
 
     A body of hardly any inertia multiplies the round-off of its reactions, so what they leave of
     the right side is answered again.
     """
-    convective(clock.current, time, nodes, rows, curves, scene)
+    convective(clock.current, time, nodes, rows, scene.curves, scene)
     clear_reaction(rows, nodes)
     acceleration_right_side(rows, nodes)
     first = worst = worst_rate(rows, saddle)

@@ -49,20 +49,21 @@ def open_step(clock, nodes, rows, scene):
 
 
 @stage
-def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
+def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
     """The equilibrium, by iteration. Returns whether that converges.
 
     Writes: nodes, rows, scene.stages, new histories, clock.value (the last correction).
     """
+    control = scene.control[0]
     tt = 0.5 * h * h
     compliant, factor = scene.compliant_0, end_factor(scene)
     for k in range(rows.shape[0]):
         rows[k].trial = rows[k].multiplier
     previous, converged = 1e300, False
     for count in range(PASSES):
-        visit_end(h, tt, clock, nodes, rows, curves, scene)
-        tangents(clock, nodes, curves, compliant, scene)
-        bend(h, clock, nodes, curves, factor, scene)
+        visit_end(h, tt, clock, nodes, rows, scene)
+        tangents(clock, nodes, scene.curves, compliant, scene)
+        bend(h, clock, nodes, scene.curves, factor, scene)
         linearise(rows, compliant, nodes, 0.0, tt)
         factor_compliant(factor, compliant, rows.shape[0], tt, 0.0)
         missing_accelerations(nodes, scene.stages)
@@ -82,7 +83,7 @@ def pass_stages(h, kept, clock, control, nodes, rows, saddle, curves, scene):
             converged = True
             break
         previous = worst
-    visit_end(h, tt, clock, nodes, rows, curves, scene)
+    visit_end(h, tt, clock, nodes, rows, scene)
     if JOINTS:
         for k in range(rows.shape[0]):
             rows[k].multiplier = rows[k].trial
@@ -117,16 +118,16 @@ def correct_places(stages, tt, size):
 
 
 @stage
-def visit_end(h, tt, clock, nodes, rows, curves, scene):
+def visit_end(h, tt, clock, nodes, rows, scene):
     """Forces and constraints where the iteration stands. Writes: nodes, rows."""
     stand_at_rest(nodes, scene.stages, tt)
     clock.opens, clock.closes, clock.ends = 1, 0, 1
     clock.lead, clock.share = 0.5 * h, 0.0
     clear_forces(nodes)
-    force_pass(clock, clock.goal, h, nodes, rows, curves, scene)
+    force_pass(clock, clock.goal, h, nodes, rows, scene.curves, scene)
     if JOINTS:
-        residual(clock.current, clock.goal, nodes, rows, curves, scene)
-        jacobian(clock.current, clock.goal, nodes, rows, curves, scene)
+        residual(clock.current, clock.goal, nodes, rows, scene.curves, scene)
+        jacobian(clock.current, clock.goal, nodes, rows, scene.curves, scene)
     scatter_trial(rows, nodes)
 
 
@@ -146,11 +147,11 @@ def stand_at_rest(nodes, stages, tt):
 
 
 @stage
-def arrive(h, clock, nodes, rows, saddle, curves, scene):
+def arrive(h, clock, nodes, rows, saddle, scene):
     """Forces and losses at the end of the step. Writes: nodes, histories, scene.stages."""
     clock.opens = clock.closes = clock.ends = 1
     clock.lead = clock.share = 0.5 * h
-    evaluate(clock.goal, h, clock, nodes, rows, saddle, curves, scene)
+    evaluate(clock.goal, h, clock, nodes, rows, saddle, scene)
     keep_outside(nodes, rows, scene.stages, 1)
 
 

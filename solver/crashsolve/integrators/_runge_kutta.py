@@ -67,52 +67,51 @@ SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
 
 
 @stage
-def prepare_sample(until, clock, control, nodes, rows, saddle, curves, scene):
+def prepare_sample(until, clock, nodes, rows, saddle, scene):
     """Forces, reactions and readings of a sample, within the last step where need be.
 
     Returns its time [s]. Writes: nodes, rows, outputs, new histories, clock.
     """
     time, part = clock.time, 0.0
     if DENSE and until < time:
-        part = go_back(until, clock, control, nodes, rows, saddle, curves, scene)
+        part = go_back(until, clock, nodes, rows, saddle, scene)
         time = until
     elif JOINTS:
-        residual(clock.current, time, nodes, rows, curves, scene)
+        residual(clock.current, time, nodes, rows, scene.curves, scene)
     refresh(nodes)
     weigh_pass(0.0, 0, clock, scene)
     clock.opens = clock.closes = 1
-    evaluate(time, part, clock, nodes, rows, saddle, curves, scene)
+    evaluate(time, part, clock, nodes, rows, saddle, scene)
     if DENSE and part > 0.0:
         sum_powers(clock.current, clock.step, scene)
     accelerations(nodes)
-    measure(time, nodes, rows, curves, scene)
+    measure(time, nodes, rows, scene.curves, scene)
     if clock.next_step <= 0.0:
-        begin(clock, control, nodes)
+        begin(clock, scene.control[0], nodes)
     return time
 
 
 @stage
-def take_step(until, clock, control, nodes, rows, saddle, curves, scene):
+def take_step(until, clock, nodes, rows, saddle, scene):
     """A step; returns the time at its end and its length [s]. Writes: nodes, rows, histories."""
     h, is_last = fit(clock.next_step, clock.goal - clock.time)
     save(nodes)
     keep_rates(nodes, rows, scene.stages, 0)
-    taken = take(h, clock, control, nodes, rows, saddle, curves, scene)
-    time = clock.goal if is_last and taken == h else clock.time + taken
+    taken = take(h, clock, nodes, rows, saddle, scene)
     if clock.status == RUNNING:
         add_outside(clock, scene.stages, scene.A, STAGES - 1, taken)
         add_kick(clock, 1.0)
-    return time, taken
+    return (clock.goal if is_last and taken == h else clock.time + taken), taken
 
 
 @stage
-def finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene):
+def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
     """The new state becomes the present one. Writes: clock."""
-    accept(time, h, clock, control)
+    accept(time, h, clock, scene.control[0])
 
 
 @stage
-def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
+def go_back(time, clock, nodes, rows, saddle, scene):
     """Copies to a time within the last step, by dense output; what is summed as well.
 
     Returns the time since the start of the step [s]. Writes: clock, nodes, rows, scene.stages, A.
@@ -121,36 +120,36 @@ def go_back(time, clock, control, nodes, rows, saddle, curves, scene):
     begun = clock.time - h
     # histories count from the start of the step
     clock.current = 1 - clock.current
-    pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene)
+    pass_extra_stages(begun, h, clock, nodes, rows, saddle, scene)
     weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, (time - begun) / h)
     reach(nodes, scene.stages, scene.A, SAMPLE, h)
     add_outside(clock, scene.stages, scene.A, STAGES - 1, -h)
     add_outside(clock, scene.stages, scene.A, SAMPLE, h)
     add_kick(clock, -1.0)
     if JOINTS:
-        jacobian(clock.current, time, nodes, rows, curves, scene)
+        jacobian(clock.current, time, nodes, rows, scene.curves, scene)
         refresh(nodes)
         factor_constraints(rows, saddle, nodes)
-        if not project(time, clock, control, nodes, rows, saddle, curves, scene):
+        if not project(time, clock, nodes, rows, saddle, scene):
             clock.status = clock.fault
         add_kick(clock, 1.0)
     return time - begun
 
 
 @kernel
-def pass_extra_stages(begun, h, clock, nodes, rows, saddle, curves, scene):
+def pass_extra_stages(begun, h, clock, nodes, rows, saddle, scene):
     """Stages that only the dense output needs. Writes: nodes, rows, scene.stages, new histories."""
     for i in range(STAGES, SAMPLE):
         reach(nodes, scene.stages, scene.A, i, h)
         refresh(nodes)
         weigh_pass(0.0, i, clock, scene)
         after = scene.C[i] * h
-        evaluate(begun + after, after, clock, nodes, rows, saddle, curves, scene)
+        evaluate(begun + after, after, clock, nodes, rows, saddle, scene)
         keep_rates(nodes, rows, scene.stages, i)
 
 
 @stage
-def take(h, clock, control, nodes, rows, saddle, curves, scene):
+def take(h, clock, nodes, rows, saddle, scene):
     """One step of at most h that is accurate and ends no deeper than `allowed` in a new contact.
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
@@ -162,24 +161,24 @@ def take(h, clock, control, nodes, rows, saddle, curves, scene):
             clock.status = STEP_TOO_SMALL
             break
         # past the end of a table in an attempt that was too long is no fault
-        curves[0].fault = 0
-        closed = pass_stages(h, clock, control, nodes, rows, saddle, curves, scene)
+        scene.curves[0].fault = 0
+        closed = pass_stages(h, clock, nodes, rows, saddle, scene)
         if closed and ONSETS:
-            end, search = cut(h, search, clock, control, nodes, rows, saddle, curves, scene)
+            end, search = cut(h, search, clock, nodes, rows, saddle, scene)
             if end != h:
                 h = end
                 continue
         # too long for the joints: as if the error were large
         wanted = 0.25 * h
         if closed:
-            arrive(h, clock, nodes, rows, saddle, curves, scene)
-            wanted = judge(h, clock, control, nodes, rows, saddle, scene)
+            arrive(h, clock, nodes, rows, saddle, scene)
+            wanted = judge(h, clock, nodes, rows, saddle, scene)
         if wanted == 0.0:
             break
         clock.rejected += 1
         h = clock.next_step = wanted
         search = open_search(h)
-        if h < control.step_min:
+        if h < scene.control[0].step_min:
             clock.status = STEP_TOO_SMALL if closed else clock.fault
             break
     clock.located += 1 if search[-1] > 0 else 0
@@ -193,20 +192,20 @@ def open_search(h):
 
 
 @stage
-def cut(h, search, clock, control, nodes, rows, saddle, curves, scene):
+def cut(h, search, clock, nodes, rows, saddle, scene):
     """The step to try next, that ends where something begins; h itself when it does so already.
 
     Where is told by the dense output of a step that went too far; the shorter that is, the better.
     Returns the step and the search. Writes: nodes, scene.*.
     """
     early, late, before, allowed, tries = search
-    gap = onset_gap(h, clock, control, nodes, curves, scene)
+    gap = onset_gap(h, clock, nodes, scene)
     is_narrow = late - early <= 1e-13 * clock.next_step
     if (tries == 0 and gap <= 0.0) or (tries > 0 and gap > 0.0 and (gap <= allowed or is_narrow)):
         return h, search
     if gap > 0.0:
         late = h
-        h, before, allowed = locate(h, gap, clock, control, nodes, rows, saddle, curves, scene)
+        h, before, allowed = locate(h, gap, clock, nodes, rows, saddle, scene)
     else:
         early = h
         # twice as far as the gap says: the dense output of that step serves
@@ -217,14 +216,15 @@ def cut(h, search, clock, control, nodes, rows, saddle, curves, scene):
 
 
 @stage
-def locate(h, gap, clock, control, nodes, rows, saddle, curves, scene):
+def locate(h, gap, clock, nodes, rows, saddle, scene):
     """Where in the step just tried something begins, by its dense output.
 
     Returns the step that ends there, and by how much it may be passed. Writes: nodes, scene.*.
     """
-    arrive(h, clock, nodes, rows, saddle, curves, scene)
-    pass_extra_stages(clock.time, h, clock, nodes, rows, saddle, curves, scene)
-    before = gap_before(h, clock, nodes, curves, scene)
+    control = scene.control[0]
+    arrive(h, clock, nodes, rows, saddle, scene)
+    pass_extra_stages(clock.time, h, clock, nodes, rows, saddle, scene)
+    before = gap_before(h, clock, nodes, scene)
     # what is passed errs by its square
     share = min(ONSET, sqrt(control.tolerance))
     bracket = first_gap(open_bracket(h), before, gap, control, share)
@@ -233,13 +233,13 @@ def locate(h, gap, clock, control, nodes, rows, saddle, curves, scene):
         weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, trial / h)
         reach(nodes, scene.stages, scene.A, SAMPLE, h)
         refresh(nodes)
-        past = onset_gap(trial, clock, control, nodes, curves, scene)
+        past = onset_gap(trial, clock, nodes, scene)
         bracket, trial, found = seek(bracket, h, trial, past)
     return trial, before, bracket[4]
 
 
 @stage
-def gap_before(h, clock, nodes, curves, scene):
+def gap_before(h, clock, nodes, scene):
     """The same at the start of the step. Writes: nodes, which the next trial moves again."""
     gap = -1e300
     if CONTACTS:
@@ -247,30 +247,31 @@ def gap_before(h, clock, nodes, curves, scene):
     if EVENTS:
         reach(nodes, scene.stages, scene.A, 0, h)
         refresh(nodes)
-        gap = max(gap, event(clock.current, h, nodes, curves, scene))
+        gap = max(gap, event(clock.current, h, nodes, scene.curves, scene))
     return min(gap, 0.0)
 
 
 @kernel
-def arrive(h, clock, nodes, rows, saddle, curves, scene):
+def arrive(h, clock, nodes, rows, saddle, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
     weigh_pass(h, STAGES - 1, clock, scene)
     clear_forces(nodes)
-    force_pass(clock, clock.time + h, h, nodes, rows, curves, scene)
+    force_pass(clock, clock.time + h, h, nodes, rows, scene.curves, scene)
     # a force that begins at the end of the step is no error of the step
     if CONTACTS:
         take_late(nodes, -1.0)
     if JOINTS:
         # D and its factor are those of the projection
-        react(clock.time + h, clock, nodes, rows, saddle, curves, scene)
+        react(clock.time + h, clock, nodes, rows, saddle, scene)
     keep_rates(nodes, rows, scene.stages, STAGES - 1)
     if CONTACTS:
-        begin_contacts(clock.time + h, clock, nodes, rows, saddle, curves, scene)
+        begin_contacts(clock.time + h, clock, nodes, rows, saddle, scene)
 
 
 @stage
-def judge(h, clock, control, nodes, rows, saddle, scene):
+def judge(h, clock, nodes, rows, saddle, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
+    control = scene.control[0]
     if control.fixed_step > 0.0:
         return 0.0
     speed = clock.fastest if clock.fastest > 0.0 else 1.0
@@ -293,7 +294,7 @@ def judge(h, clock, control, nodes, rows, saddle, scene):
 
 
 @stage
-def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
+def pass_stages(h, clock, nodes, rows, saddle, scene):
     """All stages but the rates of the last. Returns whether the joints could be closed at the end.
 
     Writes: nodes, rows, scene.stages, new histories.
@@ -310,13 +311,12 @@ def pass_stages(h, clock, control, nodes, rows, saddle, curves, scene):
                 nodes,
                 rows,
                 saddle,
-                curves,
                 scene,
             )
             keep_rates(nodes, rows, scene.stages, i)
     if not JOINTS:
         return True
-    return project(clock.time + h, clock, control, nodes, rows, saddle, curves, scene)
+    return project(clock.time + h, clock, nodes, rows, saddle, scene)
 
 
 @kernel

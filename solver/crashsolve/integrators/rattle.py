@@ -12,7 +12,7 @@ Geometric Numerical Integration, VII.1.4.
 """
 
 from crashsolve.foundation.kernels import stage
-from crashsolve.foundation.saddle import solve_rows
+from crashsolve.foundation.sparse.saddle import solve_rows
 from crashsolve.model.clock import (
     POSITION,
     RUNNING,
@@ -66,42 +66,43 @@ POOR_GUESS = 1e-4  # first residual, in model sizes, above which lambda is guess
 
 
 @stage
-def prepare_sample(until, clock, control, nodes, rows, saddle, curves, scene):
+def prepare_sample(until, clock, nodes, rows, saddle, scene):
     """What a sample needs before its forces; returns its time [s]. Writes: rows.phi."""
     if JOINTS:
-        residual(clock.current, clock.time, nodes, rows, curves, scene)
+        residual(clock.current, clock.time, nodes, rows, scene.curves, scene)
     return clock.time
 
 
 @stage
-def take_step(until, clock, control, nodes, rows, saddle, curves, scene):
+def take_step(until, clock, nodes, rows, saddle, scene):
     """Positions at the end of a step; returns its time and its length [s]. Writes: nodes, rows."""
     h, is_last = fit(clock.next_step, until - clock.time)
     save(nodes)
-    taken = move(h, clock, control, nodes, rows, saddle, curves, scene)
+    taken = move(h, clock, nodes, rows, saddle, scene)
     time = until if is_last and taken == h else clock.time + taken
     return time, taken
 
 
 @stage
-def finish(time, h, sampling, clock, control, nodes, rows, saddle, curves, scene):
+def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
     """Forces and velocities at the end of the step, or of a sample, which becomes the present."""
-    push(time, h, clock, control, nodes, rows, saddle, curves, scene)
-    accept(time, h, clock, control, nodes)
+    push(time, h, clock, nodes, rows, saddle, scene)
+    accept(time, h, clock, scene.control[0], nodes)
     if sampling:
         accelerations(nodes)
-        measure(time, nodes, rows, curves, scene)
+        measure(time, nodes, rows, scene.curves, scene)
 
 
 @stage
-def move(h, clock, control, nodes, rows, saddle, curves, scene):
+def move(h, clock, nodes, rows, saddle, scene):
     """Positions at the end of the step, cut at the first contact onset. Returns the step taken.
 
     What did not touch at the start may touch at the end by no more than `allowed`.
     """
+    control = scene.control[0]
     bracket, trial, found = open_bracket(h), h, False
     while True:
-        place(trial, clock, control, nodes, rows, saddle, curves, scene)
+        place(trial, clock, nodes, rows, saddle, scene)
         if not CONTACTS or clock.status != RUNNING:
             break
         if RESTING:
@@ -121,11 +122,12 @@ def move(h, clock, control, nodes, rows, saddle, curves, scene):
 
 
 @stage
-def place(h, clock, control, nodes, rows, saddle, curves, scene):
+def place(h, clock, nodes, rows, saddle, scene):
     """First kick and drift over h, onto the constraints by a simplified Newton on lambda.
 
     Writes: nodes.*_half, r, q, A, rows.trial.
     """
+    control = scene.control[0]
     if JOINTS:
         extrapolate_trial(rows, h / clock.step if clock.step > 0.0 else 0.0)
         scatter_trial(rows, nodes)
@@ -139,7 +141,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, scene):
         drift(nodes, h)
         if not JOINTS:
             break
-        residual(clock.current, clock.time + h, nodes, rows, curves, scene)
+        residual(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
         worst, row = worst_residual(rows)
         tolerance = control.constraint_tolerance
         # a decimal better than asked, or as good as asked and stalled at round-off
@@ -162,7 +164,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, scene):
                 kick_off(nodes, h)
                 drift(nodes, h)
             refresh(nodes)
-            jacobian(clock.current, clock.time + h, nodes, rows, curves, scene)
+            jacobian(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
             factor_constraints(rows, saddle, nodes)
             if anew:
                 renewed, previous = True, 1e300
@@ -174,7 +176,7 @@ def place(h, clock, control, nodes, rows, saddle, curves, scene):
 
 
 @stage
-def push(time, h, clock, control, nodes, rows, saddle, curves, scene):
+def push(time, h, clock, nodes, rows, saddle, scene):
     """Forces at the new positions, second kick, velocities onto the constraints.
 
     With h = 0 the velocities are left and the reactions are those of the accelerations
@@ -189,20 +191,20 @@ def push(time, h, clock, control, nodes, rows, saddle, curves, scene):
     clear_forces(nodes)
     clock.opens = clock.closes = 1
     clock.lead = clock.share = 0.5 * h
-    force_pass(clock, time, h, nodes, rows, curves, scene)
+    force_pass(clock, time, h, nodes, rows, scene.curves, scene)
     if CONTACTS:
         take_late(nodes, -1.0)
     if h > 0.0:
         kick_end(nodes, h)
     if JOINTS:
-        jacobian(clock.current, time, nodes, rows, curves, scene)
+        jacobian(clock.current, time, nodes, rows, scene.curves, scene)
         factor_constraints(rows, saddle, nodes)
         clear_reaction(rows, nodes)
         if h > 0.0:
-            project_velocity(h, clock, control, nodes, rows, saddle)
+            project_velocity(h, clock, scene.control[0], nodes, rows, saddle)
             clock.driver_work += 0.5 * h * driver_power(rows)
         else:
-            convective(clock.current, time, nodes, rows, curves, scene)
+            convective(clock.current, time, nodes, rows, scene.curves, scene)
             acceleration_right_side(rows, nodes)
             solve_rows(saddle, rows, 1.0)
             scatter_delta(rows, nodes)

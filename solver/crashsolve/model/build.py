@@ -13,7 +13,7 @@ from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.point import BLOCK_SUM, HOLD, RIDES, blocks_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.saddle import plan
+from crashsolve.foundation.sparse.saddle import plan
 from crashsolve.model import attachments
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.checks.gyration import gyration_warnings
@@ -236,7 +236,7 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
         group = _build_group(keyword, entries, scene)
         groups.append(group)
         rows, angular = group.module.ROWS, group.module.ANGULAR
-        # a joint of more than two bodies has further parts, see foundation/saddle.py
+        # a joint of more than two bodies has further parts, see foundation/sparse/saddle.py
         ends = ("node_a", "node_b", *getattr(group.module, "FURTHER_NODES", ()))
         for entry, p in zip(entries, group.parameters, strict=True):
             frame = {name: p[name] for name in p.dtype.names}

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from crashsolve.deck.roles import BasicConstraint, FibreLaw, StepLaw
-from crashsolve.foundation.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.model import ledger
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.tables import present_tables
@@ -90,6 +90,16 @@ class Group:
         """Modules with the tangents of those kinds."""
         leaves = (kind.__name__.rpartition(".")[2] for kind in self.kinds)
         return tuple(self._beside(f"{self.module.SLOPES}.{leaf}") for leaf in leaves)
+
+    @property
+    def blocks(self) -> Any:
+        """Module that takes elements of any kind block by block."""
+        return self._beside(f"{self.module.KERNELS}.blocks")
+
+    @property
+    def slopes(self) -> Any:
+        """The same for their tangents."""
+        return self._beside(f"{self.module.SLOPES}.blocks")
 
     def _beside(self, name: str) -> Any:
         """A module in the folder of the group's own."""

@@ -101,7 +101,7 @@ class Block:
 
     @property
     def fixed_fields(self) -> tuple[tuple[FieldSpec, np.ndarray], ...]:
-        """What mesh.h5 has once; every block can be warped by its displacement."""
+        """What mesh.h5 has once, (points or cells, ...); blocks warp by their displacement."""
         still = ((DISPLACEMENT, np.zeros_like(self.points)),) if self.is_placed else ()
         return (*still, *self.fixed)
 

@@ -13,33 +13,33 @@ RINGS = 12
 
 
 def sphere(radius: float) -> Surface:
-    """Sphere with its poles on the z axis."""
+    """Sphere of a radius [m] with its poles on the z axis: points (n, 3) [m], triangles (m, 3)."""
     return ellipsoid(radius, radius, radius)
 
 
 def ellipsoid(a: float, b: float, c: float) -> Surface:
-    """Ellipsoid with semi-axes a, b, c along x, y, z."""
+    """Ellipsoid with semi-axes a, b, c [m] along x, y, z."""
     latitude = np.linspace(-np.pi / 2, np.pi / 2, RINGS + 1)[1:-1]
     # rings of circles between the two poles
     return _revolved(np.cos(latitude), np.sin(latitude), -1.0, 1.0, scale=(a, b, c))
 
 
 def cylinder(radius: float, half_length: float) -> Surface:
-    """Capped cylinder along z."""
+    """Capped cylinder along z, by its radius and half its length [m]."""
     radii = np.array([radius, radius])
     heights = np.array([-half_length, half_length])
     return _revolved(radii, heights, -half_length, half_length)
 
 
 def box(hx: float, hy: float, hz: float) -> Surface:
-    """Box with half-lengths hx, hy, hz."""
+    """Box with half lengths hx, hy, hz [m]."""
     corners = np.array([[x, y, z] for z in (-hz, hz) for y in (-hy, hy) for x in (-hx, hx)])
     sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     return corners, np.array([half for i, j, k, m in sides for half in ((i, j, k), (i, k, m))])
 
 
 def plane(size: float) -> Surface:
-    """Square of the given side in the xy plane, outside being +z."""
+    """Square of a side [m] in the xy plane, outside being +z."""
     half = size / 2
     corners = np.array(
         [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]]

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.output import paraview, xdmf
 from crashsolve.output.blocks import Block
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import replace_text, replacing_hdf5, reported, write_metadata
+from crashsolve.output.paraview import script, xdmf
 from crashsolve.output.template import Template
 
 FORMAT = "crashsolve states"
@@ -50,7 +50,7 @@ class StateWriter:
                 path.unlink()
         self._write_mesh(metadata)
         self._template = Template(blocks)
-        replace_text(self.folder / paraview.NAME, paraview.script(blocks, metadata))
+        replace_text(self.folder / script.NAME, script.script(blocks, metadata))
 
     def write(self, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:
         """Add one state: block name -> field name -> array, displacement (n, 3) among them."""

@@ -51,7 +51,7 @@ class Damped(Card):
 
 
 def coefficients(card: Damped, scene: Any) -> tuple[float, float]:
-    """b_1 and b_2^2; none without viscosity."""
+    """b_1 and b_2^2 [1] of the bulk viscosity; 0 without."""
     if card.viscosity is None:
         return 0.0, 0.0
     method = scene.deck.control.integrator

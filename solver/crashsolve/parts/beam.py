@@ -213,4 +213,4 @@ def bend(p, state, nodes, curves, place, blocks):
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     strained = deformation(p, a, b, R, v, w)
-    bend_blocks(p, None, a, b, R, v, w, strained, place, blocks)
+    bend_blocks(p, None, a, b, (R, v, w), strained, place, blocks)

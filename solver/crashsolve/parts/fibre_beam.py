@@ -128,7 +128,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves, material):
     out.power = dot(lag, u_dot) + dot(turn, theta_dot)
     out.loss = lost * p.length
     new.work = old.work + out.loss
-    growth = element.act(p, out, a, b, R, v, w, strained, add(f, lag), add(m, turn), slow)
+    load = (add(f, lag), add(m, turn), slow)
+    growth = element.act(p, out, a, b, (R, v, w), strained, load)
     if not material.VON_MISES:
         growth *= fibres.stiffening(p, old, curves, strain, rate, material)
         a.stiffness += growth * p.rate_a
@@ -168,7 +169,7 @@ def bend(p, state, nodes, curves, place, blocks, material):
     R, v, w = mean_frame(a, b)
     strained = element.deformation(p, a, b, R, v, w)
     section = yielding(p, state, curves, strained, material)
-    bend_blocks(p, section, a, b, R, v, w, strained, place, blocks)
+    bend_blocks(p, section, a, b, (R, v, w), strained, place, blocks)
 
 
 @kernel

@@ -173,7 +173,7 @@ def bend(p, state, nodes, curves, place, blocks):
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.turn), axes_at(b, p.turn))
     strained = element.deformation(p, a, b, R, v, w)
-    bend_blocks(p, None, a, b, R, v, w, strained, place, blocks)
+    bend_blocks(p, None, a, b, (R, v, w), strained, place, blocks)
 
 
 @kernel

@@ -91,7 +91,7 @@ class Samples:
         return Series(self.time, self.values[name], self.units.get(name, ""))
 
     def at(self, times: np.ndarray) -> "Samples":
-        """The same at some of the times."""
+        """The same at some of the times (n,) [s]."""
         kept = np.isin(self.time, times)
         values = {name: course[kept] for name, course in self.values.items()}
         return Samples(self.time[kept], values, {}, self.cycles, self.cpu, self.units)
@@ -114,7 +114,7 @@ def find(expression: str, families: Sequence[Family]) -> list[Channel]:
 def gather(
     time: Iterable[float], blocks: Sequence[dict[str, np.ndarray]], channels: Sequence[Channel]
 ) -> Samples:
-    """Samples of channels from blocks of values as Histories gives them."""
+    """Samples of channels at times [s], from blocks (samples, ids, columns) as of Histories."""
     samples = Samples(np.array(list(time)), {})
     for channel in channels:
         parts = [values[channel.family.name][:, channel.entity] for values in blocks]

@@ -41,14 +41,14 @@ class Schedule:
         return Schedule(self.start, self.end, self.interval, tuple(inside), numbers)
 
     def time(self, k: int) -> float:
-        """Time of sample k."""
+        """Time of sample k [s]."""
         j = bisect_left(self.numbers, k)
         if j < len(self.numbers) and self.numbers[j] == k:
             return self.asked[j]
         return self._plain(k - j)
 
     def number(self, time: float) -> int:
-        """Number of the sample nearest to a time."""
+        """Number of the sample nearest to a time [s]."""
         k = round((time - self.start) / self.interval) + bisect_left(self.asked, time)
         near = range(max(k - 2, 0), k + 3)
         return min(near, key=lambda i: (abs(self.time(i) - time), i))

@@ -51,7 +51,7 @@ class HingeMarks:
         return (Block(NAME, points, (("triangle", cells),), specs, ((BODY, owners),)),)
 
     def fields(self, nodes: Any) -> dict[str, dict[str, np.ndarray]]:
-        """Displacements of the balls, and how far their hinges have yielded."""
+        """Displacements (points, 3) [m] of the balls, and how far their hinges have yielded [1]."""
         if not len(self.start):
             return {}
         moved = np.repeat(self._places(nodes) - self.start, len(self.ball), axis=0)

@@ -161,7 +161,7 @@ class Pictures:
         return (*blocks, *self._marks.blocks())
 
     def fields(self) -> dict[str, dict[str, np.ndarray]]:
-        """Displacements and fields of all blocks at the present sample."""
+        """Displacements (points, 3) [m] and fields of all blocks at the present sample."""
         nodes = self.engine.nodes[: len(self._r0)]
         fields: dict[str, dict[str, np.ndarray]] = {}
         if len(self._r0) > 1:

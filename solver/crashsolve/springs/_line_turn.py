@@ -11,8 +11,8 @@ Consequence to test: rows and blocks together are the derivative of the force.
 
 from typing import Any, NamedTuple
 
-from crashsolve.foundation.bordered import resist_far, resist_own
 from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.sparse.bordered import resist_far, resist_own
 from crashsolve.foundation.vec3 import ZERO, add, cross, dot, scale, sub, unit
 from crashsolve.springs._between import SHORTEST, line_of_action
 

@@ -67,14 +67,17 @@ class Convergence:
 
 
 def distance(a: np.ndarray, b: np.ndarray) -> float:
-    """Largest difference of two values."""
+    """Largest difference of two values (n,), in their unit."""
     return float(np.max(np.abs(a - b)))
 
 
 def examine(
     steps: Sequence[float], values: Sequence[np.ndarray], order: float | None
 ) -> Convergence:
-    """Observed orders, extrapolated value and estimated error of runs of a method of an order."""
+    """Observed orders, extrapolated value and estimated error of runs of a method of an order.
+
+    `steps` [s] (runs,), the longest first; `values` (n,) of each run, in their unit.
+    """
     apart = [distance(a, b) for a, b in pairwise(values)]
     last = values[-1]
     if len(values) < 3:
@@ -108,7 +111,7 @@ def examine(
 
 
 def observed_order(steps: Sequence[float], apart: Sequence[float]) -> float:
-    """Order from three steps and the two differences; NaN when these do not shrink."""
+    """Order [1] from three steps [s] and the two differences; NaN when these do not shrink."""
     h1, h2, h3 = steps
     if not apart[1] < apart[0] or not h1 > h2 > h3:
         return nan
@@ -126,7 +129,7 @@ def observed_order(steps: Sequence[float], apart: Sequence[float]) -> float:
 
 
 def order_of_errors(steps: Sequence[float], errors: Sequence[float]) -> float:
-    """Order from two steps and their errors; NaN when an error is zero or unknown."""
+    """Order [1] from two steps [s] and their errors; NaN when an error is zero or unknown."""
     (h1, h2), (e1, e2) = steps, errors
     if not (h1 > h2 > 0.0 and e1 > 0.0 and e2 > 0.0):
         return nan

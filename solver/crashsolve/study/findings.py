@@ -63,7 +63,10 @@ class Finding:
     estimate: float = inf
 
     def error(self, trial: Trial) -> float:
-        """Error of a trial, NaN when it has none."""
+        """Error of a trial over the scale of its channel [1], or as it is where that is judged.
+
+        NaN when it has none.
+        """
         return self.errors.get(trial.setting.folder, nan)
 
     def order(self, trial: Trial) -> float:

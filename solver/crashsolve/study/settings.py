@@ -196,7 +196,7 @@ def resolved(deck: Deck, method: str) -> str:
 
 
 def order_of(method: str) -> float | None:
-    """Declared order of a method; None when it declares none."""
+    """Declared order [1] of a method in its step; None when it declares none."""
     return getattr(_module(method), "ORDER", None)
 
 

@@ -37,8 +37,7 @@ def compose(model: Any) -> str:
     if model.elements:
         replaced["crashsolve.system.timestep"] = "crashsolve.system.element_step"
     if is_assembled(model):
-        solvers = ("generalized_alpha", "collocation", "compliance")
-        replaced |= {f"{IMPLICIT}.{name}": f"{IMPLICIT}.global_matrix" for name in solvers}
+        replaced[f"{IMPLICIT}.compliance"] = f"{IMPLICIT}.global_matrix"
 
     def is_copied(module: str) -> bool:
         return module.startswith((f"{INTEGRATORS}._", f"{LOOPS}.")) or module == main

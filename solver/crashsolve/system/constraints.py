@@ -8,8 +8,8 @@ Eq. 5 prints the opposite sign of lambda).
 """
 
 from crashsolve.foundation.columns import add_to, matvec
-from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.saddle import factorise
+from crashsolve.foundation.kernels import inlined, kernel
+from crashsolve.foundation.sparse.saddle import factorise
 from crashsolve.foundation.vec3 import add_scaled, dot, put, scale, vec
 from crashsolve.system.kinetics import accelerations
 
@@ -103,10 +103,16 @@ def velocity_residual(rows, nodes):
     """D v - nu of every row. Writes: rows.right."""
     for k in range(rows.shape[0]):
         row = rows[k]
-        a, b, D = nodes[row.node_a], nodes[row.node_b], row.D
-        x = dot((D[0], D[1], D[2]), vec(a.v)) + dot((D[3], D[4], D[5]), vec(a.w))
-        x += dot((D[6], D[7], D[8]), vec(b.v)) + dot((D[9], D[10], D[11]), vec(b.w))
-        row.right = x - row.nu
+        a, b = nodes[row.node_a], nodes[row.node_b]
+        row.right = along_row(row.D, (a.v, a.w, b.v, b.w)) - row.nu
+
+
+@inlined
+def along_row(D, motion):
+    """A row of D times the vectors of its two bodies: of a, turning of a, of b, turning of b."""
+    v_a, w_a, v_b, w_b = motion
+    x = dot((D[0], D[1], D[2]), vec(v_a)) + dot((D[3], D[4], D[5]), vec(w_a))
+    return x + (dot((D[6], D[7], D[8]), vec(v_b)) + dot((D[9], D[10], D[11]), vec(w_b)))
 
 
 @kernel
@@ -115,10 +121,8 @@ def acceleration_right_side(rows, nodes):
     accelerations(nodes)
     for k in range(rows.shape[0]):
         row = rows[k]
-        D, a, b = row.D, nodes[row.node_a], nodes[row.node_b]
-        x = dot((D[0], D[1], D[2]), vec(a.v_dot)) + dot((D[3], D[4], D[5]), vec(a.w_dot))
-        x += dot((D[6], D[7], D[8]), vec(b.v_dot)) + dot((D[9], D[10], D[11]), vec(b.w_dot))
-        row.right = row.gamma - x
+        a, b = nodes[row.node_a], nodes[row.node_b]
+        row.right = row.gamma - along_row(row.D, (a.v_dot, a.w_dot, b.v_dot, b.w_dot))
 
 
 @kernel

@@ -210,7 +210,7 @@ def curve_end(model: Model, clock: Any) -> Diagnosis:
 
 
 def folded(model: Model, node: int, angle: float) -> Diagnosis:
-    """A bushing, segment or beam element that is turned by nearly half a turn."""
+    """A bushing, segment or beam element that is turned by nearly half a turn, angle [rad]."""
     cause = f"it is turned by {angle:.3g} rad against what a spring or beam element ties it to"
     advice = (
         "half a turn is the end of what these know: take more elements or segments; let a joint "
@@ -220,7 +220,7 @@ def folded(model: Model, node: int, angle: float) -> Diagnosis:
 
 
 def velocity_error(model: Model, state: State) -> np.ndarray:
-    """|D v - nu| of every row; the parts of a row of several parts add up."""
+    """|D v - nu| (rows,) [m/s, rad/s]; the parts of a row of several parts add up."""
     rows = state.rows
     total = -rows["nu"].copy()
     for side, column in (("node_a", 0), ("node_b", 6)):

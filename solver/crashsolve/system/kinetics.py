@@ -41,8 +41,18 @@ def kick_off(nodes, h):
     """First half kick by the applied forces alone. Writes: nodes.v_half, L_half."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
-        put(b.v_half, add_scaled(vec(b.start_v), 0.5 * h * b.mass_inv, vec(b.force)))
-        put(b.L_half, add_scaled(vec(b.start_L), 0.5 * h, vec(b.torque)))
+        v, L = kicked(b, h, vec(b.start_v), vec(b.start_L))
+        put(b.v_half, v)
+        put(b.L_half, L)
+
+
+@inlined
+def kicked(b, h, v, L):
+    """Velocity [m/s] and angular momentum [kg m^2/s] of a body after half a kick of h [s]."""
+    return (
+        add_scaled(v, 0.5 * h * b.mass_inv, vec(b.force)),
+        add_scaled(L, 0.5 * h, vec(b.torque)),
+    )
 
 
 @kernel
@@ -92,8 +102,9 @@ def kick_end(nodes, h):
     """Second half kick by the applied forces, from half step. Writes: nodes.v, L, w."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
-        put(b.v, add_scaled(vec(b.v_half), 0.5 * h * b.mass_inv, vec(b.force)))
-        put(b.L, add_scaled(vec(b.L_half), 0.5 * h, vec(b.torque)))
+        v, L = kicked(b, h, vec(b.v_half), vec(b.L_half))
+        put(b.v, v)
+        put(b.L, L)
         put(b.w, matvec(b.W, vec(b.L)))
 
 

@@ -16,7 +16,10 @@ class Spans:
             self.levels.append(np.maximum(half[:-width], half[width:]))
 
     def greatest(self, first: np.ndarray, last: np.ndarray) -> np.ndarray:
-        """Of each span; minus infinity of an empty one, where `last` is before `first`."""
+        """Of each span (n,), in the unit of the values.
+
+        Minus infinity of an empty one, where `last` is before `first`.
+        """
         found = np.full(len(first), -np.inf)
         width = last - first + 1
         for level, values in enumerate(self.levels):

@@ -24,7 +24,7 @@ def magnitude(series: Series) -> Series:
 
 
 def top(series: Series) -> tuple[float, float]:
-    """Value and time at the top of the parabola through the greatest sample and its neighbours."""
+    """Value and time [s] at the top of the parabola by the greatest sample and its neighbours."""
     time, values = series.time, series.values
     at = int(np.argmax(values))
     if not 0 < at < len(values) - 1 or plateau(values, at) > at + 1:

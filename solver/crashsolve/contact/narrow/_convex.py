@@ -114,7 +114,9 @@ def ascend(a, b, body_a, body_b, c, n):
     way = between(a, b, body_a, body_b, c, n)
     best, damping, round_off = dot(way, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
-        n_new, angle = climb(a, b, body_a, body_b, n, way, best, damping)
+        s, t = tangents(n)
+        curved = add(bend(a, body_a, n, s, t), bend(b, body_b, n, s, t))
+        n_new, angle = climb(n, s, t, way, curved, best, damping)
         way_new = between(a, b, body_a, body_b, c, n_new)
         value = dot(way_new, n_new)
         if value >= best - round_off:
@@ -151,14 +153,15 @@ def reach(shape, body, n):
 
 
 @kernel
-def climb(a, b, body_a, body_b, n, way, best, damping):
-    """Next direction by a damped Newton step, and the angle to it."""
-    s, t = tangents(n)
-    a_ss, a_st, a_tt = bend(a, body_a, n, s, t)
-    b_ss, b_st, b_tt = bend(b, body_b, n, s, t)
-    m_ss, m_st, m_tt = a_ss + b_ss + best, a_st + b_st, a_tt + b_tt + best
+def climb(n, s, t, way, bend, best, damping):
+    """Next direction by a damped Newton step from n, and the angle to it [rad].
+
+    `way`: from one farthest point to the other [m]; `bend`: second derivatives of both reaches
+    along the tangents s and t, (ss, st, tt) [m]; `best`: the height so far [m].
+    """
+    m_ss, m_st, m_tt = bend[0] + best, bend[1], bend[2] + best
     lowest = 0.5 * (m_ss + m_tt) - sqrt(0.25 * (m_ss - m_tt) ** 2 + m_st * m_st)
-    size = a_ss + a_tt + b_ss + b_tt
+    size = bend[0] + bend[2]
     # the curvature must be positive, or the step would go down
     more = damping * size + max(0.0, 1e-6 * size - lowest)
     m_ss, m_tt = m_ss + more, m_tt + more

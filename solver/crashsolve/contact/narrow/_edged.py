@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ROUND_OFF, tangents
+from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ROUND_OFF, climb, tangents
 from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
@@ -335,20 +335,3 @@ def ascend(a, b, u, w, c, n, last):
         else:
             damping = max(4.0 * damping, 1e-3)
     return best, n
-
-
-@kernel
-def climb(n, s, t, way, bend, best, damping):
-    """Next direction by a damped Newton step, and the angle to it."""
-    m_ss, m_st, m_tt = bend[0] + best, bend[1], bend[2] + best
-    lowest = 0.5 * (m_ss + m_tt) - sqrt(0.25 * (m_ss - m_tt) ** 2 + m_st * m_st)
-    size = bend[0] + bend[2]
-    # the curvature must be positive, or the step would go down
-    more = damping * size + max(0.0, 1e-6 * size - lowest)
-    m_ss, m_tt = m_ss + more, m_tt + more
-    g_s, g_t = dot(way, s), dot(way, t)
-    det = m_ss * m_tt - m_st * m_st
-    step_s, step_t = (m_tt * g_s - m_st * g_t) / det, (m_ss * g_t - m_st * g_s) / det
-    angle = sqrt(step_s * step_s + step_t * step_t)
-    turned = add(n, add(scale(step_s, s), scale(step_t, t)))
-    return scale(1.0 / norm(turned), turned), angle

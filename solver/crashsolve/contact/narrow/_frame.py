@@ -1,9 +1,9 @@
-"""Directions between the world and the axes of a shape within a body."""
+"""Directions between the world and the axes of a shape within a body; spheres beside a shape."""
 
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import place
-from crashsolve.foundation.vec3 import sub, vec
+from crashsolve.foundation.vec3 import add_scaled, sub, vec
 
 
 @kernel
@@ -22,3 +22,19 @@ def out_of(shape, body, y):
 def seen_from(shape, body, x):
     """World point x from the centre of the shape, in its axes."""
     return into(shape, body, sub(x, place(body, vec(shape.point))))
+
+
+@kernel
+def centre_seen(a, b, nodes):
+    """Centre of the sphere a from that of the shape b, in its axes [m]."""
+    return seen_from(b, nodes[b.node], place(nodes[a.node], vec(a.point)))
+
+
+@kernel
+def touch_of_sphere(a, b, nodes, distance, m):
+    """Depth [m], normal out of b, and point of contact of a sphere, world components.
+
+    Its centre is `distance` [m] away from the shape b along m, in the axes of b.
+    """
+    n, centre = out_of(b, nodes[b.node], m), place(nodes[a.node], vec(a.point))
+    return a.radius - distance, n, add_scaled(centre, -a.radius, n)

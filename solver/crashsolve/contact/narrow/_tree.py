@@ -27,7 +27,10 @@ TRIANGLE = Record("""
 
 
 def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes and triangles of all meshes on side b. Writes: root of each element."""
+    """Tables BOX and TRIANGLE of all meshes on side b, (boxes,) and (triangles,).
+
+    Writes: root of each element.
+    """
     boxes, triangles = [], []
     first_box = first_triangle = 0
     for element in elements_b:

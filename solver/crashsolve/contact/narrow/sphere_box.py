@@ -8,34 +8,28 @@ Point of contact: the deepest of the sphere, c - r n.
 
 from math import copysign
 
-from crashsolve.contact.narrow._frame import into, out_of, seen_from
+from crashsolve.contact.narrow._frame import centre_seen, into, touch_of_sphere
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
-from crashsolve.foundation.vec3 import add_scaled, norm, scale, unit, vec
+from crashsolve.foundation.vec3 import norm, scale, unit, vec
 
 
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
-    body = nodes[b.node]
-    centre = place(nodes[a.node], vec(a.point))
-    distance, m = from_box(b.half, seen_from(b, body, centre))
-    n = out_of(b, body, m)
-    return a.radius - distance, n, add_scaled(centre, -a.radius, n)
+    distance, m = from_box(b.half, centre_seen(a, b, nodes))
+    return touch_of_sphere(a, b, nodes, distance, m)
 
 
 @kernel
 def gap_by(a, b, nodes, data, normal):
     """The same by the face that `normal` is nearest to, and how far beyond its middle [m]."""
-    body = nodes[b.node]
-    centre = place(nodes[a.node], vec(a.point))
-    y, m = seen_from(b, body, centre), into(b, body, vec(normal))
+    y, m = centre_seen(a, b, nodes), into(b, nodes[b.node], vec(normal))
     size = max(abs(m[0]), abs(m[1]), abs(m[2]))
     k = 0 if abs(m[0]) == size else (1 if abs(m[1]) == size else 2)
     side = copysign(1.0, m[k])
     distance = side * y[k] - b.half[k]
-    n = out_of(b, body, scale(side, unit(k)))
-    return a.radius - distance, n, add_scaled(centre, -a.radius, n), -distance - b.half[k]
+    depth, n, point = touch_of_sphere(a, b, nodes, distance, scale(side, unit(k)))
+    return depth, n, point, -distance - b.half[k]
 
 
 @kernel

@@ -8,10 +8,9 @@ on. Point of contact: the deepest of the sphere, c - r n.
 
 from math import copysign, inf, sqrt
 
-from crashsolve.contact.narrow._frame import into, out_of, seen_from
+from crashsolve.contact.narrow._frame import centre_seen, into, out_of, touch_of_sphere
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
-from crashsolve.foundation.vec3 import add_scaled, dot, unit, vec
+from crashsolve.foundation.vec3 import dot, unit, vec
 
 # share of the radius at which the normal turns too fast as a ball goes by the axis
 AXIS = 0.8
@@ -20,30 +19,26 @@ AXIS = 0.8
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
-    body = nodes[b.node]
-    centre = place(nodes[a.node], vec(a.point))
-    distance, m = from_cylinder(b.radius, b.half_length, seen_from(b, body, centre))
-    n = out_of(b, body, m)
-    return a.radius - distance, n, add_scaled(centre, -a.radius, n)
+    distance, m = from_cylinder(b.radius, b.half_length, centre_seen(a, b, nodes))
+    return touch_of_sphere(a, b, nodes, distance, m)
 
 
 @kernel
 def gap_by(a, b, nodes, data, normal):
     """The same by the mantle or the cap of `normal`, and how far beyond its middle [m]."""
-    body = nodes[b.node]
-    centre = place(nodes[a.node], vec(a.point))
-    y, m = seen_from(b, body, centre), into(b, body, vec(normal))
+    y, m = centre_seen(a, b, nodes), into(b, nodes[b.node], vec(normal))
     radial, rho = sqrt(m[0] * m[0] + m[1] * m[1]), sqrt(y[0] * y[0] + y[1] * y[1])
     if radial >= abs(m[2]) and rho > 0.0:
         distance = rho - b.radius
         over = -(y[0] * m[0] + y[1] * m[1])
-        n = out_of(b, body, (y[0] / rho, y[1] / rho, 0.0))
+        way = (y[0] / rho, y[1] / rho, 0.0)
     else:
         side = copysign(1.0, m[2])
         distance = side * y[2] - b.half_length
         over = -side * y[2]
-        n = out_of(b, body, (0.0, 0.0, side))
-    return a.radius - distance, n, add_scaled(centre, -a.radius, n), over
+        way = (0.0, 0.0, side)
+    depth, n, point = touch_of_sphere(a, b, nodes, distance, way)
+    return depth, n, point, over
 
 
 @kernel

@@ -11,10 +11,9 @@ References: Eberly (2013), Distance from a point to an ellipse, an ellipsoid, or
 
 from math import copysign
 
-from crashsolve.contact.narrow._frame import out_of, seen_from
+from crashsolve.contact.narrow._frame import centre_seen, touch_of_sphere
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
-from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import dot, norm, scale, sub
 
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
@@ -26,11 +25,8 @@ ITERATIONS = 60  # six do in most places
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
-    body = nodes[b.node]
-    centre = place(nodes[a.node], vec(a.point))
-    distance, m = from_ellipsoid(b.semi, seen_from(b, body, centre))
-    n = out_of(b, body, m)
-    return a.radius - distance, n, add_scaled(centre, -a.radius, n)
+    distance, m = from_ellipsoid(b.semi, centre_seen(a, b, nodes))
+    return touch_of_sphere(a, b, nodes, distance, m)
 
 
 @kernel

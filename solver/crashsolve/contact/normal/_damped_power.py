@@ -47,7 +47,7 @@ class PowerCard(Materials):
     stiffness: float | None = quantity("N/m^{exponent}", "K; or give the materials", None, gt=0)
 
     def chi(self) -> float:
-        """Damping factor of the law; infinite where it has none."""
+        """Damping factor [1] of the law for its restitution; infinite where it has none."""
         return 0.0
 
 

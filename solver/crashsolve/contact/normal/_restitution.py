@@ -23,14 +23,14 @@ HALVINGS = 100
 
 
 def returned(chi: float) -> float:
-    """Restitution x of a free impact with damping factor chi."""
+    """Restitution x [1], 0 to 1, of a free impact with damping factor chi [1], 0 or more."""
     if chi == 0.0:
         return 1.0
     return _root(lambda x: _defect(chi, x), 0.0, min(1.0, 1.0 / chi))
 
 
 def damping_factor(e: float) -> float:
-    """Damping factor chi with which a free impact returns the restitution e, 0 < e <= 1."""
+    """Damping factor chi [1] with which a free impact returns the restitution e, 0 < e <= 1."""
     if e == 1.0:
         return 0.0
     return _root(lambda chi: _defect(chi, e), 0.0, 1.0 / e)

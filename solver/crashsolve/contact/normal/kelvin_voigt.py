@@ -56,7 +56,7 @@ def build(card: KelvinVoigt, scene: Any, pair: Any) -> dict[str, Any]:
 
 
 def returned(ratio: float) -> float:
-    """Restitution of a free impact with damping ratio zeta."""
+    """Restitution [1] of a free impact with damping ratio zeta [1]."""
     if ratio == 1.0:
         return exp(-2.0)
     angle = acos(ratio) if ratio < 1.0 else acosh(ratio)
@@ -64,7 +64,7 @@ def returned(ratio: float) -> float:
 
 
 def damping_ratio(e: float) -> float:
-    """Damping ratio zeta that returns the restitution e, by bisection to the last bit."""
+    """Damping ratio zeta [1] that returns the restitution e, by bisection to the last bit."""
     # e > 1 / (2 zeta)^4 bounds the root from above
     low, high = 0.0, 0.5 * e**-0.5 + 1.0
     while low < (middle := 0.5 * (low + high)) < high:

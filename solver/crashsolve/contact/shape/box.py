@@ -32,7 +32,7 @@ def curvature_radius(card: Box) -> float | None:
 
 
 def bounding(element: Any) -> tuple[Any, float]:
-    """Centre in body axes and radius of an enclosing sphere."""
+    """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], float(np.linalg.norm(element["half"]))
 
 
@@ -55,7 +55,7 @@ def corners(element: Any) -> list[dict[str, Any]]:
 
 
 def rounds(element: Any) -> list[np.ndarray]:
-    """Ellipsoids, as matrices in body axes, that sum up to this shape with rounded edges."""
+    """Ellipsoids that sum up to this shape with rounded edges: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
     e = ROUNDING * min(element["half"])
     needles = np.full((3, 3), e) + np.diag(element["half"] - 3.0 * e)

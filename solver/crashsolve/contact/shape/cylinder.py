@@ -51,7 +51,7 @@ def curvature_radius(card: Cylinder) -> float | None:
 
 
 def bounding(element: Any) -> tuple[Any, float]:
-    """Centre in body axes and radius of an enclosing sphere."""
+    """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], hypot(element["radius"], element["half_length"])
 
 
@@ -66,7 +66,7 @@ def half_width(element: Any) -> float:
 
 
 def rounds(element: Any) -> list[np.ndarray]:
-    """Ellipsoids, as matrices in body axes, that sum up to this shape with rounded rims."""
+    """Ellipsoids that sum up to this shape with rounded rims: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
     r, half = element["radius"], element["half_length"]
     e = ROUNDING * min(r, half)

@@ -30,7 +30,7 @@ def curvature_radius(card: Ellipsoid) -> float | None:
 
 
 def bounding(element: Any) -> tuple[Any, float]:
-    """Centre in body axes and radius of an enclosing sphere."""
+    """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], float(max(element["semi"]))
 
 
@@ -45,6 +45,6 @@ def half_width(element: Any) -> float:
 
 
 def rounds(element: Any) -> list[np.ndarray]:
-    """Ellipsoids, as matrices in body axes, that sum up to this shape."""
+    """Ellipsoids that sum up to this shape: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
     return [axes * element["semi"] ** 2 @ axes.T]

@@ -118,7 +118,7 @@ def curvature_radius(card: Mesh) -> float | None:
 
 
 def bounding(element: Any) -> tuple[Any, float]:
-    """Centre in body axes and radius of an enclosing sphere."""
+    """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     low, high = element["points"].min(axis=0), element["points"].max(axis=0)
     middle = 0.5 * (low + high)
     centre = element["point"] + element["axes"].reshape(3, 3) @ middle

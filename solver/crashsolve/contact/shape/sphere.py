@@ -32,7 +32,7 @@ def curvature_radius(card: Sphere) -> float | None:
 
 
 def bounding(element: Any) -> tuple[Any, float]:
-    """Centre in body axes and radius of the smallest enclosing sphere, for the broad phase."""
+    """Centre (3,) [m] in body axes and radius [m] of the smallest enclosing sphere."""
     return element["point"], float(element["radius"])
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.bordered import plan
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, OWN, RIDES
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.sparse.bordered import plan
 from crashsolve.model.nodes import COMPLIANT, NODE
 from crashsolve.parts.shells.tangents.records import CHANGE, SEEN
 

@@ -32,7 +32,7 @@ def pull(p, out, a, b, R, v, w):
     out.stored = energy + bending
     out.power = power + turning
     out.loss = 0.0
-    act(p, out, a, b, R, v, w, strained, f, m, slow)
+    act(p, out, a, b, (R, v, w), strained, (f, m, slow))
 
 
 @kernel
@@ -52,11 +52,14 @@ def deformation(p, a, b, R, v, w):
 
 
 @kernel
-def act(p, out, a, b, R, v, w, strained, f, m, slow):
-    """The force f and the moments m, which belong to u and theta, on both nodes.
+def act(p, out, a, b, frame, strained, load):
+    """A force f [N] and moments m [N m], which belong to u and theta, on both nodes.
 
-    Returns by how much the element is stiffer than a straight one. Writes: a, b, out.
+    `frame`: R, v and w of corotational.py; `strained` is what deformation() tells; `load`: f, m and
+    the viscosity of the stretch [N s/m]. Returns by how much the element is stiffer than a
+    straight one. Writes: a, b, out.
     """
+    (R, v, w), (f, m, slow) = frame, load
     y, u, theta, _, _, bent, _ = strained
     eta, tension = half_angle_over_sine(v, w), f[0]
     f = add_scaled((0.0, f[1], f[2]), tension, bent[3])

@@ -49,12 +49,13 @@ def resultants(p, old, new, h, curves, strain, rate, material):
     `strain` and `rate` are eps_0, kappa_y, kappa_z and their rates. Writes: new.
     """
     N, M_y, M_z, stored, lost = 0.0, 0.0, 0.0, 0.0, 0.0
+    law = (p.material, curves, material)
     for i in range(p.count):
         y, z, A = p.y[i], p.z[i], p.area[i]
         eps = strain[0] + z * strain[1] - y * strain[2]
         fast = rate[0] + z * rate[1] - y * rate[2]
         if material.VON_MISES:
-            sigma, held, gone = flow_on(p.material, old, new, i, eps, fast, h, curves, material)
+            sigma, held, gone = flow_on(law, old, new, i, eps, fast, h)
         else:
             sigma, held, gone = material.fibre(p.material, old, new, i, eps, fast, h, curves)
         new.stress[i] = sigma
@@ -78,8 +79,12 @@ def stiffening(p, old, curves, strain, rate, material):
 
 
 @inlined
-def flow_on(m, old, new, i, eps, rate, h, curves, material):
-    """Stress, stored and lost energy of a fibre that yields by von Mises' stress. Writes: new."""
+def flow_on(law, old, new, i, eps, rate, h):
+    """Stress [Pa], stored and lost energy [J/m^3] of a fibre that yields by von Mises' stress.
+
+    `law`: the material's parameters, the curves of the deck, its module. Writes: new.
+    """
+    m, curves, material = law
     xi = m.young * (eps - old.plastic[i]) - m.kinematic * old.plastic[i]
     g = 0.0
     if h > 0.0:

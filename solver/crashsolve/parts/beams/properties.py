@@ -40,7 +40,7 @@ def scaled(
 def stiffness_row(
     section: dict[str, Any], material: dict[str, Any], length: float
 ) -> dict[str, Any]:
-    """Length and stiffness of an element."""
+    """Length [m] and stiffnesses [N/m, N m] of an element, by their columns."""
     E, G, A = material["young"], material["shear"], section["area"]
     I_y, I_z = section["second"]
     shear_y, shear_z = section["shear"]
@@ -113,7 +113,7 @@ def laws(card: Any, scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Any) -> np.ndarray:
-    """Axes of the section of an element as columns: along it, y, z."""
+    """Axes of the section of an element as columns (3, 3): along it, y, z."""
     if card.side is None:
         I_y, I_z = section["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:

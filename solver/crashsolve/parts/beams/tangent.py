@@ -17,9 +17,9 @@ Reference: Crisfield (1990), Computer Methods in Applied Mechanics and Engineeri
 
 from math import cos, sin, sqrt, tan
 
-from crashsolve.foundation.bordered import resist_far, resist_own
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.sparse.bordered import resist_far, resist_own
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, scale, sub, vec
 from crashsolve.parts.beams.bowing import change_of_slopes
 from crashsolve.parts.beams.corotational import half_angle_over_sine, turned_rate
@@ -29,11 +29,13 @@ SMALL = 1e-8
 
 
 @kernel
-def bend_blocks(p, section, a, b, R, v, w, strained, place, blocks):
+def bend_blocks(p, section, a, b, frame, strained, place, blocks):
     """Less the derivatives by every motion of both ends. Writes: blocks.
 
-    `section` is what yields, or None; `strained` is what element.deformation tells.
+    `section` is what yields, or None; `frame`: R, v and w of corotational.py; `strained` is what
+    element.deformation tells.
     """
+    R, v, w = frame
     eta, g = half_angle_over_sine(v, w), scale(0.5 / (1.0 + w), v)
     spins = matvec_t(R, sub(vec(b.w), vec(a.w))), scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
     here = v, eta, g, matvec_t(R, sub(vec(b.v), vec(a.v))), spins[0], spins[1], bends(strained[2])

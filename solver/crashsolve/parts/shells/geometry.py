@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def rule(card: Shell, scene: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Places and weights of the layers."""
+    """Places -1 to 1 and weights, sum 2, of the layers, (layers,) each."""
     if card.rule == "gauss":
         return np.polynomial.legendre.leggauss(card.layers)
     if card.layers < 2:

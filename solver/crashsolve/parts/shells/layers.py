@@ -15,6 +15,8 @@ from crashsolve.parts.shells.records import (
     BLOCK,
     EROSION,
     WORK,
+    Law,
+    layer_of,
 )
 from crashsolve.parts.shells.resultants import (
     add_resultants,
@@ -25,11 +27,12 @@ from crashsolve.parts.shells.resultants import (
 
 
 @blockwise
-def add_layer(blocks, at, work, h, m, zeta, weight, curves, material):
+def add_layer(blocks, layer, work, h, law):
     """Stress of a layer after the strains of a step, added to the resultants.
 
     Writes: blocks, work.
     """
+    (at, zeta, weight), (m, curves, material) = layer, law
     for e in range(LANES):
         t = work[LANES * WORK.depth + e]
         z = 0.5 * t * zeta
@@ -65,12 +68,12 @@ def through_thickness(blocks, first, work, h, p, curves, material):
 
     Returns how many layers yield by von Mises' stress somewhere. Writes: blocks, work.
     """
+    law = Law(p.material, curves, material)
     # a step of no length changes nothing, whatever the rate was
     if material.VON_MISES and h != 0.0:
-        return plastic_layers(blocks, first, work, work, h, p, 0, p.layers, curves, material)
+        return plastic_layers(blocks, first, work, work, h, p, (0, p.layers), law)
     for k in range(p.layers):
-        at = first + LANES * p.layer_rows * k
-        add_layer(blocks, at, work, h, p.material, p.zeta[k], p.weight[k], curves, material)
+        add_layer(blocks, layer_of(p, first, k), work, h, law)
     return 0
 
 

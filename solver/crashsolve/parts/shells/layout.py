@@ -178,7 +178,7 @@ class DiscretisedShell:
         return held
 
     def set_of(self, name: str, field: str, scene: Any) -> np.ndarray:
-        """Numbers of a set of nodes."""
+        """Numbers (n,) of a set of nodes; a mistake of the deck where there is none such."""
         if name not in self.mesh.sets:
             known = ", ".join(sorted(self.mesh.sets)) or "none"
             raise scene.fail(f"the mesh has no set of nodes '{name}' (sets: {known})", field)
@@ -299,7 +299,7 @@ class DiscretisedShell:
         return sum(blocks_of(own) * self.stride_of(points) for own, points in self.sections())
 
     def gauge_values(self, blocks: np.ndarray, row: Any) -> np.ndarray:
-        """Values of FIELDS of the gauged elements, side by side."""
+        """Values of FIELDS of the gauged elements, side by side (gauges, columns)."""
         found = outputs.values_of(self, blocks, row, np.array(self.gauged))
         return np.column_stack([found[name] for name in outputs.FIELDS])
 

@@ -42,7 +42,7 @@ FIELDS = {
 def values_of(
     part: DiscretisedShell, blocks: np.ndarray, row: Any, wanted: np.ndarray, kind: Any = float
 ) -> dict[str, np.ndarray]:
-    """Values of FIELDS of some elements, from what those of all parts keep."""
+    """Values of FIELDS of some elements (n, ...), in their units, from what all parts keep."""
     start = int(row["first"])
     shapes = {name: (len(wanted), n)[: 1 + (n > 1)] for name, (_, n) in FIELDS.items()}
     found = {name: np.zeros(shape, kind) for name, shape in shapes.items()}

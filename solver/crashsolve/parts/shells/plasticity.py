@@ -27,7 +27,7 @@ from crashsolve.foundation.kernels import blockwise, inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.materials._von_mises import LAYER, has_factor
 from crashsolve.parts.shells.elements.corners import four, three
-from crashsolve.parts.shells.records import SLOT, WORK
+from crashsolve.parts.shells.records import SLOT, WORK, layer_of
 from crashsolve.parts.shells.resultants import add_resultants, layer_strain, put_three
 from crashsolve.parts.shells.return_mapping import (
     close_gaps,
@@ -41,19 +41,18 @@ from crashsolve.parts.shells.return_mapping import (
 
 
 @blockwise
-def plastic_layers(blocks, first, work, slots, h, p, begin, end, curves, material):
+def plastic_layers(blocks, first, work, slots, h, p, span, law):
     """Stresses of plastic layers after the strains of a step of h, all those beyond yield together.
 
-    One layer alone waits for each of its divisions and roots. `slots` are rows of `work` as well,
-    but none that the loops know by that name. Returns how many are beyond yield somewhere. Writes:
-    blocks, work, slots.
+    One layer alone waits for each of its divisions and roots. `span`: the first layer, and that
+    after the last. `slots` are rows of `work` as well, but none that the loops know by that name.
+    Returns how many are beyond yield somewhere. Writes: blocks, work, slots.
     """
-    count, m = 0, p.material
-    for k in range(begin, end):
-        at, to = first + LANES * p.layer_rows * k, LANES * SLOT.SIZE * count
-        zeta, weight = p.zeta[k], p.weight[k]
-        if try_layer(blocks, at, work, slots, to, h, m, zeta, weight, curves, material) == 0.0:
-            stay(blocks, at, work, slots, to, m, zeta, weight)
+    count, (m, curves, material) = 0, law
+    for k in range(span[0], span[1]):
+        layer, to = layer_of(p, first, k), LANES * SLOT.SIZE * count
+        if try_layer(blocks, layer, work, slots, to, h, law) == 0.0:
+            stay(blocks, layer, work, slots, to, m)
         else:
             slots[LANES * WORK.yielding + count] = k
             count += 1
@@ -61,39 +60,42 @@ def plastic_layers(blocks, first, work, slots, h, p, begin, end, curves, materia
         close_gaps(slots, 0, count, m)
     for slot in range(count):
         k, to = int(slots[LANES * WORK.yielding + slot]), LANES * SLOT.SIZE * slot
-        at = first + LANES * p.layer_rows * k
+        layer = layer_of(p, first, k)
+        at = layer.at
         if material.SMOOTH:
             return_to_tangents(blocks, at, slots, to, m, curves, material)
         elif m.curve > 0:
             follow_lines(blocks, at, slots, to, m, curves, material)
         if m.kinematic > 0.0:
             shift_alpha(blocks, at, slots, to, m)
-        settle(blocks, at, work, slots, to, m, p.zeta[k], p.weight[k])
+        settle(blocks, layer, work, slots, to, m)
         if m.heating > 0.0:
             heat(blocks, at, slots, to, m)
     return count
 
 
 @blockwise
-def try_layer(blocks, at, work, slots, to, h, m, zeta, weight, curves, material):
+def try_layer(blocks, layer, work, slots, to, h, law):
     """Trial stress of a layer; in how many lanes it is beyond yield. Writes: blocks, slots."""
+    at, (m, curves, material) = layer.at, law
     if has_factor(m):
-        find_factors(blocks, at, work, slots, to, h, m, zeta, material)
-    find_trial(blocks, at, work, slots, to, m, zeta)
+        find_factors(blocks, layer, work, slots, to, h, law)
+    find_trial(blocks, layer, work, slots, to, m)
     if material.SMOOTH:
         follow_tangents(blocks, at, slots, to, m, curves, material)
         count = count_beyond(slots, to)
     else:
         count = find_lines(blocks, at, slots, to, m)
     if m.failure > 0.0:
-        drop_failed(blocks, at, work, slots, to, m, weight)
+        drop_failed(blocks, layer, work, slots, to, m)
         count = count_beyond(slots, to)
     return count
 
 
 @blockwise
-def find_factors(blocks, at, work, slots, to, h, m, zeta, material):
+def find_factors(blocks, layer, work, slots, to, h, law):
     """Factor of the rate of strain and of the temperature on the yield stress. Writes: slots."""
+    (at, zeta, _), (m, _, material) = layer, law
     if m.rated == 1:
         for e in range(LANES):
             x, y, xy = layer_strain(work, e, 0.5 * work[LANES * WORK.depth + e] * zeta)
@@ -116,8 +118,9 @@ def heat(blocks, at, slots, to, m):
 
 
 @blockwise
-def drop_failed(blocks, at, work, slots, to, m, weight):
+def drop_failed(blocks, layer, work, slots, to, m):
     """Stress of layers that have failed, and the energy it had. Writes: blocks, work."""
+    at, _, weight = layer
     for e in range(LANES):
         has_failed = blocks[at + LAYER.plastic_strain * LANES + e] >= m.failure
         x, y, s = three(blocks, at + e)
@@ -137,8 +140,9 @@ def drop_failed(blocks, at, work, slots, to, m, weight):
 
 
 @blockwise
-def find_trial(blocks, at, work, slots, to, m, zeta):
+def find_trial(blocks, layer, work, slots, to, m):
     """Trial stress of a layer less alpha, s1 and s2, and no g yet. Writes: slots."""
+    at, zeta, _ = layer
     nu, shear, moves = m.poisson, m.shear, m.kinematic > 0.0
     C, back = m.plane, at + LANES * LAYER.alpha
     for e in range(LANES):
@@ -189,8 +193,9 @@ def find_lines(blocks, at, slots, to, m):
 
 
 @blockwise
-def stay(blocks, at, work, slots, to, m, zeta, weight):
+def stay(blocks, layer, work, slots, to, m):
     """Stress, resultants and thinning of layers that do not yield. Writes: blocks, work."""
+    at, zeta, weight = layer
     softness, moves, back = -m.softness, m.kinematic > 0.0, at + LANES * LAYER.alpha
     for e in range(LANES):
         t = work[LANES * WORK.depth + e]
@@ -231,11 +236,12 @@ def returned(xi, k1, k2):
 
 
 @blockwise
-def settle(blocks, at, work, slots, to, m, zeta, weight):
+def settle(blocks, layer, work, slots, to, m):
     """Stress and plastic strain from g; resultants, plastic work, thinning.
 
     Writes: blocks, work, slots.
     """
+    at, zeta, weight = layer
     (c1, c2), softness = softening(m), -m.softness
     moves, back = m.kinematic > 0.0, at + LANES * LAYER.alpha
     for e in range(LANES):

@@ -5,6 +5,10 @@ its numbers from step to step, BLOCK comes first, then the layers of every point
 VISCOUS and EROSION where a part has them; WORK is scratch that all blocks share.
 """
 
+from typing import Any, NamedTuple
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record, rows_of
 
 MOST_LAYERS = 10
@@ -95,3 +99,25 @@ _BEFORE = _STEP + _SHEAR_RETURN
 SLOT = rows_of(_SLOT, rows_of(_BEFORE).SIZE)
 _SLOTS = Record(f"slots  1  {MOST_LAYERS * SLOT.SIZE}  of the layers that yield")
 WORK = rows_of(_BEFORE + _SLOTS + _POINTS)
+
+
+class Layer(NamedTuple):
+    """One layer of a block at a point of the plane."""
+
+    at: Any  # where its numbers begin in the blocks
+    zeta: Any  # its place, -1 to 1
+    weight: Any  # of the rule, sum 2
+
+
+class Law(NamedTuple):
+    """What layers are made of."""
+
+    m: Any  # columns `material` of a part
+    curves: Any  # those of the deck
+    kernels: Any  # the law's module
+
+
+@kernel
+def layer_of(p, first, k):
+    """Layer k of those whose numbers begin at `first`."""
+    return Layer(first + LANES * p.layer_rows * k, p.zeta[k], p.weight[k])

@@ -141,7 +141,7 @@ def open_gaps(slots, count, m):
             s1, s2 = slots[to + LANES * SLOT.s1 + e], slots[to + LANES * SLOT.s2 + e]
             flow = slots[to + LANES * SLOT.flow + e]
             rise = 2.0 / 3.0 * slots[to + LANES * SLOT.slope + e]
-            g = max(0.0, step_at(1.0, 1.0, 1.0, s1, s2, flow, rise, c1, c2))
+            g = max(0.0, step_at((1.0, 1.0, 1.0), (s1, s2), flow, rise, (c1, c2)))
             slots[to + LANES * SLOT.g + e] = g
             moving += 0.0 if c2 * g <= NEAR * (1.0 + c2 * g) else 1.0
     return moving
@@ -172,16 +172,18 @@ def close_gaps(slots, first, count, m):
 @inlined
 def step_to_root(g, s1, s2, flow, rise, c1, c2):
     """Step of Householder's method of fourth order to the root of flow / size - 1 + rise g."""
-    return step_at(1.0 + c1 * g, 1.0 + c2 * g, 1.0 - rise * g, s1, s2, flow, rise, c1, c2)
+    u = (1.0 + c1 * g, 1.0 + c2 * g, 1.0 - rise * g)
+    return step_at(u, (s1, s2), flow, rise, (c1, c2))
 
 
 @inlined
-def step_at(u1, u2, left, s1, s2, flow, rise, c1, c2):
-    """The same by 1 + c1 g, 1 + c2 g and 1 - rise g.
+def step_at(u, s, flow, rise, c):
+    """The same by u: 1 + c1 g, 1 + c2 g and 1 - rise g.
 
     With N that of Newton it is N (1 - b) / (1 - 2 b + b t): b and t from the second and third
     derivatives, multiplied out so that there is one division.
     """
+    (u1, u2, left), (s1, s2), (c1, c2) = u, s, c
     both, a, b = u1 * u2, s1 * u2 * u2, s2 * u1 * u1
     square = a + b + 1e-300
     size = sqrt(square)

@@ -91,7 +91,7 @@ def _body(whole: Plan, k: int, point: str) -> Made:
 def together(
     rods: list[tuple[float, np.ndarray, np.ndarray]],
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass, mass centre and inertia about it of several."""
+    """Mass [kg], mass centre (3,) [m] and inertia about it (3, 3) [kg m^2] of several."""
     mass = sum(m for m, _, _ in rods)
     centre = sum((m * x for m, x, _ in rods), np.zeros(3)) / mass
     J = np.zeros((3, 3))

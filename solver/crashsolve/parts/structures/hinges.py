@@ -124,7 +124,7 @@ def hinge(
 
 
 def curve(member: Member, whole: Plan, material: str, about: str, length: float) -> dict[str, Any]:
-    """Moment over angle of a hinge about an axis of the section."""
+    """Moment [N m] over angle [rad] of a hinge about an axis of the section."""
     made = {
         "section": member.section.name,
         "material": material,

@@ -40,7 +40,7 @@ class Member:
 
     @property
     def along(self) -> np.ndarray:
-        """Unit vector from its first to its second point."""
+        """Unit vector (3,) from its first to its second point."""
         return np.asarray(self.T[:, 0])
 
     @property
@@ -206,7 +206,7 @@ def _refuse_touching(points: dict[str, np.ndarray], members: list[Member]) -> No
 
 
 def joint_length(point: str, members: list[Member]) -> float:
-    """r of the rigid joint at a point, from depths and angles of its members. Raises Problem."""
+    """r [m] of the rigid joint at a point, by depths and angles of its members. Raises Problem."""
     depth = max(depth_of(member) for member in members)
     ways = [m.along if m.ends[0] == point else -m.along for m in members]
     factor = 1.0

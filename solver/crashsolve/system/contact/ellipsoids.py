@@ -25,15 +25,15 @@ from crashsolve.system.contact.projection import begin_look, take, tell_depth
 
 
 @kernel
-def look(i, p, totals, ellipsoid, nodes, probe_states, turns, mesh, lists, found):
-    """The nearest face on either side of an ellipsoid, nearer than the gap. Writes: found, lists.
+def look(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
+    """The nearest face on either side of an ellipsoid, nearer than the gap. Writes: sides, lists.
 
     A face that is farther waits until all can have gone so far.
     """
     first, near, wait, due = lists
     body, soonest = nodes[ellipsoid.node], 1e300
     low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
-    is_deep = begin_look(i, p, probe_states, turns, found)
+    is_deep = begin_look(i, p, sides)
     for k in range(first[i], first[i + 1]):
         f = near[k]
         if mesh[5][f] == 1:
@@ -44,10 +44,10 @@ def look(i, p, totals, ellipsoid, nodes, probe_states, turns, mesh, lists, found
             wait[k] = totals.way + max(way + low - p.gap, 0.0)
             if way + low < p.gap:
                 to = scale(way + low, out_of(ellipsoid, body, m))
-                take(i, p, f, N, spot, abs(way + low), to, probe_states, turns, mesh, found)
+                take(i, p, (f, N, spot), abs(way + low), to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
-    tell_depth(p, found)
+    tell_depth(p, sides.found)
 
 
 @kernel

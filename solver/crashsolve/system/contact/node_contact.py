@@ -315,13 +315,15 @@ def load(i, w, k, c, scene):
 
 
 @kernel
-def open_shapes(h, p, totals, probes, nodes, scene, pens, frames, home):
+def open_shapes(h, p, totals, probes, nodes, scene, copies):
     """Copies of the bodies with the shapes, behind those for probes; how far probes have gone.
+
+    `copies`: their table, in which they begin after so many, and the bodies that they are of.
 
     Writes: totals, frames.
     """
     open_pass(totals)
-    speed = 0.0
+    speed, (frames, pens, home) = 0.0, copies
     for k in range(pens, frames.shape[0]):
         frame, body = frames[k], nodes[home[k]]
         put(frame.r, vec(body.r))

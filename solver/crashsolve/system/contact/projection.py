@@ -15,6 +15,7 @@ References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and
 """
 
 from math import acos, sqrt
+from typing import Any, NamedTuple
 
 from crashsolve.contact.cells import corner_points, list_near, measure, sort
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
@@ -39,10 +40,10 @@ NO_WAY = 1e-9
 
 
 @kernel
-def open_faces(h, p, totals, probes, nodes, scene, grid, lists, spared):
+def open_faces(h, p, totals, probes, nodes, scene, near_faces):
     """How far all have gone; the lists anew where that is more than their margin.
 
-    Writes: totals, grid, lists.
+    Writes: totals, near_faces.
     """
     points, corners = scene.points, scene.corners
     open_pass(totals)
@@ -50,8 +51,7 @@ def open_faces(h, p, totals, probes, nodes, scene, grid, lists, spared):
     totals.way += h * totals.fastest
     if totals.way <= totals.listed + p.margin:
         return
-    first, due = lists[0], lists[3]
-    cells, starts, sorted_faces = grid
+    (cells, starts, sorted_faces), (first, _, _, due), _ = near_faces
     reach = p.gap + p.over + p.margin
     width = measure(p, points, corners, cells) + reach
     sort(p, width, cells, starts, sorted_faces)
@@ -59,7 +59,7 @@ def open_faces(h, p, totals, probes, nodes, scene, grid, lists, spared):
     for i in range(probes.shape[0]):
         x, _ = where(probes[i], 0.0, nodes, points)
         first[i], due[i] = min(total, p.room), totals.way
-        total = list_near(i, x, p, totals.way, reach, width, grid, lists, spared, total)
+        total = list_near(i, x, p, totals.way, reach, width, near_faces, total)
     first[probes.shape[0]] = min(total, p.room)
     totals.listed, totals.pairs = totals.way, total
     totals.searches += 1
@@ -97,15 +97,23 @@ def is_crowded(p, totals):
     return 2 * totals.pairs > p.room
 
 
+class Sides(NamedTuple):
+    """What is known of the touches of probes, on both sides of the faces."""
+
+    states: Any  # before and after the step, two for each probe
+    turns: Any  # which of both is from before
+    found: Any  # the nearest faces of one probe
+
+
 @kernel
-def look(i, x, p, totals, probe_states, turns, mesh, lists, found):
-    """The nearest face on either side of a probe at x, nearer than the gap. Writes: found, lists.
+def look(i, x, p, totals, sides, mesh, lists):
+    """The nearest face on either side of a probe at x, nearer than the gap. Writes: sides, lists.
 
     A face that is farther waits until all can have gone so far.
     """
     first, near, wait, due = lists
     soonest = 1e300
-    is_deep = begin_look(i, p, probe_states, turns, found)
+    is_deep = begin_look(i, p, sides)
     for k in range(first[i], first[i + 1]):
         f = near[k]
         if mesh[5][f] == 1:
@@ -118,16 +126,16 @@ def look(i, x, p, totals, probe_states, turns, mesh, lists, found):
             # what has been driven through is not let go behind
             if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
-                take(i, p, f, N, spot, distance, to, probe_states, turns, mesh, found)
+                take(i, p, (f, N, spot), distance, to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
-    tell_depth(p, found)
+    tell_depth(p, sides.found)
 
 
 @kernel
-def begin_look(i, p, probe_states, turns, found):
-    """Nothing is found; whether the probe is so deep that no face waits. Writes: found, turns."""
-    is_deep = False
+def begin_look(i, p, sides):
+    """Nothing is found; whether the probe is so deep that no face waits. Writes: sides."""
+    is_deep, (probe_states, turns, found) = False, sides
     for s in range(2):
         found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
         old = probe_states[settle(turns, 2 * i + s), 2 * i + s]
@@ -156,8 +164,13 @@ def seen_from(x, p, f, mesh):
 
 
 @kernel
-def take(i, p, f, N, spot, distance, to, probe_states, turns, mesh, found):
-    """Keep a face that is the nearest on its side so far; `to` leads to it. Writes: found."""
+def take(i, p, face, distance, to, sides, mesh):
+    """Keep a face that is the nearest on its side so far, at a distance [m]; `to` leads to it.
+
+    `face`: its number, the shares of its corners at the nearest place, which place that is.
+    Writes: sides.found.
+    """
+    (f, N, spot), (probe_states, turns, found) = face, sides
     s, crossed = side(i, p, f, spot, to, probe_states, turns, mesh)
     hit = found[s]
     if distance >= hit.distance or (distance >= p.gap and crossed == 0):

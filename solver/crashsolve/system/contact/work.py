@@ -172,11 +172,11 @@ def way_over_face(p, probe, touch, is_past, h, nodes, points, corners):
 
 
 @kernel
-def way_over_body(p, probe, touch, is_past, x, body, h, nodes, points):
-    """The same over the body of a shape, where the probe is at x at the end of the step."""
+def way_over_body(p, probe, touch, is_past, place, h, nodes, points):
+    """The same over the body of a shape; `place`: that, and where the probe is at the end [m]."""
     if h == 0.0:
         return 0.0, 0.0, 0.0
-    d, _ = arms(p, touch)
+    (body, x), (d, _) = place, arms(p, touch)
     return sub(
         way_of_probe(probe, d, is_past, h, nodes, points), moved(body, sub(add(x, d), vec(body.r)))
     )

@@ -11,11 +11,9 @@ Reference: van der Houwen and de Swart (1997), SIAM J. Sci. Comput. 18, 41-55.
 """
 
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
-from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.rotation import rotate_by_cayley, write_matrix, write_world_tensor
-from crashsolve.foundation.saddle import solve_rows
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
-from crashsolve.system.implicit.stages import add_column, along_row
 
 
 @kernel
@@ -48,12 +46,12 @@ def guess(nodes, stages, A, C, h, ratio):
         for i in range(1, stages.shape[0]):
             extrapolate(stages, C, n, i, ratio)
         for i in range(1, stages.shape[0]):
-            way_v, way_w = sum_accelerations(stages, A, n, i, h)
+            _, _, way_v, way_w = sum_rates(stages, n, A, i, h)
             put(stages[i, n].way_v, way_v)
             put(stages[i, n].way_w, way_w)
             guess_rates(nodes[n], stages[i, n], C[i] * h)
         for i in range(1, stages.shape[0]):
-            way_r, turn = sum_velocities(stages, A, n, i, h)
+            way_r, turn, _, _ = sum_rates(stages, n, A, i, h)
             put(stages[i, n].way_r, way_r)
             put(stages[i, n].turn, turn)
 
@@ -79,23 +77,23 @@ def extrapolate(stages, C, n, i, ratio):
 
 
 @kernel
-def sum_accelerations(stages, A, n, i, h):
-    """Changes of velocity and angular velocity up to stage i."""
-    v, w, first = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), stages.shape[0] * i
+def sum_rates(stages, n, A, i, h):
+    """Changes of place, Cayley vector, velocity and spin up to stage i, without the start's."""
+    r = g = v = w = (0.0, 0.0, 0.0)
     for j in range(1, stages.shape[0]):
-        v = add_scaled(v, h * A[first + j], vec(stages[j, n].rate_v))
-        w = add_scaled(w, h * A[first + j], vec(stages[j, n].rate_w))
-    return v, w
+        r, g, v, w = add_rates(r, g, v, w, h * A[stages.shape[0] * i + j], stages[j, n])
+    return r, g, v, w
 
 
-@kernel
-def sum_velocities(stages, A, n, i, h):
-    """Displacement and turn up to stage i."""
-    r, g, first = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), stages.shape[0] * i
-    for j in range(1, stages.shape[0]):
-        r = add_scaled(r, h * A[first + j], vec(stages[j, n].rate_r))
-        g = add_scaled(g, h * A[first + j], vec(stages[j, n].rate_turn))
-    return r, g
+@inlined
+def add_rates(r, g, v, w, t, s):
+    """Those changes with a time t at the rates of stage s."""
+    return (
+        add_scaled(r, t, vec(s.rate_r)),
+        add_scaled(g, t, vec(s.rate_turn)),
+        add_scaled(v, t, vec(s.rate_v)),
+        add_scaled(w, t, vec(s.rate_w)),
+    )
 
 
 @kernel
@@ -135,8 +133,7 @@ def miss(nodes, stages, A, T, i, h):
     count = stages.shape[0]
     for n in range(1, nodes.shape[0]):
         s = stages[i, n]
-        r, g = sum_velocities(stages, A, n, i, h)
-        v, w = sum_accelerations(stages, A, n, i, h)
+        r, g, v, w = sum_rates(stages, n, A, i, h)
         r, g = sub(r, vec(s.way_r)), sub(g, vec(s.turn))
         v, w = sub(v, vec(s.way_v)), sub(w, vec(s.way_w))
         for j in range(1, i):
@@ -158,72 +155,11 @@ def weigh_estimate(nodes, stages, E, i, h):
         s, zero = stages[i, n], (0.0, 0.0, 0.0)
         r, g, v, w = zero, zero, zero, zero
         for j in range(stages.shape[0]):
-            e, other = h * E[j], stages[j, n]
-            r = add_scaled(r, e, vec(other.rate_r))
-            g = add_scaled(g, e, vec(other.rate_turn))
-            v = add_scaled(v, e, vec(other.rate_v))
-            w = add_scaled(w, e, vec(other.rate_w))
+            r, g, v, w = add_rates(r, g, v, w, h * E[j], stages[j, n])
         put(s.right_r, r)
         put(s.right_turn, g)
         put(s.right_v, v)
         put(s.right_w, w)
-
-
-@kernel
-def solve_stage(nodes, stages, i, compliant, saddle, joint_rows, t):
-    """Correction of stage i for what it misses, in place of it. Writes: stages.right_*, slope_*."""
-    for k in range(joint_rows, compliant.shape[0]):
-        row = compliant[k]
-        row.right = -missed_along(row, 0, row.node_a, nodes, stages, i)
-        row.right -= missed_along(row, 6, row.node_b, nodes, stages, i)
-    solve_rows(saddle, compliant, 1.0)
-    gather_kicks(stages, i, compliant)
-    for n in range(1, nodes.shape[0]):
-        b, s = nodes[n], stages[i, n]
-        add_to(s.right_v, vec(s.slope_v))
-        add_to(s.right_w, vec(s.slope_w))
-        put(s.slope_v, scale(1.0 / t, vec(s.slope_v)))
-        put(s.slope_w, scale(1.0 / t, vec(s.slope_w)))
-        put(s.slope_r, vec(s.right_v))
-        put(s.slope_turn, turning_of(matvec_t(b.A, vec(s.right_w)), vec(s.turn)))
-        add_to(s.right_r, scale(t, vec(s.slope_r)))
-        add_to(s.right_turn, scale(t, vec(s.slope_turn)))
-
-
-@kernel
-def turning_of(omega, g):
-    """g_dot of a spin in body axes (see stages.py)."""
-    return scale(0.5, add_scaled(add(omega, cross(g, omega)), dot(g, omega), g))
-
-
-@kernel
-def turned_by(g_change, g):
-    """The turn in body axes that changes the Cayley vector g by so much."""
-    return scale(2.0 / (1.0 + dot(g, g)), sub(g_change, cross(g, g_change)))
-
-
-@kernel
-def gather_kicks(stages, i, compliant):
-    """What the impulses of all rows do to each body. Writes: stages.slope_v, slope_w."""
-    zero = (0.0, 0.0, 0.0)
-    for n in range(stages.shape[1]):
-        put(stages[i, n].slope_v, zero)
-        put(stages[i, n].slope_w, zero)
-    for k in range(compliant.shape[0]):
-        row = compliant[k]
-        a, b = stages[i, row.node_a], stages[i, row.node_b]
-        add_column(row.X, 0, row.delta, a.slope_v, a.slope_w)
-        add_column(row.X, 6, row.delta, b.slope_v, b.slope_w)
-
-
-@kernel
-def missed_along(row, c, node, nodes, stages, i):
-    """One side of B b + (k D + c G) a / (c + k t) (see compliance.py), for what stage i misses."""
-    if node == 0:
-        return 0.0
-    s = stages[i, node]
-    turn = matvec(nodes[node].A, turned_by(vec(s.right_turn), vec(s.turn)))
-    return along_row(row.D, c, s.right_v, s.right_w) + along_row(row.G, c, s.right_r, turn)
 
 
 @kernel

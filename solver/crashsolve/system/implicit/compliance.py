@@ -16,9 +16,12 @@ stiff the spring.
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
 
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.saddle import assemble, eliminate
+from crashsolve.foundation.sparse.saddle import assemble, eliminate, solve_rows
+from crashsolve.foundation.vec3 import norm, put, scale, vec
 from crashsolve.system.constraints import weigh
+from crashsolve.system.implicit.stages import add_column, along_row, turned_by, turning_of
 
 # 1 / sigma of a row without stiffness or with a negative one: it takes no part
 NO_PART = 1e150
@@ -70,3 +73,90 @@ def give(row, position, velocity):
     """1 / sigma of a row [1/kg]."""
     sigma = position * row.stiffness + velocity * row.damping
     return 1.0 / sigma if sigma > 1.0 / NO_PART else NO_PART
+
+
+@kernel
+def solve_stage(nodes, stages, i, compliant, saddle, joint_rows, t):
+    """Correction of stage i for what it misses, in place of it. Writes: stages.right_*, slope_*."""
+    for k in range(joint_rows, compliant.shape[0]):
+        row = compliant[k]
+        row.right = -missed_along(row, 0, row.node_a, nodes, stages, i)
+        row.right -= missed_along(row, 6, row.node_b, nodes, stages, i)
+    solve_rows(saddle, compliant, 1.0)
+    gather_kicks(stages, i, compliant)
+    for n in range(1, nodes.shape[0]):
+        b, s = nodes[n], stages[i, n]
+        add_to(s.right_v, vec(s.slope_v))
+        add_to(s.right_w, vec(s.slope_w))
+        put(s.slope_v, scale(1.0 / t, vec(s.slope_v)))
+        put(s.slope_w, scale(1.0 / t, vec(s.slope_w)))
+        put(s.slope_r, vec(s.right_v))
+        put(s.slope_turn, turning_of(matvec_t(b.A, vec(s.right_w)), vec(s.turn)))
+        add_to(s.right_r, scale(t, vec(s.slope_r)))
+        add_to(s.right_turn, scale(t, vec(s.slope_turn)))
+
+
+@kernel
+def gather_kicks(stages, i, compliant):
+    """What the impulses of all rows do to each body. Writes: stages.slope_v, slope_w."""
+    zero = (0.0, 0.0, 0.0)
+    for n in range(stages.shape[1]):
+        put(stages[i, n].slope_v, zero)
+        put(stages[i, n].slope_w, zero)
+    for k in range(compliant.shape[0]):
+        row = compliant[k]
+        a, b = stages[i, row.node_a], stages[i, row.node_b]
+        add_column(row.X, 0, row.delta, a.slope_v, a.slope_w)
+        add_column(row.X, 6, row.delta, b.slope_v, b.slope_w)
+
+
+@kernel
+def missed_along(row, c, node, nodes, stages, i):
+    """One side of B b + (k D + c G) a / (c + k t) of a row, for what stage i misses."""
+    if node == 0:
+        return 0.0
+    s = stages[i, node]
+    turn = matvec(nodes[node].A, turned_by(vec(s.right_turn), vec(s.turn)))
+    return along_row(row.D, c, s.right_v, s.right_w) + along_row(row.G, c, s.right_r, turn)
+
+
+@kernel
+def ask_rates(rows, compliant, stages, t):
+    """Multipliers answer for D v - nu over t, and for missing accelerations. Writes: compliant."""
+    for k in range(compliant.shape[0]):
+        row = compliant[k]
+        # nothing is ever missing at the ground
+        a, b = stages[1, row.node_a], stages[1, row.node_b]
+        row.right = -along_row(row.D, 0, a.right_v, a.right_w)
+        row.right -= along_row(row.D, 6, b.right_v, b.right_w)
+        if k < rows.shape[0]:
+            row.right -= rows[k].right / t
+
+
+@kernel
+def answer_rows(nodes, rows, stages, compliant, saddle):
+    """Corrections of multipliers and accelerations. Writes: rows.trial, stages.right_*, slope_*."""
+    solve_rows(saddle, compliant, 1.0)
+    gather_kicks(stages, 1, compliant)
+    for k in range(rows.shape[0]):
+        rows[k].trial += compliant[k].delta
+    for n in range(1, nodes.shape[0]):
+        end = stages[1, n]
+        add_to(end.right_v, vec(end.slope_v))
+        add_to(end.right_w, vec(end.slope_w))
+
+
+@kernel
+def close_at_end(stages, compliant, saddle, size):
+    """Displacements onto Phi = 0. Returns the largest, in the model's size. Writes: stages."""
+    solve_rows(saddle, compliant, 1.0)
+    gather_kicks(stages, 1, compliant)
+    worst = 0.0
+    for n in range(1, stages.shape[1]):
+        end = stages[1, n]
+        add_to(end.closing_r, vec(end.slope_v))
+        add_to(end.closing_w, vec(end.slope_w))
+        x = norm(vec(end.slope_v)) / size + norm(vec(end.slope_w))
+        if not x <= worst:
+            worst = x
+    return worst

@@ -18,10 +18,8 @@ Theory 48, 121-137 (Lie group).
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rotation import rotate_by_vector, write_matrix, write_world_tensor
-from crashsolve.foundation.saddle import solve_rows
 from crashsolve.foundation.vec3 import add, add_scaled, cross, norm, put, scale, sub, vec
-from crashsolve.system.implicit.collocation import gather_kicks, start_spin
-from crashsolve.system.implicit.stages import along_row
+from crashsolve.system.implicit.collocation import start_spin
 
 
 @kernel
@@ -125,36 +123,10 @@ def missing_accelerations(nodes, stages):
 
 
 @kernel
-def ask_rates(rows, compliant, stages, t):
-    """Multipliers answer for D v - nu over t, and for missing accelerations. Writes: compliant."""
-    for k in range(compliant.shape[0]):
-        row = compliant[k]
-        # nothing is ever missing at the ground
-        a, b = stages[1, row.node_a], stages[1, row.node_b]
-        row.right = -along_row(row.D, 0, a.right_v, a.right_w)
-        row.right -= along_row(row.D, 6, b.right_v, b.right_w)
-        if k < rows.shape[0]:
-            row.right -= rows[k].right / t
-
-
-@kernel
 def ask_positions(rows, compliant):
     """Phi of joints is to vanish, and springs resist. Writes: compliant."""
     for k in range(compliant.shape[0]):
         compliant[k].right = -rows[k].phi if k < rows.shape[0] else 0.0
-
-
-@kernel
-def answer_rows(nodes, rows, stages, compliant, saddle):
-    """Corrections of multipliers and accelerations. Writes: rows.trial, stages.right_*, slope_*."""
-    solve_rows(saddle, compliant, 1.0)
-    gather_kicks(stages, 1, compliant)
-    for k in range(rows.shape[0]):
-        rows[k].trial += compliant[k].delta
-    for n in range(1, nodes.shape[0]):
-        end = stages[1, n]
-        add_to(end.right_v, vec(end.slope_v))
-        add_to(end.right_w, vec(end.slope_w))
 
 
 @kernel
@@ -167,22 +139,6 @@ def improve_accelerations(stages, t, tt, size, speed):
         add_to(end.rate_w, vec(end.right_w))
         x, w = norm(vec(end.right_v)), norm(vec(end.right_w))
         x = (tt / size + t / speed) * x + (tt + t * size / speed) * w
-        if not x <= worst:
-            worst = x
-    return worst
-
-
-@kernel
-def close_at_end(stages, compliant, saddle, size):
-    """Displacements onto Phi = 0. Returns the largest, in the model's size. Writes: stages."""
-    solve_rows(saddle, compliant, 1.0)
-    gather_kicks(stages, 1, compliant)
-    worst = 0.0
-    for n in range(1, stages.shape[1]):
-        end = stages[1, n]
-        add_to(end.closing_r, vec(end.slope_v))
-        add_to(end.closing_w, vec(end.slope_w))
-        x = norm(vec(end.slope_v)) / size + norm(vec(end.slope_w))
         if not x <= worst:
             worst = x
     return worst

@@ -13,37 +13,13 @@ same corrections as by rows.
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
 
-from crashsolve.foundation.bordered import assemble, factorise, solve
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rotation import write_world_tensor
+from crashsolve.foundation.sparse.bordered import assemble, factorise, solve
 from crashsolve.foundation.vec3 import norm, put, scale, sub, vec
-from crashsolve.system.implicit.collocation import (  # noqa: F401
-    correction_size,
-    guess,
-    improve,
-    keep_past,
-    keep_spin_rates,
-    miss,
-    stand,
-    turned_by,
-    turning_of,
-    weigh_estimate,
-)
 from crashsolve.system.implicit.compliance import lean
-
-# the stages take all they ask of these three from here
-from crashsolve.system.implicit.generalized_alpha import (  # noqa: F401
-    alpha_weights,
-    ask_positions,
-    guess_end,
-    improve_accelerations,
-    miss_estimate,
-    missing_accelerations,
-    open_accelerations,
-    stand_at_end,
-)
-from crashsolve.system.implicit.stages import along_row
+from crashsolve.system.implicit.stages import along_row, turned_by, turning_of
 
 
 @kernel

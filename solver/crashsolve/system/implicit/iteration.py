@@ -43,6 +43,20 @@ def is_near(count, share, worst, previous, enough, control, stages, speed):
 
 
 @kernel
+def note_pass(clock, count, worst, previous, least):
+    """Count a pass; the share of the error that it leaves, taken as `least` or more."""
+    clock.iterations += 1
+    clock.passes = count + 1
+    return min(max(worst / previous, least), 0.9)
+
+
+@kernel
+def goes_astray(count, worst, previous):
+    """Whether corrections grow so that further passes are useless."""
+    return not worst < 10.0 * previous or (count > PATIENCE and not worst < previous)
+
+
+@kernel
 def enough_beside(h, clock, control, order, power):
     """What may be left in the equations of a step of h beside its own error.
 

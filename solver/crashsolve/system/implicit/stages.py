@@ -13,9 +13,9 @@ Reference: Hairer, Lubich and Wanner (2006), Geometric Numerical Integration, IV
 from math import sqrt
 
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
-from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.rotation import rotate_by_cayley, write_matrix
-from crashsolve.foundation.saddle import solve_rows
+from crashsolve.foundation.sparse.saddle import solve_rows
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.constraints import clear_joint_forces, driver_power
 
@@ -29,12 +29,22 @@ def keep_rates(nodes, rows, stages, i):
     for n in range(1, nodes.shape[0]):
         b, s = nodes[n], stages[i, n]
         put(s.rate_r, vec(b.v))
-        omega, g = matvec_t(b.A, vec(b.w)), vec(s.turn)
-        turning = add_scaled(add(omega, cross(g, omega)), dot(g, omega), g)
-        put(s.rate_turn, scale(0.5, turning))
+        put(s.rate_turn, turning_of(matvec_t(b.A, vec(b.w)), vec(s.turn)))
         put(s.rate_v, scale(b.mass_inv, add(vec(b.force), vec(b.joint_force))))
         put(s.rate_L, add(vec(b.torque), vec(b.joint_torque)))
     keep_outside(nodes, rows, stages, i)
+
+
+@kernel
+def turning_of(omega, g):
+    """g_dot of a spin in body axes."""
+    return scale(0.5, add_scaled(add(omega, cross(g, omega)), dot(g, omega), g))
+
+
+@kernel
+def turned_by(g_change, g):
+    """The turn in body axes that changes the Cayley vector g by so much."""
+    return scale(2.0 / (1.0 + dot(g, g)), sub(g_change, cross(g, g_change)))
 
 
 @kernel
@@ -144,26 +154,31 @@ def estimate(nodes, stages, count, E, errors, k, h):
 @kernel
 def project_estimate(errors, k, nodes, rows, saddle):
     """Leave out of an estimate what the projection takes away: D e = 0. Writes: errors, rows."""
+    project_pair(errors, k, rows, saddle, True)
+    project_pair(errors, k, rows, saddle, False)
+
+
+@kernel
+def project_pair(errors, k, rows, saddle, of_places):
+    """The same of places and turns, or of velocities and spins. Writes: errors, rows."""
     for i in range(rows.shape[0]):
         row = rows[i]
-        a, b, D = errors[k, row.node_a], errors[k, row.node_b], row.D
-        row.right = along_row(D, 0, a.r, a.turn) + along_row(D, 6, b.r, b.turn)
+        x_a, y_a = pair_of(errors[k, row.node_a], of_places)
+        x_b, y_b = pair_of(errors[k, row.node_b], of_places)
+        row.right = along_row(row.D, 0, x_a, y_a) + along_row(row.D, 6, x_b, y_b)
     solve_rows(saddle, rows, -1.0)
     for i in range(rows.shape[0]):
         row = rows[i]
-        a, b, X = errors[k, row.node_a], errors[k, row.node_b], row.X
-        add_column(X, 0, row.delta, a.r, a.turn)
-        add_column(X, 6, row.delta, b.r, b.turn)
-    for i in range(rows.shape[0]):
-        row = rows[i]
-        a, b, D = errors[k, row.node_a], errors[k, row.node_b], row.D
-        row.right = along_row(D, 0, a.v, a.w) + along_row(D, 6, b.v, b.w)
-    solve_rows(saddle, rows, -1.0)
-    for i in range(rows.shape[0]):
-        row = rows[i]
-        a, b, X = errors[k, row.node_a], errors[k, row.node_b], row.X
-        add_column(X, 0, row.delta, a.v, a.w)
-        add_column(X, 6, row.delta, b.v, b.w)
+        x_a, y_a = pair_of(errors[k, row.node_a], of_places)
+        x_b, y_b = pair_of(errors[k, row.node_b], of_places)
+        add_column(row.X, 0, row.delta, x_a, y_a)
+        add_column(row.X, 6, row.delta, x_b, y_b)
+
+
+@inlined
+def pair_of(e, of_places):
+    """Errors of a body in place and turn, or in velocity and spin."""
+    return (e.r, e.turn) if of_places else (e.v, e.w)
 
 
 @kernel

@@ -76,7 +76,7 @@ def add_elements(clock, scene, ledger):
             for number, material in group.materials:
                 if group.parameters[i].law == number:
                     for kind in group.kinds:
-                        kind.add_energies(group.parameters[i], o, scene, material)
+                        group.blocks.add_energies(kind, group.parameters[i], o, scene, material)
             if not ASSEMBLED:
                 # points of implicit steps are bodies
                 ledger[KINETIC] += o.kinetic

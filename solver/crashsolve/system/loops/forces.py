@@ -9,8 +9,8 @@ from crashsolve.system.contact import node_contact, resting, surface_friction, t
 from crashsolve.system.energy import lose
 from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
-from crashsolve.system.loops.node_to_shape import node_to_shape
-from crashsolve.system.loops.node_to_surface import node_to_surface
+from crashsolve.system.loops.nodal.node_to_shape import node_to_shape
+from crashsolve.system.loops.nodal.node_to_surface import node_to_surface
 from crashsolve.system.loops.pieces import contact_in_pieces, share_load
 from crashsolve.system.loops.unilateral import find_touching
 from crashsolve.system.placeholders import (

@@ -6,7 +6,6 @@ The first thread calls the others to a job, and takes part (system/threads/worke
 from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.system import points
 from crashsolve.system.contact import node_contact
-from crashsolve.system.loops.looks import look_at_faces, look_at_shapes
 from crashsolve.system.loops.many_pairs import (
     approach_piece,
     bear_piece,
@@ -14,6 +13,7 @@ from crashsolve.system.loops.many_pairs import (
     press_piece,
     sum_pieces,
 )
+from crashsolve.system.loops.nodal.looks import look_at_faces, look_at_shapes
 from crashsolve.system.placeholders import (
     CONTACTS,
     ELEMENT_LOADS,
@@ -234,7 +234,7 @@ def deform_part(group, p, clock, h, scene):
     for number, material in group.materials:
         if p.law == number:
             for kind in group.kinds:
-                kind.deform(p, clock, h, scene, material)
+                group.blocks.deform(kind, p, clock, h, scene, material)
 
 
 @kernel

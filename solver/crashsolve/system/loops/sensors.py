@@ -33,7 +33,8 @@ def cut_elements(scene):
                     if p.law == law:
                         for number, kind in group.numbered_kinds:
                             if tap.kind == number:
-                                kind.respond(p, 0.0, tap.first, tap.corner, scene, material)
+                                at, corner = tap.first, tap.corner
+                                group.blocks.respond(kind, p, 0.0, at, corner, scene, material)
         before = tap.first
         section_cut.add_tap(tap, scene)
     section_cut.close_cuts(scene)

@@ -66,12 +66,13 @@ def stiffen_elements(h, nodes, matrix, scene):
             for number, material in group.materials:
                 if p[i].law == number:
                     for kind in group.tangent_kinds:
-                        kind.tangent(p[i], h, scene, matrix, material)
+                        group.slopes.tangent(kind, p[i], h, scene, matrix, material)
 
 
 @kernel
-def renew(h, clock, nodes, rows, curves, compliant, matrix, t, tt, scene):
+def renew(h, clock, nodes, compliant, matrix, t, tt, scene):
     """All tangents and the factor, at the present place. Writes: matrix, compliant."""
+    rows, curves = scene.rows, scene.curves
     tangents(clock, nodes, curves, compliant, scene)
     bend(h, clock, nodes, curves, matrix, scene)
     global_matrix.linearise(rows, compliant, nodes, t, tt)

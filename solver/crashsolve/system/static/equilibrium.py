@@ -224,7 +224,7 @@ class StaticEngine(Engine):
         return time
 
     def finds(self, time: float) -> int:
-        """Passes of Newton's method to the equilibrium at a time; 0 where it leads to none."""
+        """Passes of Newton's method to the equilibrium at a time [s]; 0 where it leads to none."""
         start, previous = self.state.nodes.copy(), np.inf
         for passes in range(PASSES):
             way = self.correction(time, self.known if passes == 0 else None)

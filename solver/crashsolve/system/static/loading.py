@@ -42,7 +42,7 @@ class Loading:
         self.place(self.begin)
 
     def share(self, moment: float) -> float:
-        """Of a load without a curve that acts at a moment."""
+        """Of a load without a curve that acts at a moment [s]: 0 to 1."""
         return min(max(moment - self.begin, 0.0), 1.0)
 
     def time(self, moment: float) -> float:
@@ -71,7 +71,7 @@ class Loading:
                 p["offset"][i] = offset - self._read(int(curve), moment, names[i])
 
     def places(self, moment: float) -> np.ndarray:
-        """Values of the curves of all drivers."""
+        """Values (drivers,) of the curves of all drivers, in their units [m, rad]."""
         return np.array(
             [
                 self._read(int(curve), moment, name)

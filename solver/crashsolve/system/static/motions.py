@@ -17,7 +17,10 @@ def move(nodes: np.ndarray, way: np.ndarray) -> None:
 
 
 def nudge(row: Any, k: int, size: float) -> None:
-    """Move a node along axis k, or turn it about axis k - 3, by very little. Writes: row."""
+    """Move a node along axis k [m], or turn it about axis k - 3 [rad], by very little.
+
+    Writes: row.
+    """
     if k < 3:
         row["r"][k] += size
         return

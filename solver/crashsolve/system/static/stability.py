@@ -82,7 +82,7 @@ def _null_space(D: np.ndarray) -> np.ndarray:
 def ways_out(columns: np.ndarray) -> tuple[int, int]:
     """How many ways out the pivots of a factor show, and the node of the most negative one.
 
-    `columns` are those of foundation/bordered.py, after the nodes' have been factorised.
+    `columns` are those of foundation/sparse/bordered.py, after the nodes' have been factorised.
     """
     negative, worst, place = 0, 0.0, 0
     for c in columns:

@@ -15,19 +15,14 @@ Engineering 88, 311-340. Dvorkin and Bathe (1984), A continuum mechanics based f
 element for general nonlinear analysis, Engineering Computations 1, 77-88.
 """
 
-from crashsolve.foundation.kernels import apart, blockwise, inlined, kernel
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.parts.shells.damping import allow, damp
-from crashsolve.parts.shells.elements.corners import (
-    diagonals,
-    four,
-    gather,
-    note_rate,
-    scatter,
-    slow_corners,
-)
+from crashsolve.parts.shells.elements import quadrilateral_block
+from crashsolve.parts.shells.elements.blocks import span_of_quadrilaterals
+from crashsolve.parts.shells.elements.corners import diagonals, four
 from crashsolve.parts.shells.elements.quadrilateral import plane_axes, sides
-from crashsolve.parts.shells.elements.quadrilateral_block import push, shape, strain
+from crashsolve.parts.shells.elements.quadrilateral_block import shape
+from crashsolve.parts.shells.elements.quadrilateral_block import strain as strain
 from crashsolve.parts.shells.energies import (
     drilling_energy,
     in_plane,
@@ -35,69 +30,30 @@ from crashsolve.parts.shells.energies import (
     shear_energy,
     twist_energy,
 )
-from crashsolve.parts.shells.erosion import (
-    add_losses,
-    delete,
-    diagonal,
-    has_failed,
-    mute_forces,
-    mute_strains,
-)
-from crashsolve.parts.shells.hourglass_return import clear_weak, relax_shear, see_shear
-from crashsolve.parts.shells.layers import clear_growth, grow_rate, take_up, through_thickness
-from crashsolve.parts.shells.records import (
-    BLOCK,
-    WORK,
-)
+from crashsolve.parts.shells.hourglass_return import relax_shear, see_shear
+from crashsolve.parts.shells.layers import clear_growth, take_up, through_thickness
+from crashsolve.parts.shells.records import BLOCK, WORK
 from crashsolve.parts.shells.resultants import clear_resultants
 
+CORNERS, POINTS = 4, 4
 PLACE_OF_POINT = 3.0**-0.5
 
 
-@apart
-def deform(p, clock, h, scene, material):
-    """Strains, stresses and forces of the elements with 2 by 2 points after a step of h.
-
-    Writes: scene.points, lanes, work, clock.
-    """
-    done = 0
-    clear_weak(scene.work)
-    while done < p.four_points:
-        first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
-        live = min(LANES, p.four_points - done)
-        respond(p, h, first, corner, scene, material)
-        if material.VON_MISES and p.erodes == 1:
-            erode(p, scene, first, corner, live, material)
-        note_rate(clock, p.first_element + done, scene, first, live, 4)
-        if p.slows == 1:
-            slow_corners(scene, corner, p.aside, live, 4)
-        scatter(scene.points, scene.corners, corner + p.aside, live, scene.work, 4)
-        done += LANES
+@kernel
+def span(p):
+    """Where they lie in a part."""
+    return span_of_quadrilaterals(p, p.four_points)
 
 
 @kernel
-def respond(p, h, first, corner, scene, material):
-    """Forces and torques of a block on its corners after a step of h. Writes: scene.lanes, work."""
-    blocks, work = scene.lanes, scene.work
-    gather(scene.points, scene.corners, corner, work)
-    strain(blocks, first, work, h, p)
-    if p.erodes == 1:
-        mute_strains(blocks, first, work)
-    stress(blocks, first, work, h, p, scene.curves, material)
-    if p.slows == 1:
-        damp(blocks, first, p.stride, work, h, p)
+def push(blocks, first, work, p):
+    """Forces and torques on the corners from the stresses. Writes: blocks, work."""
     resist(blocks, first, work)
-    push(blocks, first, work, p)
-    if p.large_strain == 1:
-        grow_rate(work)
-    if p.slows == 1:
-        allow(blocks, first, p.stride, work, h, p)
-    if p.erodes == 1:
-        mute_forces(blocks, first, work)
+    quadrilateral_block.push(blocks, first, work, p)
 
 
 @blockwise
-def stress(blocks, first, work, h, p, curves, material):
+def stress(blocks, first, stride, work, h, p, curves, material):
     """Stresses at all points after a step of h, and the means of their resultants.
 
     Writes: blocks, work.
@@ -118,7 +74,7 @@ def stress(blocks, first, work, h, p, curves, material):
     put_sums(work)
     if count > 0:
         relax_shear(blocks, first, work, p)
-    take_up(blocks, first, p.stride, work, h, p)
+    take_up(blocks, first, stride, work, h, p)
 
 
 @inlined
@@ -148,16 +104,6 @@ def put_sums(work):
         work[LANES * WORK.lost + e] = work[LANES * WORK.mean_lost + e]
         work[LANES * WORK.dropped + e] = work[LANES * WORK.mean_dropped + e]
         work[LANES * WORK.taken + e] = work[LANES * WORK.mean_taken + e]
-
-
-@kernel
-def erode(p, scene, first, corner, live, material):
-    """Delete the elements of a block that have failed. Writes: scene.lanes."""
-    for e in range(live):
-        if has_failed(scene.lanes, first + e, p, 4):
-            d, c = diagonal(scene, corner + e, 2), diagonal(scene, corner + LANES + e, 2)
-            stored, drilling = element_energy(p, scene.lanes, first + e, d, c, material)
-            delete(scene, first, p.stride, corner, e, 4, stored + drilling)
 
 
 @inlined
@@ -223,27 +169,12 @@ def resist(blocks, first, work):
 
 
 @kernel
-def add_energies(p, out, scene, material):
-    """Energies of the elements with 2 by 2 points. Writes: out."""
-    for i in range(p.four_points):
-        lane = i % LANES
-        at = p.first + i // LANES * p.stride + lane
-        corner = p.first_corner + 4 * (i - lane) + lane
-        add_losses(p, scene.lanes, at, p.stride, out)
-        if scene.lanes[at + LANES * BLOCK.thickness] > 0.0:
-            d, e = diagonal(scene, corner, 2), diagonal(scene, corner + LANES, 2)
-            stored, drilling = element_energy(p, scene.lanes, at, d, e, material)
-            out.strain += stored
-            out.drilling += drilling
-
-
-@kernel
 def element_energy(p, blocks, at, d, e, material):
-    """Elastic energy of the layers and of transverse shear, of drilling [J]."""
+    """Elastic energy of the layers and of transverse shear, none of hourglass, drilling [J]."""
     t, flat, area = in_plane(blocks, at, d, e)
     total = shear_energy(p, blocks, at)
     for point in range(4):
         row = at + LANES * (BLOCK.SIZE + point * p.layers * p.layer_rows)
         total += 0.25 * layer_energy(p, blocks, row, material)
     stored = area * t * total + twist_energy(p, blocks, at, t, flat, area)
-    return stored, drilling_energy(p, blocks, at, t, area)
+    return stored, 0.0, drilling_energy(p, blocks, at, t, area)

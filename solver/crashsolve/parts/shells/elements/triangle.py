@@ -17,102 +17,41 @@ for the Reissner-Mindlin plate model, Computer Methods in Applied Mechanics and 
 theory and assumed shear strain fields, part I, Int. J. Num. Meth. Eng. 36, 1859-1883.
 """
 
-from crashsolve.foundation.kernels import apart, blockwise, inlined, kernel
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.parts.shells.damping import allow, damp
-from crashsolve.parts.shells.elements.corners import (
-    before,
-    corner,
-    gather,
-    note_rate,
-    put_corner,
-    scatter,
-    slow_corners,
-    three,
-)
+from crashsolve.parts.shells.elements.blocks import Span
+from crashsolve.parts.shells.elements.corners import before, corner, put_corner, three
 from crashsolve.parts.shells.elements.quadrilateral import DRILLING, dot3, plane_axes
 from crashsolve.parts.shells.elements.quadrilateral_block import grow_held, shape
 from crashsolve.parts.shells.energies import drilling_energy, in_plane, layer_energy, shear_energy
-from crashsolve.parts.shells.erosion import (
-    add_losses,
-    delete,
-    diagonal,
-    has_failed,
-    mute_forces,
-    mute_strains,
-)
 from crashsolve.parts.shells.hourglass_return import relax_shear, see_shear
-from crashsolve.parts.shells.layers import grow_rate, layers
-from crashsolve.parts.shells.records import (
-    BLOCK,
-    EROSION,
-    VISCOUS,
-    WORK,
-)
+from crashsolve.parts.shells.layers import layers
+from crashsolve.parts.shells.records import BLOCK, EROSION, VISCOUS, WORK
 
+CORNERS, POINTS = 3, 1
 # of the mean square of the sides, beside the thickness squared: (1 - nu) / 2.4 of a discrete
 # Kirchhoff and Mindlin triangle (Katili 1993) for a metal
 SOFTER = 0.3
 
 
 @kernel
-def stride_of(p):
-    """Numbers of a block of triangles."""
-    rows = BLOCK.SIZE + p.layer_rows * p.layers
+def span(p):
+    """Where they lie in a part: after the blocks of quadrilaterals."""
+    quads, rows = p.element_count - p.triangles, BLOCK.SIZE + p.layer_rows * p.layers
     rows += VISCOUS.SIZE if p.slows == 1 else 0
-    return LANES * (rows + EROSION.SIZE) if p.erodes == 1 else LANES * rows
-
-
-@kernel
-def start_of(p):
-    """Where triangles begin, after the blocks of quadrilaterals: numbers, corners, elements."""
-    quads = p.element_count - p.triangles
+    rows += EROSION.SIZE if p.erodes == 1 else 0
     filled = (quads + LANES - 1) // LANES
-    return p.first + filled * p.stride, p.first_corner + 4 * LANES * filled, quads
-
-
-@apart
-def deform(p, clock, h, scene, material):
-    """Strains, stresses and forces of the triangles of a part after a step of h.
-
-    Writes: scene.points, lanes, work, clock.
-    """
-    start, start_corner, quads = start_of(p)
-    stride, done = stride_of(p), 0
-    while done < p.triangles:
-        first, corner = start + done // LANES * stride, start_corner + 4 * done
-        live = min(LANES, p.triangles - done)
-        respond(p, h, first, corner, scene, material)
-        if material.VON_MISES and p.erodes == 1:
-            erode(p, scene, first, corner, live, material)
-        note_rate(clock, p.first_element + quads + done, scene, first, live, 3)
-        if p.slows == 1:
-            slow_corners(scene, corner, p.aside, live, 3)
-        scatter(scene.points, scene.corners, corner + p.aside, live, scene.work, 3)
-        done += LANES
+    first, corner = p.first + filled * p.stride, p.first_corner + 4 * LANES * filled
+    return Span(first, corner, p.first_element + quads, LANES * rows, p.triangles)
 
 
 @kernel
-def respond(p, h, first, corner, scene, material):
-    """Forces and torques of a block on its corners after a step of h. Writes: scene.lanes, work."""
-    blocks, work, stride = scene.lanes, scene.work, stride_of(p)
-    gather(scene.points, scene.corners, corner, work)
-    strain(blocks, first, work, h, p)
-    if p.erodes == 1:
-        mute_strains(blocks, first, work)
+def stress(blocks, first, stride, work, h, p, curves, material):
+    """Stresses after a step of h [s], and their resultants. Writes: blocks, work."""
     if p.yields == 1:
         see_shear(blocks, first, work)
-    if layers(blocks, first, stride, work, h, p, scene.curves, material) > 0:
+    if layers(blocks, first, stride, work, h, p, curves, material) > 0:
         relax_shear(blocks, first, work, p)
-    if p.slows == 1:
-        damp(blocks, first, stride, work, h, p)
-    push(blocks, first, work, p)
-    if p.large_strain == 1:
-        grow_rate(work)
-    if p.slows == 1:
-        allow(blocks, first, stride, work, h, p)
-    if p.erodes == 1:
-        mute_forces(blocks, first, work)
 
 
 @inlined
@@ -264,9 +203,10 @@ def push(blocks, first, work, p):
         F1, F2 = Q + area * dot2(V, m1), Q + area * dot2(V, m2)
         F3 = Q + area * dot2(V, m3)
         s1, s2, s3 = edges(flat)
-        put_node(work, 0, e, axes, area, N, M, drill, g1, F3 - F1, s3, F3, s1, F1)
-        put_node(work, 1, e, axes, area, N, M, drill, g2, F1 - F2, s1, F1, s2, F2)
-        put_node(work, 2, e, axes, area, N, M, drill, g3, F2 - F3, s2, F2, s3, F3)
+        plane = (area, N, M, drill)
+        put_node(work, 0, e, axes, plane, g1, (s3, F3), (s1, F1))
+        put_node(work, 1, e, axes, plane, g2, (s1, F1), (s2, F2))
+        put_node(work, 2, e, axes, plane, g3, (s2, F2), (s3, F3))
         radius_2 = blocks[first + LANES * BLOCK.gyration + e]
         work[LANES * WORK.rate + e] = rate_bound(
             flat, area, t, radius_2, p.young / p.density, p.poisson
@@ -274,8 +214,13 @@ def push(blocks, first, work, p):
 
 
 @inlined
-def put_node(work, c, e, axes, area, N, M, drill, g, w, s_a, F_a, s_b, F_b):
-    """Force and torque on a corner, from the plane and from the two sides there. Writes: work."""
+def put_node(work, c, e, axes, plane, g, a, b):
+    """Force and torque on a corner with the slopes g, from the plane and the two sides a and b.
+
+    `plane`: area [m^2], N [N/m], M [N], half of drilling [N m]; of a side: way [m], force [N].
+    Writes: work.
+    """
+    (area, N, M, drill), (s_a, F_a), (s_b, F_b) = plane, a, b
     put_corner(
         work,
         WORK.force,
@@ -285,7 +230,7 @@ def put_node(work, c, e, axes, area, N, M, drill, g, w, s_a, F_a, s_b, F_b):
         (
             area * (N[0] * g[0] + N[2] * g[1]) - drill * g[1],
             area * (N[2] * g[0] + N[1] * g[1]) + drill * g[0],
-            w,
+            F_a - F_b,
         ),
     )
     put_corner(
@@ -343,38 +288,12 @@ def rate_bound(flat, area, t, radius_2, E_rho, nu):
 
 
 @kernel
-def add_energies(p, out, scene, material):
-    """Energies of the triangles. Writes: out."""
-    first, first_corner, _ = start_of(p)
-    stride, blocks = stride_of(p), scene.lanes
-    for i in range(p.triangles):
-        lane = i % LANES
-        at, c = first + i // LANES * stride + lane, first_corner + 4 * (i - lane) + lane
-        add_losses(p, blocks, at, stride, out)
-        if blocks[at + LANES * BLOCK.thickness] > 0.0:
-            d, e = diagonal(scene, c, 2), diagonal(scene, c + LANES, 2)
-            stored, drilling = element_energy(p, blocks, at, d, e, material)
-            out.strain += stored
-            out.drilling += drilling
-
-
-@kernel
 def element_energy(p, blocks, at, d, e, material):
-    """Elastic energy of the layers and of transverse shear, of drilling [J]."""
+    """Elastic energy of the layers and of transverse shear, none of hourglass, drilling [J]."""
     t, flat, area = in_plane(blocks, at, d, e)
     total = shear_energy(p, blocks, at) / weakened(edges(flat), t)
     total += layer_energy(p, blocks, at + LANES * BLOCK.SIZE, material)
     Q = blocks[at + LANES * BLOCK.hourglass_plane]
     whirl = t * whirl_stiffness(edges(flat), area, t, p.shear)
     stored = area * t * total + 0.5 * Q * Q / whirl
-    return stored, drilling_energy(p, blocks, at, t, area)
-
-
-@kernel
-def erode(p, scene, first, corner, live, material):
-    """Delete the triangles of a block that have failed. Writes: scene.lanes."""
-    for e in range(live):
-        if has_failed(scene.lanes, first + e, p, 1):
-            d, c = diagonal(scene, corner + e, 2), diagonal(scene, corner + LANES + e, 2)
-            stored, drilling = element_energy(p, scene.lanes, first + e, d, c, material)
-            delete(scene, first, stride_of(p), corner, e, 3, stored + drilling)
+    return stored, 0.0, drilling_energy(p, blocks, at, t, area)

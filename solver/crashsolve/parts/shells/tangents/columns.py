@@ -115,16 +115,16 @@ def add_column(scene, matrix, change, corner, live, b, k, count):
     if has_arms:
         add_moments(scene, change, corner, live, count)
     for e in range(live):
-        at = corner + LANES * b + e
+        at, lane = corner + LANES * b + e, (corner, e)
         if scene.points[scene.corners[at]].held >> k & 1:
             continue
-        put_column(scene, matrix, change, corner, e, b, k, 1.0, count)
+        put_column(scene, matrix, change, lane, b, k, 1.0, count)
         if has_arms and k < 3:
             # a turn about axis j moves the end of an arm along axis k
             d = three_of(scene.arms, scene.corners[at])
             i, j = (k + 1) % 3, (k + 2) % 3
-            put_column(scene, matrix, change, corner, e, b, 3 + i, d[j], count)
-            put_column(scene, matrix, change, corner, e, b, 3 + j, -d[i], count)
+            put_column(scene, matrix, change, lane, b, 3 + i, d[j], count)
+            put_column(scene, matrix, change, lane, b, 3 + j, -d[i], count)
 
 
 @inlined
@@ -133,8 +133,12 @@ def three_of(arms, point):
 
 
 @kernel
-def put_column(scene, matrix, change, corner, e, b, k, share, count):
-    """Share of a column of one element in that of motion k of the body. Writes: matrix.blocks."""
+def put_column(scene, matrix, change, lane, b, k, share, count):
+    """Share of a column of one element in that of motion k of the body. Writes: matrix.blocks.
+
+    `lane`: where the corners of its block begin, and which of the block it is.
+    """
+    corner, e = lane
     for a in range(count):
         address = scene.block_addresses[4 * corner + LANES * (4 * a + b) + e]
         if address < 0:

@@ -10,8 +10,8 @@ References: those of elements/full.py and layers.py.
 
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.parts.shells.damping import damp
-from crashsolve.parts.shells.elements.corners import four, gather, three
+from crashsolve.parts.shells.elements.corners import four, three
+from crashsolve.parts.shells.elements.full import CORNERS as CORNERS
 from crashsolve.parts.shells.elements.full import (
     add_point,
     keep_mean,
@@ -21,34 +21,25 @@ from crashsolve.parts.shells.elements.full import (
     slopes_at,
     strain_at,
 )
-from crashsolve.parts.shells.elements.quadrilateral_block import strain
-from crashsolve.parts.shells.hourglass_return import clear_weak, relax_shear, see_shear
+from crashsolve.parts.shells.elements.full import span as span
+from crashsolve.parts.shells.elements.full import strain as strain
+from crashsolve.parts.shells.hourglass_return import relax_shear, see_shear
 from crashsolve.parts.shells.layers import take_up
 from crashsolve.parts.shells.records import BLOCK, WORK
 from crashsolve.parts.shells.resultants import clear_resultants
-from crashsolve.parts.shells.tangents.columns import (
-    add_column,
-    add_damping,
-    enter_strains,
-    put_three,
-    respond,
-    shares,
-    turn_arms,
-    turn_corner,
-)
+from crashsolve.parts.shells.tangents import quadrilateral
+from crashsolve.parts.shells.tangents.columns import enter_strains, put_three, respond, shares
 from crashsolve.parts.shells.tangents.layers import clear_tangent, layers_and_tangent
 from crashsolve.parts.shells.tangents.quadrilateral import (
     end_moved,
     enter_shear,
     geometry_at,
-    push_at_rest,
-    push_by_place,
-    push_by_turn,
-    see,
-    strain_by_place,
-    strain_by_turn,
     stress_of_shear,
 )
+from crashsolve.parts.shells.tangents.quadrilateral import push_at_rest as push_at_rest
+from crashsolve.parts.shells.tangents.quadrilateral import push_by_turn as push_by_turn
+from crashsolve.parts.shells.tangents.quadrilateral import strain_by_place as strain_by_place
+from crashsolve.parts.shells.tangents.quadrilateral import strain_by_turn as strain_by_turn
 from crashsolve.parts.shells.tangents.records import (
     ACROSS_OUT,
     BENDING,
@@ -62,34 +53,12 @@ DAMPING = LANES * (SEEN.points + 4 * POINT_ROWS)
 
 
 @kernel
-def tangent(p, h, scene, matrix, material):
-    """Tangents of the elements with 2 by 2 points of a part at the end of a step of h.
+def stress(first, stride, h, p, scene, material):
+    """Stresses of a block after a step of h [s], and the tangents of its layers at all points.
 
-    Writes: matrix.blocks, scene.lanes, work, seen, change.
+    Writes: scene.lanes, work, seen.
     """
-    done, blocks, work, seen = 0, scene.lanes, scene.work, scene.seen
-    clear_weak(work)
-    while done < p.four_points:
-        first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
-        gather(scene.points, scene.corners, corner, work)
-        strain(blocks, first, work, h, p)
-        stress(blocks, scene.lanes_before, first, work, seen, h, p, scene.curves, material)
-        clear_tangent(seen, DAMPING)
-        if p.slows == 1:
-            damp(blocks, first, p.stride, work, h, p)
-            add_damping(seen, DAMPING, work, h, p)
-        resist(blocks, first, work)
-        see(blocks, scene.lanes_before, first, work, seen, h)
-        add_columns(p, h, scene, matrix, corner, min(LANES, p.four_points - done))
-        done += LANES
-
-
-@blockwise
-def stress(blocks, kept, first, work, seen, h, p, curves, material):
-    """Stresses at all points after a step of h, their means, and their tangents.
-
-    Writes: blocks, work, seen.
-    """
+    blocks, work, seen = scene.lanes, scene.work, scene.seen
     keep_mean(work)
     see_shear(blocks, first, work)
     for point in range(4):
@@ -97,37 +66,19 @@ def stress(blocks, kept, first, work, seen, h, p, curves, material):
         strain_at(work, xi, eta, p.poisson)
         clear_resultants(work)
         at = first + LANES * (BLOCK.SIZE + point * p.layers * p.layer_rows)
-        to = LANES * (SEEN.points + point * POINT_ROWS)
-        layers_and_tangent(blocks, kept, at, work, seen, to, h, p, curves, material)
+        layers_and_tangent(at, LANES * (SEEN.points + point * POINT_ROWS), h, p, scene, material)
         add_point(work, xi, eta, p.poisson)
     put_sums(work)
     relax_shear(blocks, first, work, p)
-    take_up(blocks, first, p.stride, work, h, p)
+    take_up(blocks, first, stride, work, h, p)
+    clear_tangent(seen, DAMPING)
 
 
 @kernel
-def add_columns(p, h, scene, matrix, corner, live):
-    """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
-    work, seen, change = scene.work, scene.seen, scene.change
-    if scene.counts[0].arms > 0:
-        push_at_rest(seen, change)
-        turn_arms(scene, matrix, change, corner, live, 4)
-    for b in range(4):
-        d, c, g = shares(b)
-        for k in range(3):
-            strain_by_place(seen, change, k, d, c, g)
-            stress_by(seen, change, p)
-            resist_by(seen, change)
-            resist_moved(work, seen, change, k, d, c, g)
-            push_by_place(seen, change, k, d, c, g)
-            add_column(scene, matrix, change, corner, live, b, k, 4)
-        for k in range(3):
-            turn_corner(work, change, b, k, h)
-            strain_by_turn(seen, change, d, c, g)
-            stress_by(seen, change, p)
-            resist_by(seen, change)
-            push_by_turn(seen, change)
-            add_column(scene, matrix, change, corner, live, b, 3 + k, 4)
+def see(blocks, kept, first, work, seen, h):
+    """What acts on q, and as of elements with one point. Writes: blocks, seen."""
+    resist(blocks, first, work)
+    quadrilateral.see(blocks, kept, first, work, seen, h)
 
 
 @blockwise
@@ -146,6 +97,7 @@ def stress_by(seen, change, p):
         xi, eta = place_of(point)
         add_point_by(seen, change, LANES * (SEEN.points + point * POINT_ROWS), xi, eta, p.poisson)
     stress_of_shear(seen, change, p)
+    resist_by(seen, change)
 
 
 @inlined
@@ -205,9 +157,17 @@ def resist_by(seen, change):
             change[to + 2 * LANES * pair], change[to + LANES * (2 * pair + 1)] = x, y
 
 
+@kernel
+def push_by_place(seen, work, change, b, k):
+    """Change of the forces as corner b moves along axis k. Writes: change."""
+    resist_moved(seen, work, change, b, k)
+    quadrilateral.push_by_place(seen, work, change, b, k)
+
+
 @blockwise
-def resist_moved(work, seen, change, k, d, c, g):
-    """The same with the geometry of the end as a corner moves. Writes: change."""
+def resist_moved(seen, work, change, b, k):
+    """Change of what acts on q by the geometry of the end as a corner moves. Writes: change."""
+    d, c, g = shares(b)
     for e in range(LANES):
         _, moved = end_moved(seen, e, k, d, c, g)
         to = LANES * (CHANGE.stressed + 6) + e

@@ -21,22 +21,20 @@ elastoplasticity, Computer Methods in Applied Mechanics and Engineering 48, 101-
 
 from math import sqrt
 
-from crashsolve.foundation.kernels import blockwise, inlined
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.parts.shells.elements.corners import three
 from crashsolve.parts.shells.layers import add_layer
 from crashsolve.parts.shells.plasticity import modes_at, plastic_layers, transverse_square
-from crashsolve.parts.shells.records import (
-    SLOT,
-    WORK,
-)
-from crashsolve.parts.shells.resultants import layer_strain
+from crashsolve.parts.shells.records import BLOCK, SLOT, WORK, Law, layer_of
+from crashsolve.parts.shells.resultants import clear_resultants, layer_strain
 from crashsolve.parts.shells.return_mapping import softening
 from crashsolve.parts.shells.tangents.records import (
     ACROSS_OUT,
     BENDING,
     MODES_IN,
     POINT_ROWS,
+    SEEN,
     SHEAR_IN,
     SIDE,
     TAKEN_OUT,
@@ -50,23 +48,35 @@ def clear_tangent(seen, at):
         seen[at + row] = 0.0
 
 
-@blockwise
-def layers_and_tangent(blocks, kept, first, work, seen, at, h, p, curves, material):
+@kernel
+def layers_of_one_point(first, h, p, scene, material):
+    """The same for the elements of a block with one point in their plane.
+
+    Writes: scene.lanes, work, seen.
+    """
+    clear_resultants(scene.work)
+    layers_and_tangent(first + LANES * BLOCK.SIZE, LANES * SEEN.points, h, p, scene, material)
+
+
+@kernel
+def layers_and_tangent(first, at, h, p, scene, material):
     """Stresses of the layers at a point of the plane, their resultants, the tangent of these.
 
-    `kept` is what layers were before the step. Writes: blocks, work, seen.
+    `first`: where its layers begin in scene.lanes; `at`: where its tangent does in scene.seen.
+    Writes: scene.lanes, work, seen.
     """
+    blocks, work, seen = scene.lanes, scene.work, scene.seen
+    law = Law(p.material, scene.curves, material)
     clear_tangent(seen, at)
-    m = p.material
     for k in range(p.layers):
-        row, zeta, weight = first + LANES * p.layer_rows * k, p.zeta[k], p.weight[k]
+        layer = layer_of(p, first, k)
         if material.VON_MISES:
             clear_flow(work)
-            plastic_layers(blocks, first, work, work, h, p, k, k + 1, curves, material)
-            add_plastic(work, seen, at, h, m, zeta, weight, material)
+            plastic_layers(blocks, first, work, work, h, p, (k, k + 1), law)
+            add_plastic(work, seen, at, h, layer, law)
         else:
-            add_layer(blocks, row, work, h, m, zeta, weight, curves, material)
-            add_general(blocks, kept, row, work, seen, at, h, m, zeta, weight, curves, material)
+            add_layer(blocks, layer, work, h, law)
+            add_general(scene.lanes_before, blocks, layer, work, seen, at, h, law)
 
 
 @blockwise
@@ -89,11 +99,13 @@ def factor_slopes(d, factor, h, m, material):
 
 
 @inlined
-def flow_of(work, e, d, q, zeta, h, m, c1, c2, material):
+def flow_of(work, e, d, q, zeta, h, law):
     """g, the stress of the end less alpha as (sum, difference, shear), and slopes of g.
 
     They are those by the strains d, the stresses q of the hourglass and tau: 0 within yield.
     """
+    m, _, material = law
+    c1, c2 = softening(m)
     g, flow, slope = (
         work[LANES * SLOT.g + e],
         work[LANES * SLOT.flow + e],
@@ -120,9 +132,9 @@ def flow_of(work, e, d, q, zeta, h, m, c1, c2, material):
 
 
 @inlined
-def stress_slopes(g, stress, by, d, m, c1, c2):
+def stress_slopes(g, stress, by, d, m):
     """Change of the stress, and of the strain across, for a change d of strain and by of g."""
-    (g, u1, u2), (both, apart, s) = g, stress
+    (g, u1, u2), (both, apart, s), (c1, c2) = g, stress, softening(m)
     d_both = (m.young / (1.0 - m.poisson) * (d[0] + d[1]) - c1 * both * by) / u1
     d_apart = (2.0 * m.shear * (d[0] - d[1]) - c2 * apart * by) / u2
     d_s = (m.shear * d[2] - c2 * s * by) / u2
@@ -136,10 +148,10 @@ def stress_slopes(g, stress, by, d, m, c1, c2):
 
 
 @inlined
-def column_of(g, stress, q, by, d, dq, m, c1, c2):
+def column_of(g, stress, q, by, d, dq, m):
     """Change of stress, what is taken of the hourglass, of all, strain across; by is that of g."""
-    x, y, s, across = stress_slopes(g, stress, by, d, m, c1, c2)
-    u2 = g[2]
+    x, y, s, across = stress_slopes(g, stress, by, d, m)
+    (_, c2), u2 = softening(m), g[2]
     left, taken = 1.0 / u2, c2 / (u2 * u2) * by
     q_x, q_y = (1.0 - left) * dq[0] + taken * q[0], (1.0 - left) * dq[1] + taken * q[1]
     return x, y, s, q_x, q_y, taken, across
@@ -169,31 +181,33 @@ def mode_stress(work, e, zeta):
 
 
 @blockwise
-def add_plastic(work, seen, at, h, m, zeta, weight, material):
+def add_plastic(work, seen, at, h, layer, law):
     """Tangent of a plastic layer after its return. Writes: seen."""
-    (c1, c2), n, no, still = softening(m), 0.5 * weight, (0.0, 0.0), (0.0, 0.0, 0.0)
+    m, zeta, n = law.m, layer.zeta, 0.5 * layer.weight
+    no, still = (0.0, 0.0), (0.0, 0.0, 0.0)
     for e in range(LANES):
         t, q = work[LANES * WORK.depth + e], mode_stress(work, e, zeta)
         z = 0.5 * t * zeta
         d = layer_strain(work, e, z)
-        g, stress, by, by_q, by_tau = flow_of(work, e, d, q, zeta, h, m, c1, c2, material)
+        g, stress, by, by_q, by_tau = flow_of(work, e, d, q, zeta, h, law)
         for k in range(3):
             way = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-            found = column_of(g, stress, q, by[k], way, no, m, c1, c2)
+            found = column_of(g, stress, q, by[k], way, no, m)
             add_column(seen, at + e, k, n, t, z, found)
             add_column(seen, at + e, BENDING + k, n * z, t, z, found)
         for k in range(2):
             one = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0)
-            found = column_of(g, stress, q, by_q[k], still, one, m, c1, c2)
+            found = column_of(g, stress, q, by_q[k], still, one, m)
             add_column(seen, at + e, MODES_IN + k, n, t, z, found)
             add_column(seen, at + e, MODES_IN + 2 + k, n * z, t, z, found)
-            found = column_of(g, stress, q, by_tau[k], still, no, m, c1, c2)
+            found = column_of(g, stress, q, by_tau[k], still, no, m)
             add_column(seen, at + e, SHEAR_IN + k, n, t, z, found)
 
 
 @blockwise
-def add_general(blocks, kept, at, work, seen, to, h, m, zeta, weight, curves, material):
+def add_general(kept, blocks, layer, work, seen, to, h, law):
     """Tangent of a layer with a law of its own after a step. Writes: seen."""
+    (at, zeta, weight), (m, curves, material) = layer, law
     for e in range(LANES):
         t = work[LANES * WORK.depth + e]
         z, n = 0.5 * t * zeta, 0.5 * weight

@@ -41,6 +41,7 @@ from crashsolve.parts.shells.tangents.columns import (
     put_axes,
     put_four,
     put_three,
+    shares,
 )
 from crashsolve.parts.shells.tangents.quadrilateral_moved import (
     NONE,
@@ -228,8 +229,9 @@ def put_strains(change, e, found):
 
 
 @blockwise
-def strain_by_place(seen, change, k, d, c, g):
-    """Change of the strains as a corner moves along axis k. Writes: change."""
+def strain_by_place(seen, change, b, k):
+    """Change of the strains as corner b moves along axis k. Writes: change."""
+    d, c, g = shares(b)
     for e in range(LANES):
         at = LANES * SEEN.middle + e
         row = at + LANES * (FRAME.axes + k)
@@ -253,8 +255,9 @@ def strain_by_place(seen, change, k, d, c, g):
 
 
 @blockwise
-def strain_by_turn(seen, change, d, c, g):
-    """Change of the strains as a corner turns as `change` says. Writes: change."""
+def strain_by_turn(seen, change, b):
+    """Change of the strains as corner b turns as `change` says. Writes: change."""
+    d, c, g = shares(b)
     for e in range(LANES):
         at = LANES * SEEN.middle + e
         axes, way = (
@@ -377,8 +380,9 @@ def end_moved(seen, e, k, d, c, g):
 
 
 @blockwise
-def push_by_place(seen, change, k, d, c, g):
-    """Change of the forces as a corner moves along axis k. Writes: change."""
+def push_by_place(seen, work, change, b, k):
+    """Change of the forces as corner b moves along axis k. Writes: change."""
+    d, c, g = shares(b)
     for e in range(LANES):
         at = LANES * SEEN.end + e
         geometry, axes = geometry_at(seen, at), axes_at(seen, at + LANES * FRAME.axes)

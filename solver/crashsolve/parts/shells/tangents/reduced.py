@@ -12,12 +12,12 @@ from math import sqrt
 
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.parts.shells.damping import damp
-from crashsolve.parts.shells.elements.corners import four, gather
+from crashsolve.parts.shells.elements.corners import four
 from crashsolve.parts.shells.elements.quadrilateral import hourglass_stiffness, sides
-from crashsolve.parts.shells.elements.quadrilateral_block import strain
+from crashsolve.parts.shells.elements.reduced import CORNERS as CORNERS
+from crashsolve.parts.shells.elements.reduced import span as span
+from crashsolve.parts.shells.elements.reduced import strain as strain
 from crashsolve.parts.shells.hourglass_return import (
-    clear_weak,
     mode_sizes,
     relax_modes,
     relax_shear,
@@ -25,30 +25,19 @@ from crashsolve.parts.shells.hourglass_return import (
     see_shear,
 )
 from crashsolve.parts.shells.layers import take_up
-from crashsolve.parts.shells.records import BLOCK
-from crashsolve.parts.shells.resultants import clear_resultants
-from crashsolve.parts.shells.tangents.columns import (
-    add_column,
-    add_damping,
-    enter_strains,
-    put_four,
-    respond,
-    shares,
-    turn_arms,
-    turn_corner,
-)
-from crashsolve.parts.shells.tangents.layers import layers_and_tangent
+from crashsolve.parts.shells.tangents.columns import enter_strains, put_four, respond
+from crashsolve.parts.shells.tangents.layers import layers_of_one_point
 from crashsolve.parts.shells.tangents.quadrilateral import (
     enter_shear,
-    push_at_rest,
-    push_by_place,
-    push_by_turn,
-    see,
     stiffness_moved,
-    strain_by_place,
-    strain_by_turn,
     stress_of_shear,
 )
+from crashsolve.parts.shells.tangents.quadrilateral import push_at_rest as push_at_rest
+from crashsolve.parts.shells.tangents.quadrilateral import push_by_place as push_by_place
+from crashsolve.parts.shells.tangents.quadrilateral import push_by_turn as push_by_turn
+from crashsolve.parts.shells.tangents.quadrilateral import see as see
+from crashsolve.parts.shells.tangents.quadrilateral import strain_by_place as strain_by_place
+from crashsolve.parts.shells.tangents.quadrilateral import strain_by_turn as strain_by_turn
 from crashsolve.parts.shells.tangents.records import (
     ACROSS_OUT,
     CHANGE,
@@ -58,66 +47,22 @@ from crashsolve.parts.shells.tangents.records import (
     TAKEN_OUT,
 )
 
+DAMPING = LANES * SEEN.points
+
 
 @kernel
-def tangent(p, h, scene, matrix, material):
-    """Tangents of the one-point elements of a part at the end of a step of h.
+def stress(first, stride, h, p, scene, material):
+    """Stresses of a block after a step of h [s], and the tangents of its layers.
 
-    Writes: matrix.blocks, scene.lanes, work, seen, change.
+    Writes: scene.lanes, work, seen.
     """
-    done, blocks, work, seen = 0, scene.lanes, scene.work, scene.seen
-    clear_weak(work)
-    while done < p.one_point:
-        first, corner = p.first + done // LANES * p.stride, p.first_corner + 4 * done
-        gather(scene.points, scene.corners, corner, work)
-        strain(blocks, first, work, h, p)
-        clear_resultants(work)
-        see_shear(blocks, first, work)
-        see_modes(blocks, first, work)
-        at = first + LANES * BLOCK.SIZE
-        layers_and_tangent(
-            blocks,
-            scene.lanes_before,
-            at,
-            work,
-            seen,
-            LANES * SEEN.points,
-            h,
-            p,
-            scene.curves,
-            material,
-        )
-        relax_modes(blocks, first, work)
-        relax_shear(blocks, first, work, p)
-        take_up(blocks, first, p.stride, work, h, p)
-        if p.slows == 1:
-            damp(blocks, first, p.stride, work, h, p)
-            add_damping(seen, LANES * SEEN.points, work, h, p)
-        see(blocks, scene.lanes_before, first, work, seen, h)
-        add_columns(p, h, scene, matrix, corner, min(LANES, p.one_point - done))
-        done += LANES
-
-
-@kernel
-def add_columns(p, h, scene, matrix, corner, live):
-    """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
-    seen, change = scene.seen, scene.change
-    if scene.counts[0].arms > 0:
-        push_at_rest(seen, change)
-        turn_arms(scene, matrix, change, corner, live, 4)
-    for b in range(4):
-        d, c, g = shares(b)
-        for k in range(3):
-            strain_by_place(seen, change, k, d, c, g)
-            stress_by(seen, change, p)
-            push_by_place(seen, change, k, d, c, g)
-            add_column(scene, matrix, change, corner, live, b, k, 4)
-        for k in range(3):
-            turn_corner(scene.work, change, b, k, h)
-            strain_by_turn(seen, change, d, c, g)
-            stress_by(seen, change, p)
-            push_by_turn(seen, change)
-            add_column(scene, matrix, change, corner, live, b, 3 + k, 4)
+    blocks, work = scene.lanes, scene.work
+    see_shear(blocks, first, work)
+    see_modes(blocks, first, work)
+    layers_of_one_point(first, h, p, scene, material)
+    relax_modes(blocks, first, work)
+    relax_shear(blocks, first, work, p)
+    take_up(blocks, first, stride, work, h, p)
 
 
 @blockwise

@@ -11,38 +11,29 @@ References: those of elements/triangle.py and layers.py.
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.vec3 import ZERO
-from crashsolve.parts.shells.damping import damp
-from crashsolve.parts.shells.elements.corners import before, four, gather, put_corner, three
+from crashsolve.parts.shells.elements.corners import before, four, put_corner, three
 from crashsolve.parts.shells.elements.quadrilateral import DRILLING, dot3, plane_axes
 from crashsolve.parts.shells.elements.quadrilateral_block import shape
+from crashsolve.parts.shells.elements.triangle import CORNERS as CORNERS
 from crashsolve.parts.shells.elements.triangle import (
     of_corners,
-    start_of,
-    strain,
-    stride_of,
     triangle_diagonals,
     weakened,
     whirl_stiffness,
 )
+from crashsolve.parts.shells.elements.triangle import span as span
+from crashsolve.parts.shells.elements.triangle import strain as strain
 from crashsolve.parts.shells.hourglass_return import relax_shear, see_shear
 from crashsolve.parts.shells.layers import clear_growth, take_up
-from crashsolve.parts.shells.records import (
-    BLOCK,
-    WORK,
-)
-from crashsolve.parts.shells.resultants import clear_resultants
+from crashsolve.parts.shells.records import BLOCK, WORK
 from crashsolve.parts.shells.tangents.columns import (
-    add_column,
-    add_damping,
     axes_at,
     enter_strains,
     put_four,
     put_three,
     respond,
-    turn_arms,
-    turn_corner,
 )
-from crashsolve.parts.shells.tangents.layers import layers_and_tangent
+from crashsolve.parts.shells.tangents.layers import layers_of_one_point
 from crashsolve.parts.shells.tangents.quadrilateral import (
     both_changed,
     end_moved,
@@ -72,66 +63,27 @@ from crashsolve.parts.shells.tangents.triangle_moved import (
     stress_of,
 )
 
+DAMPING = LANES * SEEN.points
+
 
 @kernel
-def tangent(p, h, scene, matrix, material):
-    """Tangents of the triangles of a part at the end of a step of h.
+def stress(first, stride, h, p, scene, material):
+    """Stresses of a block after a step of h [s], and the tangents of its layers.
 
-    Writes: matrix.blocks, scene.lanes, work, seen, change.
+    Writes: scene.lanes, work, seen.
     """
-    start, start_corner, _ = start_of(p)
-    stride, done, blocks, work, seen = stride_of(p), 0, scene.lanes, scene.work, scene.seen
-    while done < p.triangles:
-        first, corner = start + done // LANES * stride, start_corner + 4 * done
-        gather(scene.points, scene.corners, corner, work)
-        strain(blocks, first, work, h, p)
-        clear_growth(work)
-        clear_resultants(work)
-        see_shear(blocks, first, work)
-        at = first + LANES * BLOCK.SIZE
-        layers_and_tangent(
-            blocks,
-            scene.lanes_before,
-            at,
-            work,
-            seen,
-            LANES * SEEN.points,
-            h,
-            p,
-            scene.curves,
-            material,
-        )
-        relax_shear(blocks, first, work, p)
-        take_up(blocks, first, stride, work, h, p)
-        if p.slows == 1:
-            damp(blocks, first, stride, work, h, p)
-            add_damping(seen, LANES * SEEN.points, work, h, p)
-        see(blocks, scene.lanes_before, first, work, seen, h)
-        add_columns(p, h, scene, matrix, corner, min(LANES, p.triangles - done))
-        done += LANES
+    blocks, work = scene.lanes, scene.work
+    clear_growth(work)
+    see_shear(blocks, first, work)
+    layers_of_one_point(first, h, p, scene, material)
+    relax_shear(blocks, first, work, p)
+    take_up(blocks, first, stride, work, h, p)
 
 
-@kernel
-def add_columns(p, h, scene, matrix, corner, live):
-    """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
-    seen, change = scene.seen, scene.change
-    if scene.counts[0].arms > 0:
-        push_at_rest(seen, change)
-        turn_arms(scene, matrix, change, corner, live, 3)
-    for b in range(3):
-        # shares of a corner in D and E
-        d, c = b - 1.0, 0.5 * b * (3.0 * b - 5.0)
-        for k in range(3):
-            strain_by_place(seen, change, k, d, c)
-            stress_by(seen, change, p)
-            push_by_place(seen, change, k, d, c)
-            add_column(scene, matrix, change, corner, live, b, k, 3)
-        for k in range(3):
-            turn_corner(scene.work, change, b, k, h)
-            strain_by_turn(seen, change, b)
-            stress_by(seen, change, p)
-            push_by_turn(seen, change)
-            add_column(scene, matrix, change, corner, live, b, 3 + k, 3)
+@inlined
+def shares(b):
+    """Shares of corner b in D and E."""
+    return b - 1.0, 0.5 * b * (3.0 * b - 5.0)
 
 
 @blockwise
@@ -206,8 +158,9 @@ def put_strains(change, e, a, b):
 
 
 @blockwise
-def strain_by_place(seen, change, k, d, c):
-    """Change of the strains as a corner moves along axis k. Writes: change."""
+def strain_by_place(seen, change, b, k):
+    """Change of the strains as corner b moves along axis k. Writes: change."""
+    d, c = shares(b)
     for e in range(LANES):
         at = LANES * SEEN.middle + e
         row = at + LANES * (FRAME.axes + k)
@@ -325,8 +278,9 @@ def push_by_turn(seen, change):
 
 
 @blockwise
-def push_by_place(seen, change, k, d, c):
-    """Change of the forces as a corner moves along axis k. Writes: change."""
+def push_by_place(seen, work, change, b, k):
+    """Change of the forces as corner b moves along axis k. Writes: change."""
+    d, c = shares(b)
     for e in range(LANES):
         at, row = LANES * SEEN.end + e, LANES * SEEN.pushed + e
         geometry, axes = geometry_at(seen, at), axes_at(seen, at + LANES * FRAME.axes)

@@ -11,19 +11,19 @@ from crashsolve.system.contact import ellipsoids, node_contact, normals, passing
 def look_at_faces(group, i, found, nodes, scene):
     """The nearest face on either side of a probe. Writes: found, lists, turns, balls."""
     p, totals, points = group.p[0], group.totals[0], scene.points
-    probe_states, turns, gone = group.probe_states, group.turns, group.gone
+    sides, gone = projection.Sides(group.probe_states, group.turns, found), group.gone
     lists = (group.first, group.near, group.wait, group.due)
     mesh = (points, scene.corners, group.beside, group.around_first, group.around, gone)
     spared = (group.spared_first, group.spared)
     if group.is_round:
         ellipsoid = group.ellipsoids[i]
-        ellipsoids.look(i, p, totals, ellipsoid, nodes, probe_states, turns, mesh, lists, found)
+        ellipsoids.look(i, p, totals, ellipsoid, nodes, sides, mesh, lists)
         if group.is_smooth:
             x, pen = ellipsoids.pen_of(ellipsoid, nodes)
             normals.smoothen(i, x, pen, p, mesh, spared, found)
     else:
         x, _ = node_contact.where(group.probes[i], 0.0, nodes, points)
-        projection.look(i, x, p, totals, probe_states, turns, mesh, lists, found)
+        projection.look(i, x, p, totals, sides, mesh, lists)
         if group.is_smooth:
             normals.smoothen(i, x, None, p, mesh, spared, found)
 

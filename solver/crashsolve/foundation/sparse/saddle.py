@@ -135,7 +135,10 @@ def updates_of(
     below: dict[int, set[int]],
     address: dict[tuple[int, int], int],
 ) -> list[tuple[int, int, int]]:
-    """What each column subtracts from the later ones, in the order of elimination."""
+    """What each column subtracts from the later ones: blocks (a, b, target), target -= a b^T.
+
+    In the order of elimination. Writes: update and update_end of the columns.
+    """
     updates: list[tuple[int, int, int]] = []
     for p, joint in enumerate(order):
         reached = sorted(position[b] for b in below[joint])

@@ -3,9 +3,9 @@
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import node_contact, passing, surface_friction, touches, work
 from crashsolve.system.contact.pair import Pressing, Seen, Touch
-from crashsolve.system.loops.looks import look_at_shapes
+from crashsolve.system.loops.nodal.looks import look_at_shapes
+from crashsolve.system.loops.nodal.surface_friction import friction_on_shape
 from crashsolve.system.loops.pieces import find_fastest, share_looks
-from crashsolve.system.loops.surface_friction import friction_on_shape
 from crashsolve.system.placeholders import THREADS
 
 
@@ -17,7 +17,8 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
     pens = group.a.shape[0]
     if THREADS:
         find_fastest(p, clock, h, scene)
-    node_contact.open_shapes(h, p, totals, probes, nodes, scene, pens, group.frames, group.home)
+    copies = (group.frames, pens, group.home)
+    node_contact.open_shapes(h, p, totals, probes, nodes, scene, copies)
     if THREADS and not group.keeps_faces:
         share_looks(group, clock, h, scene)
         for k in range(group.looks.shape[0]):
@@ -48,7 +49,7 @@ def touch_shape(group, clock, h, i, seen, nodes, curves, scene):
     past = (0.0, 0.0, 0.0)
     if old.active == 1:
         home_before = nodes[group.home[shapes[old.face].node]]
-        past = work.way_over_body(p, probes[i], old, True, x, home_before, h, nodes, points)
+        past = work.way_over_body(p, probes[i], old, True, (home_before, x), h, nodes, points)
         work.push_along(old, past, count)
     touch = Touch(i, probes[i], x, v, old, new, hit, past)
     if hit.depth > 0.0:
@@ -95,10 +96,10 @@ def press_on_shape(group, clock, h, touch, seen, nodes, curves, scene):
     f, stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, hit.depth, rate, mass, curves
     )
-    way = work.way_over_body(p, probe, hit, False, x, body, h, nodes, points)
+    way = work.way_over_body(p, probe, hit, False, (body, x), h, nodes, points)
     if group.friction:
         pressing = Pressing(f, mass, way)
-        friction_on_shape(group, clock, h, touch, pressing, nodes, curves, scene)
+        friction_on_shape(group, clock, h, touch, pressing, nodes, scene)
     node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
     node_contact.push_body(body, x, f, k, c, hit, mob)
     node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))

@@ -1,18 +1,16 @@
 """Friction of one probe: on a face of a shell, and on a shape of a rigid body."""
 
-from crashsolve.foundation.kernels import stage
+from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import node_contact, surface_friction, touches, work
 from crashsolve.system.contact.pair import Slide
 
 
 @stage
-def friction_on_face(group, clock, h, touch, pressing, nodes, curves, scene):
+def friction_on_face(group, clock, h, touch, pressing, nodes, scene):
     """Writes: scene.points, loads, totals, cards, new."""
-    p, totals = group.p[0], group.totals[0]
-    _, probe, _, v, old, new, hit, past = touch
-    f, mass, way = pressing
+    p, f = group.p[0], pressing[0]
+    _, probe, _, v, old, _, hit, _ = touch
     points, corners = scene.points, scene.corners
-    card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
     d, e = work.arms(p, hit)
     a = surface_friction.probe_foretells(probe, d, old, points)
     v_a = surface_friction.probe_velocity(probe, v, d, h, nodes, points)
@@ -24,26 +22,17 @@ def friction_on_face(group, clock, h, touch, pressing, nodes, curves, scene):
         ahead = touches.ahead(old, slip, n)
         rates = surface_friction.pressed_on_face(h, p, touch, (d, e), ahead, f, nodes, scene)
         ease = surface_friction.ease_under(clock, h, rates, f)
-    slide = Slide(f, slip, work.along_plane(way, n), n, mass, ease)
-    t, t_stored, _, t_loss, t_k, t_c = group.friction.friction_force(p, old, new, slide, curves)
-    ahead = touches.along(t, slip, n)
-    surface_friction.rub_probe(probe, t, ahead, d, t_k, t_c, nodes, scene)
+    t, _, t_k, t_c = rub(group, clock, h, touch, pressing, (slip, n, ease, d), nodes, scene)
     surface_friction.rub_face(p, hit, t, e, t_k, t_c, scene)
-    surface_friction.note(h, p, totals, card, t, t_stored, t_loss, new)
-    if old.active == 1:
-        work.rub_along(old, past, count)
-    work.rub_along(new, way, count)
 
 
 @stage
-def friction_on_shape(group, clock, h, touch, pressing, nodes, curves, scene):
+def friction_on_shape(group, clock, h, touch, pressing, nodes, scene):
     """Writes: scene.points, loads, totals, cards, new, nodes."""
-    p, totals = group.p[0], group.totals[0]
-    _, probe, x, v, old, new, hit, past = touch
-    f, mass, way = pressing
+    p, f = group.p[0], pressing[0]
+    _, probe, x, v, old, _, hit, _ = touch
     body = nodes[group.home[group.b[hit.face].node]]
     points = scene.points
-    card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
     d, y = surface_friction.on_shape(p, hit, x)
     a = surface_friction.probe_foretells(probe, d, old, points)
     v_a = surface_friction.probe_velocity(probe, v, d, h, nodes, points)
@@ -54,12 +43,28 @@ def friction_on_shape(group, clock, h, touch, pressing, nodes, curves, scene):
         ahead = touches.ahead(old, slip, n)
         rates = surface_friction.pressed_on_shape(h, touch, body, (d, y), ahead, f, nodes, scene)
         ease = surface_friction.ease_under(clock, h, rates, f)
+    t, ahead, t_k, t_c = rub(group, clock, h, touch, pressing, (slip, n, ease, d), nodes, scene)
+    surface_friction.rub_body(body, y, t, ahead, t_k, t_c)
+
+
+@kernel
+def rub(group, clock, h, touch, pressing, sliding, nodes, scene):
+    """Friction of a probe that slides with (velocity, normal, ease, arm of the probe) on anything.
+
+    Returns the force on the probe [N], its direction, and its stiffness and damping.
+    Writes: scene.points, loads, totals, cards, new.
+    """
+    p, totals = group.p[0], group.totals[0]
+    _, probe, _, _, old, new, _, past = touch
+    (f, mass, way), (slip, n, ease, d) = pressing, sliding
+    card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
     slide = Slide(f, slip, work.along_plane(way, n), n, mass, ease)
-    t, t_stored, _, t_loss, t_k, t_c = group.friction.friction_force(p, old, new, slide, curves)
+    laws = group.friction.friction_force(p, old, new, slide, scene.curves)
+    t, t_stored, _, t_loss, t_k, t_c = laws
     ahead = touches.along(t, slip, n)
     surface_friction.rub_probe(probe, t, ahead, d, t_k, t_c, nodes, scene)
-    surface_friction.rub_body(body, y, t, ahead, t_k, t_c)
     surface_friction.note(h, p, totals, card, t, t_stored, t_loss, new)
     if old.active == 1:
         work.rub_along(old, past, count)
     work.rub_along(new, way, count)
+    return t, ahead, t_k, t_c

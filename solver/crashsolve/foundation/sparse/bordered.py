@@ -16,10 +16,10 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 
-from crashsolve.foundation import saddle
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.saddle import REDUNDANT, Saddle, hand_down, subtract, take_up
+from crashsolve.foundation.sparse import saddle
+from crashsolve.foundation.sparse.saddle import REDUNDANT, Saddle, hand_down, subtract, take_up
 
 COLUMN = saddle.COLUMN + Record("""
     node  index      the node; 0 for a joint

@@ -1,5 +1,6 @@
 """Nodes of shells, balls and ellipsoids on the faces of a shell: the probes of one group."""
 
+from crashsolve.contact.cells import Near
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import (
     ellipsoids,
@@ -10,9 +11,9 @@ from crashsolve.system.contact import (
     work,
 )
 from crashsolve.system.contact.pair import Pressing, Touch
-from crashsolve.system.loops.looks import look_at_faces
+from crashsolve.system.loops.nodal.looks import look_at_faces
+from crashsolve.system.loops.nodal.surface_friction import friction_on_face
 from crashsolve.system.loops.pieces import find_fastest, share_looks
-from crashsolve.system.loops.surface_friction import friction_on_face
 from crashsolve.system.placeholders import THREADS
 
 
@@ -26,7 +27,7 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
     spared = (group.spared_first, group.spared)
     if THREADS:
         find_fastest(p, clock, h, scene)
-    projection.open_faces(h, p, totals, probes, nodes, scene, grid, lists, spared)
+    projection.open_faces(h, p, totals, probes, nodes, scene, Near(grid, lists, spared))
     if group.can_fail:
         projection.bury(p, scene.lanes, group.gone)
     if THREADS:
@@ -114,7 +115,7 @@ def press_on_face(group, clock, h, touch, nodes, curves, scene):
         projection.let_go(h, totals, old, stored, group.gone)
     if group.friction:
         pressing = Pressing(f, mass, way)
-        friction_on_face(group, clock, h, touch, pressing, nodes, curves, scene)
+        friction_on_face(group, clock, h, touch, pressing, nodes, scene)
     node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
     projection.push_face(p, hit, f, k, c, scene)
     node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))

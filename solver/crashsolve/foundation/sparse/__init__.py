@@ -1,0 +1,1 @@
+"""Sparse matrices of joints and of nodes beside joints: planned once, factored in every step."""
