@@ -96,6 +96,9 @@ def test_all_contacts_of_the_scene_touch_and_their_pairs_are_many(two: tuple[Pat
     assert all(group.in_pieces for group in model.contact_groups)
     assert [group.search is not None for group in model.contact_groups] == [False, False, True]
     assert all(len(group.pieces) > 1 for group in model.contact_groups[:2])
+    # what a dump holds is another list than that of the start
+    searched = model.contact_groups[2]
+    assert len(found[f"dump:arrays/pairs/{searched.word}"]) > len(searched.parameters)
 
 
 # beyond two, more than this machine has cores
