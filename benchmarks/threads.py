@@ -49,7 +49,7 @@ parts:
 {load}"""
 LOAD = "loads: {q: {type: pressure, part: plate, pressure: 1e5}}\n"
 STRETCHES = 30
-# spheres in number, [s] from which on they are looked at, after the first contacts, and for how long
+# spheres in number, [s] from which on they are looked at, after first contacts, and for how long
 SPHERES, FALLEN, WATCHED = (1000, 4000), 0.15, 0.09
 TUBE_END, TUBE_STRETCHES = 8e-3, 32
 # runs of the command, of which the fastest counts
