@@ -236,6 +236,17 @@ def test_every_pair_is_in_one_piece_of_its_card_and_every_load_on_one_body() -> 
         assert [group.places[load] for load in own] == list(range(b["first"], b["end"]))
 
 
+def test_no_list_of_pairs_has_more_pieces_than_a_job_can(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert 2 * pieces.MOST <= MOST_PIECES
+    monkeypatch.setattr(pieces, "MOST", 3)
+    group = group_of([0] * 700 + [4] * 300, [(k, 7) for k in range(1000)])
+    pieces.cut(group)
+    # a third of all pairs, and no two cards in one piece
+    assert group.pieces["first"].tolist() == [0, 334, 668, 700]
+    assert group.pieces["end"].tolist() == [334, 668, 700, 1000]
+    assert len(group.ranges) == 3
+
+
 def test_threads_with_few_pairs_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "few.yaml"
     text = (ROOT / "tutorial/bouncing_ball.yaml").read_text("utf-8")
