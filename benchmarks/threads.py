@@ -1,6 +1,10 @@
 """What several threads bring: share of a step that they do, what pieces cost, speed by the clock.
 
-    python benchmarks/threads.py [threads ...]        2 when absent
+    python benchmarks/threads.py [SCENE ...] [THREADS ...]        all scenes, and 2, when absent
+
+Scenes are `plates` of 10^4 and 10^5 shells, `spheres`, 1000 and 4000 that fall into a box, and the
+first 8 ms of the crushed `tube`: begun folds, contact of its ends and of the tube with itself. The
+last is told as a whole, too, by runs of the command in turn, with start, samples and all files.
 
 "shared" is how often, at moments that have nothing to do with the step, the one thread of a run
 that is cut for several is found in a job that they would share: Amdahl's share p, which other
@@ -11,17 +15,20 @@ nothing else runs: the load is told. The bits are those of one thread, asserted 
 """
 
 import os
+import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from threading import Event, Thread
 
 import numpy as np
+import spheres
 
 from crashsolve.cli import give_back_memory
-from crashsolve.deck.reading.deck import read_deck
+from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.model.build import build
 from crashsolve.system.engine import Engine
 from crashsolve.system.threads.jobs import NONE
@@ -42,18 +49,30 @@ parts:
 {load}"""
 LOAD = "loads: {q: {type: pressure, part: plate, pressure: 1e5}}\n"
 STRETCHES = 30
+# spheres in number, [s] from which on they are looked at, after first contacts, and for how long
+SPHERES, FALLEN, WATCHED = (1000, 4000), 0.15, 0.09
+TUBE_END, TUBE_STRETCHES = 8e-3, 32
+# runs of the command, of which the fastest counts
+WHOLE = 2
 # seconds between two looks at what a run is doing, on average
 LOOK = 2e-3
+
+
+class Alone(Engine):
+    """One thread that does all pieces of several."""
+
+    def bind(self) -> None:
+        super().bind()
+        for tables in (self._present, self._sampled):
+            tables.of_threads.clear()
 
 
 class Watched:
     """A run, with what its stretches have taken [s]: CPU of its first thread, of all, the clock."""
 
-    def __init__(self, deck: Path, threads: int, alone: bool = False) -> None:
-        self.engine = Engine(*build(read_deck(deck, {"control.threads": str(threads)})))
-        self.tables = self.engine._present
-        if alone:
-            self.tables.of_threads.clear()
+    def __init__(self, deck: Deck, threads: int, alone: bool = False) -> None:
+        control = deck.control.model_copy(update={"threads": threads})
+        self.engine = (Alone if alone else Engine)(*build(replace(deck, control=control)))
         self.engine.start()
         self.first: list[float] = []
         self.cpu: list[float] = []
@@ -78,29 +97,39 @@ class Watched:
         watch.join()
 
     def _watch(self, ended: Event) -> None:
-        rng, job = np.random.default_rng(1), self.tables.job
+        rng = np.random.default_rng(1)
         while not ended.wait(rng.uniform(0.0, 2.0 * LOOK)):
             self.looks += 1
-            self.shared += int(job["number"][0]) != NONE
+            # lists of near pairs are renewed between steps, with new tables
+            self.shared += int(self.engine._present.job["number"][0]) != NONE
 
 
-def measure(name: str, deck: Path, times: np.ndarray, threads: list[int]) -> None:
-    """Go through a deck with one thread, and with one that is cut for several, and with several."""
+def measure(name: str, path: Path, times: np.ndarray, threads: list[int]) -> None:
+    """Go through a deck with one thread, and with one that is cut for several, and with several.
+
+    What comes before the first time is left out.
+    """
+    deck = read_deck(path)
     one = Watched(deck, 1)
     alone = {n: Watched(deck, n, alone=True) for n in threads}
     several = {n: Watched(deck, n) for n in threads}
-    for k, until in enumerate(times):
+    for run in (one, *alone.values(), *several.values()):
+        run.engine.advance(times[0])
+    begun = int(one.engine.clock["cycle"])
+    for k, until in enumerate(times[1:]):
         for run in (one, *several.values()):
             run.advance(until)
         for run in alone.values():
             # looks disturb what is measured
             (run.advance if k % 2 else run.watched)(until)
-    begun = int(one.engine.clock["cycle"])
-    print(f"{name}, {begun} steps, {1e6 * sum(one.first) / begun:.0f} us of CPU each")
+    steps = int(one.engine.clock["cycle"]) - begun
+    print(f"{name}, {steps} steps, {1e6 * sum(one.first) / steps:.0f} us of CPU each")
     for n in threads:
         run, cut = several[n], alone[n]
         for other in (run, cut):
-            assert other.engine.state.points.tobytes() == one.engine.state.points.tobytes()
+            for table in ("points", "nodes", "cards", "card_history"):
+                a, b = (getattr(each.engine.state, table) for each in (other, one))
+                assert a.tobytes() == b.tobytes(), table
         p = cut.shared / cut.looks
         c = median(a / b for a, b in zip(cut.first[1::2], one.first[1::2], strict=True))
         pairs = [a / b for a, b in zip(one.clock, run.clock, strict=True)]
@@ -109,25 +138,75 @@ def measure(name: str, deck: Path, times: np.ndarray, threads: list[int]) -> Non
             f"  {n} threads: shared {100 * p:.1f} % of {cut.looks} looks, pieces {c:.3f}: at most "
             f"{limit:.2f} times one; by the clock {median(pairs):.2f} (median), "
             f"{sum(one.clock) / sum(run.clock):.2f} (whole); CPU {sum(run.cpu) / sum(one.cpu):.2f} "
-            f"of one; {os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores",
+            f"of one; {load()}",
             flush=True,
         )
 
 
-def main(threads: list[int]) -> None:
+def measure_whole(name: str, path: Path, end: float, threads: list[int]) -> None:
+    """Runs of the command up to a time [s], with start, samples and files, one after the other."""
+    for n in threads:
+        spent: dict[int, list[float]] = {1: [], n: []}
+        for _ in range(WHOLE):
+            for count, found in spent.items():
+                with tempfile.TemporaryDirectory() as folder:
+                    words = ("-o", folder, "--set", f"control.end_time={end}")
+                    words += ("--set", f"control.threads={count}", "--set", "control.estimate=off")
+                    begun = time.perf_counter()
+                    command = [sys.executable, "-m", "crashsolve", str(path), *words]
+                    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+                    found.append(time.perf_counter() - begun)
+        one, several = (min(found) for found in spent.values())
+        print(
+            f"{name} as a whole, to {1e3 * end:g} ms: {one:.1f} s with one thread, {several:.1f} s "
+            f"with {n}: {one / several:.2f} times one; {load()}",
+            flush=True,
+        )
+
+
+def load() -> str:
+    """Who else wants the machine."""
+    return f"{os.getloadavg()[0]:.1f} processes want {os.cpu_count()} cores"
+
+
+def plates(folder: Path, threads: list[int]) -> None:
+    """Square plates, with and without a pressure."""
+    path = folder / "plate.yaml"
+    for n, steps in ((100, 400), (316, 24)):
+        for name, pressure in (("", ""), (", pressed", LOAD)):
+            path.write_text(PLATE.format(n=n, thickness=0.1 / n, load=pressure), "utf-8")
+            h = 0.8 / n / 6000
+            measure(f"plate of {n * n}{name}", path, steps * h * np.arange(STRETCHES + 1), threads)
+
+
+def falling(folder: Path, threads: list[int]) -> None:
+    """Spheres in a box (spheres.py), from their first contacts on."""
+    path = folder / "spheres.yaml"
+    for count in SPHERES:
+        path.write_text(spheres.deck_text(count), "utf-8")
+        times = FALLEN + WATCHED * np.linspace(0.0, 1.0, STRETCHES + 1)
+        measure(f"{count} spheres", path, times, threads)
+
+
+def tube(folder: Path, threads: list[int]) -> None:
+    """The crushed tube."""
+    measure("crushed tube", TUBE, np.linspace(0.0, TUBE_END, TUBE_STRETCHES + 1), threads)
+    measure_whole("crushed tube", TUBE, TUBE_END, threads)
+
+
+SCENES = {"plates": plates, "spheres": falling, "tube": tube}
+
+
+def main(words: list[str]) -> None:
     """Print the table."""
+    threads = [int(word) for word in words if word.isdecimal()] or [2]
+    names = [word for word in words if not word.isdecimal()] or list(SCENES)
     with tempfile.TemporaryDirectory() as folder:
-        deck = Path(folder) / "plate.yaml"
-        for n, steps in ((100, 400), (316, 24)):
-            for name, load in (("", ""), (", pressed", LOAD)):
-                deck.write_text(PLATE.format(n=n, thickness=0.1 / n, load=load), "utf-8")
-                h = 0.8 / n / 6000
-                times = steps * h * np.arange(1, STRETCHES + 1)
-                measure(f"plate of {n * n}{name}", deck, times, threads)
-    measure("crushed tube", TUBE, np.linspace(0.0, 24e-3, 97)[1:], threads)
+        for name in names:
+            SCENES[name](Path(folder), threads)
 
 
 if __name__ == "__main__":
     # as in a run
     give_back_memory()
-    main([int(word) for word in sys.argv[1:]] or [2])
+    main(sys.argv[1:])

@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[2] / "decks"
 # third that is thrown onto four balls: a list of near pairs that is renewed
 DECK = """
 title: Sleds of points
-control: {{threads: 2, end_time: 0.02, step: 1e-5, check_every: 10}}
+control: {{threads: 2, end_time: 4e-3, step: 2e-5, check_every: 10}}
 parameters: {{k: 2e4}}
 bodies:
 {bodies}
@@ -48,16 +48,16 @@ contacts:
   rolls: {{a: {balls}, b: [flies], normal: {{type: hertz, stiffness: 1e7}}}}
 loads: {{weight: {{type: gravity}}}}
 output:
-  history: {{interval: 1e-3}}
-  states: {{interval: 5e-3}}
-  restart: {{every: 5e-3}}
+  history: {{interval: 2e-4}}
+  states: {{interval: 1e-3}}
+  restart: {{every: 1e-3}}
 """
 POINTS = [[0.01 * i, 0.01 * j, -0.05] for i in range(-16, 17) for j in range(-16, 16)]
 
 
 def deck_text() -> str:
     """The deck; its points are no matter of taste alone: one is lower than its neighbours."""
-    sleds = {"slides": (0, 0.0501, 2), "sticks": (1, 0.0501, 0.2), "flies": (3, 0.28, 3)}
+    sleds = {"slides": (0, 0.0512, 2), "sticks": (1, 0.0512, 0.2), "flies": (3, 0.2745, 3)}
     bodies = [
         f"  {name}: {{mass: 5, inertia: [0.02, 0.02, 0.03], position: [{x}, 0, {z}],\n"
         f"    velocity: [{v}, 0.3, -1], angular_velocity: [0.1, 0.2, 3]}}"
@@ -70,7 +70,7 @@ def deck_text() -> str:
         x, y = 2.9 + 0.2 * (k % 2), -0.1 + 0.2 * (k // 2)
         bodies.append(
             f"  {name}: {{primitive: {{shape: sphere, radius: 0.08, density: 3000}},\n"
-            f"    position: [{x}, {y}, {0.14 + 0.005 * k}]}}"
+            f"    position: [{x}, {y}, {0.14 + 5e-4 * k}]}}"
         )
         surfaces.append(f"  {name}: {{type: sphere, body: {name}, radius: 0.08}}")
     return DECK.format(bodies="\n".join(bodies), surfaces="\n".join(surfaces), balls=balls)
@@ -96,10 +96,13 @@ def test_all_contacts_of_the_scene_touch_and_their_pairs_are_many(two: tuple[Pat
     assert all(group.in_pieces for group in model.contact_groups)
     assert [group.search is not None for group in model.contact_groups] == [False, False, True]
     assert all(len(group.pieces) > 1 for group in model.contact_groups[:2])
+    # what a dump holds is another list than that of the start
+    searched = model.contact_groups[2]
+    assert len(found[f"dump:arrays/pairs/{searched.word}"]) > len(searched.parameters)
 
 
-# beyond two, more than this machine has cores, and more than there are pieces
-@pytest.mark.parametrize("threads", [1, 3, 4, 8, 40])
+# beyond two, more than this machine has cores
+@pytest.mark.parametrize("threads", [1, 3, 4, 8])
 def test_any_number_of_threads_gives_the_same_bits(
     two: tuple[Path, Path], threads: int, tmp_path: Path
 ) -> None:
@@ -135,16 +138,16 @@ def test_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Pa
     assert differences(tmp_path / "cut", folder) == []
 
 
-def test_a_step_too_long_stops_any_number_of_threads_alike(
+def test_a_run_out_of_balance_stops_any_number_of_threads_alike(
     two: tuple[Path, Path], tmp_path: Path
 ) -> None:
     told = set()
     for threads in "13":
-        # some ten times the stable one
-        words = ("--set", "control.step=5e-3", "--set", f"control.threads={threads}")
+        # what these steps miss is some thousand times more
+        words = ("--set", "control.energy_limit=1e-9", "--set", f"control.threads={threads}")
         done = crashsolve(two[0], "-o", tmp_path / threads, *words)
         assert done.returncode == 4
-        told.add(done.stderr)
+        told.add(done.stderr.replace(str(tmp_path / threads), ""))
     assert len(told) == 1
 
 
@@ -231,6 +234,17 @@ def test_every_pair_is_in_one_piece_of_its_card_and_every_load_on_one_body() -> 
         # those of a body in the order of the pairs
         own = [load for load, at in enumerate(group.places) if b["first"] <= at < b["end"]]
         assert [group.places[load] for load in own] == list(range(b["first"], b["end"]))
+
+
+def test_no_list_of_pairs_has_more_pieces_than_a_job_can(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert 2 * pieces.MOST <= MOST_PIECES
+    monkeypatch.setattr(pieces, "MOST", 3)
+    group = group_of([0] * 700 + [4] * 300, [(k, 7) for k in range(1000)])
+    pieces.cut(group)
+    # a third of all pairs, and no two cards in one piece
+    assert group.pieces["first"].tolist() == [0, 334, 668, 700]
+    assert group.pieces["end"].tolist() == [334, 668, 700, 1000]
+    assert len(group.ranges) == 3
 
 
 def test_threads_with_few_pairs_are_refused(tmp_path: Path) -> None:

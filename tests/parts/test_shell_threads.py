@@ -281,7 +281,8 @@ WRONG = {
     ),
     DECK[DECK.index("parts:") :]: (
         "",
-        "control: threads: share the elements of shells, and there are none; leave it out",
+        "control: threads: share the elements of shells, and rigid contacts with many elements "
+        "(1000 on both sides together), and there are neither; leave it out",
     ),
 }
 

@@ -6,6 +6,7 @@ import numpy as np
 import yaml
 
 from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.contact.pairs import take_pairs
 from crashsolve.system.engine import Engine
 
 # fields of control that say how to go on, and nothing of what has been
@@ -73,9 +74,8 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
     for name, array in _kept_in_place(engine).items():
         array[...] = _columns(arrays[name], array.dtype)
     for group in _lists(engine):
-        group.parameters = _columns(arrays[f"pairs/{group.word}"], group.parameters.dtype)
-        group.history = _columns(arrays[f"history/{group.word}"], group.history.dtype)
-        group.output = np.zeros(len(group.parameters), group.output.dtype)
+        rows = _columns(arrays[f"pairs/{group.word}"], group.parameters.dtype)
+        take_pairs(group, rows, _columns(arrays[f"history/{group.word}"], group.history.dtype))
     for nodal in _nodal(engine):
         for name, array in nodal.changing().items():
             nodal.arrays[name] = _columns(arrays[f"{name}/{nodal.word}"], array.dtype)

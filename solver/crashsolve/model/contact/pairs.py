@@ -183,6 +183,11 @@ def _renew(group: ContactGroup, search: Search, state: State, current: int) -> N
     history[:, at[kept]] = group.history[current, kept]
     left = group.parameters["card"][~kept], group.history[current, ~kept]
     _credit(*left, list(getattr(group.normal, "WARNINGS", {})), state.card_history)
+    take_pairs(group, rows, history)
+
+
+def take_pairs(group: ContactGroup, rows: np.ndarray, history: np.ndarray) -> None:
+    """Another list of pairs, with what they remember. Writes: group."""
     group.parameters, group.history = rows, history
     group.output = np.zeros(len(rows), group.output.dtype)
     if group.in_pieces:

@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 # elements on both sides of a group from which on its pairs are many: its near pairs are about as
 # many, and a job for several threads costs as much as some hundred of them
 MANY = 1000
-# pairs of a piece, and bodies, but for the last ones
+# pairs of a piece, and bodies, but for the last ones, as long as there are not too many pieces;
+# their number has 16 bits (system/threads/worker.py), and each card begins with a piece of its own
 PAIRS, BODIES = 128, 64
+MOST = 30_000
 
 PIECE = Record("""
     first    index  first pair
@@ -45,7 +47,12 @@ RANGE = Record("""
 def has_many(group: ContactGroup) -> bool:
     """Whether the pairs of a group are done in pieces."""
     elements = len(group.elements_a) + len(group.elements_b)
-    return elements >= MANY and not group.is_unilateral
+    return elements >= MANY and not group.is_unilateral and _cards(group) <= MOST
+
+
+def _cards(group: ContactGroup) -> int:
+    """Contact cards of a group."""
+    return len(group.search.cards() if group.search else np.unique(group.parameters["card"]))
 
 
 def cut(group: ContactGroup) -> None:
@@ -65,10 +72,11 @@ def cut(group: ContactGroup) -> None:
 
 def _pieces(cards: np.ndarray) -> np.ndarray:
     """Pieces of a list of pairs that is sorted by card, each of one card."""
+    size = _size(len(cards), PAIRS)
     starts = np.flatnonzero(np.diff(cards, prepend=-1))
     ends = np.append(starts, len(cards))[1:]
     first = np.concatenate(
-        [np.zeros(0, int), *(np.arange(*two, PAIRS) for two in zip(starts, ends, strict=True))]
+        [np.zeros(0, int), *(np.arange(*two, size) for two in zip(starts, ends, strict=True))]
     )
     pieces = np.zeros(len(first), PIECE.dtype)
     pieces["first"], pieces["card"] = first, cards[first]
@@ -90,7 +98,13 @@ def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _ranges(bodies: int) -> Any:
     """Pieces of a list of bodies."""
-    first = np.arange(0, bodies, BODIES)
+    size = _size(bodies, BODIES)
+    first = np.arange(0, bodies, size)
     ranges = np.zeros(len(first), RANGE.dtype)
-    ranges["first"], ranges["end"] = first, np.minimum(first + BODIES, bodies)
+    ranges["first"], ranges["end"] = first, np.minimum(first + size, bodies)
     return ranges
+
+
+def _size(count: int, usual: int) -> int:
+    """How many of `count` make a piece."""
+    return max(usual, -(-count // MOST))

@@ -6,15 +6,21 @@ from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
 @stage
+def ends_of(group, piece, count, scene):
+    """First pair, and first one after them, of all `count` pairs of a group, or of a piece."""
+    if group.in_pieces:
+        return group.pieces[piece].first, group.pieces[piece].end
+    return 0, count
+
+
+@stage
 def gaps_of(group, piece, current, nodes, floor, deepest, scene):
     """The largest depth of the pairs of a group, or of a piece of it, and of another [m].
 
     Of what did not touch at the start of the step; see approach in events.py.
     """
     params, history = group.parameters, group.history
-    first, end = 0, params.shape[0]
-    if group.in_pieces:
-        first, end = group.pieces[piece].first, group.pieces[piece].end
+    first, end = ends_of(group, piece, params.shape[0], scene)
     for i in range(first, end):
         if not KICK_DRIFT_KICK:
             # a method of high order feels the kink at the end of a contact too
@@ -41,9 +47,7 @@ def gaps_of(group, piece, current, nodes, floor, deepest, scene):
 def apart_before(group, piece, current, deepest, scene):
     """The same at the start of the step [m]."""
     history = group.history
-    first, end = 0, history.shape[1]
-    if group.in_pieces:
-        first, end = group.pieces[piece].first, group.pieces[piece].end
+    first, end = ends_of(group, piece, history.shape[1], scene)
     for i in range(first, end):
         depth = history[current, i].depth
         if not KICK_DRIFT_KICK:

@@ -9,20 +9,16 @@ nearest (system/contact/passing.py), and one that cannot have met is left alone
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import areas, passing, resting, touches, work
 from crashsolve.system.contact.pair import Meeting, Pair, Push, Sliding, Totals
+from crashsolve.system.loops.approach import ends_of
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
 from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
 @kernel
 def contact_pairs(group, piece, clock, h, nodes, curves, scene):
-    """Forces of the pairs of a group, of many those of a piece of them.
-
-    Writes: outputs, new histories; nodes and scene.cards, or loads and sums of the piece.
-    """
+    """Forces of the pairs of a group, or of a piece. Writes: totals, outputs, new histories."""
     params, history, output = group.parameters, group.history, group.output
-    first, end = 0, params.shape[0]
-    if group.in_pieces:
-        first, end = group.pieces[piece].first, group.pieces[piece].end
+    first, end = ends_of(group, piece, params.shape[0], scene)
     for i in range(first, end):
         p, out = params[i], output[i]
         old, new = history[clock.current, i], history[1 - clock.current, i]
@@ -58,10 +54,10 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             friction_loss = work.end_first_half(h, old, motion, m, count)
         elif KICK_DRIFT_KICK:
             work.end_push(h, old, motion, m, count)
+        if group.in_pieces:
+            touches.note_felt(group.felt, group.places, i, 1 if depth > 0.0 else 0)
         if depth <= 0.0:
             touches.separate(clock, old, new, out, depth, x)
-            if group.in_pieces:
-                touches.note_felt(group.felt, group.places, i, 0)
             group.normal.release(p, old, new)
             if group.keeps_faces:
                 new.dissipated += passing.given_up(clock, h, old, n, stored)
@@ -71,8 +67,6 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
                 work.part_pair(old, new, friction_loss)
             touches.sum_losses(card, new)
             continue
-        if group.in_pieces:
-            touches.note_felt(group.felt, group.places, i, 1)
         pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
         press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene)
         if group.keeps_faces and old.held == 1 and not held:
