@@ -7,6 +7,9 @@ DECK   ?= decks/scenes/train_test.yaml
 
 BIN     := $(VENV)/bin
 RESULTS := $(basename $(notdir $(DECK))).results
+# where tests write: in memory where there is plenty, as every result file waits for its disk several times
+MEMORY  := $(shell awk '/MemAvailable/ {print ($$2 > 8e6)}' /proc/meminfo)
+SCRATCH ?= $(if $(and $(filter 1,$(MEMORY)),$(wildcard /dev/shm/.)),/dev/shm,$(or $(TMPDIR),/tmp))
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
 .PHONY: demo test long queue bench stability beam trains structures crush gallery docs clean
@@ -17,7 +20,8 @@ demo: $(VENV)/render.installed
 	@$(BIN)/crashpost report $(RESULTS)
 
 test: $(VENV)/test.installed
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+	scratch=$$(mktemp -d -p $(SCRATCH)) && trap 'rm -rf "$$scratch"' EXIT && \
+	TMPDIR=$$scratch $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
 
 long: $(VENV)/test.installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m long

@@ -171,3 +171,19 @@ def test_cost_of_appending_does_not_grow_with_the_file(
     write_sample(tmp_path / "history.h5", 20_000, buffer_bytes=4000).close()
     # doubling: 1024 + 2048 + ... and the last copy, which trims
     assert sum(copied) < 3 * 20_000
+
+
+def test_a_file_that_grows_to_what_is_expected_is_not_copied_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # room for the first rows alone, so that the file has to grow
+    monkeypatch.setattr("crashsolve.output.history.MOST_RESERVED_BYTES", 4096)
+    path, expected = tmp_path / "history.h5", 700
+    writer = write_sample(path, expected, expected_rows=expected, buffer_bytes=4000)
+    writer.flush()
+    before = path.stat().st_ino
+    with h5py.File(path) as file:
+        assert len(file["glstat/time"]) == expected
+    writer.close()
+    assert path.stat().st_ino == before
+    assert assert_is_sample(path, expected) == expected

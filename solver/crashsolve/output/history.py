@@ -64,6 +64,7 @@ class HistoryWriter:
         self._values = [np.empty((len(f.columns), most, len(f.ids))) for f in self.families]
         if resume_time is not None:
             self._read_kept_rows(resume_time)
+        self._expected_rows = expected_rows
         expected = min(expected_rows or FIRST_CAPACITY, MOST_RESERVED_BYTES // (8 * doubles + 8))
         self._rebuild(max(expected, 2 * self._rows))
 
@@ -95,8 +96,7 @@ class HistoryWriter:
         """Write the gathered rows: values, wait for the disk, then the times that validate them."""
         if self._count:
             count = self._count
-            if self._rows + count > self._capacity:
-                self._rebuild(2 * (self._rows + count))
+            self._make_room(self._rows + count)
             times, blocks = self._times[:count], [values[:, :count] for values in self._values]
             with reported(self.path):
                 self._write_rows(times, blocks)
@@ -163,6 +163,12 @@ class HistoryWriter:
             for number, times, values in layout.read_blocks(self.path, self.families, self._rows):
                 self.extremes.update(number, times, values)
                 self._last_time = times[-1]
+
+    def _make_room(self, rows: int) -> None:
+        """Reserve twice the rows, or those expected where these are no more: none is left over."""
+        if rows > self._capacity:
+            is_near = rows <= self._expected_rows <= 2 * rows
+            self._rebuild(self._expected_rows if is_near else 2 * rows)
 
     def _rebuild(self, capacity: int) -> None:
         """Replace the file by one of another capacity holding the rows written so far."""
