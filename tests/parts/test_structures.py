@@ -262,6 +262,10 @@ WRONG = {
         "{name: D, at: [0.5, 0.5, 1.3], ",
         "point 'D' lies on the member from 'C' to 'B', which is not joined to it",
     ),
+    "at: [0.9, 0.8, 0.3], joint": (
+        "at: [-0.3, -0.1, 0.55], joint",
+        "crosses the member from 'A' to 'B' between their points, and is not joined to it",
+    ),
     "joint: 0.1": ("joint: 0", "joint: must be greater than 0"),
     "from: C, to: D, side": ("from: A, to: B, name: D, side", "is member 1 once more"),
     "material: steel": ("material: soft", "hinges need one of type elastoplastic"),

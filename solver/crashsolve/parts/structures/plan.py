@@ -104,6 +104,7 @@ def plan(name: str, card: Any, laws: dict[str, dict[str, Law]]) -> Plan:
     members = [_member(name, card, k, points, laws) for k in range(len(card.members))]
     _refuse_twice(members)
     _refuse_touching(points, members)
+    _refuse_crossing(members)
     given = {point.name: point.joint for point in card.points}
     for k, point in enumerate(card.points):
         own = [m for m in members if point.name in m.ends]
@@ -202,6 +203,35 @@ def _refuse_touching(points: dict[str, np.ndarray], members: list[Member]) -> No
                     f"point '{point}' lies on the member from '{first}' to '{last}', which is not "
                     "joined to it",
                     "let that member end there and another go on, or move the point",
+                )
+
+
+def _refuse_crossing(members: list[Member]) -> None:
+    """Raises Problem for two members whose axes meet between their points: they are not joined.
+
+    Their axes are at e = a + s u and f = b + t v; n = u x v is common to all that lies across both.
+    """
+    for k, other in enumerate(members):
+        for member in members[:k]:
+            if set(member.ends) & set(other.ends):
+                continue
+            a, b, u, v = member.places[0], other.places[0], member.along, other.along
+            n = np.cross(u, v)
+            length = float(np.linalg.norm(n))
+            # those in one line meet in a point, if they do
+            if length <= SAME:
+                continue
+            s = float(np.cross(b - a, v) @ n) / length**2
+            t = float(np.cross(b - a, u) @ n) / length**2
+            reach, far = (float(np.linalg.norm(np.subtract(*m.places))) for m in (member, other))
+            apart = abs(float((b - a) @ n)) / length
+            if 0.0 < s < reach and 0.0 < t < far and apart <= SAME * max(reach, far):
+                first, last = member.ends
+                raise Problem(
+                    other.path,
+                    f"crosses the member from '{first}' to '{last}' between their points, and is "
+                    "not joined to it",
+                    "let both end at a point there, or let one pass beside the other",
                 )
 
 
