@@ -19,7 +19,10 @@ from crashsolve.deck.family import (
 from crashsolve.deck.fields import quantity
 from crashsolve.deck.roles import Built, Force
 from crashsolve.foundation.record import Record
-from crashsolve.model.materials import refuse_unlike
+from crashsolve.integrators import dormand_prince_5
+from crashsolve.materials import elastic
+from crashsolve.model.checks.methods import refuse_incomplete_method
+from crashsolve.model.materials import refuse_incomplete, refuse_unlike
 from crashsolve.springs import linear
 
 
@@ -117,10 +120,10 @@ def test_names_that_are_taken_or_unknown_are_refused(other: dict[str, Any], told
         _refuse_clashes([*families().values(), family])
 
 
-def law(**other: Any) -> ModuleType:
-    """A spring with some names changed, or left out where they are None."""
-    module = ModuleType("crashsolve.springs.changed")
-    for name, value in (vars(linear) | other).items():
+def law(source: ModuleType = linear, **other: Any) -> ModuleType:
+    """A law with some names changed, or left out where they are None."""
+    module = ModuleType(f"{source.__package__}.changed")
+    for name, value in (vars(source) | other).items():
         if value is not None and not name.startswith("__"):
             setattr(module, name, value)
     return module
@@ -153,6 +156,43 @@ def test_what_a_law_lacks_or_has_wrongly_is_told(other: dict[str, Any], told: st
     check_law(law())
     with pytest.raises(FamilyError, match=told):
         check_law(law(**other))
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        (
+            {"tangent": None},
+            "materials.changed must provide tangent, as GeneralLaw of mat",
+        ),
+        ({"VON_MISES": True}, "must provide HEATS, SMOOTH, flow, heat_factor, line, .*VonMisesLaw"),
+        ({"tangent": slope}, r"must provide tangent\(m, kept, blocks, .*not tangent\(p, rows\)"),
+    ],
+)
+def test_what_a_material_lacks_is_told(other: dict[str, Any], told: str) -> None:
+    refuse_incomplete(law(elastic))
+    with pytest.raises(FamilyError, match=told):
+        refuse_incomplete(law(elastic, **other))
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        ({name: None}, f"integrators.changed must declare {name}")
+        for name in ("ORDER", "STAGES", "EXTRA", "A", "C", "DENSE", "TERMS", "E", "ESTIMATES")
+    ]
+    + [
+        ({"STEPPER": "_runge"}, "STEPPER must be one of _runge_kutta, _implicit, or left out"),
+        ({"STEPPER": None}, "must declare prepare_sample, take_step"),
+        # compiled steps would read beyond the end
+        ({"ESTIMATES": 2}, r"E has the shape \(1, 7\), not \(2, 7\)"),
+        ({"EXTRA": 1}, r"A has the shape \(7, 7\), not \(8, 8\)"),
+    ],
+)
+def test_what_a_method_of_integration_lacks_is_told(other: dict[str, Any], told: str) -> None:
+    refuse_incomplete_method(law(dormand_prince_5))
+    with pytest.raises(FamilyError, match=told):
+        refuse_incomplete_method(law(dormand_prince_5, **other))
 
 
 COLUMNS = Record("""

@@ -185,6 +185,11 @@ def check_law(module: Any) -> None:
         _check_records(module)
         hooks = (name for name in provided(StepLaw) if hasattr(module, name))
         wanted |= {name: getattr(StepLaw, name) for name in hooks}
+    check_arguments(module, wanted)
+
+
+def check_arguments(module: Any, wanted: dict[str, Any]) -> None:
+    """Raises FamilyError for functions of a law that do not take what those of a Protocol take."""
     for name, function in wanted.items():
         if not isinstance(getattr(module, name), FunctionType):
             raise FamilyError(f"{module.__name__}: {name} must be a function")

@@ -17,7 +17,7 @@ from crashsolve.foundation.sparse.saddle import plan
 from crashsolve.model import attachments
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.checks.gyration import gyration_warnings
-from crashsolve.model.checks.methods import refuse_methods
+from crashsolve.model.checks.methods import refuse_incomplete_method, refuse_methods
 from crashsolve.model.checks.statics import goes_by_steps, refuse_motion
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
@@ -317,8 +317,9 @@ def _build_parts(entries: list[Entry], scene: Scene) -> Group:
             scene.refuse_stepwise(module)
             own = module.elements(entry.card, scene.part_nodes[entry.name], scene)
             if laws:
-                law = {"law": laws.index(scene.law("materials", entry.card.material)[0])}
-                own = [row | law for row in own]
+                law, _ = scene.law("materials", entry.card.material)
+                refuse_unlike(law, law.PARAMETERS, own[0]["material"])
+                own = [row | {"law": laws.index(law)} for row in own]
             names += entry.card.element_names(entry.name)
             rows += own
     columns, history = module.PARAMETERS.dtype, module.HISTORY
@@ -383,7 +384,9 @@ def _state(model: Model, scene: Scene) -> State:
 
 
 def _method(model: Model) -> Any:
-    return import_module(f"crashsolve.integrators.{model.integrator}")
+    module = import_module(f"crashsolve.integrators.{model.integrator}")
+    refuse_incomplete_method(module)
+    return module
 
 
 def initial_stages(model: Model, nodes: int) -> np.ndarray:

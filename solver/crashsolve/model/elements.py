@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
-from crashsolve.model.materials import fill, laws_of, with_constants
+from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants
 from crashsolve.model.model import Elements, Group, Model
 from crashsolve.parts.shells.section_cut import CUT, TAP
 
@@ -29,8 +29,11 @@ def build_elements(entries: list[Entry], scene: Scene) -> Group:
     for row, entry in zip(table, entries, strict=True):
         with scene.building(entry):
             scene.refuse_stepwise(module)
-            fill(row, module.parameters(entry.card, scene))
-            row["law"] = laws.index(scene.law("materials", entry.card.material)[0])
+            values = module.parameters(entry.card, scene)
+            law, _ = scene.law("materials", entry.card.material)
+            refuse_unlike(law, law.PARAMETERS, values["material"])
+            fill(row, values)
+            row["law"] = laws.index(law)
     names = [entry.name for entry in entries]
     history = np.zeros((2, len(entries)), module.HISTORY.dtype)
     output = np.zeros(len(entries), module.OUTPUT.dtype)

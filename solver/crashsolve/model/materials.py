@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.deck.family import FamilyError, constants, provided
+from crashsolve.deck.family import FamilyError, check_arguments, constants, provided
 from crashsolve.foundation.record import Record
 from crashsolve.materials import GeneralLaw, VonMisesLaw
 
@@ -42,6 +42,7 @@ def refuse_incomplete(law: Any) -> None:
     if missing:
         told = f"{kind.__name__} of materials/__init__.py"
         raise FamilyError(f"{law.__name__} must provide {', '.join(missing)}, as {told} says")
+    check_arguments(law, {n: getattr(kind, n) for n in provided(kind) if n in wanted})
 
 
 def with_constants(record: Record, laws: list[Any]) -> "np.dtype[Any]":

@@ -1,10 +1,12 @@
-"""Families of laws that not every integrator can step."""
+"""Families of laws that not every integrator can step, and what an integrator must declare."""
 
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from crashsolve.deck.card import Card
-from crashsolve.deck.family import ANY, Family, families
+from crashsolve.deck.family import ANY, Family, FamilyError, families
 
 
 def refuse_methods(scene: Any) -> None:
@@ -37,3 +39,33 @@ def _folders(card: Any) -> Iterator[str]:
         for part in value if isinstance(value, tuple) else (value,):
             if isinstance(part, Card):
                 yield from _folders(part)
+
+
+# what the steppers ask of the file of a method
+DECLARED = {
+    "_runge_kutta": ("STAGES", "EXTRA", "A", "C", "DENSE", "TERMS", "E", "ESTIMATES"),
+    "_implicit": ("STAGES", "STAGE", "A", "T"),
+    "": ("prepare_sample", "take_step"),
+}
+
+
+def refuse_incomplete_method(module: Any) -> None:
+    """Raises FamilyError for a method that lacks what its stepper asks, or some of its tableau.
+
+    Compiled steps read a tableau as far as its number of stages says, whatever its size.
+    """
+    stepper = getattr(module, "STEPPER", "")
+    if stepper not in DECLARED:
+        known = ", ".join(word for word in DECLARED if word)
+        raise FamilyError(f"{module.__name__}: STEPPER must be one of {known}, or left out")
+    missing = [n for n in ("ORDER", *DECLARED[stepper]) if not hasattr(module, n)]
+    if missing:
+        raise FamilyError(f"{module.__name__} must declare {', '.join(missing)}")
+    if stepper == "_runge_kutta":
+        stages = module.STAGES + module.EXTRA
+        shapes = {"A": (stages, stages), "C": (stages,), "DENSE": (module.TERMS, stages)}
+        shapes["E"] = (module.ESTIMATES, module.STAGES)
+        for name, shape in shapes.items():
+            if np.shape(getattr(module, name)) != shape:
+                told = f"{name} has the shape {np.shape(getattr(module, name))}, not {shape}"
+                raise FamilyError(f"{module.__name__}: {told} of STAGES, EXTRA, TERMS, ESTIMATES")
