@@ -16,7 +16,7 @@ from crashpost.figures.panels import Wish, panels, profile
 from crashpost.figures.style import COLOURS, DASHES, MOST_LINES, line_look
 from crashpost.results.result import Result
 from crashpost.values import events, injury, words
-from crashpost.values.figure import figures_of
+from crashpost.values.figure import Curve, Figure, figures_of
 from crashpost.values.measured import read_test
 from crashpost.values.units import Units, on_page
 
@@ -346,3 +346,17 @@ def test_standard_figures_by_their_words(cars: Path, tmp_path: Path, crashpost: 
     code, _, err = crashpost("plot", cars, "gap", "-o", tmp_path / "x.svg")
     assert (code, "nothing to draw: no gap" in err) == (2, True)
     assert SPEED in Result(cars).series("rbdout.A.velocity.x").values
+
+
+def test_the_time_of_a_contact_that_has_not_been_is_not_drawn(cars: Path, tmp_path: Path) -> None:
+    """It lies before the run, which would be the lowest point of every figure."""
+    touch = np.where(TIME < 0.05, -1.0, 0.05)[:, None]
+    families = two_cars()
+    families["rcforc"] = (["hit"], {"first_touch": ("s", "when that was first", touch)})
+    result = Result(write_result(tmp_path, families))
+    figure = Figure("Touch", (Curve("rcforc.hit.first_touch"), Curve("-rcforc.hit.first_touch")))
+    lines = draw._scaled([result], figure).lines
+    np.testing.assert_array_equal(np.isnan(lines[0].y), TIME < 0.05)
+    np.testing.assert_allclose(lines[0].y[TIME >= 0.05], 0.05)
+    # of an expression nothing is left out
+    assert np.isfinite(lines[1].y).all()

@@ -166,6 +166,35 @@ def test_deleted_elements_are_gone_and_do_not_count_in_the_colours(run: Path) ->
     assert scene.range(3)[1] == pytest.approx(0.3 * 1e6)
 
 
+def test_a_part_that_is_gone_changes_nothing_of_the_others(run: Path, crashpost: Command) -> None:
+    """Surfaces of two states are compared by their number, in the page that is turned by hand."""
+    for path in (run / "states").glob("*.h5"):
+        with h5py.File(path, "r+") as file:
+            file["part_sheet/vtkGhostType"][...] = 32 * (path.stem != "000000")
+    scene = Scene(States(run), Look())
+    first, last = scene.at(0).surfaces, scene.at(3).surfaces
+    assert len(first) == len(last)
+    for before, after in zip(first, last, strict=True):
+        assert len(before.points) == len(after.points)
+    # and where nothing else is shown, empty pictures follow
+    alone = Scene(States(run), Look(show=("sheet",)))
+    assert len(alone.extent(0)) > 0
+    assert len(alone.extent(3)) == 0
+    for words in (["render"], ["render", "--show", "sheet"], ["render", "--color", "von_mises"]):
+        assert crashpost(*words[:1], run, *words[1:], "-o", run / "x.png")[0] == 0
+    pytest.importorskip("k3d")
+    for words in ([], ["--show", "sheet"], ["--show", "sheet", "--color", "von_mises"]):
+        assert crashpost("film", run, *words, "-o", run / "x.html")[0] == 0
+
+
+def test_states_that_hold_no_numbers_are_refused(run: Path, crashpost: Command) -> None:
+    with h5py.File(run / "states" / "000002.h5", "r+") as file:
+        file["bodies/displacement"][3, 1] = np.nan
+    code, _, words = crashpost("render", run, "-o", run / "x.png")
+    assert code == 2
+    assert "000002.h5: bodies/displacement holds values that are no finite numbers" in words
+
+
 def test_only_what_is_named_is_shown(run: Path) -> None:
     scene = Scene(States(run), Look(show=("sh*",)))
     drawn = [s for s in scene.at(0).surfaces if len(s.points) != len(FLOOR)]

@@ -35,8 +35,11 @@ from crashpost.figures.style import (
 from crashpost.results.result import Result
 from crashpost.values.figure import Curve, Figure, Pair, Reference, axis_unit
 from crashsolve.channels.display import factor
+from crashsolve.channels.series import Series
 
 MOST_POINTS = 3000
+# times of contacts, before the run where there was none (FILE_FORMAT.md)
+MOMENTS = ("first_touch", "last_release")
 MINUS = "\N{MINUS SIGN}"
 # dashes of levels and of curves known from elsewhere
 LEVEL, MEASURED = (4.0, 2.0), (1.0, 1.2)
@@ -267,7 +270,7 @@ def _scaled(results: Sequence[Result], figure: Figure) -> _Scaled:
         literal = [_Line(curve.label, *np.array(curve.points).T) for curve in figure.y]
         return _Scaled(literal, figure.x_unit, figure.y_unit)
     abscissas = [results[curve.run].series(curve.x or figure.x) for curve in figure.y]
-    ordinates = [results[curve.run].series(curve.channel) for curve in figure.y]
+    ordinates = [_told(results[curve.run], curve.channel) for curve in figure.y]
     x_unit = axis_unit(abscissas, figure.x_unit)
     y_unit = axis_unit(ordinates, figure.y_unit)
     lines = []
@@ -279,6 +282,15 @@ def _scaled(results: Sequence[Result], figure: Figure) -> _Scaled:
                 raise PostError(f"'{label}' has no positive value to show on a logarithmic axis")
         lines.append(_Line(label, *_thinned(along, up)))
     return _Scaled(lines, x_unit, y_unit)
+
+
+def _told(result: Result, channel: str) -> Series:
+    """A channel, without the times of contacts that have not been: these lie before the run."""
+    series = result.series(channel)
+    is_moment = channel.startswith("rcforc.") and channel.rsplit(".", 1)[-1] in MOMENTS
+    if not is_moment or not len(series.time):
+        return series
+    return series._replace(values=np.where(series.values < series.time[0], np.nan, series.values))
 
 
 def _line_labels(curves: Sequence[Curve]) -> list[str]:

@@ -89,7 +89,10 @@ class Scene:
         return drawing
 
     def extent(self, number: float) -> np.ndarray:
-        """Points (n, 3) that a picture of this state must hold; the ground is infinite."""
+        """Points (n, 3) that a picture of this state must hold; the ground is infinite.
+
+        None where all that was shown is deleted, or the ground is all there is.
+        """
         found = [np.empty((0, 3))]
         for name in self.drawn:
             points = self.positions(number, name)
@@ -101,11 +104,7 @@ class Scene:
             if name == "beams" and len(used):
                 found += [ring.reshape(-1, 3) for _, _, ring in self._outlines(number, points)]
         points = np.concatenate(found)
-        if not len(points) and "ground" in self.drawn:
-            points = self.positions(number, "ground")
-        if not len(points):
-            raise PostError("nothing to draw: no body or part is shown")
-        return outermost(points)
+        return outermost(points) if len(points) else points
 
     def footprints(self, near: np.ndarray) -> np.ndarray:
         """Where planes lie close below points (n, 3): these belong in the picture as well."""
@@ -296,6 +295,8 @@ class Scene:
     def _near(self, points: np.ndarray, number: float) -> np.ndarray:
         """Which points (n,) lie in the box around what is shown at a state."""
         shown = self.extent(number)
+        if not len(shown):
+            return np.zeros(len(points), bool)
         low, high = shown.min(axis=0), shown.max(axis=0)
         margin = BESIDE * float(np.max(high - low))
         inside: np.ndarray = np.all((low - margin <= points) & (points <= high + margin), axis=1)
@@ -337,7 +338,8 @@ class Scene:
         block = self.states.blocks[name]
         if name == "ground":
             points = self._spread(points)
-        shown = self._cells_shown(name) & self.states.visible(int(number), name)
+        asked = self._cells_shown(name)
+        shown = asked & self.states.visible(int(number), name)
         values = None if name == "ground" else self.values(number, name)
         palette, which = [GREY], np.zeros(block.n_cells, int)
         if name == "ground":
@@ -355,7 +357,8 @@ class Scene:
             palette = [self._part_colour(self.states.names["parts"].index(part))]
         for rows, corners in block.cells:
             kept = shown[rows]
-            if kept.any() and corners.shape[1] in (3, 4):
+            # as many surfaces at each state, also where one has lost all of its elements
+            if asked[rows].any() and corners.shape[1] in (3, 4):
                 own = None if values is None else values[rows][kept]
                 is_fine = name.startswith("part_")
                 drawing.surfaces.append(

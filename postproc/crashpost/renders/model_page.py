@@ -138,6 +138,7 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
     )
     _put(k3d, shown, frames, shades, arrow, seen)
     points = np.concatenate([scene.extent(number) for number in numbers])
+    points = points if len(points) else view.points
     # a picture of 60 degrees holds a ball at twice its radius, and what is long somewhat nearer
     far = NEAR * 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
     eye = seen.middle + far * seen.towards
@@ -204,6 +205,8 @@ def _put(
     width = WIDTH * seen.half_height
     for number, surface in enumerate(first.surfaces):
         same = {key: drawing.surfaces[number] for key, drawing in frames.items()}
+        if not len(surface.corners):
+            continue
         if surface.values is not None:
             shown += _field_mesh(k3d, surface, same, shades)
             continue

@@ -76,7 +76,7 @@ class Painter:
     def _fill(
         self, renderer: vtkRenderer, drawing: Drawing, camera: Camera, shades: Shades
     ) -> None:
-        for surface in drawing.surfaces:
+        for surface in (s for s in drawing.surfaces if len(s.corners)):
             self._surface(renderer, surface, shades)
         for lines in drawing.lines:
             colours = None if lines.values is None else shades.colours(lines.values)

@@ -32,6 +32,8 @@ PAD = 0.07
 # a picture this many times as wide as high is put below the one before, not beside it
 WIDE, HALF_WIDE = 3.2, 2.2
 MOST_COLUMNS, MOST_NAMES = 4, 8
+# of names
+LETTERS_PER_INCH = 13.0
 # of a film: heights of the picture over the film's width, least width [pixels], frame above and
 # below the picture [inches], letters of a title for each pixel
 FILM_HEIGHTS, NARROWEST = (0.16, 0.6), 480
@@ -288,11 +290,13 @@ def _names(axes: Any, names: Sequence[tuple[str, str]], start: float, stop: floa
     if len(names) > MOST_NAMES:
         shown[-1] = (f"and {len(names) - MOST_NAMES + 1} more", "#ffffff")
     columns = -(-len(shown) // 2) if len(shown) > 3 else len(shown)
-    step = min((stop - start) / columns, 1.3)
-    most = max(int(step * 13) - 3, 5)
+    # as wide as the longest name asks; of names that are cut the ends tell them apart
+    longest = max(len(name) for name, _ in shown)
+    step = min((stop - start) / columns, max((longest + 4) / LETTERS_PER_INCH, 0.8))
+    most = max(int(step * LETTERS_PER_INCH) - 3, 5)
     for k, (name, colour) in enumerate(shown):
         row, column = divmod(k, columns)
         x, y = start + column * step, 0.42 - 0.2 * row
         axes.plot([x + 0.05], [y], "s", color=colour, markersize=6)
-        fitted = name if len(name) <= most else name[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
+        fitted = name if len(name) <= most else "\N{HORIZONTAL ELLIPSIS}" + name[1 - most :]
         axes.text(x + 0.15, y, fitted, fontsize=8, va="center", color=INK)

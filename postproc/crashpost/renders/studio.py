@@ -159,6 +159,10 @@ class View:
         if task.ghost:
             near.append(scene.extent(0) - shift[0])
         points = np.concatenate(near)
+        if not len(points) and "ground" in scene.drawn:
+            points = scene.positions(0, "ground")
+        if not len(points):
+            raise PostError("nothing to draw: no body or part is shown")
         self.points = np.concatenate([points, scene.footprints(points)])
         scene.reach = self.points
         if task.follow:

@@ -85,6 +85,10 @@ class States:
                 if path in file:
                     found[name] = file[path][...]
                     self.units[name] = printable(str(file[path].attrs.get("unit", "")))
+                    if found[name].dtype.kind == "f" and not np.isfinite(found[name]).all():
+                        raise PostError(
+                            f"{self.files[number]}: {path} holds values that are no finite numbers"
+                        )
                 elif name in self.blocks[block].fixed:
                     found[name] = self.blocks[block].fixed[name]
         return found
