@@ -11,7 +11,7 @@ from crashsolve.system.contact import areas, passing, resting, touches, work
 from crashsolve.system.contact.pair import Meeting, Pair, Push, Sliding, Totals
 from crashsolve.system.loops.approach import ends_of
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
-from crashsolve.system.placeholders import KICK_DRIFT_KICK
+from crashsolve.system.placeholders import KICK_DRIFT_KICK, THREADS
 
 
 @kernel
@@ -54,7 +54,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             friction_loss = work.end_first_half(h, old, motion, m, count)
         elif KICK_DRIFT_KICK:
             work.end_push(h, old, motion, m, count)
-        if group.in_pieces:
+        if group.in_pieces and THREADS:
             touches.note_felt(group.felt, group.places, i, 1 if depth > 0.0 else 0)
         if depth <= 0.0:
             touches.separate(clock, old, new, out, depth, x)
@@ -69,6 +69,9 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             continue
         pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
         press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene)
+        if group.in_pieces and not THREADS:
+            touches.take_load(m, totals.on_a)
+            touches.take_load(w, totals.on_b)
         if group.keeps_faces and old.held == 1 and not held:
             # it leaves its own face sideways, deep within
             new.dissipated += max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)
@@ -77,10 +80,15 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
 
 @stage
 def totals_of(group, piece, i, clock, p, m, w, scene):
-    """What pair i adds to. Of many pairs each has loads, and each piece sums, of its own."""
-    if group.in_pieces:
+    """What pair i adds to. Of many pairs each has loads, and each piece sums, of its own.
+
+    One thread hands loads on at once, and needs those of one pair alone.
+    """
+    if group.in_pieces and THREADS:
         on_a, on_b = group.loads[group.places[2 * i]], group.loads[group.places[2 * i + 1]]
         return Totals(on_a, on_b, group.sums[piece], group.counts[piece])
+    if group.in_pieces:
+        return Totals(group.loads[0], group.loads[1], group.sums[piece], group.counts[piece])
     return Totals(m, w, scene.cards[p.card], scene.card_history[1 - clock.current, p.card])
 
 

@@ -80,8 +80,6 @@ def contact_in_pieces(group, clock, h, scene):
     else:
         for k in range(group.pieces.shape[0]):
             press_piece(group, k, clock, h, scene)
-        for k in range(group.ranges.shape[0]):
-            bear_piece(group, k, scene)
     sum_pieces(group, clock, scene)
 
 
