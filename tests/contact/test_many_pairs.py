@@ -15,6 +15,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.model.contact import pieces, records
+from crashsolve.system.bounds import stiffest
 from crashsolve.system.compose import compose
 from crashsolve.system.engine import Engine
 from crashsolve.system.threads.worker import MOST_PIECES
@@ -164,8 +165,8 @@ BATTERY = {
 }
 
 
-def after(deck: str, steps: int, threads: int) -> Any:
-    """State of a deck after some steps."""
+def after(deck: str, steps: int, threads: int) -> tuple[Any, list[str]]:
+    """State of a deck after some steps, and what acts the stiffest on each of its bodies."""
     model, state = build(read_deck(ROOT / f"{deck}.yaml", {"control.threads": str(threads)}))
     engine = Engine(model, state)
     engine.start()
@@ -174,7 +175,7 @@ def after(deck: str, steps: int, threads: int) -> Any:
     clock["goal"], clock["pause"] = model.control[0]["end"], steps
     engine._advance(float(model.control[0]["end"]), False, engine._present)
     assert clock["cycle"] == steps
-    return engine.state
+    return engine.state, [stiffest(engine, at) for at in range(1, len(model.bodies))]
 
 
 @pytest.mark.parametrize("deck", list(BATTERY))
@@ -182,11 +183,12 @@ def test_pieces_change_no_more_than_the_order_of_sums(
     deck: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     steps = BATTERY[deck]
-    whole = after(deck, steps, 1)
+    whole, causes = after(deck, steps, 1)
     monkeypatch.setattr(pieces, "MANY", 1)
     monkeypatch.setattr(pieces, "PAIRS", 3)
     monkeypatch.setattr(pieces, "BODIES", 2)
-    one, three = (after(deck, steps, threads) for threads in (1, 3))
+    (one, causes_of_one), (three, causes_of_three) = (after(deck, steps, n) for n in (1, 3))
+    assert causes_of_one == causes_of_three == causes
     for name in ("nodes", "cards", "card_history", "clock"):
         assert getattr(one, name).tobytes() == getattr(three, name).tobytes(), name
     # what rests does so to the round-off of weights, which are worth so much speed a step

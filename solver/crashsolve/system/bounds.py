@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.keywords import SECTIONS
+from crashsolve.model.contact.pieces import tables_of
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.system.diagnosis import chooses_step, limiter
 from crashsolve.system.engine import Engine
@@ -164,11 +165,14 @@ def _split(rows: np.ndarray) -> list[np.ndarray]:
 
 def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
     """The tables of a group with some of its rows alone."""
-    return {
-        f"{group.word}_parameters": group.parameters[rows].copy(),
-        f"{group.word}_history": np.ascontiguousarray(group.history[:, rows]),
-        f"{group.word}_output": group.output[rows].copy(),
+    tables = {
+        "parameters": group.parameters[rows].copy(),
+        "history": np.ascontiguousarray(group.history[:, rows]),
+        "output": group.output[rows].copy(),
     }
+    if getattr(group, "in_pieces", False):
+        tables |= tables_of(group, tables["parameters"])
+    return {f"{group.word}_{name}": table for name, table in tables.items()}
 
 
 def _alone(

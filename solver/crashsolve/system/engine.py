@@ -259,7 +259,8 @@ class Engine:
 
     def probe(self, arrays: dict[str, np.ndarray]) -> None:
         """A sample of other tables of this scene, of other lengths. Writes: arrays."""
-        self._advance(float(arrays["clock"][0]["time"]), True, Tables(arrays))
+        leader = {"leader": arrays["clock"]} if is_shared(self.model) else {}
+        self._advance(float(arrays["clock"][0]["time"]), True, Tables(arrays | leader))
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""

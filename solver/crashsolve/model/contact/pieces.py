@@ -57,17 +57,27 @@ def _cards(group: ContactGroup) -> int:
 
 def cut(group: ContactGroup) -> None:
     """The present pairs of a group in pieces. Writes: group."""
-    rows = group.parameters
-    group.pieces = _pieces(rows["card"])
-    group.sums = np.zeros(len(group.pieces), records.CARD_OUTPUT.dtype)
-    group.counts = np.zeros(len(group.pieces), records.COUNTS.dtype)
-    group.loads = np.zeros(2 * len(rows), records.LOAD.dtype)
-    group.felt = np.zeros(2 * len(rows), np.int8)
+    for name, table in tables_of(group, group.parameters).items():
+        setattr(group, name, table)
+
+
+def tables_of(group: ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray]:
+    """Pieces of some pairs of a group, sorted by card, and what they add to, by name."""
+    pieces = _pieces(rows["card"])
     nodes = np.empty(2 * len(rows), np.int64)
     nodes[0::2] = group.elements_a["node"][rows["a"]]
     nodes[1::2] = group.elements_b["node"][rows["b"]]
-    group.places, group.bearers = _bodies(nodes)
-    group.ranges = _ranges(len(group.bearers))
+    places, bearers = _bodies(nodes)
+    return {
+        "pieces": pieces,
+        "sums": np.zeros(len(pieces), records.CARD_OUTPUT.dtype),
+        "counts": np.zeros(len(pieces), records.COUNTS.dtype),
+        "loads": np.zeros(2 * len(rows), records.LOAD.dtype),
+        "felt": np.zeros(2 * len(rows), np.int8),
+        "places": places,
+        "bearers": bearers,
+        "ranges": _ranges(len(bearers)),
+    }
 
 
 def _pieces(cards: np.ndarray) -> np.ndarray:
