@@ -122,11 +122,9 @@ def _tasks(
 def look(scene: dict[str, Any]) -> dict[str, Any]:
     """What of a scene is a matter of the camera and of colours."""
     words = {name: scene[name] for name in WORDS if scene.get(name)}
-    return {
-        "show": tuple(scene.get("show") or ()),
-        "magnify": float(scene.get("magnify", 1.0)),
-        **words,
-    }
+    if scene.get("magnify", 1.0) != 1.0:
+        words["magnify"] = float(scene["magnify"])
+    return {"show": tuple(scene.get("show") or ()), **words}
 
 
 def check_magnify(value: Any) -> None:
