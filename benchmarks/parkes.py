@@ -86,7 +86,7 @@ def solve(segments: int, ratio: float) -> tuple[float, float]:
 def main() -> None:
     print("segments       R   tip over Parkes   root over Parkes")
     for segments in map(int, sys.argv[1:] or ["5", "10", "20", "40"]):
-        for ratio in (80.0, 800.0, 8000.0):
+        for ratio in (80.0, 800.0, 8000.0, 80000.0):
             tip, root = solve(segments, ratio)
             print(f"{segments:8} {ratio:7g}   {tip / TIP:15.4f}   {root / ROOT:16.4f}", flush=True)
 

@@ -207,11 +207,11 @@ def test_a_dump_of_another_deck_is_refused_with_the_names_of_what_differs(
     mechanism: Path, tmp_path: Path
 ) -> None:
     assert crashsolve(mechanism, "-o", tmp_path, "--set", "end=0.1").returncode == 0
-    words = ("--set", "bodies.bob.mass=2", "--set", "end=0.2", "--restart")
+    words = ("--set", "bodies.hammer.mass=5", "--set", "end=0.2", "--restart")
     refused = crashsolve(mechanism, "-o", tmp_path, *words)
     assert refused.returncode == 2
     assert "belongs to another deck, or other values of --set" in refused.stderr
-    assert "they differ in bodies.bob.mass; run without --restart" in refused.stderr
+    assert "they differ in bodies.hammer.mass; run without --restart" in refused.stderr
     back = crashsolve(mechanism, "-o", tmp_path, "--restart", "--until", "0.05")
     assert back.returncode == 2
     assert "control.end_time: 0.05 s lies before the dump, 0.1 s; say a later time" in back.stderr
