@@ -13,6 +13,14 @@ CLOSED = {
     "ellipsoid": (shapes.ellipsoid(1.0, 2.0, 3.0), 4 / 3 * np.pi * 6),
     "cylinder": (shapes.cylinder(0.5, 2.0), np.pi * 0.25 * 4),
     "box": (shapes.box(1.0, 2.0, 3.0), 48.0),
+    "prism": (
+        shapes.prism(
+            np.array([[2.0, -1.0], [0.0, 3.0], [-2.0, -1.0]]),
+            np.array([[-1.0, 0.0, 0.0], [3.0, 0.0, 0.0]]),
+            np.eye(3)[:, 1:],
+        ),
+        32.0,
+    ),
 }
 
 

@@ -99,7 +99,8 @@ def test_folder_that_does_not_exist_is_named(tmp_path: Path) -> None:
 
 
 def test_import_does_not_load_hdf5() -> None:
-    modules = "blocks channels files history layout log peaks restart shapes states status xdmf"
+    modules = "blocks channels files history layout log peaks restart shapes states status"
+    modules += " paraview.script paraview.xdmf"
     names = ", ".join(f"crashsolve.output.{name}" for name in modules.split())
     code = (
         f"import {names}, sys; print([m for m in ('h5py', 'numba', 'scipy') if m in sys.modules])"

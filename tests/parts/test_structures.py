@@ -11,6 +11,7 @@ from crashsolve import run
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
+from crashsolve.simulation import body_shapes
 
 ALL = ("rigid", "hinges", "segments", "beams", "shells")
 LAWS = """
@@ -136,6 +137,30 @@ def test_the_body_of_a_point_is_at_the_point_with_the_axes_of_the_world(
     card = deck.entries["bodies"]["frame_C"].card
     assert card.position == (0.9, 0.8, 1.3)
     assert card.rotation.quaternion() == (1.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("word", ("rigid", "hinges", "segments"))
+def test_bodies_are_drawn_as_the_lengths_of_members_that_they_are(
+    tmp_path: Path, word: str
+) -> None:
+    deck = read_deck(written(tmp_path, FRAME.replace("DESCRIPTION", word)))
+    model, state = build(deck)
+    volume, moment, corners = 0.0, np.zeros(3), []
+    for node, points, triangles in body_shapes.bars(model, deck):
+        row = state.nodes[node]
+        placed = row["r"] + points @ row["A"].reshape(3, 3).T
+        a, b, c = (placed[triangles[:, k]] for k in range(3))
+        # of the tetrahedra between the triangles and the origin of the world
+        own = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0
+        volume, moment = volume + own.sum(), moment + own @ (a + b + c) / 4.0
+        corners.append(placed)
+    # three members of 1 m, solid, 50 mm along y of the section and 70 mm along z
+    assert volume == pytest.approx(3.0 * 0.05 * 0.07, rel=1e-12)
+    middles = np.array([[0.1, 0.2, 0.8], [0.5, 0.5, 1.3], [0.9, 0.8, 0.8]])
+    np.testing.assert_allclose(moment / volume, middles.mean(axis=0), rtol=1e-12)
+    # y of the post is x of the world
+    post = [x for x in np.concatenate(corners) if x[2] < 1.2 and x[0] < 0.2]
+    np.testing.assert_allclose(np.ptp(post, axis=0)[:2], [0.05, 0.07], rtol=1e-9)
 
 
 def test_members_may_differ_in_section_material_and_description(tmp_path: Path) -> None:

@@ -58,7 +58,7 @@ def test_a_scene_of_a_deck_is_understood() -> None:
     stored = json.loads(json.dumps(dump.as_data(card)))
     (scene,) = scenes_of(stored)
     assert scene["at"] == ["0", "50 ms", "max:rcforc.left.normal"]
-    assert look(scene) == {"show": ("A", "C"), "view": "1,-1,0.5", "magnify": 1.0}
+    assert look(scene) == {"show": ("A", "C"), "view": "1,-1,0.5"}
     # without figures of its own a report keeps the default ones
     assert not stored["figures"]
 

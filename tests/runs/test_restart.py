@@ -35,6 +35,9 @@ joints: {{pin: {{type: revolute, b: bob, at: [0, 0, 0], axis: [0, 0, 1]}}}}
 springs: {{tie: {{type: linear, b: bob, at_a: [0, -2, 0], stiffness: 20, length: 2}}}}
 """
 
+# a run of half a second, in which control.txt is looked at every 0.1 s
+SLOW = ("--set", "control.step_max=1e-6")
+
 # one worker runs all of them, and compiles their scenes once
 pytestmark = pytest.mark.xdist_group("runs")
 
@@ -127,9 +130,6 @@ def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> No
         done = crashsolve(HEAP, "-o", tmp_path / name, CRASHSOLVE_CACHE=str(cache))
         assert done.returncode == 0
         made.append({path: path.stat().st_mtime_ns for path in cache.rglob("*.o")})
-        # nobody compiles a heap within a second, and nobody waits longer for a sign
-        signs = ("building the model: ", "compiling the step: ")
-        assert name == "next" or any(sign in done.stdout for sign in signs)
     # the first compiled what the next has loaded
     assert made[0] and made[0] == made[1]
     assert differences(tmp_path / "first", tmp_path / "next") == []
@@ -154,10 +154,10 @@ def test_a_run_killed_at_any_moment_stays_readable_and_goes_on_to_the_same_bits(
     assert differences(tmp_path, uninterrupted[mechanism]) == []
 
 
-def test_a_dump_by_signal_or_control_file_changes_nothing(
-    mechanism: Path, uninterrupted: dict[Path, Path], tmp_path: Path
-) -> None:
-    run = start(mechanism, "-o", tmp_path)
+def test_a_dump_by_signal_or_control_file_changes_nothing(mechanism: Path, tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    assert crashsolve(mechanism, "-o", whole, *SLOW).returncode == 0
+    run = start(mechanism, "-o", tmp_path, *SLOW)
     wait_for(tmp_path / "states" / "000001.h5")
     run.send_signal(signal.SIGUSR1)
     run.send_signal(signal.SIGCONT)
@@ -167,11 +167,11 @@ def test_a_dump_by_signal_or_control_file_changes_nothing(
     assert not (tmp_path / "control.txt").exists()
     assert output.count("restart dump") > 5
     assert "warning: control.txt: unknown word 'sleep' (words: dump, states, stop)" in output
-    assert differences(tmp_path, uninterrupted[mechanism]) == []
+    assert differences(tmp_path, whole) == []
 
 
 def test_the_control_file_writes_a_state_and_stops(mechanism: Path, tmp_path: Path) -> None:
-    run = start(mechanism, "-o", tmp_path)
+    run = start(mechanism, "-o", tmp_path, *SLOW)
     wait_for(tmp_path / "states" / "000000.h5")
     (tmp_path / "control.txt").write_text("states stop", "utf-8")
     assert run.wait(60) == 3

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
+from crashsolve.deck.card import BodyName, Card, Rotation, SectionName, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
 
@@ -30,6 +30,24 @@ class Primitive(Card):
         for field in needs[self.shape].split():
             if getattr(self, field) is None:
                 raise ValueError(f"a {self.shape} needs {field}")
+        return self
+
+
+class Bar(Card):
+    """Length of a section that a body is drawn by; it has no mass, and nothing touches it."""
+
+    from_: Vec3 = quantity("m", "middle of the section where it begins, in the body's frame")
+    to: Vec3 = quantity("m", "the same where it ends")
+    side: Vec3 = word("direction near the section's y axis, in the body's frame")
+    section: SectionName = word("cross section")
+
+    @model_validator(mode="after")
+    def _has_axes(self) -> "Bar":
+        along = np.subtract(self.to, self.from_)
+        if not np.any(along):
+            raise ValueError("from and to are the same point")
+        if not np.any(np.cross(along, self.side)):
+            raise ValueError("side: must not lie along the bar")
         return self
 
 
@@ -54,6 +72,9 @@ class Rigid(Card):
     welded: tuple[BodyName, ...] = word(
         "nodes of flexible parts that are part of it: their mass and inertia add to its own",
         default=(),
+    )
+    drawn: tuple[Bar, ...] = word(
+        "lengths of sections that it is drawn by, beside its surfaces", default=()
     )
 
     @model_validator(mode="after")

@@ -38,6 +38,26 @@ def box(hx: float, hy: float, hz: float) -> Surface:
     return corners, np.array([half for i, j, k, m in sides for half in ((i, j, k), (i, k, m))])
 
 
+def prism(outline: np.ndarray, ends: np.ndarray, axes: np.ndarray) -> Surface:
+    """Bar between two points, ends (2, 3) [m], of a convex section.
+
+    `outline` (n, 2) [m] goes counter-clockwise about the bar; `axes` (3, 2) are its y and z.
+    """
+    n = len(outline)
+    edge = np.arange(n)
+    following, fan = np.roll(edge, -1), edge[1:-1]
+    corners = np.concatenate([end + outline @ axes.T for end in ends])
+    sides = [
+        np.column_stack([edge, following, n + following]),
+        np.column_stack([edge, n + following, n + edge]),
+    ]
+    caps = [
+        np.column_stack([np.zeros_like(fan), fan + 1, fan]),
+        n + np.column_stack([np.zeros_like(fan), fan, fan + 1]),
+    ]
+    return corners, np.concatenate([*sides, *caps])
+
+
 def plane(size: float) -> Surface:
     """Square of a side [m] in the xy plane, outside being +z."""
     half = size / 2

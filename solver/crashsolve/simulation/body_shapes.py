@@ -1,9 +1,11 @@
 """What bodies look like: pieces in body axes, of their contact surfaces, primitives or joints.
 
-A body with contact surfaces is drawn by these, else by its `primitive`, else by lines from its mass
-centre to where joints, springs and contact points act on it.
+A body with contact surfaces is drawn by these, else by its `primitive`; besides by lengths of
+sections, which structures give their bodies. One without any of them is drawn by lines from its
+mass centre to where joints, springs and contact points act on it.
 """
 
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -51,6 +53,34 @@ def primitives(model: Model, deck: Deck, shaped: set[int]) -> list[Piece]:
             radius = solid.radius if solid.shape == "cylinder" else SLENDER * length
             pieces.append((node, *shapes.cylinder(radius, 0.5 * length)))
     return pieces
+
+
+def bars(model: Model, deck: Deck) -> list[Piece]:
+    """Lengths of sections that bodies are drawn by."""
+    pieces: list[Piece] = []
+    for name, entry in deck.entries.get("bodies", {}).items():
+        for bar in entry.card.drawn:
+            ends = np.array([bar.from_, bar.to]) - entry.card.mass_centre
+            along = ends[1] - ends[0]
+            z = np.cross(along, bar.side)
+            axes = np.column_stack([np.cross(z, along), z])
+            axes /= np.linalg.norm(axes, axis=0)
+            edge = outline(deck.entries["sections"][bar.section])
+            pieces.append((model.bodies.index(name), *shapes.prism(edge, ends, axes)))
+    return pieces
+
+
+def outline(entry: Any) -> np.ndarray:
+    """Outer edge (n, 2) of a section; a rectangle of the same radii of gyration without one."""
+    law = import_module(entry.module_name)
+    if hasattr(law, "outline"):
+        found: np.ndarray = law.outline(entry.card)
+        return found
+    # neither depends on Poisson's ratio
+    numbers = law.build(entry.card, 0.0)
+    I_y, I_z = numbers["second"]
+    sides = np.sqrt(12.0 * np.array([I_z, I_y]) / numbers["area"])
+    return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * sides / 2.0
 
 
 def lines(model: Model, deck: Deck, shaped: set[int]) -> list[Piece]:

@@ -1,6 +1,5 @@
 """From bodies to pictures: blocks of surfaces, mass centres, springs, beams and contact forces."""
 
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from crashsolve.foundation.orientation import crosses, matrix, turned_by
 from crashsolve.model.model import Group
 from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.simulation import body_shapes
-from crashsolve.simulation.body_shapes import Piece
+from crashsolve.simulation.body_shapes import Piece, outline
 from crashsolve.simulation.contact_points import ContactPoints
 from crashsolve.simulation.hinge_marks import HingeMarks
 from crashsolve.system.engine import Engine
@@ -84,7 +83,7 @@ class Pictures:
                 "parts": list(entries.get("parts", {})),
                 "contacts": list(self.engine.model.contacts),
             },
-            "sections": [_outline(e).tolist() for e in entries.get("sections", {}).values()],
+            "sections": [outline(e).tolist() for e in entries.get("sections", {}).values()],
             "up": up.tolist(),
         }
 
@@ -93,6 +92,7 @@ class Pictures:
         model = self.engine.model
         shapes = body_shapes.surfaces(model)
         shapes += body_shapes.primitives(model, self.deck, {node for node, _, _ in shapes})
+        shapes += body_shapes.bars(model, self.deck)
         links = body_shapes.lines(model, self.deck, {node for node, _, _ in shapes})
         nodes = self.engine.state.nodes
         ends = self._line_points([g for some in self._lines.values() for g in some])
@@ -235,7 +235,7 @@ class Pictures:
     def _beam_fixed(self) -> tuple[tuple[FieldSpec, np.ndarray], ...]:
         """Part, section, y axis at the start and radius of the elements of beams."""
         parts, sections = self.deck.entries["parts"], list(self.deck.entries["sections"].items())
-        outlines = [_outline(entry) for _, entry in sections]
+        outlines = [outline(entry) for _, entry in sections]
         radii = [_radius(points) for points in outlines]
         of = {n: (k, e.card) for k, (p, e) in enumerate(parts.items()) for n in _elements(e, p)}
         numbers = [of[name] for g in self._beams for name in g.names]
@@ -325,19 +325,6 @@ def _side(g: Group, A0: np.ndarray) -> np.ndarray:
     if "turn" in (g.parameters.dtype.names or ()):
         axes = np.array([A @ matrix(q) for A, q in zip(axes, g.parameters["turn"], strict=True)])
     return axes[:, :, 1]
-
-
-def _outline(entry: Any) -> np.ndarray:
-    """Outer edge (n, 2) of a section; a rectangle of the same radii of gyration without one."""
-    law = import_module(entry.module_name)
-    if hasattr(law, "outline"):
-        found: np.ndarray = law.outline(entry.card)
-        return found
-    # neither depends on Poisson's ratio
-    numbers = law.build(entry.card, 0.0)
-    I_y, I_z = numbers["second"]
-    sides = np.sqrt(12.0 * np.array([I_z, I_y]) / numbers["area"])
-    return np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * sides / 2.0
 
 
 def _radius(outline: np.ndarray) -> float:

@@ -2,8 +2,9 @@
 
 A pair writes its own rows alone: histories, output, and a load for either of its bodies. Sums over
 the pairs of a contact card are taken piece by piece, those on a body pair by pair, in the order of
-the list. Neither depends on who does what, so any number of threads gives the bits of one. Groups
-of few pairs add to bodies and cards at once; what differs is the order of the sums.
+the list: one thread hands them on pair by pair, several when all pieces are done. So any number of
+threads gives the bits of one. Groups of few pairs add to bodies and cards at once; what differs is
+the order of the sums.
 """
 
 from __future__ import annotations

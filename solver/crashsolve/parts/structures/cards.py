@@ -74,17 +74,19 @@ def unused(card: Any) -> dict[Steps, str]:
 
 def _body(whole: Plan, k: int, point: str) -> Made:
     """The rigid body at a point: its joint, and what members add to it."""
-    rods = []
+    rods, drawn, place = [], [], whole.points[point]
     for member in (m for m in whole.members if point in m.ends):
         stub = description(member).stub(member)
         first = member.ends[0] == point
         start, end = (-member.joints[0], stub) if first else (-stub, member.joints[1])
         shift = 0.0 if first else member.length
         rods.append(member.rod(start + shift, end + shift))
+        begin, finish = (member.at(x + shift) - place for x in (start, end))
+        drawn.append(length_of(member, begin, finish, member.T[:, 1]))
     mass, centre, J = together(rods)
-    place = whole.points[point]
     fields = body_fields(whole, mass, J, place)
     fields["mass_centre"] = plain(centre - place)
+    fields["drawn"] = drawn
     return Made("bodies", whole.body(point), fields, ("points", k))
 
 
@@ -119,7 +121,17 @@ def bar(whole: Plan, member: Member, name: str, start: float, end: float) -> Mad
     mass, centre, J = member.rod(start, end)
     fields = body_fields(whole, mass, member.T.T @ J @ member.T, centre)
     fields["rotation"] = {"quaternion": member.quaternion}
+    half = np.array([0.5 * (end - start), 0.0, 0.0])
+    fields["drawn"] = [length_of(member, -half, half, np.array([0.0, 1.0, 0.0]))]
     return Made("bodies", name, fields, member.path)
+
+
+def length_of(
+    member: Member, start: np.ndarray, end: np.ndarray, side: np.ndarray
+) -> dict[str, Any]:
+    """A length of a member, as its body is drawn; places (3,) [m] in the frame of the body."""
+    words = {"from": plain(start), "to": plain(end), "side": plain(side)}
+    return words | {"section": member.section.name}
 
 
 def welds(whole: Plan, member: Member) -> list[Made]:

@@ -68,10 +68,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             touches.sum_losses(card, new)
             continue
         pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
-        press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene)
-        if group.in_pieces and not THREADS:
-            touches.take_load(m, totals.on_a)
-            touches.take_load(w, totals.on_b)
+        press(group, clock, h, pair, totals, meeting, nodes, curves, scene)
         if group.keeps_faces and old.held == 1 and not held:
             # it leaves its own face sideways, deep within
             new.dissipated += max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)
@@ -106,14 +103,23 @@ def gap(group, card, old, a, b, nodes, scene):
 
 
 @stage
+def press(group, clock, h, pair, totals, meeting, nodes, curves, scene):
+    """Forces of one pair in touch, also of many. Writes: as press_pair, nodes."""
+    if group.in_pieces:
+        touches.open_load(totals.on_a)
+        touches.open_load(totals.on_b)
+    press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene)
+    if group.in_pieces and not THREADS:
+        touches.take_load(pair.a, totals.on_a)
+        touches.take_load(pair.b, totals.on_b)
+
+
+@stage
 def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     """Forces of one pair in touch. Writes: totals, output, new history."""
     p, old, new, out, a, _, m, w = pair
     on_a, on_b, card, count = totals
     depth, n, x, motion = meeting
-    if group.in_pieces:
-        touches.open_load(on_a)
-        touches.open_load(on_b)
     rate, slip, d_a, d_b = touches.closing(m, w, x, n)
     touches.latch(p, old, new, depth, rate, count)
     if group.has_ends and not group.keeps_faces:
