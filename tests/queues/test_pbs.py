@@ -16,7 +16,7 @@ QUEUE = Path(__file__).resolve().parents[2] / "decks" / "queue"
 def test_the_script_submits_itself_until_the_run_is_done(tmp_path: Path) -> None:
     shutil.copy(QUEUE / "pbs.sh", tmp_path)
     text = (QUEUE / "wagon.yaml").read_text("utf-8")
-    control = "control: {estimate: 'off', step: 1.0e-7, "
+    control = "control: {estimate: 'off', step: 1.0e-8, "
     (tmp_path / "long.yaml").write_text(text.replace("control: {", control), "utf-8")
     # qsub that only notes what it is given
     tools, asked = tmp_path / "tools", tmp_path / "asked.txt"

@@ -12,7 +12,7 @@ from command import crashsolve, environment
 
 WAGON = Path(__file__).resolve().parents[2] / "decks" / "queue" / "wagon.yaml"
 # a step that makes a run of some seconds, and the usual one
-LONG, SHORT = "1e-7", "1e-3"
+LONG, SHORT = "1.5e-8", "1e-3"
 PLAN = """deck: wagon.yaml
 design: list
 set: {{control.estimate: "off", control.end_time: 0.5}}
