@@ -81,7 +81,8 @@ class Deck:
         """
         if self.control.threads is not None:
             return self.control.threads
-        if not self.control.is_explicit or not _may_share(self.entries):
+        # pairs of bodies alone take thousands of spheres before threads are worth their calls
+        if not self.control.is_explicit or not _has_blocks(self.entries):
             return 1
         return cores_given()
 
@@ -170,7 +171,8 @@ class _Reader:
             self.refuse(item, Mistake(("accuracy",), "needs channels whose error counts", advice))
         is_known = not self.unread_parts
         threads = control.threads if control else None
-        if threads and threads > 1 and is_known and not _may_share(entries):
+        may_share = bool(entries["contacts"]) or _has_blocks(entries)
+        if threads and threads > 1 and is_known and not may_share:
             self.refuse(self.items["control"][""], UNSHARED)
         if self.mistakes or not control or not output:
             raise DeckErrors(self.in_order())
@@ -389,10 +391,10 @@ def _names_written(kind: type[Card], value: Any) -> Iterator[tuple[tuple[str | i
                 yield (word, i) if isinstance(given, list) else (word,), Reference(keyword)(text)
 
 
-def _may_share(entries: dict[str, dict[str, Entry]]) -> bool:
-    """Whether there are contacts, or parts that keep their elements in blocks."""
+def _has_blocks(entries: dict[str, dict[str, Entry]]) -> bool:
+    """Whether there are parts that keep their elements in blocks."""
     parts = (import_module(e.module_name) for e in entries["parts"].values())
-    return bool(entries["contacts"]) or any(hasattr(part, "KINDS") for part in parts)
+    return any(hasattr(part, "KINDS") for part in parts)
 
 
 def _names(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Name]]:

@@ -85,8 +85,8 @@ class Control(Card):
     threads: int | None = word(
         "that share explicit steps of shells and their contacts, and of rigid contacts of many "
         "pairs, between 1000 elements or more, both sides together; with results that are the same "
-        "to the last bit; when absent, the cores that a job was given (SLURM_CPUS_PER_TASK), else "
-        "1",
+        "to the last bit; when absent, 1, and with shells the cores that a job was given "
+        "(SLURM_CPUS_PER_TASK)",
         default=None,
         ge=1,
         le=MOST_THREADS,
