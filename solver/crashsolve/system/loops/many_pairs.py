@@ -1,8 +1,9 @@
 """Many contact pairs in pieces: what each piece is, and what is put together of all of them.
 
-One thread does the pieces one after the other, several do them side by side (pieces.py); both run
-the same functions, which are apart (foundation/kernels.py), and sum up in the same order
-(model/contact/pieces.py). Consequence to test: the same bits for any number of threads.
+One thread does the pieces one after the other, and adds the loads of each pair to its bodies at
+once. Several do the pieces side by side (pieces.py), and bodies add up their loads afterwards, in
+the same order (model/contact/pieces.py). What both run is apart (foundation/kernels.py).
+Consequence to test: the same bits for any number of threads.
 """
 
 from crashsolve.foundation.kernels import apart, kernel
