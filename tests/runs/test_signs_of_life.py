@@ -126,6 +126,15 @@ def test_what_lasts_long_is_told_from_the_first_second_on(monkeypatch: pytest.Mo
     assert len(told) == count
 
 
+@pytest.mark.long
+def test_a_first_run_tells_that_it_compiles(tmp_path: Path) -> None:
+    # the scene that compiles longest, some four seconds of a fast core
+    deck = Path(__file__).parents[2] / "decks/verification/parts/shell_radau.yaml"
+    words = ("--set", "control.end_time=1e-4", "--set", "control.estimate=off")
+    done = crashsolve(deck, "-o", tmp_path / "out", *words, CRASHSOLVE_CACHE=str(tmp_path / "own"))
+    assert "compiling the step: " in done.stdout, done.stdout + done.stderr
+
+
 def test_a_collapse_of_the_step_is_told_once() -> None:
     watch, now, cycle = StepWatch(), 0.0, 0
     said = []
