@@ -86,7 +86,7 @@ def each(ways: dict[str, str]) -> pytest.MarkDecorator:
 def test_every_spring_is_under_this_contract() -> None:
     laws = {path.stem for path in (package_folder() / "springs").glob("[!_]*.py")}
     # limits and friction act on a joint and are tested with the joints
-    laws = {law for law in laws if not law.endswith(("_limit", "_friction"))}
+    laws = {law for law in laws if not law.endswith(("_limit", "_stop", "_friction"))}
     assert laws == {text.split("type: ")[1].split(",")[0] for text in ALL.values()}
 
 

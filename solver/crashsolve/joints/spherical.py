@@ -11,7 +11,7 @@ from crashsolve.joints.basic import point, rows_of
 
 CONSTRAINTS = (point,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
-FREE = ("ball",)
+FREE = ("ball", "swing")
 PARAMETERS, build = POINTS, own_frame
 
 

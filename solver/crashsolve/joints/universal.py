@@ -19,6 +19,7 @@ from crashsolve.joints.basic import point, rows_of
 
 CONSTRAINTS = (point,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
+FREE = ("swing",)
 PARAMETERS = POINTS + Record("""
     axis_a  1  3  arm of the cross in a, axes of a
     axis_b  1  3  arm of the cross in b, axes of b

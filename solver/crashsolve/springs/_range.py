@@ -1,0 +1,173 @@
+"""Moment of a stop that sets in smoothly: what cones and twist stops share.
+
+    m(e) = k e^2 / (2 d)  for 0 < e < d,   k (e - d / 2) beyond,   or m(e) on a curve
+    M = max(m + c w(e / d) e_dot, 0),   w(x) = x^2 (3 - 2 x), 1 beyond
+
+e is the angle past the limit and d the transition over which stiffness and damping grow from
+nothing. m and its slope are continuous, and c acts past the limit alone.
+"""
+
+from typing import Any, ClassVar
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.springs._resistance import (
+    RESISTANCE,
+    SLACK,
+    SLIDER,
+    branch_event,
+    resist,
+    resist_tangent,
+    resistance,
+)
+
+# without a curve: on the parabola, and on the straight line
+TRANSITION, STRAIGHT = 1, 2
+# a limit that is passed by less at the start is met exactly, but for round-off [rad]
+MET = 1e-9
+# beyond this angle neither an azimuth nor a twist is defined well [rad]
+LARGEST = 2.9
+
+MOMENT = RESISTANCE + Record("""
+    stop_stiffness  N m/rad    k; not used with a curve
+    transition      rad        d
+    stop_damping    N m s/rad  c
+""")
+REACHED = SLIDER
+
+
+class RangeCard(Card):
+    """A joint, and the moment past the end of its range."""
+
+    # what a curve of a spring may do besides, and a stop does not
+    gap: ClassVar[float] = 0.0
+    rate_curve: ClassVar[None] = None
+    cowper_symonds: ClassVar[None] = None
+    power_law: ClassVar[None] = None
+    curve_axes: ClassVar = {"curve": ("rad", "N m"), "unloading_curve": ("rad", "N m")}
+
+    joint: JointName = word("joint whose range this is")
+    stiffness: float | None = quantity(
+        "N m/rad", "k, reached at the end of the transition", default=None, gt=0
+    )
+    transition: float = quantity(
+        "rad", "d, angle past the limit over which stiffness and damping grow", default=0.2, gt=0
+    )
+    curve: CurveName | None = word(
+        "moment over the angle past the limit, from 0; instead of stiffness", default=None
+    )
+    unloading_stiffness: float | None = quantity(
+        "N m/rad", "slope of the moment when the angle falls; with a curve", default=None, gt=0
+    )
+    unloading_curve: CurveName | None = word(
+        "lower bound of the moment when the angle falls; needs unloading_stiffness", default=None
+    )
+    damping: float = quantity("N m s/rad", "c, past the limit", default=0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _one_moment(self) -> "RangeCard":
+        if (self.curve is None) == (self.stiffness is None):
+            raise ValueError("needs one of stiffness and curve")
+        if self.curve is None and (self.unloading_stiffness or self.unloading_curve):
+            raise ValueError("unloading needs a curve")
+        if self.unloading_curve and self.unloading_stiffness is None:
+            raise ValueError("unloading_curve: needs unloading_stiffness, the slope down to it")
+        return self
+
+
+class _Curve:
+    """A card as the law of resistance reads it: without damping of its own."""
+
+    damping = 0.0
+
+    def __init__(self, card: RangeCard, acts: str) -> None:
+        self._card, self.acts = card, acts
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._card, name)
+
+
+def moment_columns(card: RangeCard, scene: Any, acts: str) -> dict[str, Any]:
+    """Columns of MOMENT; `acts` is positive where the angle past the limit has one sign."""
+    if card.curve:
+        start = scene.curve_points[scene.curve(card.curve)]["x"]
+        if acts == "positive" and start != 0.0:
+            raise scene.fail("must begin at 0, where the limit is met", "curve")
+        columns = resistance(_Curve(card, acts), scene)
+    else:
+        columns = {column.name: 0 for column in RESISTANCE.columns} | {"stiffest": card.stiffness}
+    return columns | {
+        "stop_stiffness": card.stiffness or 0.0,
+        "transition": card.transition,
+        "stop_damping": card.damping,
+    }
+
+
+@kernel
+def range_moment(p, old, new, out, h, past, rate, curves):
+    """Moment [N m] against an angle past the limit, of its sign; 0 for 0. Writes: new, out."""
+    side = 1.0 if past >= 0.0 else -1.0
+    e = side * past
+    if p.curve > 0:
+        elastic = side * resist(p, old, new, out, h, past, rate, curves)[0]
+    else:
+        elastic = smooth_stop(p, new, out, e)
+    share = damping_share(e / p.transition)
+    total = max(elastic + p.stop_damping * share * side * rate, 0.0) if e > 0.0 else 0.0
+    out.power = (total - elastic) * side * rate
+    return side * total
+
+
+@kernel
+def smooth_stop(p, new, out, e):
+    """m(e) [N m], e >= 0. Writes: new, out.stored, loss."""
+    for j in range(2):
+        new.set[j] = new.kept[j] = 0.0
+    new.side, new.segment = 1, 0
+    new.branch = SLACK if e == 0.0 else (TRANSITION if e < p.transition else STRAIGHT)
+    out.loss = 0.0
+    k, d = p.stop_stiffness, p.transition
+    if e < d:
+        out.stored = k * e * e * e / (6.0 * d)
+        return 0.5 * k * e * e / d
+    out.stored = k * (0.5 * e * (e - d) + d * d / 6.0)
+    return k * (e - 0.5 * d)
+
+
+@kernel
+def damping_share(x):
+    """w(x)."""
+    return x * x * (3.0 - 2.0 * x) if x < 1.0 else 1.0
+
+
+@kernel
+def range_tangent(p, state, past, rate, curves):
+    """Rise of the moment over the angle [N m/rad] and over its rate."""
+    side = 1.0 if past >= 0.0 else -1.0
+    e, x = side * past, side * past / p.transition
+    if e <= 0.0:
+        return 0.0, 0.0
+    if p.curve > 0:
+        slope = resist_tangent(p, state, past, rate, curves)[0]
+    else:
+        slope = p.stop_stiffness * min(x, 1.0)
+    steeper = 6.0 * x * (1.0 - x) / p.transition if x < 1.0 else 0.0
+    return slope + p.stop_damping * steeper * side * rate, p.stop_damping * damping_share(x)
+
+
+@kernel
+def range_event(p, old, h, past, rate, curves):
+    """How far an angle is beyond the branch of the moment on which the step began [rad].
+
+    `past` is below zero within the range.
+    """
+    if old.branch == SLACK:
+        return past
+    if p.curve > 0:
+        return branch_event(p, old, h, past * old.side, rate * old.side, curves)
+    if old.branch == TRANSITION:
+        return max(-past, past - p.transition)
+    return p.transition - past

@@ -1,0 +1,250 @@
+"""What cones and ranges of twist promise: they push back, store what they take, and are smooth."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import Bench, Law, exponential, product, written
+from scipy.spatial.transform import Rotation
+
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.orientation import matrix
+from crashsolve.springs import cone_stop
+
+JOINTS = """
+curves:
+  hard: {points: [[0, 0], [0.1, 2], [0.5, 60]], extrapolate: linear}
+  low: {points: [[0, 0], [0.1, 0], [0.5, 8]], extrapolate: linear}
+joints:
+  ball: {type: spherical, a: a, b: b, at: [0.4, 0.1, 0.2]}
+"""
+CONE = "type: cone_stop, joint: ball, axis: [1, 2, 0.5], toward: [0, 1, 3], pointer: [1, 1, 0]"
+TWIST = (
+    "type: twist_stop, joint: ball, axis: [1, 2, 0.5], toward: [0, 1, 3], pointer: [1, 1, 0.6],"
+    " toward_b: [0.3, 0, 1], lower: 0.1, upper: 0.9"
+)
+SMOOTH = "stiffness: 30, transition: 0.15, damping: 2"
+CURVED = "curve: hard, transition: 0.1, damping: 2"
+RANGES = {
+    "cone": f"{{{CONE}, half_angles: [0.6, 0.5, 0.9, 0.55], {SMOOTH}}}",
+    "cone in b": f"{{{CONE}, half_angles: [0.8, 0.66, 1.1, 0.7], carrier: b, {SMOOTH}}}",
+    "cone of a table": f"{{{CONE}, table: [[0.3, 0.6], [1.5, 0.9], [3, 0.5], [5, 0.7]], {CURVED}}}",
+    "twist": f"{{{TWIST}, {SMOOTH}}}",
+    "twist on a curve": f"{{{TWIST}, {CURVED}}}".replace("hard", "hard_both"),
+}
+BOTH = "  hard_both: {points: [[-0.5, -60], [-0.1, -2], [0, 0], [0.1, 2], [0.5, 60]]}\njoints:"
+Make = Callable[[str], Law]
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    text = JOINTS.replace("joints:", BOTH)
+    return lambda law: Bench(tmp_path, f"{text}springs:\n  s: {law}\n").law("springs", "s")
+
+
+@pytest.mark.parametrize("name", RANGES)
+def test_a_range_turns_both_bodies_alike_and_writes_every_column(make: Make, name: str) -> None:
+    law = make(RANGES[name])
+    start, met = law.bench.state(), 0
+    for seed in range(12):
+        law.bench.nodes[:] = start
+        law.bench.shake(seed)
+        before = law.old.tobytes()
+        out = law.force()
+        n = law.bench.nodes
+        met += out.stored > 0.0
+        # sums of a few numbers below 1e2
+        np.testing.assert_allclose(n.torque.sum(axis=0), 0.0, atol=1e-12)
+        assert not n.force.any()
+        assert written(law.new, law.module.HISTORY) and written(law.out, law.module.OUTPUT)
+        assert law.old.tobytes() == before
+    assert met >= 3
+
+
+@pytest.mark.parametrize("name", RANGES)
+def test_its_power_is_what_it_stores_and_loses(make: Make, name: str) -> None:
+    law = make(RANGES[name])
+    start, met, free = law.bench.state(), 0, 0
+    for seed in range(40):
+        law.bench.nodes[:] = start
+        law.bench.shake(seed)
+        out = law.force()
+        given, lost = law.power_on_bodies(), float(out.power)
+        met, free = met + (out.stored > 0.0), free + (out.stored == 0.0)
+        # central difference over 2e-6 s of moments with slopes below 1e2: 1e-9 of 10 W, and
+        # round-off of 10 J, 1e-15 / 1e-6
+        assert given == pytest.approx(-law.growth(1e-6) - lost, rel=1e-6, abs=1e-7)
+        assert lost >= 0.0
+    assert met >= 5 and free >= 5
+
+
+@pytest.mark.parametrize("name", ["cone", "cone of a table", "twist"])
+def test_a_closed_excursion_does_no_work(make: Make, name: str) -> None:
+    """The work along a path of small turns, by the mean torque of both ends of each."""
+    law = make(RANGES[name].replace("damping: 2", "damping: 0"))
+    rng = np.random.default_rng(2)
+    first = law.bench.nodes[2].q.copy()
+    corners = [np.zeros(3), *rng.uniform(-1.2, 1.2, (5, 3)), np.zeros(3)]
+    works = []
+    for steps in (200, 1600):
+        law.bench.move(2, q=first)
+        law.force()
+        work, torque, most = 0.0, law.bench.nodes[2].torque.copy(), 0.0
+        for start, end in zip(corners, corners[1:], strict=False):
+            for k in range(steps):
+                before = law.bench.nodes[2].q.copy()
+                at = start + (k + 1) / steps * (end - start)
+                law.bench.move(2, q=product(exponential(at), first))
+                back = product(law.bench.nodes[2].q, before * [1, -1, -1, -1])
+                turn = Rotation.from_quat([*back[1:], back[0]]).as_rotvec()
+                out = law.force()
+                most = max(most, float(out.stored))
+                work += 0.5 * float((torque + law.bench.nodes[2].torque) @ turn)
+                torque = law.bench.nodes[2].torque.copy()
+        works.append(work)
+        assert most > 0.5
+    # the trapezoidal rule has order 2, and 1 in the steps in which the moment has a corner
+    assert abs(works[1]) < 0.3 * abs(works[0]) + 1e-6 * most
+    assert abs(works[1]) < 1e-5 * most
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_swing_and_twist_agree_with_an_independent_calculation(make: Make, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    turns = rng.uniform(-1.0, 1.0, (2, 3))
+    for name in ("cone", "twist"):
+        law = make(RANGES[name])
+        for node in (1, 2):
+            law.bench.turn(node, turns[node - 1])
+        out = law.force()
+        R = [Rotation.from_matrix(matrix(law.bench.nodes[k].q)) for k in (1, 2)]
+        c = R[0].apply(unit([1, 2, 0.5]))
+        side = R[0].apply(across([0, 1, 3], [1, 2, 0.5]))
+        if name == "cone":
+            s = R[1].apply(unit([1, 1, 0]))
+            flat = s - (s @ c) * c
+            phi = np.arctan2(np.cross(side, flat) @ c, side @ flat)
+            # round-off of sines and cosines near 1
+            assert out.swing == pytest.approx(np.arccos(s @ c), abs=1e-7)
+            assert np.exp(1j * out.azimuth) == pytest.approx(np.exp(1j * phi), abs=1e-12)
+            assert out.margin == pytest.approx(limit(phi, [0.6, 0.5, 0.9, 0.55]) - out.swing)
+        else:
+            s = R[1].apply(unit([1, 1, 0.6]))
+            y = R[1].apply(across([0.3, 0, 1], [1, 1, 0.6]))
+            axis = np.cross(s, c)
+            angle = np.arctan2(np.linalg.norm(axis), s @ c)
+            back = Rotation.from_rotvec(angle * unit(axis)).apply(y)
+            tau = np.arctan2(np.cross(side, back) @ c, side @ back)
+            assert out.angle == pytest.approx(tau, abs=1e-12)
+
+
+def unit(x: object) -> np.ndarray:
+    v = np.asarray(x, float)
+    return v / np.linalg.norm(v)
+
+
+def across(x: object, axis: object) -> np.ndarray:
+    """Unit vector of what x has across an axis."""
+    return unit(np.asarray(x, float) - (np.asarray(x, float) @ unit(axis)) * unit(axis))
+
+
+def limit(phi: float, half: list[float]) -> float:
+    """Half angle of a cone of four, by the formula of the page."""
+    i, x = divmod(phi % (2 * np.pi), 0.5 * np.pi)
+    y = np.sin(0.25 * np.pi * x * 2 / np.pi * 2) ** 2
+    f, g = half[int(i)] ** -2.0, half[(int(i) + 1) % 4] ** -2.0
+    return float((f + (g - f) * y * y * (3 - 2 * y)) ** -0.5)
+
+
+def test_the_limit_and_its_slopes_are_continuous_all_round() -> None:
+    azimuth, half = np.array([0.0, 0.5, 2.0, 4.0]), np.array([0.3, 1.2, 0.2, 2.5])
+    narrow = half**-2.0
+    for phi, here in zip(azimuth, half, strict=True):
+        below, above = (
+            np.array(cone_stop.limit_between(azimuth, narrow, 4, phi + d)) for d in (-1e-5, 1e-5)
+        )
+        assert cone_stop.limit_between(azimuth, narrow, 4, phi)[0] == pytest.approx(here, rel=1e-14)
+        # the slope grows as the third power of the distance, 1e-15, times some 1e3
+        np.testing.assert_allclose(above, below, atol=1e-10)
+    grid = np.linspace(-4, 8, 4001)
+    values = np.array([cone_stop.limit_between(azimuth, narrow, 4, phi) for phi in grid])
+    assert values[:, 0].min() >= 0.2 - 1e-12 and values[:, 0].max() <= 2.5 + 1e-12
+    numeric = np.gradient(values[:, 0], grid)
+    # second differences over 3e-3 rad where the fourth derivative is some 1e4
+    np.testing.assert_allclose(values[1:-1, 1], numeric[1:-1], atol=0.05)
+
+
+def test_through_the_axis_nothing_jumps(make: Make) -> None:
+    """The pointer passes the axis of the cone: no moment, a finite bound of the stiffness."""
+    law = make(RANGES["cone"])
+    c, s = law.p.axis_a, law.p.pointer
+    A = law.bench.nodes[1].A.reshape(3, 3)
+    turn = Rotation.align_vectors([A @ c], [s])[0].as_quat()
+    for tilt in (0.0, 1e-15, 1e-9, 1e-5):
+        law.bench.move(2, q=np.array([turn[3], *turn[:3]]))
+        law.bench.turn(2, tilt * np.array([0.3, -0.4, 0.5]))
+        out = law.force()
+        assert out.torque == 0.0 and out.swing <= tilt + 2e-8
+        assert np.isfinite(law.bench.nodes.stiffness).all()
+
+
+@pytest.mark.parametrize("name", RANGES)
+def test_its_tangent_is_the_slope_of_its_moment(make: Make, name: str) -> None:
+    law = make(RANGES[name])
+    kernel = law.module.range_tangent
+    start, met = law.bench.state(), 0
+    for seed in range(20):
+        law.bench.nodes[:] = start
+        law.bench.shake(seed)
+        law.force()
+        law.accept()
+        for past in (0.03, 0.12, 0.3):
+            for rate in (-0.4, 0.7):
+                values = [moment(law, past + d, rate) for d in (-1e-6, 1e-6)]
+                rates = [moment(law, past, rate + d) for d in (-1e-6, 1e-6)]
+                if min(*values, *rates) <= 0.0:
+                    continue
+                slope, damping = kernel(law.p, law.new, past, rate, law.bench.curves)
+                # differences of moments of up to 40 N m, 1e-14 / 1e-6
+                assert slope == pytest.approx((values[1] - values[0]) / 2e-6, rel=1e-6, abs=1e-6)
+                assert damping == pytest.approx((rates[1] - rates[0]) / 2e-6, rel=1e-6, abs=1e-6)
+                met += 1
+    assert met > 20
+
+
+def moment(law: Law, past: float, rate: float) -> float:
+    args = (law.p, law.old, law.new, law.out, 1.0, past, rate, law.bench.curves)
+    return float(law.module.range_moment(*args))
+
+
+WRONG = {
+    "begins at": f"{{{CONE}, half_angles: [0.1, 0.1, 0.1, 0.1], stiffness: 5}}",
+    "needs one of half_angles and table": f"{{{CONE}, stiffness: 5}}",
+    "needs one of stiffness and curve": f"{{{CONE}, half_angles: [1, 1, 1, 1]}}",
+    "must not be along the axis": (
+        "{type: cone_stop, joint: ball, axis: [1, 2, 0], toward: [2, 4, 0], pointer: [1, 1, 0],"
+        " half_angles: [1, 1, 1, 1], stiffness: 5}"
+    ),
+    "axis: a direction needs a length": (
+        "{type: cone_stop, joint: ball, axis: [0, 0, 0], toward: [2, 4, 0], pointer: [1, 1, 0],"
+        " half_angles: [1, 1, 1, 1], stiffness: 5}"
+    ),
+    "half_angles: must be at most 2.9 rad": f"{{{CONE}, half_angles: [1, 1, 3, 1], stiffness: 5}}",
+    "half_angles: must be greater than 0": f"{{{CONE}, half_angles: [1, 1, 0, 1], stiffness: 5}}",
+    "table: azimuths must rise": f"{{{CONE}, table: [[1, 1], [0.5, 1]], stiffness: 5}}",
+    "table: needs 2 to 24 azimuths, has 1": f"{{{CONE}, table: [[1, 1]], stiffness: 5}}",
+    "unloading needs a curve": (
+        f"{{{CONE}, half_angles: [1, 1, 1, 1], stiffness: 5, unloading_stiffness: 9}}"
+    ),
+    "lower: must be below upper": f"{{{TWIST}, stiffness: 5}}".replace("lower: 0.1", "lower: 0.9"),
+    "begins at the twist": f"{{{TWIST}, stiffness: 5}}".replace(
+        "lower: 0.1, upper: 0.9", "lower: -2.5, upper: -2.4"
+    ),
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_a_range_that_cannot_be_meant_is_refused(make: Make, message: str) -> None:
+    with pytest.raises(DeckErrors, match=message):
+        make(WRONG[message])
