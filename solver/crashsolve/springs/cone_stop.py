@@ -6,13 +6,13 @@
 
 c and the direction of azimuth 0 are fixed in a, the pointer s in b, and x goes from 0 to 1 between
 two azimuths. Four equal half angles are a circular cone; two equal pairs in the ratio 2 are an
-elliptic one within 10 % of its half angles. theta_l has three continuous derivatives, so that moment and stiffness are
-continuous all round. M is that of `_range.py`, which is the gradient of an energy where no curve
-with unloading is given. Consequence to test: without damping any path that ends within the cone has
-done no work.
+elliptic one within 10 % of its half angles. theta_l has three continuous derivatives, so that
+moment and stiffness are continuous all round. M is that of `_range.py`, which is the gradient of an
+energy where no curve with unloading is given. Consequence to test: without damping any path that
+ends within the cone has done no work.
 
 References: Ambrosio (2003), section 5.2; Engin and Tumer (1989), Journal of Biomechanical
-Engineering 111, 113-121, of joint sinuses as generalised cones.
+Engineering 111, 107-112, of joint sinuses as generalised cones.
 """
 
 from math import atan2, floor, pi, sin, sqrt
