@@ -37,7 +37,9 @@ POST_LAYERS = (
 )
 # every card is made of the deck's fields, so the families stand on deck/ although in its layer
 SIDEWAYS = {(family, "deck") for family in LAYERS[2]}
-SIDEWAYS |= {(name, other) for name, family in families().items() for other in family.uses}
+SIDEWAYS |= {
+    (name, other.partition("/")[0]) for name, family in families().items() for other in family.uses
+}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
 LONGEST_FUNCTION, LONGEST_FILE = 60, 450
 

@@ -233,10 +233,21 @@ class FibreLaw(Protocol):
         """Slopes of its forces by the places of its nodes. Writes: blocks."""
 
 
+class TableForce(Protocol):
+    """A law of force that reads tables which all its entries share.
+
+    `shared_tables(cards, table, scene)` makes them, once; () where this scene needs none.
+    """
+
+    def force_with_tables(self, p, old, new, out, t, h, nodes, rows, curves, data):
+        """`force`, where there are such tables: a tuple of them. Writes: nodes, out, new."""
+
+
 class StepLaw(
     OwnRows,
     Releasing,
     Force,
+    TableForce,
     Reading,
     Following,
     Tangent,

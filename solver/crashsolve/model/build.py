@@ -294,7 +294,10 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     names = [entry.name for entry in entries]
     result = np.zeros(len(entries), output.dtype)
     some = _members(module, entries, table, scene) if hasattr(module, "members") else None
-    return Group(keyword, entries[0].type, module, names, table, rest, result, some)
+    group = Group(keyword, entries[0].type, module, names, table, rest, result, some)
+    if hasattr(module, "shared_tables") and not scene.errors:
+        group.data = module.shared_tables([entry.card for entry in entries], table, scene)
+    return group
 
 
 def _members(module: Any, entries: list[Entry], table: np.ndarray, scene: Scene) -> np.ndarray:

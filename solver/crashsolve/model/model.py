@@ -18,7 +18,16 @@ from crashsolve.model.tables import present_tables
 class Group:
     """All entries of one type: `module` holds the kernels, one row of each array is one entry."""
 
-    TABLES: ClassVar = ("parameters", "history", "output", "members", "pieces", "spans", "powers")
+    TABLES: ClassVar = (
+        "parameters",
+        "history",
+        "output",
+        "members",
+        "pieces",
+        "spans",
+        "powers",
+        "data",
+    )
 
     keyword: str
     type: str
@@ -32,6 +41,7 @@ class Group:
     spans: Any = None  # which of these are an entry's, of loads on elements
     materials: tuple[tuple[int, Any], ...] = ()  # laws that its kernels call, by p.law
     powers: Any = None  # of all stages of a step with dense output, entry by entry
+    data: tuple[np.ndarray, ...] = ()  # further tables that its kernels read, see shared_tables
 
     @property
     def word(self) -> str:

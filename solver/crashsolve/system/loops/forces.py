@@ -66,6 +66,10 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                         group.fibre_law.force(
                             p[i], old, new, o, time, h, nodes, rows, curves, material
                         )
+            elif group.data:
+                group.law.force_with_tables(
+                    p[i], old, new, o, time, h, nodes, rows, curves, group.data
+                )
             else:
                 group.law.force(p[i], old, new, o, time, h, nodes, rows, curves)
             if ELEMENTS and hasattr(group.law, "force_on_points"):

@@ -1,0 +1,189 @@
+"""Roads under a wheel: the nearest point of a plane, a box, a mesh of triangles or a profile.
+
+    distance d of the wheel's centre, unit normal n from the nearest point to the centre
+
+A profile is a height z = y(s) over the way s along a road: s_0 of the nearest point solves
+(s - s_0) + (z - y) y' = 0. Consequence to test: the distance from every road against a brute-force
+search, and a rigid disc that crosses a step of height h lifts when it is sqrt(2 R h - h^2) away.
+"""
+
+from collections.abc import Sequence
+from importlib import import_module
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from crashsolve.contact.narrow import _tree
+from crashsolve.contact.narrow.sphere_box import from_box
+from crashsolve.contact.narrow.sphere_mesh import nearest, outward
+from crashsolve.deck.card import Card, CurveName, Vec3, quantity, word
+from crashsolve.foundation.columns import matvec, matvec_t
+from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import arm, place
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import dot, norm, scale, sub
+
+MOST = 6  # roads of one tyre
+PLANE, BOX, MESH, PROFILE = range(4)
+KINDS = {"plane": PLANE, "box": BOX, "mesh": MESH}
+
+ROADS = Record(f"""
+    roads      count        how many
+    kind       flag   {MOST}  PLANE, BOX, MESH or PROFILE
+    road_node  index  {MOST}  body of each
+    road_at    m      {3 * MOST}  point or centre of each from its mass centre, body axes
+    road_axes  1      {9 * MOST}  its axes in the body, by rows; of a plane the normal is the third
+    road_half  m      {3 * MOST}  half edges of a box
+    road_root  index  {MOST}  first box of the tree of a mesh, or curve of a profile
+    thickness  m      {MOST}  of a mesh; infinite for a closed one
+""")
+
+
+class Profile(Card):
+    """Height of a road over the way along it, fixed in the ground."""
+
+    curve: CurveName = word("height over the way")
+    at: Vec3 = quantity("m", "point where way and height are zero", (0.0, 0.0, 0.0))
+    along: Vec3 = word("direction of the way, horizontal; any length", (1.0, 0.0, 0.0))
+    up: Vec3 = word("direction of the height; any length", (0.0, 0.0, 1.0))
+
+
+def road_columns(names: Sequence[str], profile: Profile | None, scene: Any) -> dict[str, Any]:
+    """Columns of ROADS of some surfaces and a profile."""
+    if len(names) + (profile is not None) > MOST:
+        raise scene.fail(f"at most {MOST} roads; join meshes, or give other tyres theirs", "road")
+    shapes: dict[str, Any] = {
+        column.name: np.zeros((MOST, max(column.size // MOST, 1))) for column in ROADS.columns[1:]
+    }
+    for i, name in enumerate(names):
+        module, card = scene.law("surfaces", name)
+        shape = module.__name__.rpartition(".")[2]
+        if shape not in KINDS:
+            raise scene.fail(
+                f"'{name}' is of type {shape}; a road is one of {', '.join(KINDS)}", "road"
+            )
+        element = _shape(name, card, scene)
+        shapes["kind"][i], shapes["road_node"][i] = KINDS[shape], element["node"]
+        shapes["road_at"][i] = element["point"]
+        if shape == "plane":
+            shapes["road_axes"][i] = np.concatenate([np.zeros(6), element["normal"]])
+        else:
+            shapes["road_axes"][i] = element["axes"]
+            shapes["road_half"][i] = element.get("half", 0.0)
+            shapes["thickness"][i] = element.get("thickness", 0.0)
+    if profile is not None:
+        _place_profile(profile, len(names), shapes, scene)
+    flat = {name: table.ravel() for name, table in shapes.items()}
+    return flat | {"roads": len(names) + (profile is not None)}
+
+
+def _place_profile(profile: Profile, i: int, shapes: dict[str, Any], scene: Any) -> None:
+    """Writes: row i of shapes."""
+    along, up = scene.unit(profile.along, "profile.along"), scene.unit(profile.up, "profile.up")
+    if abs(along @ up) > 1e-6:
+        raise scene.fail("along and up must be at right angles", "profile.along")
+    shapes["kind"][i], shapes["road_at"][i] = PROFILE, profile.at
+    shapes["road_axes"][i] = np.concatenate([along, np.cross(up, along), up])
+    shapes["road_root"][i] = scene.curve(profile.curve)
+
+
+def _shape(name: str, card: Any, scene: Any) -> Any:
+    """The one element of a surface."""
+    elements = import_module(type(card).__module__).build(card, scene)
+    if len(elements) != 1:
+        raise scene.fail(f"'{name}' has several parts; a road has one", "road")
+    return elements[0]
+
+
+def mesh_tables(cards: Sequence[Any], table: np.ndarray, scene: Any) -> tuple[np.ndarray, ...]:
+    """Boxes and triangles of all meshes of some tyres; () without any. Writes: table.road_root."""
+    solids, places = [], []
+    for row, card in zip(table, cards, strict=True):
+        for i, name in enumerate(card.road):
+            if row["kind"][i] == MESH:
+                solids.append(_shape(name, scene.law("surfaces", name)[1], scene))
+                places.append((row, i))
+    if not solids:
+        return ()
+    tables = _tree.data(None, solids)
+    for solid, (row, i) in zip(solids, places, strict=True):
+        row["road_root"][i] = solid["root"]
+    return tables
+
+
+@kernel
+def above_road(p, i, nodes, x, curves, data):
+    """Distance of a world point x from road i [m], negative below, and the unit normal to x."""
+    body = nodes[p.road_node[i]]
+    at = (p.road_at[3 * i], p.road_at[3 * i + 1], p.road_at[3 * i + 2])
+    way = sub(x, place(body, at))
+    if p.kind[i] == PLANE:
+        n = arm(body, (p.road_axes[9 * i + 6], p.road_axes[9 * i + 7], p.road_axes[9 * i + 8]))
+        return dot(way, n), n
+    axes = road_axes(p, i)
+    y = matvec_t(axes, matvec_t(body.A, way))
+    if p.kind[i] == BOX:
+        distance, m = from_box(
+            (p.road_half[3 * i], p.road_half[3 * i + 1], p.road_half[3 * i + 2]), y
+        )
+    elif p.kind[i] == PROFILE:
+        # its axes are rows of the ground
+        y = matvec(axes, way)
+        distance, m = above_profile(curves, p.road_root[i], y)
+        return distance, matvec_t(axes, m)
+    else:
+        distance, m = 1e300, (0.0, 0.0, 1.0)
+        if data is not None:
+            distance, m = above_mesh(p.road_root[i], p.thickness[i], y, data)
+    return distance, matvec(body.A, matvec(axes, m))
+
+
+@kernel
+def road_axes(p, i):
+    """Rotation matrix of road i, by rows."""
+    k = 9 * i
+    return (
+        p.road_axes[k],
+        p.road_axes[k + 1],
+        p.road_axes[k + 2],
+        p.road_axes[k + 3],
+        p.road_axes[k + 4],
+        p.road_axes[k + 5],
+        p.road_axes[k + 6],
+        p.road_axes[k + 7],
+        p.road_axes[k + 8],
+    )
+
+
+@kernel
+def above_profile(curves, curve, y):
+    """Distance of (s, across, z) from a profile, and the normal in its axes; Newton from above."""
+    s = y[0]
+    height, slope, bend = curve_value(curves, curve, s)
+    for _ in range(8):
+        off = (s - y[0]) + (height - y[2]) * slope
+        rise = 1.0 + slope * slope + (height - y[2]) * bend
+        # a trough narrower than the wheel has no single nearest point: go on with the flat estimate
+        s -= off / (rise if rise > 0.2 else 1.0 + slope * slope)
+        height, slope, bend = curve_value(curves, curve, s)
+    length = sqrt(1.0 + slope * slope)
+    n = (-slope / length, 0.0, 1.0 / length)
+    return (y[0] - s) * n[0] + (y[2] - height) * n[2], n
+
+
+@kernel
+def above_mesh(root, thickness, y, data):
+    """Distance of y from a mesh and the normal, in the axes of the mesh."""
+    foot, found, at = nearest(data[0], data[1], root, y)
+    way = sub(y, foot)
+    distance = norm(way)
+    m, is_open = outward(data[1][found], at)
+    inside = not is_open and dot(way, m) < 0.0
+    if inside and distance > thickness:
+        # beneath the solid: not on this road
+        return 1e300, m
+    if distance > 0.0:
+        m = scale(-1.0 / distance if inside else 1.0 / distance, way)
+    return (-distance if inside else distance), m

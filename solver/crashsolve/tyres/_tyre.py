@@ -1,0 +1,383 @@
+"""A wheel on its roads: where it touches, how it slips, what presses it.
+
+    depth   delta = R cos(gamma) - d,   n the normal of the road, d the distance of the centre
+    F_z     = max(y(delta) + c w delta_dot, 0),   y = k delta or a curve,   + k_rim beyond the rim
+    forward x = u x n / cos(gamma), left y = n x x, u the axis of the wheel, sin(gamma) = u . n
+    slip    V_s of the wheel's point on the road,   V = max(|V_x|, |V_x - V_sx|)
+    carcass q_dot + V q / sigma = -V_s   in both directions,   slips s = (q - k_V / C V_s) / sigma
+
+V_x is the speed of the centre along x and V_x - V_sx that of rolling, so that one definition serves
+braking (V = |V_x|) and driving. At rest the carcass is a spring C / sigma with the damper k_V,
+which fades out at the speed V_low: the wheel stands on a slope without creep. The force acts in the
+road on both bodies. Consequence to test: steady s = -V_s / V; a wheel that rolls freely has
+Omega r = V_x with the loaded radius r = d / cos(gamma).
+
+References: Gim and Nikravesh (1990), International Journal of Vehicle Design 11, 589-618; Pacejka
+(2012), Tire and Vehicle Dynamics, chapters 7 and 8 (relaxation, standing still).
+"""
+
+from math import atan2, cos, exp, pi, sqrt
+from typing import Any, ClassVar, NamedTuple
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import BodyName, Card, CurveName, SurfaceName, Vec3, quantity, word
+from crashsolve.foundation.curve import curve_area, curve_value
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import (
+    apply_force,
+    apply_torque,
+    arm,
+    mobility,
+    place,
+    point_velocity,
+    stiffen,
+)
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub, vec
+from crashsolve.springs._resistance import steepest
+from crashsolve.tyres._road import MOST, ROADS, Profile, above_road, road_columns
+
+# cosine of the camber below which a wheel lies on its side, and is not on its tyre
+LYING = 0.1
+
+
+class TyreCard(Card):
+    """Words that all tyres share."""
+
+    curve_axes: ClassVar = {"curve": ("m", "N")}
+
+    wheel: BodyName = word("body of the wheel")
+    axis: Vec3 = word("axis of the wheel, to the left of forward, in its frame", (0.0, 1.0, 0.0))
+    at: Vec3 = quantity("m", "centre of the wheel, in its frame", (0.0, 0.0, 0.0))
+    road: tuple[SurfaceName, ...] = word("surfaces it may roll on: planes, boxes, meshes", ())
+    profile: Profile | None = word("height of a road over the way along it", None)
+    radius: float = quantity("m", "R, without load", gt=0)
+    stiffness: float | None = quantity("N/m", "k, of the depth", None, gt=0)
+    curve: CurveName | None = word("force over depth, from 0; instead of stiffness", None)
+    damping: float = quantity("N s/m", "c, of the depth", 0.0, ge=0)
+    damping_depth: float = quantity("m", "depth over which damping grows to c", 5e-3, gt=0)
+    rim_radius: float | None = quantity("m", "radius at which it meets the rim", None, gt=0)
+    rim_stiffness: float = quantity("N/m", "k_rim, beside k beyond the rim", 0.0, ge=0)
+    slip_stiffness: float = quantity("N", "C_x, longitudinal force over slip at zero", gt=0)
+    cornering_stiffness: float = quantity("N/rad", "C_y, lateral force over slip at zero", gt=0)
+    camber_stiffness: float = quantity(
+        "N/rad", "C_gamma, lateral force over camber at zero", 0.0, ge=0
+    )
+    friction_max: float = quantity("1", "mu without slip", gt=0)
+    friction_min: float | None = quantity("1", "mu at slip 1; mu_max when absent", None, gt=0)
+    contact_length: float | None = quantity(
+        "m", "l, of the patch; the chord of the circle when absent", None, gt=0
+    )
+    relaxation: float = quantity("m", "sigma along the wheel", 0.1, gt=0)
+    side_relaxation: float = quantity("m", "sigma across the wheel", 0.3, gt=0)
+    standstill_damping: float = quantity("N s/m", "k_V of the carcass at rest", 770.0, ge=0)
+    low_speed: float = quantity("m/s", "V_low, speed at which k_V has faded out", 2.5, gt=0)
+    side_stiffness: float | None = quantity(
+        "N/m", "of the carcass, for the overturning moment; none when absent", None, gt=0
+    )
+    rolling_resistance: float = quantity("1", "moment over F_z R that opposes rolling", 0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "TyreCard":
+        if (self.stiffness is None) == (self.curve is None):
+            raise ValueError("needs one of stiffness and curve")
+        if not self.road and self.profile is None:
+            raise ValueError("road: needs a surface, or a profile")
+        if len(set(self.road)) < len(self.road):
+            raise ValueError("road: names a surface twice, which would bear twice the force")
+        if self.friction_min is not None and self.friction_min > self.friction_max:
+            raise ValueError("friction_min: must not exceed friction_max")
+        if self.rim_radius is not None and self.rim_radius >= self.radius:
+            raise ValueError("rim_radius: must be below radius")
+        if (self.rim_radius is None) != (self.rim_stiffness == 0.0):
+            raise ValueError("rim_radius and rim_stiffness belong together")
+        return self
+
+
+TYRE = ROADS + Record("""
+    node            index     wheel
+    axis            1      3  u, wheel axes
+    centre          m      3  of the wheel from its mass centre, wheel axes
+    radius          m         R
+    stiffness       N/m       k; not used with a curve
+    curve           index     y; 0 for none
+    stiffest        N/m       largest slope of the vertical force
+    damping         N s/m     c
+    damping_depth   m         depth over which it grows
+    rim_depth       m         depth at which the rim is met; infinite for none
+    rim_stiffness   N/m       k_rim
+    mu_max          1         mu without slip
+    mu_min          1         mu at slip 1
+    length          m         l; 0 for the chord of the circle
+    sigma_x         m         relaxation length along the wheel
+    sigma_y         m         the same across
+    still_damping   N s/m     k_V
+    low_speed       m/s       V_low
+    side_stiffness  N/m       of the carcass; infinite for none
+    resistance      1         coefficient of rolling resistance
+    C_x             N         longitudinal force over slip at zero
+    C_y             N/rad     lateral force over slip at zero
+    C_gamma         N/rad     lateral force over camber at zero
+""")
+DEFLECTED = Record(f"""
+    q_x    m  {MOST}  deflection of the carcass along the wheel, on each road
+    q_y    m  {MOST}  the same across
+    store  J  {MOST}  energy in it
+""")
+FORCES_OF_TYRE = Record("""
+    force         N    3  on the wheel, world axes
+    moment        N m  3  on the wheel about its centre, world axes
+    normal        N       F_z, sum over the roads
+    longitudinal  N       F_x of the road pressed most
+    lateral       N       F_y of that road
+    aligning      N m     M_z of that road
+    depth         m       delta of that road; negative: a gap
+    slip          1       s_x of that road, positive drives
+    side_slip     1       s_y of that road
+    camber        rad     gamma on that road
+    sliding       1       share of the patch that slides, there
+""")
+
+
+def tyre_columns(card: TyreCard, scene: Any) -> dict[str, Any]:
+    """Columns of TYRE."""
+    node = scene.node(card.wheel)
+    if node == 0:
+        raise scene.fail("the ground is no wheel; name a body", "wheel")
+    curve = scene.curve(card.curve) if card.curve else 0
+    if curve and scene.curve_points[curve]["x"] != 0.0:
+        raise scene.fail("must begin at 0, where the tyre meets the road", "curve")
+    k = card.stiffness or 0.0
+    slope = steepest(scene.curve_points, curve) if curve else k
+    rim = card.radius - card.rim_radius if card.rim_radius else float("inf")
+    columns = road_columns(card.road, card.profile, scene)
+    if node in columns["road_node"][: columns["roads"]]:
+        raise scene.fail("the wheel cannot roll on itself", "road")
+    return columns | {
+        "node": node,
+        "axis": scene.unit(card.axis, "axis"),
+        "centre": scene.from_mass_centre(node, card.at),
+        "radius": card.radius,
+        "stiffness": k,
+        "curve": curve,
+        "stiffest": slope + card.rim_stiffness,
+        "damping": card.damping,
+        "damping_depth": card.damping_depth,
+        "rim_depth": rim,
+        "rim_stiffness": card.rim_stiffness,
+        "mu_max": card.friction_max,
+        "mu_min": card.friction_min or card.friction_max,
+        "length": card.contact_length or 0.0,
+        "sigma_x": card.relaxation,
+        "sigma_y": card.side_relaxation,
+        "still_damping": card.standstill_damping,
+        "low_speed": card.low_speed,
+        "side_stiffness": card.side_stiffness or float("inf"),
+        "resistance": card.rolling_resistance,
+        "C_x": card.slip_stiffness,
+        "C_y": card.cornering_stiffness,
+        "C_gamma": card.camber_stiffness,
+    }
+
+
+class Patch(NamedTuple):
+    """Where a wheel touches a road, and how it moves there; world components."""
+
+    depth: Any  # delta [m]
+    n: Any  # normal of the road
+    x: Any  # forward along the road
+    y: Any  # left along the road
+    bottom: Any  # lowest point of the circle, from the mass centre of the wheel [m]
+    foot: Any  # point of the road under the centre, from the mass centre of the wheel [m]
+    radius: Any  # loaded radius r [m]
+    camber: Any  # sin(gamma)
+    closing: Any  # delta_dot [m/s]
+    V_x: Any  # speed of the centre along x [m/s]
+    slip_x: Any  # V_sx [m/s]
+    slip_y: Any  # V_sy [m/s]
+
+
+@kernel
+def patch_on(p, i, nodes, curves, data):
+    """The Patch on road i; depth below zero where the wheel is off it, or lies on its side."""
+    wheel, road = nodes[p.node], nodes[p.road_node[i]]
+    u, hub = arm(wheel, vec(p.axis)), arm(wheel, vec(p.centre))
+    centre = place(wheel, vec(p.centre))
+    d, n = above_road(p, i, nodes, centre, curves, data)
+    camber = dot(u, n)
+    upright = sqrt(max(1.0 - camber * camber, 0.0))
+    lies = upright < LYING
+    cosine = max(upright, LYING)
+    m = scale(1.0 / cosine, add_scaled(n, -camber, u))
+    x = scale(1.0 / cosine, cross(u, n))
+    radius = max(d / cosine, 0.1 * p.radius)
+    bottom, foot = add_scaled(hub, -p.radius, m), add_scaled(hub, -radius, m)
+    at_bottom = relative_velocity(wheel, bottom, road)
+    at_foot = relative_velocity(wheel, foot, road)
+    y = cross(n, x)
+    V_x = dot(x, relative_velocity(wheel, hub, road))
+    depth = -1.0 if lies else p.radius * upright - d
+    return Patch(
+        depth,
+        n,
+        x,
+        y,
+        bottom,
+        foot,
+        radius,
+        camber,
+        -dot(n, at_bottom),
+        V_x,
+        dot(x, at_foot),
+        dot(y, at_foot),
+    )
+
+
+@kernel
+def relative_velocity(wheel, d, road):
+    """Velocity of the point d of the wheel over the point of the road there [m/s]."""
+    own = point_velocity(wheel, d)
+    return sub(own, point_velocity(road, sub(add(vec(wheel.r), d), vec(road.r))))
+
+
+@kernel
+def vertical_force(p, at, curves):
+    """F_z [N], stored energy [J], power lost [W], stiffness [N/m], damping [N s/m]."""
+    delta = at.depth
+    if p.curve > 0:
+        elastic, slope, _ = curve_value(curves, p.curve, delta)
+        stored = curve_area(curves, p.curve, delta)
+    else:
+        elastic, slope, stored = p.stiffness * delta, p.stiffness, 0.5 * p.stiffness * delta * delta
+    over = delta - p.rim_depth
+    if over > 0.0:
+        elastic += p.rim_stiffness * over
+        stored += 0.5 * p.rim_stiffness * over * over
+    share = min(delta / p.damping_depth, 1.0)
+    c = p.damping * share * share * (3.0 - 2.0 * share)
+    total = max(elastic + c * at.closing, 0.0)
+    return total, stored, (total - elastic) * at.closing, slope, c
+
+
+class Grip(NamedTuple):
+    """What presses a patch, how the carcass is deflected, and what the brush is made to bear."""
+
+    F_z: Any  # [N], 0 off the road
+    slope: Any  # of F_z over the depth [N/m]
+    damping: Any  # of F_z over its rate [N s/m]
+    q_x: Any  # deflections [m]
+    q_y: Any
+    s_x: Any  # slips [1]
+    s_y: Any
+    mu: Any  # friction at the present slip
+
+
+@kernel
+def grip_on(p, i, old, new, out, at, h, curves):
+    """The Grip on road i after a step h. Writes: new, out."""
+    if at.depth <= 0.0:
+        # off the road the carcass is at ease
+        out.loss += old.store[i] if h > 0.0 else 0.0
+        out.depth = max(out.depth, at.depth)
+        return Grip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p.mu_max)
+    F_z, stored, lost, slope, c = vertical_force(p, at, curves)
+    out.stored += stored
+    out.power += lost
+    V = max(abs(at.V_x), abs(at.V_x - at.slip_x))
+    q_x = relaxed(old.q_x[i], at.slip_x, V, p.sigma_x, h)
+    q_y = relaxed(old.q_y[i], at.slip_y, V, p.sigma_y, h)
+    slow = min(V / p.low_speed, 1.0)
+    k_V = 0.5 * p.still_damping * (1.0 + cos(pi * slow))
+    s_x = (q_x - k_V / p.C_x * at.slip_x) / p.sigma_x
+    s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
+    now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
+    mu = p.mu_max - (p.mu_max - p.mu_min) * min(now, 1.0)
+    # the carcass of a patch that slides all over is not drawn out further
+    held = sqrt((p.C_x * q_x / p.sigma_x) ** 2 + (p.C_y * q_y / p.sigma_y) ** 2)
+    share = 3.0 * mu * F_z / held if held > 3.0 * mu * F_z else 1.0
+    new.q_x[i], new.q_y[i] = share * q_x, share * q_y
+    # a wheel that leans to the right is pushed to the right
+    s_y -= p.C_gamma / p.C_y * at.camber * 0.5 * (1.0 - cos(pi * slow))
+    return Grip(F_z, slope, c, new.q_x[i], new.q_y[i], s_x, s_y, mu)
+
+
+@kernel
+def relaxed(q, slip, V, sigma, h):
+    """q after h at constant slip and speed [m]."""
+    a = V / sigma
+    if a * h < 1e-6:
+        return q - slip * h * (1.0 - 0.5 * a * h) - q * a * h
+    decay = exp(-a * h)
+    return q * decay - slip / a * (1.0 - decay)
+
+
+@kernel
+def patch_length(p, at):
+    """l [m]."""
+    return p.length if p.length > 0.0 else 2.0 * sqrt(max(p.radius**2 - at.radius**2, 0.0))
+
+
+@kernel
+def clear(p, new, out):
+    """Before the roads are asked. Writes: new, out."""
+    for k in range(MOST):
+        new.q_x[k] = new.q_y[k] = new.store[k] = 0.0
+    for k in range(3):
+        out.force[k] = out.moment[k] = 0.0
+    out.normal = out.longitudinal = out.lateral = out.aligning = 0.0
+    out.slip = out.side_slip = out.camber = out.sliding = 0.0
+    out.depth = -1e300
+    out.stored = out.power = out.loss = 0.0
+
+
+@kernel
+def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
+    """Forces F = (F_x, F_y) and M_z of a patch on wheel and road. Writes: nodes, new, out."""
+    wheel, road = nodes[p.node], nodes[p.road_node[i]]
+    to_road = sub(vec(wheel.r), vec(road.r))
+    press = scale(grip.F_z, at.n)
+    pull = add(scale(F[0], at.x), scale(F[1], at.y))
+    apply_force(wheel, press, at.bottom)
+    apply_force(road, scale(-1.0, press), add(to_road, at.bottom))
+    apply_force(wheel, pull, at.foot)
+    apply_force(road, scale(-1.0, pull), add(to_road, at.foot))
+    rolling = (at.V_x - at.slip_x) / p.low_speed
+    M_y = -p.resistance * grip.F_z * p.radius * max(min(rolling, 1.0), -1.0)
+    M_x = -grip.F_z * F[1] / p.side_stiffness
+    moment = add(add(scale(M_z, at.n), scale(M_y, at.y)), scale(M_x, at.x))
+    apply_torque(wheel, moment)
+    apply_torque(road, scale(-1.0, moment))
+    turning = sub(vec(wheel.w), vec(road.w))
+    out.power += -F[0] * at.slip_x - F[1] * at.slip_y - dot(moment, turning)
+    out.loss += old.store[i] - store if h > 0.0 else 0.0
+    new.store[i] = store
+    out.stored += store
+    hub = arm(wheel, vec(p.centre))
+    about = add(cross(sub(at.bottom, hub), press), cross(sub(at.foot, hub), pull))
+    about = add(about, moment)
+    total = add(press, pull)
+    for k in range(3):
+        out.force[k] += total[k]
+        out.moment[k] += about[k]
+    out.normal += grip.F_z
+    load(wheel, at.bottom, at.n, grip.slope, grip.damping)
+    load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
+    load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
+    load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
+
+
+@kernel
+def load(body, d, u, stiffness, damping):
+    """What a force along u in the point d adds to the stiffness of a body. Writes: body."""
+    stiffen(body, mobility(body, d, u), stiffness, damping)
+
+
+@kernel
+def show(out, at, grip, F, M_z, sliding):
+    """Channels of the road pressed deepest. Writes: out."""
+    if at.depth > out.depth:
+        out.depth, out.longitudinal, out.lateral, out.aligning = at.depth, F[0], F[1], M_z
+        out.slip, out.side_slip = grip.s_x, grip.s_y
+        out.camber = atan2(at.camber, sqrt(max(1.0 - at.camber * at.camber, 0.0)))
+        out.sliding = sliding

@@ -1,0 +1,94 @@
+"""Tyre of Fiala: slips along and across the wheel apart, and their force cut to mu F_z.
+
+    |F_y| = mu F_z (1 - H^3),   H = 1 - C_y |s_y| / (3 mu F_z), not below 0
+    |F_x| = C_x |s_x| up to mu F_z / 2,   mu F_z - (mu F_z)^2 / (4 C_x |s_x|) beyond
+    M_z   = -mu F_z l (1 - H) H^3 / 2, of the sign of s_y
+
+A second opinion on `gim`: across the wheel alone both are the same brush. Where both slips act, the
+force is shortened to mu F_z and keeps its direction; uncut it could reach sqrt(2) mu F_z.
+Consequence to test: the pure lateral force and moment of `gim`, to round-off.
+
+References: Fiala (1954), VDI-Zeitschrift 96, 973-979; Gim and Nikravesh (1990), International
+Journal of Vehicle Design 11, 589-618.
+"""
+
+from math import copysign, sqrt
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.tyres._road import mesh_tables
+from crashsolve.tyres._tyre import (
+    DEFLECTED,
+    FORCES_OF_TYRE,
+    TYRE,
+    TyreCard,
+    bear,
+    clear,
+    grip_on,
+    patch_length,
+    patch_on,
+    show,
+    tyre_columns,
+)
+
+STEPWISE = True
+
+
+class Fiala(TyreCard):
+    """Tyre whose forces along and across the wheel follow from their own slips."""
+
+
+PARAMETERS, HISTORY, OUTPUT = TYRE, DEFLECTED, FORCES_OF_TYRE
+build, shared_tables = tyre_columns, mesh_tables
+
+
+@kernel
+def forces(C_x, C_y, s_x, s_y, mu, F_z, length):
+    """F_x, F_y [N], M_z [N m] and the share of the patch that slides across."""
+    most = mu * F_z
+    H = max(1.0 - C_y * abs(s_y) / (3.0 * most), 0.0)
+    F_x = abs(C_x * s_x)
+    if F_x > 0.5 * most:
+        F_x = most - most * most / (4.0 * F_x)
+    F_y = most * (1.0 - H**3)
+    M_z = 0.5 * most * length * (1.0 - H) * H**3
+    both = sqrt(F_x * F_x + F_y * F_y)
+    share = most / both if both > most else 1.0
+    return copysign(share * F_x, s_x), copysign(share * F_y, s_y), copysign(M_z, -s_y), 1.0 - H
+
+
+@kernel
+def carcass_energy(p, grip):
+    """Energy of the deflected carcass, whose force is that of the tyre [J]."""
+    F_x, F_y, _, _ = forces(
+        p.C_x, p.C_y, grip.q_x / p.sigma_x, grip.q_y / p.sigma_y, grip.mu, grip.F_z, 1.0
+    )
+    return 0.5 * (F_x * F_x * p.sigma_x / p.C_x + F_y * F_y * p.sigma_y / p.C_y)
+
+
+@kernel
+def roll(p, old, new, out, h, nodes, curves, data):
+    """All roads of a tyre. Writes: nodes, new, out."""
+    clear(p, new, out)
+    for i in range(p.roads):
+        at = patch_on(p, i, nodes, curves, data)
+        grip = grip_on(p, i, old, new, out, at, h, curves)
+        if grip.F_z > 0.0:
+            length = patch_length(p, at)
+            F_x, F_y, M_z, sliding = forces(
+                p.C_x, p.C_y, grip.s_x, grip.s_y, grip.mu, grip.F_z, length
+            )
+            store = carcass_energy(p, grip)
+            bear(p, i, old, new, out, h, nodes, at, grip, (F_x, F_y), M_z, store)
+            show(out, at, grip, (F_x, F_y), M_z, sliding)
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    roll(p, old, new, out, h, nodes, curves, None)
+
+
+@kernel
+def force_with_tables(p, old, new, out, t, h, nodes, rows, curves, data):
+    """The same where some roads are meshes. Writes: nodes, new, out."""
+    roll(p, old, new, out, h, nodes, curves, data)
