@@ -72,13 +72,16 @@ class Scene:
         for i, entry in enumerate(deck.entries["bodies"].values(), start=1):
             with self.building(entry):
                 self._place_body(i, import_module(entry.module_name).build(entry.card, self))
+        self.welded: dict[int, int] = {}  # nodes that are part of a rigid body
+        # [rad] of joints that a posture has turned from the zero posture
+        self.angles_at_start: dict[str, float] = {}
+        self._pose()
         self._meshed: dict[int, Any] = {}  # parts with points, by card
         for part in deck.entries["parts"].values():
             with self.building(part):
                 nodes = import_module(part.module_name).build(part.card, self)
                 for i, node in zip(self.part_nodes[part.name], nodes, strict=True):
                     self._place_body(i, node)
-        self.welded: dict[int, int] = {}  # nodes that are part of a rigid body
         for entry in deck.entries["bodies"].values():
             with self.building(entry):
                 self._weld(entry)
@@ -87,6 +90,12 @@ class Scene:
             with self.building(part):
                 self.rides[part.name] = self._ride(part)
         self.size = self._model_size()
+
+    def _pose(self) -> None:
+        """Bodies of postures, where their joint angles place them."""
+        for entry in self.deck.entries["postures"].values() if not self.errors else ():
+            with self.building(entry):
+                import_module(entry.module_name).build(entry.card, self)
 
     def _place_body(self, i: int, body: dict[str, Any]) -> None:
         self.mass[i] = body["mass"]

@@ -20,7 +20,7 @@ LEDGER = "joint"
 
 
 class TurnLimit(_joint.StopCard):
-    """Stops of the angle of a joint, counted from its configuration at the start."""
+    """Stops of the angle of a joint, from its configuration at the start, or the zero posture."""
 
     curve_axes: ClassVar = {"curve": ("rad", "N m")}
 
@@ -31,19 +31,28 @@ class TurnLimit(_joint.StopCard):
 
 
 COUNTS_TURNS = True
-PARAMETERS = TURN + _joint.STOPS
+PARAMETERS = TURN + _joint.STOPS + Record("start  rad  angle at the start, of a posture")
 HISTORY = _joint.STOPPED + Record("angle  rad  theta, with all turns")
 TANGENTS = 1
 OUTPUT = Record("""
     torque  N m    positive turns b back
-    angle   rad    of b from the start
+    angle   rad    of b from the start, or from the zero posture
     rate    rad/s  of the angle
 """)
 
 
 def build(card: TurnLimit, scene: Any) -> dict[str, Any]:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
-    return TURN.taken_from(frame) | _joint.stops(card, scene)
+    start = scene.angles_at_start.get(card.joint, 0.0)
+    columns = TURN.taken_from(frame) | _joint.stops(card, scene) | {"start": start}
+    past = max(start - columns["upper"], columns["lower"] - start)
+    if start != 0.0 and past > 0.0:
+        raise scene.fail(
+            f"the posture turns '{card.joint}' to {start:.4g} rad, {past:.3g} rad past the range "
+            f"from {columns['lower']:.4g} to {columns['upper']:.4g} rad",
+            "joint",
+        )
+    return columns
 
 
 @kernel
@@ -51,8 +60,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = turned(p, old.angle, nodes)
     new.angle = angle
-    out.torque = _joint.stop(p, new, angle, rate, out, curves)
-    out.angle = angle
+    out.angle = p.start + angle
+    out.torque = _joint.stop(p, new, out.angle, rate, out, curves)
     out.rate = rate
     # counted in the gap as well: nothing else shortens the step before the stop is met
     twist(p, nodes, out.torque, g, p.stiffest, p.damping)
@@ -62,11 +71,11 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = turned(p, state.angle, nodes)
-    stiffness, damping = _joint.stop_tangent(p, angle, rate, curves)
+    stiffness, damping = _joint.stop_tangent(p, p.start + angle, rate, curves)
     turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
 
 
 @kernel
 def event(p, old, h, nodes, curves):
     """How far the angle has left where it began the step, between the stops or beyond one [rad]."""
-    return _joint.stop_event(p, old, turned(p, old.angle, nodes)[0])
+    return _joint.stop_event(p, old, p.start + turned(p, old.angle, nodes)[0])

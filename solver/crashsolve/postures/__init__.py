@@ -1,0 +1,23 @@
+"""Postures: where the bodies of a chain of joints are at the start."""
+
+from typing import Protocol
+
+from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.roles import Built
+
+
+class PostureLaw(Built, Protocol):
+    """What the file of a posture provides beside its card: `build` places the bodies of a scene."""
+
+
+FAMILY = Family(
+    entry="posture",
+    follows="joints",
+    law=PostureLaw,
+    energy=(),
+    channels=None,
+    picture=None,
+    uses=(),
+    integrators=ANY,
+    default="angles",
+)

@@ -1,0 +1,107 @@
+"""A posture places a chain through its joints, and refuses what it cannot place."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import refusal
+from scipy.spatial.transform import Rotation
+
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.model.build import build
+from crashsolve.system.engine import Engine
+
+CHAIN = """
+title: chain
+control: {end_time: 1}
+bodies:
+  trunk: {mass: 30, inertia: [1, 1, 2], position: [0.1, 0, 1], mass_centre: [0, 0.02, 0.3]}
+  thigh:
+    {mass: 8, inertia: [0.1, 0.2, 0.1], position: [0, 0.1, 0.8], mass_centre: [0, 0, -0.2],
+    rotation: {axis: [1, 2, 3], angle: 0.4}}
+  shank: {mass: 4, inertia: [0.1, 0.1, 0.1], position: [0, 0.1, 0.4]}
+  foot: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [0, 0.1, 0]}
+joints:
+  hip: {type: spherical, a: trunk, b: thigh, at: [0, 0.1, -0.2], frame: trunk}
+  knee: {type: revolute, a: thigh, b: shank, at: [0, 0, -0.4], axis: [0.2, 1, 0], frame: thigh}
+  # the other way round
+  ankle: {type: universal, a: foot, b: shank, at: [0, 0, 0.1], axis: [1, 0, 0],
+          second_axis: [0, 1, 0], frame: foot}
+  far: {type: revolute, a: ground, b: foot, at: [0, 0, 0], axis: [0, 1, 0]}
+postures:
+  p: POSTURE
+"""
+GOOD = (
+    "{root: shank, position: [3, 2, 1], rotation: {axis: [1, 1, 0], angle: 1}, velocity: [1, 2, 3],"
+    " angular_velocity: [0.5, -1, 2], joints: [{joint: hip, rotation: {euler: [0.3, -0.7, 0.2]}},"
+    " {joint: knee, angle: 0.9}, {joint: ankle}]}"
+)
+
+
+def built(folder: Path, posture: str, without: str = "  far") -> Engine:
+    lines = CHAIN.replace("POSTURE", posture).splitlines()
+    text = "\n".join(line for line in lines if not line.startswith(without))
+    path = folder / "deck.yaml"
+    path.write_text(text, "utf-8")
+    return Engine(*build(read_deck(path)))
+
+
+def test_all_joints_close_and_their_velocities_agree(tmp_path: Path) -> None:
+    engine = built(tmp_path, GOOD)
+    engine.start()
+    assert engine.assembly_errors() == []
+    # positions of some metres, in round-off
+    assert np.abs(engine.state.rows["phi"]).max() < 1e-14
+    nodes = engine.state.nodes
+    w = [0.5, -1, 2]
+    for node in nodes[1:]:
+        expected = np.array([1, 2, 3]) + np.cross(w, node["r"] - [3, 2, 1])
+        np.testing.assert_allclose(node["v"], expected, atol=1e-13)
+        np.testing.assert_allclose(node["w"], w, atol=0)
+
+
+def test_the_rotations_are_those_asked_for(tmp_path: Path) -> None:
+    zero = built(tmp_path, GOOD.replace("euler: [0.3, -0.7, 0.2]", "euler: [0, 0, 0]")
+                 .replace("angle: 0.9", "angle: 0"))  # fmt: skip
+    posed = built(tmp_path, GOOD)
+    names = {name: i for i, name in enumerate(posed.model.bodies)}
+
+    def relative(engine: Engine, a: str, b: str) -> Rotation:
+        A = [engine.state.nodes["A"][names[body]].reshape(3, 3) for body in (a, b)]
+        return Rotation.from_matrix(A[0].T @ A[1])
+
+    hip = relative(posed, "trunk", "thigh") * relative(zero, "trunk", "thigh").inv()
+    wanted = Rotation.from_euler("XYZ", [0.3, -0.7, 0.2])
+    assert (hip * wanted.inv()).magnitude() < 1e-14
+    knee = relative(posed, "thigh", "shank") * relative(zero, "thigh", "shank").inv()
+    axis = np.array([0.2, 1, 0]) / np.hypot(0.2, 1)
+    assert (knee * Rotation.from_rotvec(0.9 * axis).inv()).magnitude() < 1e-14
+
+
+WRONG = {
+    "joints.joint: 'knee' does not hang on 'trunk'": "{root: trunk, joints: [{joint: knee}]}",
+    "joints.joint: 'far' is given in the world": (
+        "{root: trunk, joints: [{joint: hip}, {joint: far}]}"
+    ),
+    "joints.angle: 'hip' has no axis to turn about": (
+        "{root: trunk, joints: [{joint: knee}, {joint: hip, angle: 1}]}"
+    ),
+    "root: the ground cannot be placed": "{root: ground, joints: [{joint: hip}]}",
+    "joints.joint: 'hip' closes a loop": ("{root: trunk, joints: [{joint: hip}, {joint: hip}]}"),
+    "give one of: angle, rotation": (
+        "{root: thigh, joints: [{joint: knee, angle: 1, rotation: {euler: [0, 0, 0]}}]}"
+    ),
+    "unknown joint 'elbow'": "{root: thigh, joints: [{joint: elbow}]}",
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_a_posture_that_cannot_be_taken_is_refused(tmp_path: Path, message: str) -> None:
+    assert message in refusal(tmp_path, CHAIN.replace("POSTURE", WRONG[message]))
+
+
+def test_an_angle_past_the_range_is_refused_with_how_far(tmp_path: Path) -> None:
+    stop = "\nsprings: {s: {type: turn_limit, joint: knee, lower: 0, upper: 0.5, stiffness: 9}}\n"
+    posture = "{root: thigh, joints: [{joint: knee, angle: 0.9}]}"
+    text = CHAIN.replace("POSTURE", posture) + stop
+    assert "turns 'knee' to 0.9 rad, 0.4 rad past the range" in refusal(tmp_path, text)
