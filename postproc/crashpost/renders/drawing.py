@@ -11,6 +11,7 @@ import numpy as np
 
 from crashpost.errors import PostError, unknown
 from crashpost.renders.beams import Outline, outlines, prisms
+from crashpost.renders.borders import are_edge_on, borders
 from crashpost.renders.groups import groups, is_node
 from crashpost.renders.look import Look
 from crashpost.renders.planes import cut, footprints, planes
@@ -56,6 +57,7 @@ class Scene:
         self.planes = planes(states)
         # points that infinite planes are drawn below; as the run cut them when absent
         self.reach: np.ndarray | None = None
+        self._free_edges: dict[str, tuple[np.ndarray, np.ndarray]] = {}
 
     def at(self, number: float, *, is_ghost: bool = False) -> Drawing:
         """What is seen at a state."""
@@ -345,9 +347,10 @@ class Scene:
         if name == "ground":
             palette = [GROUND]
             # planes seen from their edge are lines
-            round_ = points[self.planes]
-            ends = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2, 3)
-            drawing.lines.append(Lines(ends, GREY, 0.8))
+            if len(self.planes):
+                round_ = points[self.planes]
+                ends = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+                drawing.lines.append(Lines(ends, GREY, 0.8))
         elif name == "bodies" and not self.look.color and "body" in block.fixed:
             bodies = block.fixed["body"].astype(int)
             palette = [self._body_colour(k) if k else GREY for k in range(len(self.groups))]
@@ -355,6 +358,12 @@ class Scene:
         elif name.startswith("part_") and not self.look.color:
             part = name.removeprefix("part_")
             palette = [self._part_colour(self.states.names["parts"].index(part))]
+        if name.startswith("part_"):
+            edges, rows = self._borders(name)
+            # as many lines at each state: those of deleted elements have no length
+            ends = points[np.where(shown[rows][:, None], edges, edges[:, :1])]
+            if asked[rows].any():
+                drawing.lines.append(Lines(ends, LINE, 1.0))
         for rows, corners in block.cells:
             kept = shown[rows]
             # as many surfaces at each state, also where one has lost all of its elements
@@ -424,6 +433,23 @@ class Scene:
         for body in np.unique(bodies[shown]):
             own = points[corners[bodies == body]]
             drawing.lines.append(Lines(own, self._body_colour(int(body)), 4.0))
+
+
+    def _borders(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        if name not in self._free_edges:
+            self._free_edges[name] = borders(self.states.blocks[name])
+        return self._free_edges[name]
+
+    def shells_are_edge_on(self, towards: np.ndarray) -> bool:
+        """Whether there are shells, and all are seen from their edges."""
+        found = []
+        for name in self.drawn:
+            if name.startswith("part_") and self._cells_shown(name).any():
+                points = self.states.blocks[name].points
+                for _, corners in self.states.blocks[name].cells:
+                    if corners.shape[1] in (3, 4):
+                        found.append(are_edge_on(points, corners, towards))
+        return bool(found) and all(found)
 
 
 def _edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
