@@ -9,9 +9,10 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from crashpost.errors import PostError, unknown
+from crashpost.errors import unknown
 from crashpost.renders.beams import Outline, outlines, prisms
 from crashpost.renders.borders import are_edge_on, borders
+from crashpost.renders.forces import contacts_with_arrows, forces_of
 from crashpost.renders.groups import groups, is_node
 from crashpost.renders.look import Look
 from crashpost.renders.planes import cut, footprints, planes
@@ -29,8 +30,6 @@ from crashpost.renders.shapes import (
 from crashpost.results.states import States
 
 WHOLE = ("bodies", "links", "mass_centres", "hinges")
-# contact forces this far from what is shown, of its size, act on it
-BESIDE = 0.02
 # a moment this near a state is that state; edges drawn between two states may be this short
 LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
 
@@ -53,7 +52,7 @@ class Scene:
         self.color_unit = ""
         if look.color:
             self._check_color()
-        self.contacts = self._contacts_with_arrows()
+        self.contacts = contacts_with_arrows(states, look)
         self.planes = planes(states)
         # points that infinite planes are drawn below; as the run cut them when absent
         self.reach: np.ndarray | None = None
@@ -260,49 +259,9 @@ class Scene:
         if not any(name == word or name.startswith(f"{word}_") for name in known):
             raise unknown("colour", word, sorted(known))
 
-    def _contacts_with_arrows(self) -> set[int]:
-        word = self.look.arrows
-        if not word or word == "velocity":
-            return set()
-        names = self.states.names["contacts"]
-        family, _, card = word.partition(".")
-        met = {k for k, name in enumerate(names) if not card or fnmatchcase(name, card)}
-        if family != "rcforc" or (card and not met):
-            known = ["velocity", "rcforc", *(f"rcforc.{name}" for name in names)]
-            raise unknown("arrows", word, known)
-        if self.look.magnify != 1.0:
-            raise PostError(f"arrows {word}: forces do not act where magnified displacements lead")
-        return met
-
     def forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
         """Where arrows start, and what they show."""
-        empty = np.empty((0, 3))
-        if self.look.arrows == "velocity":
-            if "mass_centres" not in self.states.blocks:
-                return empty, empty
-            rows = np.array(sorted(self.bodies), int) - 1
-            speed = self.states.read(int(number), "mass_centres", "velocity")["velocity"]
-            return self.positions(number, "mass_centres")[rows], speed[rows].astype(float)
-        if "contacts" not in self.states.blocks:
-            return empty, empty
-        found = self.states.read(int(number), "contacts", "force", "contact")
-        forces = found["force"].astype(float)
-        cards = found.get("contact", np.zeros(len(forces))).astype(int)
-        starts = self.states.positions(int(number), "contacts")
-        chosen = np.isin(cards, list(self.contacts)) & np.any(forces, axis=1)
-        if self.look.show:
-            chosen &= self._near(starts, number)
-        return starts[chosen], forces[chosen]
-
-    def _near(self, points: np.ndarray, number: float) -> np.ndarray:
-        """Which points (n,) lie in the box around what is shown at a state."""
-        shown = self.extent(number)
-        if not len(shown):
-            return np.zeros(len(points), bool)
-        low, high = shown.min(axis=0), shown.max(axis=0)
-        margin = BESIDE * float(np.max(high - low))
-        inside: np.ndarray = np.all((low - margin <= points) & (points <= high + margin), axis=1)
-        return inside
+        return forces_of(self, number, self.contacts)
 
     def _used_points(self, name: str, number: float) -> np.ndarray:
         """Numbers of the points of cells that are drawn."""

@@ -25,7 +25,7 @@ MOST_STATES, MOST_NUMBERS = 60, 3_000_000
 # polygons of a surface above which a field is shown by its vertices, which take a sixth of the room
 FINE = 20_000
 SECONDS = 6.0
-MOST_NAMES = 8
+MOST_NAMES = 24
 # the bar below the picture: play and pause, a slider for the time, what colours mean
 PLAYER = """
 const facts = @FACTS@;
