@@ -11,6 +11,8 @@ import numpy as np
 
 # a section's outline in a plane, and how many corners a cell may have
 FLAT, CORNERS = 2, (1, 2, 3, 4, 6, 8)
+# of values: products of three of them are still numbers
+LARGEST = 1e100
 
 
 class Damaged(ValueError):
@@ -43,6 +45,8 @@ def numbers_of(item: Any) -> np.ndarray:
     values: np.ndarray = item[...]
     if values.dtype.kind == "f" and not np.isfinite(values).all():
         raise Damaged(f"{name} holds values that are no finite numbers")
+    if values.dtype.kind == "f" and values.size and np.abs(values).max() > LARGEST:
+        raise Damaged(f"{name} holds values beyond {LARGEST:g}, which cannot be drawn")
     return values
 
 
