@@ -164,8 +164,8 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
         ),
         (
             "speed=30",
-            "the deck has '54 km/h' here, and this is a number without unit; give a number with its "
-            "unit, in m/s, such as '30 km/h'",
+            "the deck has '54 km/h' here, and this is a number without unit; give a number with "
+            "its unit, in m/s, such as '30 km/h'",
         ),
         (
             "speed=30 km",

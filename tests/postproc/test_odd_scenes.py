@@ -15,8 +15,8 @@ from crashpost.renders import studio as studios
 from crashpost.renders.borders import are_edge_on, borders
 from crashpost.renders.camera import camera
 from crashpost.renders.paint_plain import Painter
-from crashpost.renders.sheet import Key
 from crashpost.renders.shades import Shades
+from crashpost.renders.sheet import Key
 from crashpost.renders.tasks import film_task, strip_task
 from crashpost.results.result import Result
 from crashpost.results.states import Block, States

@@ -393,7 +393,6 @@ class Scene:
             own = points[corners[bodies == body]]
             drawing.lines.append(Lines(own, self._body_colour(int(body)), 4.0))
 
-
     def _borders(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         if name not in self._free_edges:
             self._free_edges[name] = borders(self.states.blocks[name])

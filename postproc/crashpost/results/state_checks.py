@@ -45,7 +45,7 @@ def numbers_of(item: Any) -> np.ndarray:
     values: np.ndarray = item[...]
     if values.dtype.kind == "f" and not np.isfinite(values).all():
         raise Damaged(f"{name} holds values that are no finite numbers")
-    if values.dtype.kind == "f" and values.size and np.abs(values).max() > LARGEST:
+    if values.dtype.kind == "f" and values.size and np.abs(values).max().item() > LARGEST:
         raise Damaged(f"{name} holds values beyond {LARGEST:g}, which cannot be drawn")
     return values
 
@@ -71,7 +71,7 @@ def check_corners(cells: list[tuple[np.ndarray, np.ndarray]], count: int) -> Non
     for _, corners in cells:
         if corners.shape[1] not in CORNERS:
             raise Damaged(f"cells of {corners.shape[1]} corners are not known")
-        if corners.size and not (0 <= corners.min() and corners.max() < count):
+        if corners.size and not (corners.min() >= 0 and corners.max() < count):
             raise Damaged(f"cells name points that are not among the {count}")
 
 
@@ -103,7 +103,7 @@ def check_numbers(blocks: dict[str, Block], names: dict[str, list[str]], n_secti
             values = block.fixed.get(key)
             if values is None or not len(values):
                 continue
-            if not (0 <= values.min() and values.max() < max(count, 1)):
+            if not (values.min() >= 0 and values.max() < max(count, 1)):
                 raise Damaged(f"{block.name}/{key} names {key} {values.max():g} of {count}")
     centres = blocks.get("mass_centres")
     if centres is not None and len(centres.points) != len(names["bodies"]) - 1:

@@ -1,15 +1,15 @@
 """Measures of injury and of crash pulses, by the role that an accelerometer has in its deck.
 
     role     filter    measures                                limits
-    head     CFC 1000  peak, 3 ms clip, HIC, Severity Index    HIC 15 ms 700, 36 ms 1000; 80 g in 3 ms
+    head     CFC 1000  peak, 3 ms clip, HIC, Severity Index    HIC 700 and 1000, 80 g in 3 ms
     chest    CFC 180   peak, 3 ms clip                         60 g in 3 ms
     pelvis   CFC 1000  peak, 3 ms clip                         none
     vehicle  CFC 60    peak, 3 ms clip, velocity change, OLC   none
 
-Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 S6.2(b) and S6.3 for HIC of 15 ms and
-the chest, UN R94 5.2.1.1 and 5.2.1.2 for HIC of 36 ms and 80 g; both for a 50th percentile man.
-Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken as
-they are, and the measure says so.
+Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 S6.2(b) and S6.3 for HIC of 15 ms
+and the chest, UN R94 5.2.1.1 and 5.2.1.2 for HIC of 36 ms and 80 g; both for a 50th percentile man.
+Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
+as they are, and the measure says so.
 """
 
 from dataclasses import dataclass, replace

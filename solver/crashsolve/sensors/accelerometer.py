@@ -4,7 +4,8 @@
 
 g only with `gravity: true`: an instrument shows -g at rest and nothing in free fall. Where gravity
 acts and the card does not say which is meant, the motion alone is measured, with a warning. `role`
-says what is measured of an occupant or vehicle, for measures of injury. Consequence to test: on an arm of radius R turning at w it shows w^2 R towards the axis.
+says what is measured of an occupant or vehicle, for measures of injury. Consequence
+to test: on an arm of radius R turning at w it shows w^2 R towards the axis.
 """
 
 import re
@@ -30,7 +31,7 @@ class Accelerometer(Card):
     body: BodyName = word("body it is fixed to")
     at: Vec3 = quantity("m", "place in the frame of the body", default=(0.0, 0.0, 0.0))
     gravity: bool | None = word(
-        "true: subtract free fall, as an instrument does; false: the motion alone, also when absent",
+        "true: subtract free fall, as an instrument does; false or absent: the motion alone",
         default=None,
     )
     role: Literal["head", "chest", "pelvis", "vehicle"] | None = word(

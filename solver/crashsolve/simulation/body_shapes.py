@@ -1,8 +1,8 @@
 """What bodies look like: pieces in body axes, of their contact surfaces, primitives or joints.
 
 A body is drawn by its contact surfaces and by its `primitive` where that is seen beyond them;
-besides by lengths of sections, which structures give their bodies. One without any of them is drawn by lines from its
-mass centre to where joints, springs and contact points act on it.
+besides by lengths of sections, which structures give their bodies. One without any of them is
+drawn by lines from its mass centre to where joints, springs and contact points act on it.
 """
 
 from importlib import import_module

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from crashsolve.deck.fields import declared
 from crashsolve.foundation.errors import DeckError, DeckErrors
@@ -62,8 +63,9 @@ def _too_long(deck: Deck) -> Iterator[DeckError]:
     """Cards with a length whose powers no machine holds."""
     for entries in deck.entries.values():
         for entry in entries.values():
-            for name in type(entry.card).model_fields:
-                unit = declared(type(entry.card), name).unit
+            kind: type[BaseModel] = type(entry.card)
+            for name in kind.model_fields:
+                unit = declared(kind, name).unit
                 if max(_lengths(getattr(entry.card, name), unit), default=0.0) > LONGEST:
                     yield deck.error(entry, name, f"is a length of more than {LONGEST:g} m", WORDS)
 

@@ -1,4 +1,4 @@
-"""Claim: includes are counted, and reading them takes a time that grows with their number."""
+"""Claim: bounds are told: of the number of includes, of words put in, of lengths."""
 
 from pathlib import Path
 
@@ -7,8 +7,9 @@ import pytest
 from crashsolve.deck.reading import files
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
 
-BODY = "bodies: {\"b<x>\": {mass: 1, inertia: [1, 1, 1]}}\n"
+BODY = 'bodies: {"b<x>": {mass: 1, inertia: [1, 1, 1]}}\n'
 
 
 def test_files_that_each_include_the_next_twice_are_refused(
@@ -49,3 +50,14 @@ def test_a_file_included_many_times_is_named_once_each(tmp_path: Path) -> None:
     assert len(tables) == 301
     assert (tmp_path / "car.yaml (300)") in tables
     assert reader.paths == [tmp_path / "deck.yaml", tmp_path / "car.yaml"]
+
+
+@pytest.mark.parametrize("radius", ["1e300", "2e40", "1e38 km"])
+def test_lengths_whose_powers_no_machine_holds_are_refused(tmp_path: Path, radius: str) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(
+        "control: {end_time: 1}\nbodies: {b: {mass: 1, inertia: [1, 1, 1]}}\n"
+        f"surfaces: {{s: {{type: sphere, body: b, radius: {radius}}}}}\n"
+    )
+    with pytest.raises(DeckErrors, match="radius: is a length of more than"):
+        build(read_deck(deck))
