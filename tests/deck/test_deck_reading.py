@@ -162,7 +162,16 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
             "sped=3",
             "unknown parameter 'sped'; did you mean 'speed'? (parameters: speed, half, count, gap)",
         ),
-        ("speed=30", "the deck has '54 km/h' here; give a number in m/s"),
+        (
+            "speed=30",
+            "the deck has '54 km/h' here, and this is a number without unit; give a number with "
+            "its unit, in m/s, such as '30 km/h'",
+        ),
+        (
+            "speed=30 km",
+            "the deck has '54 km/h' here, and this is a number in m; give a number with its "
+            "unit, in m/s, such as '30 km/h'",
+        ),
         ("count=3 m", "the deck has 3 here; give a number without unit"),
         ("count=", "must be a number, alone or with a unit"),
         ("count=many", "must be a number, alone or with a unit"),

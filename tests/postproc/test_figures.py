@@ -15,7 +15,7 @@ from crashpost.figures.overlay import names
 from crashpost.figures.panels import Wish, panels, profile
 from crashpost.figures.style import COLOURS, DASHES, MOST_LINES, line_look
 from crashpost.results.result import Result
-from crashpost.values import events, injury, words
+from crashpost.values import events, injury, pulse, words
 from crashpost.values.figure import Curve, Figure, figures_of
 from crashpost.values.measured import read_test
 from crashpost.values.units import Units, on_page
@@ -290,7 +290,9 @@ def head(folder: Path) -> Result:
         "matsum-shell": (["door"], part),
         "rbdout": (["heads"], axes),
     }
-    write_result(folder, families, time)
+    card = "{type: accelerometer, body: b, role: head}"
+    deck = f"sensors: {{driver_head: {card}, head_rest: {{type: accelerometer, body: b}}}}"
+    write_result(folder, families, time, deck_text=deck)
     write_status(folder)
     return Result(folder)
 
@@ -305,16 +307,58 @@ def test_gap_crush_and_injury_come_by_default(tmp_path: Path) -> None:
         "Driver head: acceleration",
     ):
         assert title in titles
-    # the word is head, and C_heads or heads are none
-    assert [one.name for one in injury.heads(result)] == ["Driver head"]
+    # the role says what is a head, not its name
+    assert [one.name for one in injury.places(result)] == ["Driver head"]
     rows = {row[1]: row[2:] for row in injury.measures(result)}
     # closed forms of a half sine, as in decks/tutorial/head_form.yaml
-    assert rows["largest acceleration"] == ["50 g", "at 15 ms"]
+    assert rows["largest acceleration"] == ["50 g", "", "", "at 15 ms"]
+    assert rows["CFC 1000"][-1] == "axis by axis"
+    assert rows["HIC, 15 ms"][1:3] == ["700", "within"]
     assert float(rows["HIC, 15 ms"][0]) == pytest.approx(0.4146456495 * 50**2.5 * 0.01, rel=3e-3)
     assert float(rows["3 ms clip"][0].removesuffix(" g")) == pytest.approx(44.55, rel=1e-3)
     assert float(rows["Severity Index"][0]) == pytest.approx(
         0.4576558581 * 50**2.5 * 0.01, rel=2e-3
     )
+
+
+def test_what_is_not_filtered_is_not_called_filtered_nor_judged(tmp_path: Path) -> None:
+    """Samples of 1 ms, where class 1000 needs one every 0.1 ms."""
+    time = np.linspace(0, 0.04, 41)
+    wave = 50 * 9.80665 * np.sin(np.pi * time / 0.04)[:, None] ** 2
+    axes = {f"acceleration/{a}": ("m/s^2", "", wave) for a in "xyz"}
+    deck = "sensors: {dummy: {type: accelerometer, body: b, role: head}}"
+    write_result(tmp_path, {"nodout": (["dummy"], axes)}, time, deck_text=deck)
+    result = Result(tmp_path)
+    rows = injury.measures(result)
+    assert rows[0][1] == "not filtered" and "not every 1 ms" in rows[0][-1]
+    assert not any("CFC" in row[1] for row in rows)
+    assert {row[4] for row in rows} == {"", "not judged: not filtered"}
+    (figure,) = injury.injury_figures(result)
+    assert figure.y[0].label == "resultant, not filtered"
+
+
+def test_advice_is_not_what_was_done_already(tmp_path: Path) -> None:
+    """Samples every 0.1 ms, but for a gap of 2 ms."""
+    time = np.concatenate([np.arange(0, 200) * 1e-4, 0.0219 + np.arange(0, 200) * 1e-4])
+    axes = {"acceleration/x": ("m/s^2", "", np.sin(200 * time)[:, None])}
+    write_result(tmp_path, {"nodout": (["dummy"], axes)}, time)
+    with pytest.raises(PostError) as told:
+        Result(tmp_path).series("cfc(nodout.dummy.acceleration.x, 1000)")
+    assert "give output.history.interval" not in str(told.value)
+    assert "none for 2 ms from 19.9 ms on" in str(told.value)
+
+
+def test_the_load_criterion_of_a_constant_deceleration() -> None:
+    """A = 20 g: free for t = sqrt(2 s / A), then held for T = 2 S / (A t), a = A (t + T) / T."""
+    a, time = 20 * 9.80665, np.linspace(0, 0.15, 3001)
+    free = np.sqrt(2 * 0.065 / a)
+    held = 2 * 0.235 / (a * free)
+    value, start, end = pulse.load_criterion(time, -a * time)
+    # chords of samples 0.05 ms apart: second order, 1e-6 of the times
+    assert (start, end) == pytest.approx((free, free + held), rel=1e-4)
+    assert value == pytest.approx(a * (free + held) / held, rel=1e-4)
+    with pytest.raises(PostError, match="flies on by 65 mm"):
+        pulse.load_criterion(time, -0.1 * time)
 
 
 def test_what_happened_first(tmp_path: Path) -> None:

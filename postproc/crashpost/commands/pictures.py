@@ -137,6 +137,11 @@ def _film(options: argparse.Namespace) -> int:
     from crashpost.renders.tasks import film_task
 
     if output.suffix == ".mp4" and not can_write_mp4():
+        if options.output:
+            raise PostError(
+                f"{output}: imageio_ffmpeg, which writes mp4, is missing: "
+                "pip install 'crashsolve[render]', or name a .gif"
+            )
         output = output.with_suffix(".gif")
         _tell("a gif, for imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
     task = film_task(

@@ -15,11 +15,14 @@ import numpy as np
 from crashpost.errors import PostError
 from crashpost.results.result import Result
 from crashpost.results.table import number
+from crashpost.values import injury
 from crashsolve.channels.display import measure_the_same
 from crashsolve.channels.series import Series
 
 EDITION = "1.6"
 NO_VALUE = "NOVALUE"
+# letters of a channel code before its dimension
+PLACE = 12
 # the standard counts files with three digits
 MOST = 999
 # [of the mean interval] samples are as even as this, or their times are written
@@ -45,13 +48,15 @@ def write_mme(result: Result, path: Path, series: dict[str, Series]) -> None:
     channels = {**times, **series}
     if len(channels) > MOST:
         raise PostError(f"{len(channels)} channels; ISO-MME counts to {MOST}: name fewer")
+    places = _places(result)
     folder = path.parent / "Channel"
     try:
         folder.mkdir(exist_ok=True)
         rows = [("Number of channels", str(len(channels)))]
         for serial, (name, one) in enumerate(channels.items(), start=1):
-            rows.append((f"Name of channel {serial:03d}", f"{code(name, one.unit)} / {name}"))
-            lines = [*_head(name, one, is_even=not times), *map(repr, one.values.tolist())]
+            own = code(name, one.unit, places.get(name.split(".")[1] if "." in name else "", ""))
+            rows.append((f"Name of channel {serial:03d}", f"{own} / {name}"))
+            lines = [*_head(name, one, own, is_even=not times), *map(repr, one.values.tolist())]
             _write(folder / f"{path.stem}.{serial:03d}", lines)
         # channels of an earlier and longer export would pass for some of this one
         for serial in range(len(channels) + 1, MOST + 1):
@@ -62,11 +67,23 @@ def write_mme(result: Result, path: Path, series: dict[str, Series]) -> None:
         raise PostError(f"{error.filename or path}: {error.strerror}") from error
 
 
-def code(name: str, unit: str) -> str:
-    """The channel code of 16 characters: test object 1, dimension, direction, no filter."""
+def code(name: str, unit: str, place: str = "") -> str:
+    """The channel code of 16 characters: test object 1, dimension, direction, no filter.
+
+    `place` are the first 12 letters, test object to fine location 3, where the deck gives them.
+    """
     dimension = next((d for u, d in DIMENSIONS.items() if _is_of(unit, u)), "??")
     last = name.rsplit(".", 1)[-1]
-    return f"1{'?' * 11}{dimension}{DIRECTIONS.get(last, '0')}0"
+    return f"{place or '1' + '?' * 11}{dimension}{DIRECTIONS.get(last, '0')}0"
+
+
+def _places(result: Result) -> dict[str, str]:
+    """The codes of places that sensors have in the deck, by the sensors' names."""
+    return {
+        name: str(card["mme"])
+        for name, card in injury.sensors(result).items()
+        if len(str(card.get("mme") or "")) == PLACE
+    }
 
 
 def _is_of(unit: str, kind: str) -> bool:
@@ -95,7 +112,7 @@ def _test(result: Result, name: str) -> list[tuple[str, str]]:
     ]
 
 
-def _head(name: str, one: Series, *, is_even: bool) -> list[str]:
+def _head(name: str, one: Series, own: str, *, is_even: bool) -> list[str]:
     """The descriptors above the values of a channel."""
     least, greatest = int(np.argmin(one.values)), int(np.argmax(one.values))
     interval = (one.time[-1] - one.time[0]) / max(len(one.time) - 1, 1)
@@ -106,7 +123,7 @@ def _head(name: str, one: Series, *, is_even: bool) -> list[str]:
             ("Name of the channel", name),
             ("Laboratory channel code", NO_VALUE),
             ("Customer channel code", NO_VALUE),
-            ("Channel code", code(name, one.unit)),
+            ("Channel code", own),
             ("Unit", one.unit or "1"),
             ("Reference system", NO_VALUE),
             ("Pre-filter type", NO_VALUE),

@@ -19,6 +19,7 @@ try:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
     from matplotlib.layout_engine import ConstrainedLayoutEngine
+    from matplotlib.ticker import LogFormatter
 except ModuleNotFoundError as missing:
     raise PostError(
         f"figures need {missing.name}, which is missing: pip install 'crashsolve[plot]'"
@@ -149,6 +150,13 @@ def tick(value: float) -> str:
     return digits.replace("-", MINUS) + raised
 
 
+class Powers(LogFormatter):
+    """Labels of a logarithmic axis, in letters rather than as a formula."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return tick(x) if super().__call__(x, pos) else ""
+
+
 def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     """Draw references, then curves, then the axes; returns the legend."""
     if len(figure.y) > MOST_LINES:
@@ -221,6 +229,9 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
     for axis, scale in ((axes.xaxis, figure.x_scale), (axes.yaxis, figure.y_scale)):
         if scale == "linear":
             axis.set_major_formatter(lambda value, _: tick(value))
+        else:
+            axis.set_major_formatter(Powers(labelOnlyBase=False))
+            axis.set_minor_formatter(Powers(labelOnlyBase=False, minor_thresholds=(1.2, 0.5)))
     axes.margins(x=0 if figure.x == "time" and figure.x_scale == "linear" else 0.03)
     if figure.x_range:
         axes.set_xlim(figure.x_range)

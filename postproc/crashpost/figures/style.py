@@ -28,6 +28,8 @@ MATPLOTLIB: dict[Any, Any] = {
     "grid.color": RULE,
     "grid.linewidth": 0.7,
     "text.color": INK,
+    # titles and names are text: a dollar begins no formula
+    "text.parse_math": False,
     "xtick.color": FRAME,
     "ytick.color": FRAME,
     "xtick.labelcolor": MUTED,

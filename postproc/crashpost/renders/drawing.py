@@ -9,8 +9,10 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from crashpost.errors import PostError, unknown
+from crashpost.errors import unknown
 from crashpost.renders.beams import Outline, outlines, prisms
+from crashpost.renders.borders import are_edge_on, borders
+from crashpost.renders.forces import contacts_with_arrows, forces_of
 from crashpost.renders.groups import groups, is_node
 from crashpost.renders.look import Look
 from crashpost.renders.planes import cut, footprints, planes
@@ -28,8 +30,6 @@ from crashpost.renders.shapes import (
 from crashpost.results.states import States
 
 WHOLE = ("bodies", "links", "mass_centres", "hinges")
-# contact forces this far from what is shown, of its size, act on it
-BESIDE = 0.02
 # a moment this near a state is that state; edges drawn between two states may be this short
 LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
 
@@ -52,10 +52,11 @@ class Scene:
         self.color_unit = ""
         if look.color:
             self._check_color()
-        self.contacts = self._contacts_with_arrows()
+        self.contacts = contacts_with_arrows(states, look)
         self.planes = planes(states)
         # points that infinite planes are drawn below; as the run cut them when absent
         self.reach: np.ndarray | None = None
+        self._free_edges: dict[str, tuple[np.ndarray, np.ndarray]] = {}
 
     def at(self, number: float, *, is_ghost: bool = False) -> Drawing:
         """What is seen at a state."""
@@ -258,49 +259,9 @@ class Scene:
         if not any(name == word or name.startswith(f"{word}_") for name in known):
             raise unknown("colour", word, sorted(known))
 
-    def _contacts_with_arrows(self) -> set[int]:
-        word = self.look.arrows
-        if not word or word == "velocity":
-            return set()
-        names = self.states.names["contacts"]
-        family, _, card = word.partition(".")
-        met = {k for k, name in enumerate(names) if not card or fnmatchcase(name, card)}
-        if family != "rcforc" or (card and not met):
-            known = ["velocity", "rcforc", *(f"rcforc.{name}" for name in names)]
-            raise unknown("arrows", word, known)
-        if self.look.magnify != 1.0:
-            raise PostError(f"arrows {word}: forces do not act where magnified displacements lead")
-        return met
-
     def forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
         """Where arrows start, and what they show."""
-        empty = np.empty((0, 3))
-        if self.look.arrows == "velocity":
-            if "mass_centres" not in self.states.blocks:
-                return empty, empty
-            rows = np.array(sorted(self.bodies), int) - 1
-            speed = self.states.read(int(number), "mass_centres", "velocity")["velocity"]
-            return self.positions(number, "mass_centres")[rows], speed[rows].astype(float)
-        if "contacts" not in self.states.blocks:
-            return empty, empty
-        found = self.states.read(int(number), "contacts", "force", "contact")
-        forces = found["force"].astype(float)
-        cards = found.get("contact", np.zeros(len(forces))).astype(int)
-        starts = self.states.positions(int(number), "contacts")
-        chosen = np.isin(cards, list(self.contacts)) & np.any(forces, axis=1)
-        if self.look.show:
-            chosen &= self._near(starts, number)
-        return starts[chosen], forces[chosen]
-
-    def _near(self, points: np.ndarray, number: float) -> np.ndarray:
-        """Which points (n,) lie in the box around what is shown at a state."""
-        shown = self.extent(number)
-        if not len(shown):
-            return np.zeros(len(points), bool)
-        low, high = shown.min(axis=0), shown.max(axis=0)
-        margin = BESIDE * float(np.max(high - low))
-        inside: np.ndarray = np.all((low - margin <= points) & (points <= high + margin), axis=1)
-        return inside
+        return forces_of(self, number, self.contacts)
 
     def _used_points(self, name: str, number: float) -> np.ndarray:
         """Numbers of the points of cells that are drawn."""
@@ -345,9 +306,10 @@ class Scene:
         if name == "ground":
             palette = [GROUND]
             # planes seen from their edge are lines
-            round_ = points[self.planes]
-            ends = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2, 3)
-            drawing.lines.append(Lines(ends, GREY, 0.8))
+            if len(self.planes):
+                round_ = points[self.planes]
+                ends = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+                drawing.lines.append(Lines(ends, GREY, 0.8))
         elif name == "bodies" and not self.look.color and "body" in block.fixed:
             bodies = block.fixed["body"].astype(int)
             palette = [self._body_colour(k) if k else GREY for k in range(len(self.groups))]
@@ -355,6 +317,12 @@ class Scene:
         elif name.startswith("part_") and not self.look.color:
             part = name.removeprefix("part_")
             palette = [self._part_colour(self.states.names["parts"].index(part))]
+        if name.startswith("part_"):
+            edges, rows = self._borders(name)
+            # as many lines at each state: those of deleted elements have no length
+            ends = points[np.where(shown[rows][:, None], edges, edges[:, :1])]
+            if asked[rows].any():
+                drawing.lines.append(Lines(ends, LINE, 1.0))
         for rows, corners in block.cells:
             kept = shown[rows]
             # as many surfaces at each state, also where one has lost all of its elements
@@ -424,6 +392,22 @@ class Scene:
         for body in np.unique(bodies[shown]):
             own = points[corners[bodies == body]]
             drawing.lines.append(Lines(own, self._body_colour(int(body)), 4.0))
+
+    def _borders(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        if name not in self._free_edges:
+            self._free_edges[name] = borders(self.states.blocks[name])
+        return self._free_edges[name]
+
+    def shells_are_edge_on(self, towards: np.ndarray) -> bool:
+        """Whether there are shells, and all are seen from their edges."""
+        found = []
+        for name in self.drawn:
+            if name.startswith("part_") and self._cells_shown(name).any():
+                points = self.states.blocks[name].points
+                for _, corners in self.states.blocks[name].cells:
+                    if corners.shape[1] in (3, 4):
+                        found.append(are_edge_on(points, corners, towards))
+        return bool(found) and all(found)
 
 
 def _edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

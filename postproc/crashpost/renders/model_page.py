@@ -4,7 +4,6 @@ k3d (three.js inside) draws it in any browser. States and triangles are thinned 
 """
 
 import json
-import re
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ MOST_STATES, MOST_NUMBERS = 60, 3_000_000
 # polygons of a surface above which a field is shown by its vertices, which take a sixth of the room
 FINE = 20_000
 SECONDS = 6.0
-MOST_NAMES = 8
+MOST_NAMES = 24
 # the bar below the picture: play and pause, a slider for the time, what colours mean
 PLAYER = """
 const facts = @FACTS@;
@@ -152,7 +151,7 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
                 "key": _key(shades, scene),
                 "camera": [*map(float, eye), *map(float, seen.middle), *map(float, seen.up)],
             }
-        ).replace("</", "<\\/"),
+        ).replace("<", "\\u003c"),
     )
     text = shown.get_snapshot(9, additional_js_code=script)
     words = f"{len(numbers)} of {len(states.times)} states"
@@ -213,9 +212,14 @@ def _put(
         for kind in np.unique(surface.which):
             shown += _plain_mesh(k3d, surface, same, int(kind))
     for number, lines in enumerate(first.lines):
+        # a browser draws nothing more once it was given what has no points
+        if not len(lines.ends):
+            continue
         ends = {key: drawing.lines[number].ends for key, drawing in frames.items()}
         shown += _segments(k3d, ends, lines.colour, 0.5 * width * lines.width)
     for number, dots in enumerate(first.dots):
+        if not len(dots.points):
+            continue
         places = {key: one.dots[number].points.astype(np.float32) for key, one in frames.items()}
         size = 2.0 * seen.dot
         shown += k3d.points(places, point_size=size, shader="mesh", color=_code(dots.colour))
@@ -332,6 +336,6 @@ def _code(colour: str) -> int:
 
 def _titled(text: str, title: str) -> str:
     """The page with its title in the browser's tab."""
-    return re.sub(
-        r"<title>.*?</title>", f"<title>{escape(title)}</title>", text, count=1, flags=re.S
-    )
+    before, _, rest = text.partition("<title>")
+    _, _, after = rest.partition("</title>")
+    return f"{before}<title>{escape(title)}</title>{after}"

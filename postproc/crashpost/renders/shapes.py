@@ -9,7 +9,13 @@ import numpy as np
 
 GREY, GROUND, LINE, ARROW, GHOST = "#9aa3ab", "#d8d3c8", "#4a535c", "#b3341f", "#b9c0c6"
 # told apart by the colour-blind, and in grey by their lightness (Okabe and Ito 2008)
-COLOURS = ("#0072b2", "#e69f00", "#56b4e9", "#cc79a7", "#009e73", "#f0e442", "#d55e00")
+FEW = ("#0072b2", "#e69f00", "#56b4e9", "#cc79a7", "#009e73", "#f0e442", "#d55e00")
+# where there are more bodies: darker and paler ones of other hues
+COLOURS = (
+    *FEW,
+    *("#332288", "#882255", "#999933", "#44aa99", "#664433", "#aabbee", "#ff99bb", "#225533"),
+    *("#bb88dd",),
+)
 
 
 @dataclass

@@ -6,7 +6,7 @@ change.
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 
 from crashpost.errors import PostError
 from crashpost.figures.draw import tick
@@ -27,17 +28,23 @@ from crashsolve.channels.display import factor, readable
 
 # inches
 WIDTH, LEAST_WIDTH, GAP, CAPTION, TITLE, LINE, FOOTER = 7.2, 4.8, 0.12, 0.24, 0.36, 0.18, 0.66
-# around the sheet
-PAD = 0.07
+# around the sheet; room for the legend of arrows
+PAD, ARROWS_ROOM = 0.07, 1.65
 # a picture this many times as wide as high is put below the one before, not beside it
 WIDE, HALF_WIDE = 3.2, 2.2
-MOST_COLUMNS, MOST_NAMES = 4, 8
-# of names
-LETTERS_PER_INCH = 13.0
+MOST_COLUMNS, MOST_NAMES = 4, 24
+# of names: letters, lines of names that a footer has room for, height of each further line
+LETTERS_PER_INCH, NAME_LINES, NAME_LINE = 13.0, 2, 0.2
+# of the arrow in the legend [inches]; of a bar of colours at least
+LONGEST_ARROW, LEAST_BAR = 1.0, 0.4
 # of a film: heights of the picture over the film's width, least width [pixels], frame above and
 # below the picture [inches], letters of a title for each pixel
 FILM_HEIGHTS, NARROWEST = (0.16, 0.6), 480
-FILM_FRAME, LETTERS = (0.52, FOOTER), 84 / 960
+FILM_HEAD, LETTERS = 0.52, 84 / 960
+# with colours or names beside arrows [pixels]
+NARROWEST_WITH_ARROWS = 720
+# left white below the legend of a film, where players lay their controls [inches]
+CONTROLS = 0.45
 DPI = 160
 
 
@@ -60,12 +67,37 @@ class Key:
         unit = readable("m", length)
         return length, f"{length * factor('m', unit):g} {unit}"
 
+    def arrow_bar(self, panel: float) -> tuple[float, str]:
+        """Length [inches] of the legend's arrow beside a picture of this width, and its label.
+
+        It is as long as an arrow of the picture that shows as much.
+        """
+        unit = readable(self.arrow_unit, self.arrow_size)
+        scale = factor(self.arrow_unit, unit) if unit != self.arrow_unit else 1.0
+        inches = self.arrow / self.camera.width * panel / scale  # of one unit
+        shown = round_length(3.0 * min(LONGEST_ARROW / inches, self.arrow_size * scale))
+        return inches * shown, f"{shown:g} {unit}"
+
     @property
     def arrow_label(self) -> str:
         """The largest force or speed that an arrow shows."""
         unit = readable(self.arrow_unit, self.arrow_size)
         size = self.arrow_size * (factor(self.arrow_unit, unit) if unit != self.arrow_unit else 1)
         return f"largest {size:.3g} {unit}"
+
+    def footer(self, width: float, panel: float) -> float:
+        """Height of the legend below pictures on a sheet of this width [inches]."""
+        if self.shades.name or not self.names:
+            return FOOTER
+        start, stop = self.between(width, panel)
+        lines, _ = name_grid(self.names, stop - start)
+        return FOOTER + NAME_LINE * max(lines - NAME_LINES, 0)
+
+    def between(self, width: float, panel: float) -> tuple[float, float]:
+        """Where colours or names begin and end, right of the scale bar, left of arrows."""
+        bar = self.scale_bar[0] / self.camera.width * panel
+        start = max(PAD + 0.02 + bar, 1.7 if self.told else 1.2) + 0.3
+        return start, width - (ARROWS_ROOM if self.arrow_size else 0.1)
 
 
 @dataclass(frozen=True)
@@ -78,10 +110,11 @@ class Layout:
     panel: tuple[float, float]
     title: float
     caption: float
+    footer: float = FOOTER
 
     @property
     def height(self) -> float:
-        return PAD + self.title + self.rows * (self.panel[1] + self.caption + GAP) + FOOTER
+        return PAD + self.title + self.rows * (self.panel[1] + self.caption + GAP) + self.footer
 
     @property
     def pixels(self) -> tuple[int, int]:
@@ -112,6 +145,11 @@ def layout(captions: Sequence[str], aspect: float, title: str, width: float = WI
     return Layout(columns, rows, sheet, (panel, panel / aspect), head, caption)
 
 
+def with_footer(sizes: Layout, key: Key) -> Layout:
+    """The layout with as high a legend as its names ask for."""
+    return replace(sizes, footer=key.footer(sizes.width, sizes.panel[0]))
+
+
 def strip(
     path: Path,
     title: str,
@@ -131,19 +169,29 @@ def strip(
             left = PAD + column * (w + GAP)
             top = sizes.height - PAD - sizes.title - row * (h + sizes.caption + GAP)
             _panel(figure, picture, (left, top - sizes.caption - h, w, h), caption, is_tall=is_tall)
-        _footer(figure, key, w)
+        _footer(figure, key, w, sizes.footer)
         try:
             figure.savefig(path, dpi=DPI)
         except (OSError, ValueError) as error:
             raise PostError(f"{path}: {error}") from error
 
 
+@dataclass(frozen=True)
+class Place:
+    """Room below the picture of a film, and below the legend in it [inches]."""
+
+    below: float
+    lift: float
+
+
 class Sheet:
     """The sheet of a film (height, width, 3): a window for the picture, a line for the time."""
 
-    def __init__(self, title: str, key: Key, size: tuple[int, int], speed: str) -> None:
+    def __init__(
+        self, title: str, key: Key, size: tuple[int, int], speed: str, place: "Place"
+    ) -> None:
         width, height = size
-        self.window = film_window(size)
+        self.window = film_window(size, place.below)
         with mpl.rc_context(MATPLOTLIB):
             figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
             most = round(width * LETTERS)
@@ -160,7 +208,7 @@ class Sheet:
                 fontsize=7,
                 color=MUTED,
             )
-            _footer(figure, key, width / DPI)
+            _footer(figure, key, width / DPI, place.below - place.lift, place.lift)
             canvas = FigureCanvasAgg(figure)
             canvas.draw()
             self.blank = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -178,18 +226,30 @@ class Sheet:
         return np.asarray(image)
 
 
-def film_size(aspect: float, width: int) -> tuple[int, int]:
-    """Width and height of a film, both even, for a picture of this aspect, at most `width` wide."""
+def narrowest(*, has_arrows: bool, has_more: bool) -> int:
+    """Least width [pixels] of a film whose legend has arrows, and colours or names."""
+    return NARROWEST_WITH_ARROWS if has_arrows and has_more else NARROWEST
+
+
+def film_size(
+    aspect: float, width: int, least_width: int = NARROWEST, below: float = FOOTER + CONTROLS
+) -> tuple[int, int]:
+    """Width and height of a film, both even, for a picture of this aspect, at most `width` wide.
+
+    `below` is the height of what stands below the picture [inches].
+    """
     least, most = FILM_HEIGHTS
     window = float(np.clip(width / aspect, least * width, most * width))
-    whole = float(np.clip(window * aspect, NARROWEST, width))
-    beside = sum(FILM_FRAME) * DPI
+    whole = float(np.clip(window * aspect, min(least_width, width), width))
+    beside = (FILM_HEAD + below) * DPI
     return 2 * round(whole / 2), 2 * round((window + beside) / 2)
 
 
-def film_window(size: tuple[int, int]) -> tuple[int, int, int, int]:
+def film_window(
+    size: tuple[int, int], below: float = FOOTER + CONTROLS
+) -> tuple[int, int, int, int]:
     """Left, top, width and height of the picture on the sheet of a film [pixels]."""
-    top, bottom = (round(part * DPI) for part in FILM_FRAME)
+    top, bottom = round(FILM_HEAD * DPI), round(below * DPI)
     return 0, top, size[0], size[1] - top - bottom
 
 
@@ -236,41 +296,47 @@ def _panel(
     figure.text(left / width, raised, time, fontsize=8.5, va="bottom")
 
 
-def _footer(figure: Figure, key: Key, panel: float) -> None:
-    """Scale bar on the left, colours or names in the middle, arrows on the right."""
+def _footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.0) -> None:
+    """Scale bar on the left, colours or names in the middle, arrows on the right [inches]."""
     width, height = figure.get_size_inches()
     length, label = key.scale_bar
     bar = length / key.camera.width * panel
-    axes = figure.add_axes((0, 0, 1, FOOTER / height))
+    # written from the top of the legend downwards: more names take more lines
+    low = FOOTER - tall
+    axes = figure.add_axes((0, lift / height, 1, tall / height))
     axes.set_axis_off()
     axes.set_xlim(0, width)
-    axes.set_ylim(0, FOOTER)
+    axes.set_ylim(low, FOOTER)
     left = PAD + 0.02
     axes.plot([left, left + bar], [0.36, 0.36], color=INK, linewidth=2.2, solid_capstyle="butt")
     for end in (left, left + bar):
         axes.plot([end, end], [0.31, 0.41], color=INK, linewidth=1)
     axes.text(left, 0.24, label, fontsize=8, va="top", color=INK)
     axes.text(left, 0.11, key.told, fontsize=8, va="top", color=ARROW)
-    start = max(left + bar, 1.7 if key.told else 1.2) + 0.3
-    stop = width - (1.65 if key.arrow_size else 0.1)
+    start, stop = key.between(width, panel)
     if key.shades.name:
-        _colour_bar(figure, key.shades, start, stop)
+        _colour_bar(figure, key.shades, (start, stop), lift - low)
     elif key.names:
         _names(axes, key.names, start, stop)
     if key.arrow_size:
-        axes.annotate(
-            "",
-            (width - 0.95, 0.40),
-            (width - 1.5, 0.40),
-            arrowprops={"color": ARROW, "width": 2, "headwidth": 7, "headlength": 7},
-        )
-        axes.text(width - 1.5, 0.24, key.arrow_label, fontsize=8, va="top", color=INK)
+        _arrow(axes, key, width - ARROWS_ROOM + 0.15, panel)
 
 
-def _colour_bar(figure: Figure, shades: Shades, start: float, stop: float) -> None:
+def _arrow(axes: Any, key: Key, left: float, panel: float) -> None:
+    """An arrow of a round size, as long as it would be in the picture."""
+    length, label = key.arrow_bar(panel)
+    head = min(0.1, 0.6 * length)
+    axes.plot([left, left + length - 0.5 * head], [0.36, 0.36], color=ARROW, linewidth=2)
+    tip = [(left + length, 0.36), (left + length - head, 0.41), (left + length - head, 0.31)]
+    axes.add_patch(Polygon(tip, color=ARROW, linewidth=0))
+    axes.text(left, 0.49, label, fontsize=8, va="bottom", color=INK)
+    axes.text(left, 0.24, key.arrow_label, fontsize=8, va="top", color=INK)
+
+
+def _colour_bar(figure: Figure, shades: Shades, ends: tuple[float, float], lift: float) -> None:
     width, height = figure.get_size_inches()
-    stop = min(stop - 0.25, start + 3.2)
-    place = (start / width, 0.34 / height, (stop - start) / width, 0.11 / height)
+    start, stop = ends[0], min(max(ends[1] - 0.25, ends[0] + LEAST_BAR), ends[0] + 3.2)
+    place = (start / width, (lift + 0.34) / height, (stop - start) / width, 0.11 / height)
     axes = figure.add_axes(place)
     scale = shades.scale
     norm = Normalize(shades.low * scale, shades.high * scale)
@@ -281,22 +347,41 @@ def _colour_bar(figure: Figure, shades: Shades, start: float, stop: float) -> No
     axes.grid(False)
     unit = shades.shown_unit if shades.shown_unit not in ("", "1") else ""
     words = ", ".join(part for part in (shades.name.replace("_", " "), unit) if part)
-    figure.text(start / width, 0.49 / height, words, fontsize=8, va="bottom", color=INK)
+    figure.text(start / width, (lift + 0.49) / height, words, fontsize=8, va="bottom", color=INK)
 
 
-def _names(axes: Any, names: Sequence[tuple[str, str]], start: float, stop: float) -> None:
-    """A square of its colour before each name, in up to two lines."""
+def shown_names(names: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Names with their colours as the legend has room for them."""
     shown = list(names[:MOST_NAMES])
     if len(names) > MOST_NAMES:
         shown[-1] = (f"and {len(names) - MOST_NAMES + 1} more", "#ffffff")
-    columns = -(-len(shown) // 2) if len(shown) > 3 else len(shown)
-    # as wide as the longest name asks; of names that are cut the ends tell them apart
+    return shown
+
+
+def name_width(shown: Sequence[tuple[str, str]]) -> float:
+    """Room for a name [inches]: what the longest asks for."""
     longest = max(len(name) for name, _ in shown)
-    step = min((stop - start) / columns, max((longest + 4) / LETTERS_PER_INCH, 0.8))
+    return max((longest + 4) / LETTERS_PER_INCH, 0.8)
+
+
+def name_grid(names: Sequence[tuple[str, str]], room: float) -> tuple[int, int]:
+    """Lines and columns of a legend of names in some inches; long names are cut, not lost."""
+    count = len(shown_names(names))
+    few = -(-count // NAME_LINES) if count > 3 else count
+    # a column is at least 0.8 inches wide: eight letters of a name
+    columns = max(min(few, int(room / min(name_width(shown_names(names)), 1.1))), 1)
+    return -(-count // columns), columns
+
+
+def _names(axes: Any, names: Sequence[tuple[str, str]], start: float, stop: float) -> None:
+    """A square of its colour before each name."""
+    shown = shown_names(names)
+    _, columns = name_grid(names, stop - start)
+    step = min((stop - start) / columns, name_width(shown))
     most = max(int(step * LETTERS_PER_INCH) - 3, 5)
     for k, (name, colour) in enumerate(shown):
         row, column = divmod(k, columns)
-        x, y = start + column * step, 0.42 - 0.2 * row
+        x, y = start + column * step, 0.42 - NAME_LINE * row
         axes.plot([x + 0.05], [y], "s", color=colour, markersize=6)
         fitted = name if len(name) <= most else "\N{HORIZONTAL ELLIPSIS}" + name[1 - most :]
         axes.text(x + 0.15, y, fitted, fontsize=8, va="center", color=INK)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,8 +32,13 @@ INSTALL = "pip install 'crashsolve[render]'"
 NARROW, WIDEST = 0.45, 14.0
 # of arrows, share of their length that lies along the line of sight, above which they are dots
 HEAD_ON = 0.8
+# height of the picture of a film at least, and of a film that is small [pixels]
+LOWEST, SMALL = 16, 400
 # arrows of less, in N or m/s, are round-off
 NOTHING = 1e-9
+
+if TYPE_CHECKING:
+    from crashpost.renders.sheet import Key, Place
 
 Progress = Callable[[int, int], None]
 
@@ -97,11 +102,6 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
     shift = _shifts(scene, task)
     view = View(scene, task, numbers, shift)
     seen, arrow = view.camera((NARROW, WIDEST))
-    size = task.size if task.size[1] else compose.film_size(seen.aspect, task.size[0])
-    if task.is_film:
-        window = compose.film_window(size)
-        aspect = window[2] / window[3]
-        seen, arrow = view.camera((aspect, aspect))
     key = compose.Key(
         seen,
         _shades(scene, numbers),
@@ -112,11 +112,17 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
         scene.look.told,
     )
     captions = [caption for _, caption in task.frames]
-    sizes = compose.layout(captions, seen.aspect, task.title)
+    if task.is_film:
+        size, place = _film_size(task, key)
+        window = compose.film_window(size, place.below)
+        aspect = window[2] / window[3]
+        seen, arrow = view.camera((aspect, aspect))
+        key = replace(key, camera=seen, arrow=arrow)
+    sizes = compose.with_footer(compose.layout(captions, seen.aspect, task.title), key)
     width, height = window[2:] if task.is_film else sizes.pixels
     easel = painter(width, height)
     start = scene.ghost() if task.ghost else Drawing()
-    sheet = compose.Sheet(task.title, key, size, task.speed) if task.is_film else None
+    sheet = compose.Sheet(task.title, key, size, task.speed, place) if task.is_film else None
 
     def pictures() -> Any:
         for k, (number, _) in enumerate(task.frames):
@@ -134,6 +140,31 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
 
         write_film(Path(task.output), frames, task.fps, size)
     easel.close()
+
+
+def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Place"]:
+    """Width and height of a film [pixels], and the room below its picture."""
+    from crashpost.renders import sheet as compose
+
+    has_more = bool(key.shades.name or key.names)
+    least = compose.narrowest(has_arrows=bool(key.arrow_size), has_more=has_more)
+    width = task.size[0]
+    if not task.size[1]:
+        aspect = key.camera.aspect
+        width = compose.film_size(aspect, width, least)[0]
+    elif width < least:
+        raise PostError(f"--size: a film with arrows and a legend is {least} pixels wide or more")
+    inches = width / compose.DPI
+    # players lay their controls over the lower edge; who asks for a small film has no room there
+    is_played = task.output.endswith(".mp4") and not 0 < task.size[1] < SMALL
+    lift = compose.CONTROLS if is_played else 0.0
+    below = key.footer(inches, inches) + lift
+    place = compose.Place(below, lift)
+    if not task.size[1]:
+        return compose.film_size(key.camera.aspect, task.size[0], least, below), place
+    if task.size[1] < (compose.FILM_HEAD + below) * compose.DPI + LOWEST:
+        raise PostError(f"--size: {task.size[1]} pixels of height leave none for the picture")
+    return task.size, place
 
 
 def _shifts(scene: Scene, task: Task) -> list[np.ndarray]:
@@ -181,6 +212,8 @@ class View:
         up, view = self.scene.states.up, self.task.view
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         first = cameras.camera(view, up, low, high)
+        if view == "auto" and self.scene.shells_are_edge_on(first.towards):
+            first = cameras.camera("iso", up, low, high)
         if self.largest <= NOTHING:
             return cameras.fitted(first, self.points, *limits), 0.0
         if view == "auto" and _point_at_the_eye(self.vectors, first):
@@ -244,7 +277,9 @@ def _reason(code: int, words: list[str]) -> str:
     last = words[-1] if words else ""
     if "ModuleNotFoundError" in last and "'" in last:
         return f"a plain picture, for {last.split(chr(39))[1]} is missing: {INSTALL}"
-    died = f"died of {signal.Signals(-code).name}" if code < 0 else f"gave up ({last or code})"
+    if code > 0 and "libGL" not in last and "ImportError" not in last:
+        return f"a plain picture, for pyvista could not paint this one ({last or code})"
+    died = f"died of {signal.Signals(-code).name}" if code < 0 else f"gave up ({last})"
     return (
         f"a plain picture, for VTK {died}. It needs graphics libraries, "
         f"also without a screen: apt-get install {PACKAGES}"

@@ -227,8 +227,9 @@ def _events(result: Result, time_unit: str) -> str:
 
 def _injury(result: Result) -> str:
     rows = injury.measures(result) if len(result.time) > 1 else []
-    note = f"<p class=note>Of accelerations filtered by CFC {injury.CLASS}, axis by axis.</p>"
-    return table(("", "measure", "value", "when"), rows, ("", "", "num", "")) + note * bool(rows)
+    note = "<p class=note>Limits are those for a 50th percentile man (49 CFR 571.208, UN R94).</p>"
+    has_limits = any(row[3] for row in rows)
+    return table(injury.HEADER, rows, ("", "", "num", "num", "", "")) + note * has_limits
 
 
 def _peaks(result: Result, time_unit: str) -> str:

@@ -6,7 +6,6 @@ A result of any size needs the memory of its geometry and of one state (FILE_FOR
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,17 @@ import h5py
 import numpy as np
 
 from crashpost.errors import PostError
+from crashpost.results.state_checks import (
+    Block,
+    Damaged,
+    check_corners,
+    check_numbers,
+    corners_of,
+    field_of,
+    points_of,
+    sections_of,
+    vertical_of,
+)
 from crashpost.results.text import printable
 
 FORMAT = "crashsolve states"
@@ -23,21 +33,8 @@ LINE = 2
 MIXED = {1: 1, LINE: 2, 4: 3, 5: 4, 6: 4, 8: 6, 9: 8}
 # value of vtkGhostType for what is not drawn
 GHOST, HIDDEN = "vtkGhostType", 32
+__all__ = ["Block", "States"]
 NOT_FIELDS = ("points", "cells")
-
-
-@dataclass(frozen=True)
-class Block:
-    """A mesh drawn as one thing; `rows` of each array of corners are its places among all cells."""
-
-    name: str
-    points: np.ndarray
-    cells: list[tuple[np.ndarray, np.ndarray]]  # rows, corners (m, k)
-    fixed: dict[str, np.ndarray] = field(default_factory=dict)
-
-    @property
-    def n_cells(self) -> int:
-        return sum(len(rows) for rows, _ in self.cells)
 
 
 class States:
@@ -58,10 +55,11 @@ class States:
                 kind: [printable(str(name)) for name in names.get(kind, [])]
                 for kind in ("bodies", "parts", "contacts")
             }
-            self.sections = [np.array(o) for o in json.loads(file.attrs.get("sections", "[]"))]
-            self.up = np.array(json.loads(file.attrs.get("up", "[0, 0, 1]")))
+            self.sections = sections_of(json.loads(file.attrs.get("sections", "[]")))
+            self.up = vertical_of(json.loads(file.attrs.get("up", "[0, 0, 1]")))
             self.blocks = {name: self._block(name, file[name]) for name in file}
-        self._name_what_is_without()
+            self._name_what_is_without()
+            check_numbers(self.blocks, self.names, len(self.sections))
         self.times = np.array([self._time(path) for path in self.files])
 
     def nearest(self, time: float) -> int:
@@ -83,12 +81,8 @@ class States:
             for name in names:
                 path = f"{block}/{name}"
                 if path in file:
-                    found[name] = file[path][...]
+                    found[name] = field_of(self.blocks[block], name, file[path])
                     self.units[name] = printable(str(file[path].attrs.get("unit", "")))
-                    if found[name].dtype.kind == "f" and not np.isfinite(found[name]).all():
-                        raise PostError(
-                            f"{self.files[number]}: {path} holds values that are no finite numbers"
-                        )
                 elif name in self.blocks[block].fixed:
                     found[name] = self.blocks[block].fixed[name]
         return found
@@ -125,17 +119,21 @@ class States:
             )
 
     def _block(self, name: str, group: Any) -> Block:
-        points, cells = group["points"][...], group["cells"][...]
-        fixed = {key: group[key][...] for key in group if key not in NOT_FIELDS}
+        points, cells = points_of(group["points"]), corners_of(group["cells"])
+        kinds = [(np.arange(len(cells)), cells)] if cells.ndim == 2 else _unmixed(cells)
+        check_corners(kinds, len(points))
+        bare = Block(name, points, kinds)
+        fixed = {key: field_of(bare, key, group[key]) for key in group if key not in NOT_FIELDS}
         for key in fixed:
             self.units[key] = printable(str(group[key].attrs.get("unit", "")))
-        if cells.ndim == 2:
-            return Block(name, points, [(np.arange(len(cells)), cells)], fixed)
-        return Block(name, points, _unmixed(cells), fixed)
+        return Block(name, points, kinds, fixed)
 
     def _time(self, path: Path) -> float:
         with _open(path) as file:
-            return float(file.attrs["time"])
+            time = float(file.attrs["time"])
+            if not np.isfinite(time):
+                raise Damaged("its time is no number")
+            return time
 
 
 def _unmixed(flat: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -164,5 +162,7 @@ def _open(path: Path) -> Iterator[h5py.File]:
             yield file
     except PostError:
         raise
+    except Damaged as damage:
+        raise PostError(f"{path}: {damage}") from damage
     except Exception as error:
         raise PostError(f"{path}: not readable ({error})") from error

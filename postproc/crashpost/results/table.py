@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 def text_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Columns padded to their widest cell; columns of numbers are set to the right."""
-    columns = list(zip(*rows, strict=True))
+    columns = list(zip(*rows, strict=True)) or [()] * len(header)
     widths = [max(map(len, (head, *cells))) for head, cells in zip(header, columns, strict=True)]
     right = [all(map(_is_number, cells)) for cells in columns]
     lines = [header, ["-" * width for width in widths], *rows]

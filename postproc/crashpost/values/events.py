@@ -21,6 +21,8 @@ STARTS = {
 }
 # [of the largest value] less is round-off
 LEAST = 1e-9
+# [of a touch] a force that ends so much before its surfaces part is told by itself
+LATE = 0.05
 
 
 class Event(NamedTuple):
@@ -56,6 +58,7 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
     before = start - 1.0
     columns = {column.name: column for column in family.columns}
     forces = result.extremes(family, columns["normal"]) if "normal" in columns else None
+    ends = _force_ends(result, family, columns.get("normal"))
     touches, releases = (
         result.last(family, columns[name]) if name in columns else np.full(len(family.ids), before)
         for name in ("first_touch", "last_release")
@@ -70,7 +73,28 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
             told = f"{number(force * factor('N', unit))} {unit}"
             yield Event(float(result.time[top]), f"{_name(entity)}: largest contact force, {told}")
         if touch >= start and touch < release < end:
-            yield Event(release, f"{_name(entity)}: last release")
+            # surfaces may stay together, or part late, where no force is left between them
+            ended = float(ends[at])
+            if ended < release - LATE * (release - touch):
+                yield Event(ended, f"{_name(entity)}: the force has ended")
+                yield Event(release, f"{_name(entity)}: the surfaces part")
+            else:
+                yield Event(release, f"{_name(entity)}: last release")
+
+
+def _force_ends(result: Result, family: Family, column: Column | None) -> np.ndarray:
+    """Times (n_id,) of the first samples without force after the last with one; never: inf."""
+    found = np.full(len(family.ids), np.inf)
+    if column is None:
+        return found
+    largest = result.extremes(family, column).largest
+    for first, values in result.slabs(family, column):
+        for at in range(len(family.ids)):
+            rows = np.flatnonzero(np.abs(values[:, at]) > LEAST * largest)
+            if len(rows):
+                after = first + int(rows[-1]) + 1
+                found[at] = result.time[after] if after < len(result.time) else np.inf
+    return found
 
 
 def _starts(result: Result, family: Family, column: Column) -> Iterator[Event]:

@@ -1,13 +1,20 @@
-"""Measures of injury of heads, found by their names: peak, 3 ms clip, HIC and Severity Index.
+"""Measures of injury and of crash pulses, by the role that an accelerometer has in its deck.
 
-A head is an accelerometer or a body one of whose words is `head`: driver_head, head-form. Its
-acceleration is filtered by channel frequency class 1000, axis by axis, as the rules of crash tests
-have it for heads (SAE J211-1); where the run was sampled too rarely for that, or is too short, it
-is taken as it was sampled, and the measure says so.
+    role     filter    measures                                limits
+    head     CFC 1000  peak, 3 ms clip, HIC, Severity Index    HIC 700 and 1000, 80 g in 3 ms
+    chest    CFC 180   peak, 3 ms clip                         60 g in 3 ms
+    pelvis   CFC 1000  peak, 3 ms clip                         none
+    vehicle  CFC 60    peak, 3 ms clip, velocity change, OLC   none
+
+Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 S6.2(b) and S6.3 for HIC of 15 ms
+and the chest, UN R94 5.2.1.1 and 5.2.1.2 for HIC of 36 ms and 80 g; both for a 50th percentile man.
+Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
+as they are, and the measure says so.
 """
 
-import re
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 from crashpost.errors import PostError
 from crashpost.results.answer import answer
@@ -15,85 +22,119 @@ from crashpost.results.choice import plain
 from crashpost.results.result import Result
 from crashpost.results.table import number
 from crashpost.values.figure import Curve, Figure, Reference
+from crashpost.values.pulse import pulse_rows
 from crashpost.values.words import capital
 from crashsolve.channels.errors import TooShort
 
 HIC = ("15 ms", "36 ms")
-# channel frequency class of accelerations of heads, SAE J211-1
-CLASS = 1000
+CLIP = "3 ms"
+# channel frequency classes, SAE J211-1
+CLASSES = {"head": 1000, "chest": 180, "pelvis": 1000, "vehicle": 60}
+# greatest values allowed, of HIC and in g
+LIMITS = {
+    "head": {"HIC, 15 ms": 700.0, "HIC, 36 ms": 1000.0, "3 ms clip": 80.0},
+    "chest": {"3 ms clip": 60.0},
+}
+HEADER = ("", "measure", "value", "limit", "", "when")
 
 
 @dataclass(frozen=True)
-class Head:
-    """A head and its resultant acceleration."""
+class Place:
+    """An accelerometer with a role, and its resultant acceleration."""
 
     name: str
+    role: str
     channel: str
+    sensor: str
     # why it is not filtered; empty where it is
     plain_because: str = ""
+    has_gravity: bool = False
+
+    @property
+    def filter(self) -> str:
+        """How its acceleration was filtered, in words."""
+        return "" if self.plain_because else f"CFC {CLASSES[self.role]}"
 
 
-def heads(result: Result) -> list[Head]:
-    """All heads: their accelerometers, bodies only where there are none."""
-    for family in ("nodout", "rbdout"):
-        known = {c.name for f in result.families.values() if f.word == family for c in f.columns}
-        if "acceleration.x" not in known:
-            continue
-        bodies = _bodies_of_accelerometers(result) if family == "nodout" else {}
-        found = [
-            _head(result, capital(entity.replace("_", " ")), f"{family}.{entity}")
-            for one in result.families.values()
-            if one.word == family
-            for entity in one.ids
-            if _is_head(entity) or _is_head(bodies.get(entity, ""))
-        ]
-        if found:
-            return found
-    return []
+def places(result: Result) -> list[Place]:
+    """All accelerometers to which the deck gives a role."""
+    known = {
+        entity
+        for family in result.families.values()
+        if family.word == "nodout"
+        for entity in family.ids
+    }
+    return [
+        _place(result, name, card["role"], has_gravity=card.get("gravity") is True)
+        for name, card in sensors(result).items()
+        if name in known and card.get("role") in CLASSES
+    ]
 
 
 def measures(result: Result) -> list[list[str]]:
-    """A row for each measure of each head: head, measure, value, when."""
+    """A row for each measure of each place: name, measure, value, limit, verdict, when."""
     rows = []
-    for head in heads(result):
-        if head.plain_because:
-            rows.append([head.name, "not filtered", "", head.plain_because])
-        rows.append([head.name, "largest acceleration", *_peak(result, head.channel)])
-        clip = f"clip({head.channel}, '3 ms')"
-        rows.append([head.name, "3 ms clip", *_told(result, clip, "max", "g")])
-        for window in HIC:
-            rows.append([head.name, f"HIC, {window}", *_hic(result, head.channel, window)])
-        index = f"si({head.channel})"
-        rows.append([head.name, "Severity Index", *_told(result, index, "final")])
+    for place in places(result):
+        told = place.plain_because or "axis by axis"
+        rows.append([place.name, place.filter or "not filtered", "", "", "", told])
+        held = "as instruments show it" if place.has_gravity else "left out"
+        rows.append([place.name, "gravity", "", "", "", held])
+        rows += [_judged(place, *row) for row in _measures(result, place)]
     return rows
 
 
 def injury_figures(result: Result) -> list[Figure]:
-    """The acceleration of every head, with the window of its HIC of 15 ms and its 3 ms clip."""
+    """The acceleration of every place, with the window of HIC of 15 ms of heads, 3 ms clip."""
     figures = []
-    for head in heads(result):
-        peak = result.value(head.channel, "max", unit="g0")
+    for place in places(result):
+        peak = result.value(place.channel, "max", unit="g0")
         if not peak > 0:
             continue
-        curve = Curve(head.channel, "resultant" if head.plain_because else f"CFC {CLASS}")
-        title = f"{head.name}: acceleration"
-        marks = _marks(result, head.channel, peak)
+        curve = Curve(place.channel, place.filter or "resultant, not filtered")
+        title = f"{place.name}: acceleration"
+        marks = _marks(result, place, peak)
         figure = Figure(title, (curve,), x_unit="s", y_unit="g0", reference=marks)
         figures.append(replace(figure, y_label="acceleration"))
     return figures
 
 
-def _marks(result: Result, channel: str, peak: float) -> tuple[Reference, ...]:
+def _measures(result: Result, place: Place) -> list[tuple[str, str, str]]:
+    """Measure, value and when."""
+    told = partial(_told, result)
+    rows = [("largest acceleration", *_peak(result, place.channel))]
+    rows.append(("3 ms clip", *told(f"clip({place.channel}, '{CLIP}')", "max", "g")))
+    if place.role == "head":
+        rows += [(f"HIC, {window}", *_hic(result, place.channel, window)) for window in HIC]
+        rows.append(("Severity Index", *told(f"si({place.channel})", "final")))
+    if place.role == "vehicle":
+        rows += pulse_rows(result, place.sensor)
+    return rows
+
+
+def _judged(place: Place, measure: str, value: str, when: str) -> list[str]:
+    """The row of a measure with its limit; what was not filtered is not judged."""
+    limit = LIMITS.get(place.role, {}).get(measure)
+    if limit is None or value == "-":
+        return [place.name, measure, value, "", "", when]
+    unit = " g" if value.endswith(" g") else ""
+    verdict = "within" if float(value.removesuffix(" g")) <= limit else "beyond"
+    if place.plain_because:
+        verdict = "not judged: not filtered"
+    return [place.name, measure, value, f"{limit:g}{unit}", verdict, when]
+
+
+def _marks(result: Result, place: Place, peak: float) -> tuple[Reference, ...]:
     marks = []
     try:
-        hic = f"({channel}, '{HIC[0]}')"
-        value, start, end = (
-            result.value(f"{name}{hic}", "final") for name in ("hic", "hic_start", "hic_end")
-        )
-        if end > start:
-            label = f"HIC {HIC[0]}: {number(value)}"
-            marks.append(Reference(label, "band", from_=0.0, to=peak, over=(start, end)))
-        clip = result.value(f"clip({channel}, '3 ms')", "max", unit="g0")
+        if place.role == "head":
+            hic = f"({place.channel}, '{HIC[0]}')"
+            value, start, end = (
+                result.value(f"{name}{hic}", "final") for name in ("hic", "hic_start", "hic_end")
+            )
+            if end > start:
+                label = f"HIC {HIC[0]}: {number(value)}"
+                marks.append(Reference(label, "band", from_=0.0, to=peak, over=(start, end)))
+        clip = result.value(f"clip({place.channel}, '{CLIP}')", "max", unit="g0")
         marks.append(Reference(f"3 ms clip: {number(clip)} g", value=clip))
     except TooShort:
         pass
@@ -126,27 +167,29 @@ def _told(result: Result, channel: str, statistic: str, unit: str = "") -> tuple
     return f"{number(found.value)} {unit}".rstrip(), ""
 
 
-def _head(result: Result, name: str, prefix: str) -> Head:
-    """A head, filtered where that can be."""
-    axes = [plain(f"{prefix}.acceleration.{axis}") for axis in "xyz"]
-    filtered = f"resultant({', '.join(f'cfc({axis}, {CLASS})' for axis in axes)})"
+def _place(result: Result, sensor: str, role: str, *, has_gravity: bool) -> Place:
+    """A place, filtered where that can be."""
+    name = capital(sensor.replace("_", " "))
+    axes = [plain(f"nodout.{sensor}.acceleration.{axis}") for axis in "xyz"]
+    filtered = f"resultant({', '.join(f'cfc({axis}, {CLASSES[role]})' for axis in axes)})"
     try:
         result.value(filtered, "max")
     except PostError as reason:
-        return Head(name, f"resultant({', '.join(axes)})", str(reason))
-    return Head(name, filtered)
+        channel = f"resultant({', '.join(axes)})"
+        return Place(name, role, channel, sensor, str(reason), has_gravity)
+    return Place(name, role, filtered, sensor, has_gravity=has_gravity)
 
 
-def _is_head(name: str) -> bool:
-    return "head" in re.split(r"[^a-z]+", name.lower())
-
-
-def _bodies_of_accelerometers(result: Result) -> dict[str, str]:
-    """The body of each accelerometer, as the stored deck tells; empty where it cannot be read."""
+def sensors(result: Result) -> dict[str, dict[str, Any]]:
+    """The cards of accelerometers, as the stored deck tells; none where it cannot be read."""
     import yaml
 
     try:
         sensors = (yaml.safe_load(result.deck_text) or {}).get("sensors") or {}
-        return {str(name): str(card.get("body", "")) for name, card in sensors.items()}
-    except (yaml.YAMLError, AttributeError, RecursionError, ValueError):
+        return {
+            str(name): dict(card)
+            for name, card in sensors.items()
+            if card.get("type") == "accelerometer"
+        }
+    except (yaml.YAMLError, AttributeError, TypeError, RecursionError, ValueError):
         return {}

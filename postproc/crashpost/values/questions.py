@@ -33,6 +33,14 @@ def answers(result: Result, questions: Path) -> list[dict[str, Any]]:
     return [_answer(result, entry) for entry in asked]
 
 
+def _unit(asked: dict[str, Any]) -> str:
+    """The unit that is asked for; "" for that of the channel. Raises PostError."""
+    unit = asked.get("unit") or ""
+    if not isinstance(unit, str):
+        raise PostError(f"unit must be a text such as 'mm', not {json.dumps(unit)}")
+    return unit
+
+
 def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
     try:
         channel, word = str(asked["channel"]), str(asked["statistic"])
@@ -41,7 +49,7 @@ def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
         )
         if word == PATH:
             time, values, unit = covered(result.series(channel), during)
-            wanted = asked.get("unit") or unit
+            wanted = _unit(asked) or unit
             if not np.isfinite(values).all():
                 raise PostError("division by zero at some of its samples")
             return {
@@ -49,7 +57,7 @@ def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
                 "value": (values * factor(unit, wanted)).tolist(),
                 "unit": wanted,
             }
-        found = answer(result, channel, word, during, asked.get("unit"))
+        found = answer(result, channel, word, during, _unit(asked))
         remark = {"remark": found.remark} if found.remark else {}
         return {"value": found.value, "unit": found.unit, **remark}
     except KeyError as error:

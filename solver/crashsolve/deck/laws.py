@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import cache
+from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 # how much a wrong word must be like a type to be a misspelling of it, 1 for the same
 ALIKE = 0.75
+# letters of a word that a message quotes
+LONGEST = 80
 PACKAGE = __name__.partition(".")[0]
 
 
@@ -29,6 +32,11 @@ class UnknownType(Exception):
         self.advice = advice
         self.near = near
         super().__init__(message, advice)
+
+
+def shortened(word: str) -> str:
+    """A word as a message quotes it: of a long one its beginning."""
+    return word if len(word) <= LONGEST else f"{word[:LONGEST]}..."
 
 
 def class_name(word: str) -> str:
@@ -60,10 +68,11 @@ def law_class(folder: str, word: object) -> "type[Card]":
         advice = choices(word, types, "types")
         if isinstance(word, str) and word.isidentifier() and word[0] != "_":
             file = Path(folder) / f"{word}.py"
-            if (package_folder() / file).is_file():
+            # asked of the system, a name longer than it allows would be an error
+            if isfile(package_folder() / file):
                 place = f"{PACKAGE}/{file.as_posix()}"
                 advice = f"{place} has no `class {class_name(word)}(...)`, its card"
-        raise UnknownType(f"unknown type '{word}'", advice, "".join(near))
+        raise UnknownType(f"unknown type '{shortened(str(word))}'", advice, "".join(near))
     module = imported(f"{PACKAGE}.{folder.replace('/', '.')}.{word}", types[word])
     check_law(module)
     card: type[Card] = getattr(module, class_name(word))

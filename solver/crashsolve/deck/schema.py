@@ -49,6 +49,7 @@ _INCLUDED = {
         },
     ]
 }
+SWITCHES = {"off": False, "no": False, "on": True, "yes": True}
 # a set of a mesh file may have a number for a name
 _SET_NAME = {"type": ["string", "integer"]}
 
@@ -145,7 +146,9 @@ class _Definitions:
         if origin is Annotated:
             return _SET_NAME if _is_set_name(parts[1:]) else self.kind(parts[0], field)
         if origin is Literal:
-            return {"enum": list(parts)}
+            # editors that read YAML 1.1 take off and on for false and true
+            plain = [SWITCHES[part] for part in parts if part in SWITCHES]
+            return {"enum": [*parts, *plain]}
         if origin is tuple:
             size = {} if Ellipsis in parts else {"minItems": len(parts), "maxItems": len(parts)}
             return {"type": "array", "items": self.kind(parts[0], field), **size}

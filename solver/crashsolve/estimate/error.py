@@ -160,7 +160,10 @@ class Judge:
 
     def _of_steps(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> _Steps | None:
         """Error by the length of the steps. Raises ValueError for samples that do not serve."""
-        coarse = [o for o in others if not is_as_fine(o.cycles, main.cycles)]
+        if not main.cycles:
+            # a run that ends where it begins has no error of steps
+            return None
+        coarse = [o for o in others if o.cycles > 0 and not is_as_fine(o.cycles, main.cycles)]
         fine = [o for o in others if not is_as_fine(main.cycles, o.cycles)]
         used = [*sorted(coarse, key=_cycles)[-2:], main] if coarse else [main, *fine[:1]]
         if len(used) < 2:

@@ -45,7 +45,7 @@ def own_frame(card: JointCard, scene: Any) -> dict[str, Any]:
     return dict(scene.joint_frame(card))
 
 
-def direction(card: JointCard, scene: Any, field: str) -> np.ndarray:
+def direction(card: Any, scene: Any, field: str) -> np.ndarray:
     """World components (3,) of a direction given in the frame of the card; length 1."""
     u: np.ndarray = scene.unit(getattr(card, field), field)
     return u if card.frame == "world" else scene.matrix(scene.node(card.frame)) @ u

@@ -6,13 +6,13 @@ lambda is the driving force on the body. Consequence to test: a pendulum whose p
 A sin(omega t) swings as if gravity were shaken.
 """
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from crashsolve.deck.card import BodyName, Vec3, quantity, word
 from crashsolve.foundation.record import Record
-from crashsolve.joints._card import POINTS
+from crashsolve.joints._card import POINTS, direction
 from crashsolve.joints._driven import DrivenCard, motion
 
 # a travel along an axis of the ground: the kernels are those of the slide driver
@@ -35,21 +35,39 @@ class PointDriver(DrivenCard):
     curve_axes: ClassVar = {"curve": ("s", "m")}
 
     body: BodyName = word("body that is moved")
-    at: Vec3 = quantity("m", "point in the body's frame", default=(0.0, 0.0, 0.0))
-    axis: Vec3 = word("world direction of the coordinate; any length")
+    at: Vec3 | None = quantity(
+        "m",
+        "the point at the start, in `frame`; the origin of the body when absent",
+        default=None,
+    )
+    axis: Vec3 = word("direction of the coordinate at the start, in `frame`; any length")
+    frame: Literal["world"] | BodyName = word(
+        "frame of `at` and `axis`: world, or a body's own frame", default="world"
+    )
 
 
 def build(card: PointDriver, scene: Any) -> dict[str, Any]:
     node = scene.node(card.body)
     if node == 0:
         raise scene.fail("the ground cannot be moved; name another body", "body")
-    u = scene.unit(card.axis, "axis")
-    start = float(u @ scene.world_point(node, card.at))
+    u, x = direction(card, scene, "axis"), _point(card, scene, node)
+    start = float(u @ x)
     tolerance = scene.deck.control.constraint_tolerance * scene.size
     return motion(card, scene, start, tolerance) | {
         "node_a": 0,
         "node_b": node,
         "point_a": np.zeros(3),
-        "point_b": scene.from_mass_centre(node, card.at),
+        "point_b": scene.to_body(node, x),
         "axis_a": u,
     }
+
+
+def _point(card: PointDriver, scene: Any, node: int) -> np.ndarray:
+    """Where the point is at the start, in the world [m]."""
+    if card.at is None:
+        found: np.ndarray = scene.world_point(node, (0.0, 0.0, 0.0))
+    elif card.frame == "world":
+        found = np.asarray(card.at, float)
+    else:
+        found = scene.world_point(scene.node(card.frame), card.at)
+    return found

@@ -55,7 +55,8 @@ def newest_restart(folder: Path | str, warn: Callable[[str], None] = warnings.wa
     for path in sorted(slots, key=lambda slot: _serial(slot, sys.maxsize), reverse=True):
         try:
             return _read(path)
-        except (OSError, RuntimeError, KeyError, ValueError) as reason:
+        # whatever HDF5, h5py and numpy raise over a damaged file
+        except Exception as reason:
             warn(f"{path}: dump passed over: {reason}")
     if slots:
         raise OutputError(folder, "no valid restart dump: all of them are broken")
@@ -79,7 +80,10 @@ def _read(path: Path) -> Dump:
         text = file.attrs["info"]
         if file.attrs["checksum"] != _checksum(arrays, text):
             raise ValueError("wrong checksum")
-    return arrays, json.loads(text)
+    info = json.loads(text)
+    if not isinstance(info, dict):
+        raise ValueError("it tells of no deck")
+    return arrays, info
 
 
 def _serial(path: Path, unreadable: int) -> int:
@@ -89,7 +93,7 @@ def _serial(path: Path, unreadable: int) -> int:
     try:
         with h5py.File(path, "r") as file:
             return int(file.attrs["serial"])
-    except (OSError, RuntimeError, KeyError, ValueError):
+    except Exception:
         return unreadable
 
 

@@ -2,13 +2,17 @@
 
     a = A^T ( r_ddot + w_dot x d + w x (w x d) - g )
 
-g only with `gravity: true`: an instrument shows -g at rest and nothing in free fall. Consequence to
-test: on an arm of radius R turning at w it shows w^2 R towards the axis.
+g only with `gravity: true`: an instrument shows -g at rest and nothing in free fall. Where gravity
+acts and the card does not say which is meant, the motion alone is measured, with a warning. `role`
+says what is measured of an occupant or vehicle, for measures of injury. Consequence
+to test: on an arm of radius R turning at w it shows w^2 R towards the axis.
 """
 
-from typing import Any
+import re
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import field_validator
 
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
@@ -18,6 +22,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, norm, put, sub, vec
 
 FAMILY = "nodout"
+MME = re.compile(r"[A-Z0-9?]{12}")
 
 
 class Accelerometer(Card):
@@ -25,7 +30,23 @@ class Accelerometer(Card):
 
     body: BodyName = word("body it is fixed to")
     at: Vec3 = quantity("m", "place in the frame of the body", default=(0.0, 0.0, 0.0))
-    gravity: bool = word("subtract free fall, as an instrument does", default=False)
+    gravity: bool | None = word(
+        "true: subtract free fall, as an instrument does; false or absent: the motion alone",
+        default=None,
+    )
+    role: Literal["head", "chest", "pelvis", "vehicle"] | None = word(
+        "what it stands for, for the filter class, measures and limits of injury", default=None
+    )
+    mme: str | None = word(
+        "first 12 letters of its ISO-MME channel code: test object to fine location 3", default=None
+    )
+
+    @field_validator("mme")
+    @classmethod
+    def _is_a_place(cls, text: str | None) -> str | None:
+        if text is not None and not MME.fullmatch(text):
+            raise ValueError("must be 12 capital letters, digits or ?, such as 11HEAD000000")
+        return text
 
 
 PARAMETERS = Record("""
@@ -43,8 +64,14 @@ OUTPUT = Record("""
 
 def build(card: Accelerometer, scene: Any) -> dict[str, Any]:
     node = scene.node(card.body)
-    loads = scene.deck.entries["loads"].values() if card.gravity else ()
+    loads = scene.deck.entries["loads"].values()
     falls = [entry.card.acceleration for entry in loads if entry.type == "gravity"]
+    if falls and card.gravity is None:
+        scene.warn(
+            f"accelerometer on '{card.body}': gravity is not in it, where an instrument shows it; "
+            "write gravity: true, or false if that is meant"
+        )
+    falls = falls if card.gravity else []
     return {
         "node": node,
         "point": scene.from_mass_centre(node, card.at),

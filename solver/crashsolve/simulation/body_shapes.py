@@ -1,8 +1,8 @@
 """What bodies look like: pieces in body axes, of their contact surfaces, primitives or joints.
 
-A body with contact surfaces is drawn by these, else by its `primitive`; besides by lengths of
-sections, which structures give their bodies. One without any of them is drawn by lines from its
-mass centre to where joints, springs and contact points act on it.
+A body is drawn by its contact surfaces and by its `primitive` where that is seen beyond them;
+besides by lengths of sections, which structures give their bodies. One without any of them is
+drawn by lines from its mass centre to where joints, springs and contact points act on it.
 """
 
 from importlib import import_module
@@ -25,6 +25,8 @@ PLANE_MARGIN = 0.15
 MOST_LINES = 100
 # radius of a rod over its length
 SLENDER = 0.01
+# [of the size of a body] a primitive that reaches beyond its surfaces by less is one with them
+ALIKE = 0.01
 
 
 def surfaces(model: Model) -> list[Piece]:
@@ -37,22 +39,36 @@ def surfaces(model: Model) -> list[Piece]:
     ]
 
 
-def primitives(model: Model, deck: Deck, shaped: set[int]) -> list[Piece]:
-    """Primitives of bodies that have no shape yet."""
+def primitives(model: Model, deck: Deck, shaped: list[Piece]) -> list[Piece]:
+    """Primitives of bodies, but for those that lie within what a body is drawn by already."""
     pieces: list[Piece] = []
     for name, entry in deck.entries.get("bodies", {}).items():
         node, solid = model.bodies.index(name), getattr(entry.card, "primitive", None)
-        if solid is None or node in shaped:
+        if solid is None:
             continue
-        length = solid.length or 0.0
-        if solid.shape == "box":
-            pieces.append((node, *shapes.box(*(0.5 * np.asarray(solid.size)))))
-        elif solid.shape == "sphere":
-            pieces.append((node, *shapes.sphere(solid.radius)))
-        else:
-            radius = solid.radius if solid.shape == "cylinder" else SLENDER * length
-            pieces.append((node, *shapes.cylinder(radius, 0.5 * length)))
+        piece = (node, *_primitive(solid))
+        own = [points for n, points, _ in shaped if n == node]
+        if not own or not _within(piece[1], np.concatenate(own)):
+            pieces.append(piece)
     return pieces
+
+
+def _primitive(solid: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Points and cells of a primitive."""
+    length = solid.length or 0.0
+    if solid.shape == "box":
+        return shapes.box(*(0.5 * np.asarray(solid.size)))
+    if solid.shape == "sphere":
+        return shapes.sphere(solid.radius)
+    radius = solid.radius if solid.shape == "cylinder" else SLENDER * length
+    return shapes.cylinder(radius, 0.5 * length)
+
+
+def _within(points: np.ndarray, others: np.ndarray) -> bool:
+    """Whether points reach no further along any axis than others do."""
+    slack = ALIKE * float(np.ptp(others, axis=0).max())
+    low, high = others.min(axis=0) - slack, others.max(axis=0) + slack
+    return bool(np.all(points >= low) and np.all(points <= high))
 
 
 def bars(model: Model, deck: Deck) -> list[Piece]:

@@ -91,7 +91,7 @@ class Pictures:
         """Every drawn shape, those fixed to the ground apart from those that move; lines."""
         model = self.engine.model
         shapes = body_shapes.surfaces(model)
-        shapes += body_shapes.primitives(model, self.deck, {node for node, _, _ in shapes})
+        shapes += body_shapes.primitives(model, self.deck, shapes)
         shapes += body_shapes.bars(model, self.deck)
         links = body_shapes.lines(model, self.deck, {node for node, _, _ in shapes})
         nodes = self.engine.state.nodes

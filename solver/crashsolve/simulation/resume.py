@@ -70,9 +70,15 @@ def changing(engine: Engine) -> dict[str, np.ndarray]:
 
 
 def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
-    """Take up what `changing` gave away. Writes: the State, and the lists of near pairs."""
+    """Take up what `changing` gave away. Writes: the State, and the lists of near pairs.
+
+    Raises KeyError, ValueError, TypeError or IndexError for arrays of another model.
+    """
     for name, array in _kept_in_place(engine).items():
-        array[...] = _columns(arrays[name], array.dtype)
+        found = _columns(arrays[name], array.dtype)
+        if found.shape != array.shape:
+            raise ValueError(f"{name} has the shape {found.shape}, not {array.shape}")
+        array[...] = found
     for group in _lists(engine):
         rows = _columns(arrays[f"pairs/{group.word}"], group.parameters.dtype)
         take_pairs(group, rows, _columns(arrays[f"history/{group.word}"], group.history.dtype))

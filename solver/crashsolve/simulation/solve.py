@@ -357,7 +357,7 @@ class Run:
 
     def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
         """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
-        differ = differing(info["deck_text"], self.deck.text)
+        differ = differing(str(info.get("deck_text")), self.deck.text)
         if any(is_bound for _, is_bound in differ):
             names = ", ".join(name for name, is_bound in differ if is_bound)
             raise self._misfit(f"another deck, or other values of --set; they differ in {names}")
@@ -365,7 +365,7 @@ class Run:
             restore(self.engine, arrays)
             for name, array in self.histories.memory.items():
                 array[...] = arrays[name]
-        except (KeyError, ValueError) as reason:
+        except (KeyError, ValueError, TypeError, IndexError) as reason:
             raise self._misfit("another version of crashsolve") from reason
         clock, end = self.engine.clock, self.schedule.end
         if end < float(clock["time"]):

@@ -57,7 +57,9 @@ def draw(path: Path, title: str, trials: Sequence[Trial], findings: Sequence[Fin
             zorder=3,
         )
     _dress(axes, title, what)
-    canvas.legend(loc="outside lower left", frameon=False, fontsize=9, labelcolor=INK)
+    legend = canvas.legend(loc="outside lower left", frameon=False, fontsize=9, labelcolor=INK)
+    for text in legend.get_texts():
+        text.set_parse_math(False)
     with reported(path):
         canvas.savefig(path)
     return ""
@@ -115,7 +117,8 @@ def _points(
 
 
 def _dress(axes: Any, title: str, what: str) -> None:
-    axes.set_title(_cut(title), loc="left", fontsize=11, color=INK)
+    # a title is text: a dollar begins no formula
+    axes.set_title(_cut(title), loc="left", fontsize=11, color=INK, parse_math=False)
     axes.set_xlabel("CPU time of the steps, s", color=MUTED)
     axes.set_ylabel(what, color=MUTED)
     axes.grid(True, which="major", color=RULE, lw=0.7)

@@ -66,10 +66,7 @@ def _grid(time: np.ndarray, cfc: int) -> np.ndarray | None:
     steps = np.diff(time)
     longest, wanted = float(np.max(steps)), 1.0 / (RATE * cfc)
     if longest > wanted * (1.0 + EQUAL):
-        raise ChannelError(
-            f"cfc(..., {cfc}) needs samples every {1e3 * wanted:.4g} ms or more often, not every "
-            f"{1e3 * longest:.4g} ms: give output.history.interval {1e3 * wanted:.4g} ms or less"
-        )
+        raise ChannelError(_too_rare(time, steps, cfc, wanted))
     mean = _interval(time)
     if np.max(np.abs(steps - mean)) <= EQUAL * mean:
         return None
@@ -77,6 +74,20 @@ def _grid(time: np.ndarray, cfc: int) -> np.ndarray | None:
     step = max(float(np.median(steps)), mean / 4.0)
     grid: np.ndarray = time[0] + step * np.arange(math.ceil((time[-1] - time[0]) / step) + 1)
     return grid
+
+
+def _too_rare(time: np.ndarray, steps: np.ndarray, cfc: int, wanted: float) -> str:
+    """What samples there are and what the class needs; advice is not what was done already."""
+    usual, at = float(np.median(steps)), int(np.argmax(steps))
+    needs = f"cfc(..., {cfc}) needs samples every {1e3 * wanted:.4g} ms or more often"
+    if usual > wanted * (1.0 + EQUAL):
+        has = f"not every {1e3 * usual:.6g} ms"
+        return f"{needs}, {has}: give output.history.interval {1e3 * wanted:.4g} ms or less"
+    return (
+        f"{needs}; there is one every {1e3 * usual:.6g} ms, but none for "
+        f"{1e3 * float(steps[at]):.6g} ms from {1e3 * float(time[at]):.6g} ms on: "
+        "ask for times after that gap, or take the steps of the run shorter there"
+    )
 
 
 def _filtered(values: np.ndarray, cfc: int, interval: float) -> np.ndarray:

@@ -1,8 +1,10 @@
 """Arithmetic in decks: `${speed/3.6}` evaluated without running any code of the deck."""
 
 import ast
+import keyword
 import math
 import operator
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -40,6 +42,11 @@ OPERATORS: dict[type[ast.AST], Callable[..., float]] = {
 }
 
 
+# stands behind a parameter's name that Python keeps for itself: lambda, yield, in
+OWN = "\u02b9"
+_RESERVED = re.compile(rf"(?<![\w.])({'|'.join(keyword.kwlist)})(?!\w)")
+
+
 class ExpressionError(Exception):
     """An expression that cannot be evaluated."""
 
@@ -58,7 +65,8 @@ class Expression:
             raise ExpressionError(f"the expression is longer than {MAX_LENGTH} letters")
         try:
             with warnings.catch_warnings(action="ignore"):
-                self.root = ast.parse(self.text, mode="eval").body
+                self.written = _RESERVED.sub(rf"\1{OWN}", self.text)
+                self.root = _renamed(ast.parse(self.written, mode="eval").body)
         except (SyntaxError, ValueError, MemoryError, RecursionError):
             raise ExpressionError(f"cannot read the expression '{self.text}'") from None
         called = {id(node.func) for node in ast.walk(self.root) if isinstance(node, ast.Call)}
@@ -104,12 +112,21 @@ class Expression:
                 return OPERATORS[type(op)](self._evaluate(operand, names))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 return self._function(name)(*(self._evaluate(arg, names) for arg in args))
-        part: Any = ast.get_source_segment(self.text, node) if hasattr(node, "lineno") else None
+        part: Any = ast.get_source_segment(self.written, node) if hasattr(node, "lineno") else None
         advice = "an expression has numbers, parameters, + - * / ** and functions"
-        raise ExpressionError(f"'{part or self.text}' cannot stand in an expression", advice)
+        told = (part or self.text).replace(OWN, "")
+        raise ExpressionError(f"'{told}' cannot stand in an expression", advice)
 
     def _function(self, name: str) -> Callable[..., float]:
         if name not in FUNCTIONS:
             advice = choices(name, FUNCTIONS, "functions")
             raise ExpressionError(f"unknown function '{name}'", advice)
         return FUNCTIONS[name]
+
+
+def _renamed(root: ast.expr) -> ast.expr:
+    """The tree with names of parameters as they were written."""
+    for node in ast.walk(root):
+        if isinstance(node, ast.Name):
+            node.id = node.id.removesuffix(OWN)
+    return root

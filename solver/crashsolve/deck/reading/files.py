@@ -17,8 +17,8 @@ from crashsolve.deck.mistakes import shown
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar, read_yaml
 from crashsolve.foundation.errors import DeckError
 
-# files within files
-DEEPEST = 50
+# files within files, files in all, and letters of a text once its words are put in
+DEEPEST, MOST, LONGEST = 50, 10_000, 10_000
 _WORD = re.compile(r"<([A-Za-z_][A-Za-z0-9_]*)>")
 
 
@@ -43,6 +43,8 @@ class Files:
         self.paths: list[Path] = []
         self.seen: set[tuple[Path, tuple[tuple[str, str], ...]]] = set()
         self.open: list[Path] = []
+        self._times: dict[Path, int] = {}
+        self._is_full = False
         self.incomplete = False
 
     def read(self, path: Path, words: dict[str, str] | None = None) -> dict[Path, Table]:
@@ -54,10 +56,13 @@ class Files:
         if words is not None:
             table = self._filled_in(table, words, path)
         self.tables[self._own_path(path)] = table
-        self.paths += [path] * (path not in self.paths)
+        if self._times[path] == 1:
+            self.paths.append(path)
         self.seen.add(_key(path, words or {}))
         self.open.append(path.resolve())
         for file in self._included(table):
+            if self._is_full:
+                break
             problem = self._problem(path.parent / file.name, file.words)
             if problem:
                 self.mistakes.append(DeckError(*file.place, "include", problem))
@@ -69,7 +74,9 @@ class Files:
 
     def _own_path(self, path: Path) -> Path:
         """The path, or one like it where the file has been included before."""
-        count, own = 1, path
+        count = self._times[path] = self._times.get(path, 0) + 1
+        own = path if count == 1 else path.with_name(f"{path.name} ({count})")
+        # a file of its own may have such a name
         while own in self.tables:
             count += 1
             own = path.with_name(f"{path.name} ({count})")
@@ -81,6 +88,9 @@ class Files:
             return f"there is no file '{path}'"
         if len(self.open) >= DEEPEST:
             return f"includes are nested more than {DEEPEST} deep"
+        if len(self.tables) >= MOST:
+            self._is_full = True
+            return f"the deck has more than {MOST} files, each counted as often as it is included"
         if path.resolve() in self.open:
             chain = [*self.open[self.open.index(path.resolve()) :], path]
             return f"the file includes itself ({' -> '.join(link.name for link in chain)})"
@@ -185,7 +195,12 @@ class _Filling:
                     DeckError(*place, "include", f"the word <{word}> is not given", advice)
                 )
             self.used.add(word)
-        return _WORD.sub(lambda found: self.words.get(found[1], found[0]), text)
+        filled = _WORD.sub(lambda found: self.words.get(found[1], found[0]), text)
+        if len(filled) <= LONGEST or filled == text:
+            return filled
+        message = f"with its words put in the text has {len(filled)} letters, more than {LONGEST}"
+        self.mistakes.append(DeckError(*place, "include", message))
+        return text
 
 
 def _key(path: Path, words: dict[str, str]) -> tuple[Path, tuple[tuple[str, str], ...]]:

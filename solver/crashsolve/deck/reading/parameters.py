@@ -233,6 +233,12 @@ def _misfit(value: Any, replaced: Any) -> tuple[str, str]:
     if unit is None:
         return "must be a number, alone or with a unit", ""
     if before is not None and unit.exponents != before.exponents:
-        wanted = f"in {describe(before)}" if before.exponents != PURE.exponents else "without unit"
-        return f"the deck has {shown(replaced)} here", f"give a number {wanted}"
+        found = f"the deck has {shown(replaced)} here"
+        if before.exponents == PURE.exponents:
+            return found, "give a number without unit"
+        # its own number with the unit of the deck is what is most likely meant
+        digits, own = split_quantity(str(value))[0], split_quantity(str(replaced))[1]
+        has = f"in {describe(unit)}" if unit.exponents != PURE.exponents else "without unit"
+        meant = f"give a number with its unit, in {describe(before)}, such as '{digits:g} {own}'"
+        return f"{found}, and this is a number {has}", meant
     return "", ""

@@ -6,10 +6,14 @@ and as a fault of that step.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import BaseModel
 
+from crashsolve.deck.fields import declared
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 if TYPE_CHECKING:
@@ -17,13 +21,16 @@ if TYPE_CHECKING:
     from crashsolve.model.model import Model, State
 
 BEYOND = ("its numbers are too large or too small to reckon with", "look at powers and units")
+WORDS = "a length a run can reckon with; look at powers and units"
+# of a model: the fourth power of more is beyond a machine, and that of a stiffness with it [m]
+LONGEST = 1e40
 # what they raise in Python and in its libraries
 BEYOND_NUMBERS = (ArithmeticError, np.linalg.LinAlgError)
 
 
 def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
     """Raise DeckErrors naming the cards whose numbers came out as none."""
-    found: list[DeckError] = []
+    found = list(_too_long(deck))
     for group in model.groups:
         entries = deck.entries[group.keyword]
         for i in _rows_without_numbers(group.parameters):
@@ -41,6 +48,26 @@ def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
         found.append(of_model(deck, "the shells"))
     if found:
         raise DeckErrors({str(error): error for error in found}.values())
+
+
+def _lengths(value: Any, unit: str) -> Iterator[float]:
+    """Lengths among the values of a field [m]; infinity may be meant."""
+    if unit == "m" and isinstance(value, float | int) and math.isfinite(value):
+        yield abs(value)
+    elif unit == "m" and isinstance(value, tuple | list):
+        for one in value:
+            yield from _lengths(one, unit)
+
+
+def _too_long(deck: Deck) -> Iterator[DeckError]:
+    """Cards with a length whose powers no machine holds."""
+    for entries in deck.entries.values():
+        for entry in entries.values():
+            kind: type[BaseModel] = type(entry.card)
+            for name in kind.model_fields:
+                unit = declared(kind, name).unit
+                if max(_lengths(getattr(entry.card, name), unit), default=0.0) > LONGEST:
+                    yield deck.error(entry, name, f"is a length of more than {LONGEST:g} m", WORDS)
 
 
 def of_model(deck: Deck, what: str = "the model") -> DeckError:

@@ -1,0 +1,64 @@
+"""Which forces or velocities arrows show at a state, and where they act."""
+
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from crashpost.errors import PostError, unknown
+from crashpost.renders.look import Look
+from crashpost.results.states import States
+
+if TYPE_CHECKING:
+    from crashpost.renders.drawing import Scene
+
+# contact forces this far from what is shown, of its size, act on it
+BESIDE = 0.02
+
+
+def contacts_with_arrows(states: States, look: Look) -> set[int]:
+    """Numbers of the contacts whose forces are shown; raises PostError for an unknown word."""
+    word = look.arrows
+    if not word or word == "velocity":
+        return set()
+    names = states.names["contacts"]
+    family, _, card = word.partition(".")
+    met = {k for k, name in enumerate(names) if not card or fnmatchcase(name, card)}
+    if family != "rcforc" or (card and not met):
+        known = ["velocity", "rcforc", *(f"rcforc.{name}" for name in names)]
+        raise unknown("arrows", word, known)
+    if look.magnify != 1.0:
+        raise PostError(f"arrows {word}: forces do not act where magnified displacements lead")
+    return met
+
+
+def forces_of(scene: "Scene", number: float, contacts: set[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Where arrows start (n, 3), and what they show (n, 3) [N or m/s]."""
+    states, empty = scene.states, np.empty((0, 3))
+    if scene.look.arrows == "velocity":
+        if "mass_centres" not in states.blocks:
+            return empty, empty
+        rows = np.array(sorted(scene.bodies), int) - 1
+        speed = states.read(int(number), "mass_centres", "velocity")["velocity"]
+        return scene.positions(number, "mass_centres")[rows], speed[rows].astype(float)
+    if "contacts" not in states.blocks:
+        return empty, empty
+    found = states.read(int(number), "contacts", "force", "contact")
+    forces = found["force"].astype(float)
+    cards = found.get("contact", np.zeros(len(forces))).astype(int)
+    starts = states.positions(int(number), "contacts")
+    chosen = np.isin(cards, list(contacts)) & np.any(forces, axis=1)
+    if scene.look.show:
+        chosen &= _near(scene, starts, number)
+    return starts[chosen], forces[chosen]
+
+
+def _near(scene: "Scene", points: np.ndarray, number: float) -> np.ndarray:
+    """Which points (n,) lie in the box around what is shown at a state."""
+    shown = scene.extent(number)
+    if not len(shown):
+        return np.zeros(len(points), bool)
+    low, high = shown.min(axis=0), shown.max(axis=0)
+    margin = BESIDE * float(np.max(high - low))
+    inside: np.ndarray = np.all((low - margin <= points) & (points <= high + margin), axis=1)
+    return inside

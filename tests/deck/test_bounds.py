@@ -1,0 +1,63 @@
+"""Claim: bounds are told: of the number of includes, of words put in, of lengths."""
+
+from pathlib import Path
+
+import pytest
+
+from crashsolve.deck.reading import files
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+
+BODY = 'bodies: {"b<x>": {mass: 1, inertia: [1, 1, 1]}}\n'
+
+
+def test_files_that_each_include_the_next_twice_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Thirty of them would be a thousand million files; the bound is told once."""
+    monkeypatch.setattr(files, "MOST", 200)
+    first = "include: [{file: a1.yaml, with: {x: l}}, {file: a1.yaml, with: {x: r}}]\n"
+    (tmp_path / "a0.yaml").write_text(f"control: {{end_time: 1}}\n{first}")
+    for k in range(1, 31):
+        name = f"a{k + 1}.yaml"
+        both = ", ".join(f'{{file: {name}, with: {{x: "<x>{side}"}}}}' for side in "lr")
+        (tmp_path / f"a{k}.yaml").write_text(BODY + (f"include: [{both}]\n" if k < 30 else ""))
+    with pytest.raises(DeckErrors) as told:
+        read_deck(tmp_path / "a0.yaml")
+    assert str(told.value).count("more than 200 files") == 1
+
+
+def test_words_that_grow_are_refused(tmp_path: Path) -> None:
+    """Each file doubles the word: 2^20 letters after 20 of them."""
+    (tmp_path / "a0.yaml").write_text(
+        "control: {end_time: 1}\ninclude: [{file: a1.yaml, with: {x: ab}}]\n"
+    )
+    for k in range(1, 21):
+        more = f'include: [{{file: a{k + 1}.yaml, with: {{x: "<x><x>"}}}}]\n' if k < 20 else ""
+        (tmp_path / f"a{k}.yaml").write_text(BODY + more)
+    with pytest.raises(DeckErrors, match="letters, more than 10000"):
+        read_deck(tmp_path / "a0.yaml")
+
+
+def test_a_file_included_many_times_is_named_once_each(tmp_path: Path) -> None:
+    """Its own names are counted on, and not sought from the first each time."""
+    many = ", ".join(f"{{file: car.yaml, with: {{x: {k}}}}}" for k in range(300))
+    (tmp_path / "deck.yaml").write_text(f"control: {{end_time: 1}}\ninclude: [{many}]\n")
+    (tmp_path / "car.yaml").write_text(BODY)
+    reader = files.Files([])
+    tables = reader.read(tmp_path / "deck.yaml")
+    assert len(tables) == 301
+    assert (tmp_path / "car.yaml (300)") in tables
+    assert reader.paths == [tmp_path / "deck.yaml", tmp_path / "car.yaml"]
+
+
+@pytest.mark.parametrize("radius", ["1e300", "2e40", "1e38 km"])
+def test_lengths_whose_powers_no_machine_holds_are_refused(tmp_path: Path, radius: str) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(
+        "control: {end_time: 1}\nbodies: {b: {mass: 1, inertia: [1, 1, 1]}}\n"
+        f"surfaces: {{s: {{type: sphere, body: b, radius: {radius}}}}}\n"
+    )
+    with pytest.raises(DeckErrors, match="radius: is a length of more than"):
+        build(read_deck(deck))
