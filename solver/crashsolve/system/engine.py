@@ -13,8 +13,8 @@ from crashsolve.compiler.table import Tables
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
-    CORNER,
     CONTACT_GAIN,
+    CORNER,
     ENERGY,
     NOT_FINITE,
     PAUSED,

@@ -23,9 +23,10 @@ import numpy as np
 from crashsolve.deck.family import check_law
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
+from crashsolve.model.contact.doubles import warn_of_doubles
+from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
-from crashsolve.model.contact.doubles import warn_of_doubles
 from crashsolve.model.contact.node_to_surface import NodalBuilder
 from crashsolve.model.contact.pairs import ENDLESS, Block, Elements, Pairing, Search, resting
 from crashsolve.model.materials import refuse_unlike
@@ -299,7 +300,7 @@ class GroupBuilder:
             self.laws.append(self._law(entry, a, b, scene))
         names = tuple([s.entry.name for s in some] for some in ordered)
         order = -1 if swapped else 1
-        floor = getattr(entry.card, "speed_floor", 0.0)
+        floor = speed_floor(entry.card, scene)
         self.blocks.append((index, floor, order, names, on_both, rows))
 
     def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> dict[str, Any]:

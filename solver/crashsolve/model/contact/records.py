@@ -24,7 +24,7 @@ SPUN = Record("radius  m  at which it does, at the last step")
 HISTORY = Record("""
     active               flag     touching
     depth                m        penetration; negative is a gap
-    impact_speed         m/s      closing speed at the onset, not below the floor
+    impact_speed         m/s      closing speed at the onset
     dissipated           J        by the normal force
     power                W        its present rate
     friction_dissipated  J        by friction

@@ -149,7 +149,7 @@ def latch(p, old, new, depth, rate, count):
     if old.active == 1:
         new.impact_speed = old.impact_speed
     else:
-        new.impact_speed = max(rate, p.speed_floor)
+        new.impact_speed = max(rate, 0.0)
         count.onsets += 1
 
 
