@@ -367,13 +367,13 @@ class GroupBuilder:
             for name, value in values.items():
                 row[name] = value
         blocks = []
-        for index, speed_floor, order, names, on_both, rows in self.blocks:
+        for index, floor, order, names, on_both, rows in self.blocks:
             law = np.zeros((first.round.max() + 1, second.round.max() + 1), int)
             for classes, row in rows.items():
                 law[classes] = row
             member = self.sides[0].mask(names[0]), self.sides[1].mask(names[1])
             twice = self.sides[0].mask(on_both), self.sides[1].mask(on_both)
-            blocks.append(Block(index, speed_floor, order, member, twice, law))
+            blocks.append(Block(index, floor, order, member, twice, law))
         return Pairing((first, second), blocks, laws)
 
 
