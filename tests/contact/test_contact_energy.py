@@ -25,3 +25,21 @@ def test_no_other_energy_hides_it(height: float, speed: float, tmp_path: Path) -
     done = crashsolve(deck, "-o", tmp_path / "out")
     assert done.returncode == 4
     assert "contact 'c': the normal force has given its bodies" in done.stdout + done.stderr
+
+
+PULSE = """
+title: a force rises and falls between two samples
+control: {end_time: 1}
+bodies: {m: {mass: 1, inertia: [1, 1, 1]}}
+curves: {p: {points: [[0, 0], [0.503, 0], [0.504, 1000], [0.505, 0], [2, 0]]}}
+loads: {f: {type: force, body: m, force: [1, 0, 0], curve: p}}
+"""
+
+
+def test_the_work_of_a_pulse_is_the_energy_it_gives(tmp_path: Path) -> None:
+    """The impulse of 1 N s gives 1 kg at rest 0.5 J."""
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(PULSE, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stdout
+    assert "external work          5.000000e-01 J" in done.stdout
