@@ -30,6 +30,7 @@ def test_no_other_energy_hides_it(height: float, speed: float, tmp_path: Path) -
 PULSE = """
 title: a force rises and falls between two samples
 control: {end_time: 1}
+output: {history: {interval: 1.0e-2}}
 bodies: {m: {mass: 1, inertia: [1, 1, 1]}}
 curves: {p: {points: [[0, 0], [0.503, 0], [0.504, 1000], [0.505, 0], [2, 0]]}}
 loads: {f: {type: force, body: m, force: [1, 0, 0], curve: p}}
