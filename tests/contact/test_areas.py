@@ -116,7 +116,12 @@ def general(contact: Contact) -> Any:
     tables = []
     for table in (contact.group.elements_a, contact.group.elements_b):
         e = table[0]
-        sizes = {"half": e["half"], "radius": e["half"][0], "half_length": e["half"][2]}
+        sizes = {
+            "half": e["half"],
+            "radius": e["half"][0],
+            "half_length": e["half"][2],
+            "edge": e["edge"],
+        }
         shape = cylinder if e["is_round"] else box
         names = ("node", "point", "axes")
         row = _convex.expand([{name: e[name] for name in names} | sizes], shape)[0]

@@ -64,7 +64,7 @@ class Contact:
         self._spoil(self.group.normal)
         self.new.depth, self.new.active = depth, 1
         begins = self.old.active == 0
-        self.new.impact_speed = max(rate, self.p.speed_floor) if begins else self.old.impact_speed
+        self.new.impact_speed = max(rate, 0.0) if begins else self.old.impact_speed
         kernel = self.group.normal.normal_force
         result = kernel(self.p, self.old, self.new, h, depth, rate, mass, self.bench.curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")

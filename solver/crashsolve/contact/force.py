@@ -24,8 +24,13 @@ class Force(Card):
         default=None,
         gt=0,
     )
-    speed_floor: float = quantity(
-        "m/s", "closing speed below which a touch counts as resting", default=1e-3, gt=0
+    speed_floor: float | None = quantity(
+        "m/s",
+        "closing speed below which a touch counts as resting; absent: 1e-3 m/s, or 1e-3 of the "
+        "fastest initial speed and of a fall through the model's size where those are slower and "
+        "nothing else moves the bodies",
+        default=None,
+        gt=0,
     )
 
     @model_validator(mode="after")

@@ -8,10 +8,16 @@ from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.integrators.rattle import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING
-from crashsolve.system.energy import check
+from crashsolve.system.energy import check, check_contacts
 from crashsolve.system.loops.energy import energy
 from crashsolve.system.loops.events import need_rebuild
-from crashsolve.system.placeholders import COUNTS_TURNS, LOOKS_AHEAD
+from crashsolve.system.placeholders import (
+    CONTACTS,
+    COUNTS_TURNS,
+    KICK_DRIFT_KICK,
+    LOOKS_AHEAD,
+    NODAL,
+)
 from crashsolve.system.timestep import count_turns
 
 
@@ -40,6 +46,8 @@ def advance(until, sampling, scene):
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)
             check(clock, control, nodes, ledger)
+            if KICK_DRIFT_KICK and (CONTACTS or NODAL):
+                check_contacts(clock, control, scene)
         if sampling:
             return
         if COUNTS_TURNS:

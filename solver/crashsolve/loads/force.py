@@ -8,6 +8,7 @@ Consequence to test: a constant force F in world axes does the work F . (x - x_0
 from typing import Any
 
 from crashsolve.deck.card import Vec3, quantity
+from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_external, arm, point_velocity
 from crashsolve.foundation.record import Record
@@ -45,3 +46,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.stored = 0.0
     out.power = dot(f, point_velocity(body, d))
     out.loss = 0.0
+
+
+@kernel
+def present(p, out, A):
+    """Present force, its arm in a body rotated by A, and torque; world axes."""
+    return vec(out.force), matvec(A, vec(p.point)), (0.0, 0.0, 0.0)

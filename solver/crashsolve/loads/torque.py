@@ -42,3 +42,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.stored = 0.0
     out.power = dot(torque, vec(nodes[p.node].w))
     out.loss = 0.0
+
+
+@kernel
+def present(p, out, A):
+    """Present force, its arm in a body rotated by A, and torque; world axes."""
+    return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), vec(out.torque)

@@ -19,7 +19,8 @@ from crashsolve.foundation.record import Record
     PAUSED,
     UNHELD,
     TURNED,
-) = range(15)
+    CONTACT_GAIN,
+) = range(16)
 
 # of `kinked`: at a corner of a curve of time, which the next step begins behind
 CORNER = 2

@@ -7,6 +7,7 @@ import numpy as np
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
+    CONTACT_GAIN,
     CURVE_END,
     NOT_FINITE,
     POSITION,
@@ -48,6 +49,8 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
         found = turned_far(model, state, clock)
     elif status == STEP_TOO_SMALL:
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
+    elif status == CONTACT_GAIN:
+        found = gaining_contact(model, state, clock)
     elif status == CURVE_END:
         found = curve_end(model, clock)
     else:
@@ -233,3 +236,18 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
             start = joint.first_row + part * joint.rows
             total[first] += total[start : start + joint.rows]
     return np.abs(total)
+
+
+def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
+    """A contact card whose normal force has made energy."""
+    number = int(clock["place"])
+    card = state.card_history[int(clock["current"]), number]
+    held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
+    taken = 0.5 * (exchanged - float(card["work"]))
+    gained = float(card["work"]) - held
+    cause = (
+        f"the normal force has given its bodies {gained:.3g} J more than it took from them "
+        f"({taken:.3g} J) and held at the start ({held:.3g} J)"
+    )
+    advice = f"{closer(model, state)}; control.energy_limit sets the bound"
+    return f"contact '{model.contacts[number]}'", cause, advice

@@ -12,7 +12,7 @@ none may be missing.
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import norm, vec
-from crashsolve.model.clock import ENERGY, NOT_FINITE
+from crashsolve.model.clock import CONTACT_GAIN, ENERGY, NOT_FINITE, RUNNING
 from crashsolve.model.ledger import (
     DRIVER_WORK,
     ELASTIC,
@@ -25,6 +25,7 @@ from crashsolve.model.ledger import (
     PLASTIC,
     POTENTIAL,
 )
+from crashsolve.system.contact.touches import gaining_card
 from crashsolve.system.kinetics import bad_node
 
 # over so much of the model's size, or turn in rad, the work of a force is round-off; equilibria
@@ -102,3 +103,12 @@ def check(clock, control, nodes, ledger):
         clock.status, clock.place = NOT_FINITE, bad
     elif is_due and not is_starting and not lack <= control.energy_limit:
         clock.status = ENERGY
+
+
+@kernel
+def check_contacts(clock, control, scene):
+    """Stop at a contact that gives its bodies energy that it never took. Writes: clock."""
+    if clock.status == RUNNING and control.energy_limit > 0.0:
+        card = gaining_card(clock.current, control.energy_limit, scene.card_history)
+        if card >= 0:
+            clock.status, clock.place = CONTACT_GAIN, card

@@ -13,6 +13,7 @@ from crashsolve.compiler.table import Tables
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
+    CONTACT_GAIN,
     CORNER,
     ENERGY,
     NOT_FINITE,
@@ -249,7 +250,7 @@ class Engine:
             points[name] = kept
         self.state.clock[0]["sampled"] = clock["time"]
         self._refuse_passing()
-        is_stopped = clock["status"] in (NOT_FINITE, ENERGY, POSITION)
+        is_stopped = clock["status"] in (NOT_FINITE, ENERGY, CONTACT_GAIN, POSITION)
         is_judged = clock["cycle"] >= FIRST_JUDGED
         if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)

@@ -49,20 +49,41 @@ SAME = 1e-12
 # the last step of Newton's method turns by less than this share of edge / size [rad]: what it
 # leaves is its square times size / edge, so the place of contact is right to 1e-8 of a face
 LAST = 1e-4
+# least rounding of a box, in shares of what it would have of its own
+FINEST = 1e-6
 # share of a face within which the place is looked for
 OUTERMOST = 0.9999
 
 
-def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
-    """Elements of boxes or cylinders with the ellipsoids that they are sums of."""
-    return [_rounded(element, shape) for element in elements]
+def expand(elements: Any, shape: Any, others: Any = ()) -> list[dict[str, Any]]:
+    """Elements of boxes or cylinders with the ellipsoids that they are sums of.
+
+    The rounding is a share of the least half size s of a touch, of the element and of all `others`
+    that it may meet; of a bigger element, of half size S, it is s / S of that. A share of the
+    bigger one would move a small box upon it by more than its own rounding.
+    """
+    least = min((least_half(other) for other in others), default=np.inf)
+    return [_rounded(element, shape, min(least_half(element), least)) for element in elements]
 
 
-def _rounded(element: dict[str, Any], shape: Any) -> dict[str, Any]:
-    is_round = "radius" in element
-    r = element.get("radius")
-    half = np.array([r, r, element["half_length"]]) if is_round else element["half"]
-    e = shape.ROUNDING * min(half)
+def _half(element: dict[str, Any]) -> np.ndarray:
+    """Half sizes (3,) [m] of the enclosing box."""
+    if "radius" in element:
+        r = element["radius"]
+        return np.array([r, r, element["half_length"]])
+    return np.asarray(element["half"])
+
+
+def least_half(element: dict[str, Any]) -> float:
+    """Least half size [m] of a box or cylinder."""
+    return float(min(_half(element)))
+
+
+def _rounded(element: dict[str, Any], shape: Any, least: float) -> dict[str, Any]:
+    is_round, r = "radius" in element, element.get("radius")
+    half = _half(element)
+    # a bigger face is the flatter: at its edge it must not tilt a smaller box that it carries
+    e = shape.ROUNDING * max(least * least / min(half), FINEST * min(half))
     # semi-axes across and along; a cylinder is a disc and a needle
     across = [r - e, e, 0.0] if is_round else [e, e, e]
     along = [e, half[2] - e, 0.0] if is_round else half - 2.0 * e

@@ -7,11 +7,11 @@ PARAMETERS_A = PARAMETERS_B = _edged.PARAMETERS
 gap = _edged.gap
 
 
-def expand_a(elements):
-    """Each box with the ellipsoids it is a sum of."""
-    return _edged.expand(elements, box)
+def expand_a(elements, others=()):
+    """Each box with the ellipsoids it is a sum of; `others`: what it may meet."""
+    return _edged.expand(elements, box, others)
 
 
-def expand_b(elements):
-    """Each box with the ellipsoids it is a sum of."""
-    return _edged.expand(elements, box)
+def expand_b(elements, others=()):
+    """Each box with the ellipsoids it is a sum of; `others`: what it may meet."""
+    return _edged.expand(elements, box, others)

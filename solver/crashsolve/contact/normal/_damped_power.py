@@ -128,7 +128,7 @@ def power_below(depth, n):
 @kernel
 def damping_speed(p, old, new, h, depth, rate, mass):
     """v_0 of this touch so far [m/s]."""
-    v = max(new.impact_speed, rate, -rate / p.returned)
+    v = max(new.impact_speed, p.speed_floor, rate, -rate / p.returned)
     if old.active == 1:
         return max(v, old.damping_speed)
     if h == 0.0:

@@ -38,6 +38,8 @@ class KelvinVoigt(Card):
         return self
 
 
+# shapes that touch in more than one place
+MANY_PLACES = {"box", "cylinder", "mesh"}
 PARAMETERS = Record("""
     stiffness      N/m    k
     damping        N s/m  c
@@ -96,3 +98,24 @@ def normal_tangent(p, state, depth, rate, mass, curves):
     if p.stiffness * depth + c * rate <= 0.0:
         return 0.0, 0.0
     return p.stiffness, c
+
+
+def check(card: KelvinVoigt, scene: Any, bodies_a: set[int], bodies_b: set[int]) -> None:
+    """Warn where the damping is not that of the whole touch."""
+    if card.restitution is None or card.restitution == 1.0:
+        return
+    for name, entry in scene.deck.entries["contacts"].items():
+        if getattr(entry.card, "normal", None) is not card:
+            continue
+        used = [scene.surfaces[n] for n in (*entry.card.a, *entry.card.b) if n in scene.surfaces]
+        many = [s.entry.name for s in used if s.shape in MANY_PLACES or len(s.elements) > 1]
+        nodes = {node for joint in scene.joints.values() for node in joint.nodes}
+        held = sorted((bodies_a | bodies_b) & nodes - {0})
+        cause = f"surface '{many[0]}' may touch in several places at once" if many else ""
+        cause = f"joints hold body '{scene.names[held[0]]}'" if held else cause
+        if cause:
+            scene.warn(
+                f"contact '{name}': {cause}, and the damping of kelvin_voigt by restitution is "
+                "that of one place on free bodies: it returns more than was asked; "
+                "exact_restitution returns what is asked"
+            )

@@ -57,6 +57,6 @@ def corners(element: Any) -> list[dict[str, Any]]:
 def rounds(element: Any) -> list[np.ndarray]:
     """Ellipsoids that sum up to this shape with rounded edges: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
-    e = ROUNDING * min(element["half"])
+    e = element.get("edge", ROUNDING * min(element["half"]))
     needles = np.full((3, 3), e) + np.diag(element["half"] - 3.0 * e)
     return [axes * semi**2 @ axes.T for semi in needles]

@@ -69,7 +69,7 @@ def rounds(element: Any) -> list[np.ndarray]:
     """Ellipsoids that sum up to this shape with rounded rims: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
     r, half = element["radius"], element["half_length"]
-    e = ROUNDING * min(r, half)
+    e = element.get("edge", ROUNDING * min(r, half))
     disc = np.array([r - e, r - e, e])
     needle = np.array([e, e, half - e])
     return [axes * semi**2 @ axes.T for semi in (disc, needle)]
@@ -79,7 +79,7 @@ def rims(element: Any) -> list[dict[str, Any]]:
     """Two flat ellipsoids that reach exactly as far as the caps and the mantle."""
     axes = element["axes"].reshape(3, 3)
     r, half = element["radius"], element["half_length"]
-    e = ROUNDING * min(r, half)
+    e = element.get("edge", ROUNDING * min(r, half))
     place = {"node": element["node"], "axes": element["axes"], "semi": np.array([r, r, e])}
     centres = (element["point"] + side * (half - e) * axes[:, 2] for side in (-1.0, 1.0))
     return [place | {"point": centre} for centre in centres]

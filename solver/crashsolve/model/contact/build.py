@@ -23,6 +23,8 @@ import numpy as np
 from crashsolve.deck.family import check_law
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
+from crashsolve.model.contact.doubles import warn_of_doubles
+from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
 from crashsolve.model.contact.node_to_surface import NodalBuilder
@@ -38,6 +40,8 @@ NARROW = "crashsolve.contact.narrow"
 SHAPE = "crashsolve.contact.shape"
 # shapes of surfaces that are no elements on bodies
 LEAN = {"points", "faces"}
+# shapes whose edges are rounded by a share of the smaller side of a touch
+EDGED = {"box", "cylinder"}
 
 
 class Surface:
@@ -51,6 +55,8 @@ class Surface:
         if hasattr(self.module, "gap_as"):
             self.shape = self.module.gap_as(entry.card, scene)
         self.radius = self.module.curvature_radius(entry.card)
+        # the smallest boxes and cylinders that it may touch, one for each side of a card
+        self.others: list[dict[str, Any]] = []
 
 
 class Pair:
@@ -67,6 +73,8 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
         with scene.building(entry):
             surfaces[name] = Surface(entry, rank, scene)
     scene.surfaces = surfaces
+    for entry in deck.entries["contacts"].values():
+        meet(entry.card, surfaces)
     builders: dict[str, GroupBuilder] = {}
     nodal = NodalBuilder(scene)
     for index, entry in enumerate(deck.entries["contacts"].values()):
@@ -77,6 +85,7 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
     for name, entry in deck.entries["contacts"].items():
         sides = [[surfaces[word] for word in names] for names in (entry.card.a, entry.card.b)]
         warn_of_holes(name, sides, scene)
+    warn_of_doubles(deck.entries["contacts"], scene)
     nodes = scene.placed_nodes()
     is_implicit = deck.control.integrator in IMPLICIT
     groups = [builder.finish(nodes, is_implicit) for builder in builders.values()]
@@ -171,6 +180,21 @@ def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
     )
 
 
+def meet(card: Any, surfaces: dict[str, Surface]) -> None:
+    """Tell the surfaces of each side of a card the smallest box or cylinder of the other.
+
+    Writes: their `others`.
+    """
+    sides = [[surfaces[name] for name in names if name in surfaces] for names in (card.a, card.b)]
+    for side, facing in (sides, sides[::-1]):
+        elements = [e for s in facing if s.shape in EDGED for e in s.elements]
+        if elements:
+            edged = import_module(f"{NARROW}._edged")
+            smallest = min(elements, key=edged.least_half)
+            for surface in side:
+                surface.others.append(smallest)
+
+
 class Side:
     """Elements on one side of a gap routine, surface after surface."""
 
@@ -191,8 +215,9 @@ class Side:
             return
         expand = getattr(narrow, f"expand_{self.letter}", lambda elements: elements)
         first = len(self.elements)
+        is_edged = hasattr(import_module(narrow.gap.__module__), "least_half")
         for element in surface.elements:
-            parts = expand([element])
+            parts = expand([element], surface.others) if is_edged else expand([element])
             self.elements.extend(parts)
             centre, radius, thick = _bound(surface, element)
             # a part is followed by its own point, and reaches no farther from it than the whole
@@ -275,7 +300,7 @@ class GroupBuilder:
             self.laws.append(self._law(entry, a, b, scene))
         names = tuple([s.entry.name for s in some] for some in ordered)
         order = -1 if swapped else 1
-        floor = getattr(entry.card, "speed_floor", 0.0)
+        floor = speed_floor(entry.card, scene)
         self.blocks.append((index, floor, order, names, on_both, rows))
 
     def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> dict[str, Any]:
@@ -342,13 +367,13 @@ class GroupBuilder:
             for name, value in values.items():
                 row[name] = value
         blocks = []
-        for index, speed_floor, order, names, on_both, rows in self.blocks:
+        for index, floor, order, names, on_both, rows in self.blocks:
             law = np.zeros((first.round.max() + 1, second.round.max() + 1), int)
             for classes, row in rows.items():
                 law[classes] = row
             member = self.sides[0].mask(names[0]), self.sides[1].mask(names[1])
             twice = self.sides[0].mask(on_both), self.sides[1].mask(on_both)
-            blocks.append(Block(index, speed_floor, order, member, twice, law))
+            blocks.append(Block(index, floor, order, member, twice, law))
         return Pairing((first, second), blocks, laws)
 
 

@@ -17,6 +17,7 @@ from crashsolve.contact.cells import CELL
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
+from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import NodalGroup
 from crashsolve.model.contact.near_faces import (
     faces_around,
@@ -93,7 +94,7 @@ TOTALS = Record("""
 PROBE_STATE = Record("""
     active        flag      touching
     depth         m         penetration
-    impact_speed  m/s       closing speed at the onset, not below the floor
+    impact_speed  m/s       closing speed at the onset
     power         W         dissipated
     force         N         on the probe
     stored        J         recoverable energy
@@ -168,7 +169,7 @@ class NodalBuilder:
             message = f"'{a.entry.name}' cannot press on '{b.entry.name}': only {who} can"
             raise self.scene.fail(f"{message}; name a surface of type nodes", "b")
         probes = self._probes(a)
-        values = {"card": index, "order": order, "speed_floor": entry.card.speed_floor}
+        values = {"card": index, "order": order, "speed_floor": speed_floor(entry.card, self.scene)}
         values["extent"] = self.scene.size
         pair = Touching(entry.name, a, b, self.scene)
         values |= law.build(entry.card.normal, self.scene, pair)

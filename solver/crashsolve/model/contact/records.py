@@ -24,7 +24,7 @@ SPUN = Record("radius  m  at which it does, at the last step")
 HISTORY = Record("""
     active               flag     touching
     depth                m        penetration; negative is a gap
-    impact_speed         m/s      closing speed at the onset, not below the floor
+    impact_speed         m/s      closing speed at the onset
     dissipated           J        by the normal force
     power                W        its present rate
     friction_dissipated  J        by friction
@@ -93,6 +93,7 @@ CARD_HISTORY = Record("""
     held_first                J         held before the first step
     handled                   J         most that the normal force has held and lost so far
     friction_handled          J         most that friction has
+    exchanged                 J         what the normal force took and gave, both positive
     touches                   count     times the card has begun to touch
     first_touch               s         when that was first; before the start of the run where it
                                         never was

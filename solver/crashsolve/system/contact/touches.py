@@ -120,6 +120,7 @@ def close_cards(clock, cards, history):
         pushed, friction_loss = new.held + c.dissipated, new.bristled + c.friction_dissipated
         new.handled = max(old.handled, abs(pushed))
         new.friction_handled = max(old.friction_handled, abs(friction_loss))
+        new.exchanged = old.exchanged + abs(new.work - old.work)
         if clock.cycle == 0:
             new.held_first = pushed + new.work
 
@@ -148,7 +149,7 @@ def latch(p, old, new, depth, rate, count):
     if old.active == 1:
         new.impact_speed = old.impact_speed
     else:
-        new.impact_speed = max(rate, p.speed_floor)
+        new.impact_speed = max(rate, 0.0)
         count.onsets += 1
 
 
@@ -332,3 +333,17 @@ def carry_onsets(current, history):
         new.held = new.bristled = 0.0
         for j in range(3):
             new.late[j] = 0.0
+
+
+@kernel
+def gaining_card(current, limit, history):
+    """Card whose normal force gave its bodies more than it took and held at the start; -1: none.
+
+    The work is that on both sides, so neither the frame nor any other energy matters. What is
+    missing counts where it is more than `limit` of all that was taken and given.
+    """
+    for k in range(history.shape[1]):
+        card = history[current, k]
+        if card.work - max(card.held_first, 0.0) > limit * card.exchanged:
+            return k
+    return -1

@@ -42,6 +42,19 @@ def moved(body, d):
     return add(way, cross(turn, d))
 
 
+@kernel
+def of_load(acting, body):
+    """Half of the work of a force with its arm, and of a torque, over the step [J].
+
+    The halves of the forces at the start and at the end of a step add up to the kinetic energy that
+    the body gets from them, to the bit. Powers of predicted velocities do not: a force that rises
+    from nothing within a step has none.
+    """
+    f, d, torque = acting
+    way, angle = motion_of(body)
+    return 0.5 * (dot(f, way) + dot(add(cross(d, f), torque), angle))
+
+
 # --- pairs of elements on bodies -----------------------------------------------------------------
 
 

@@ -6,6 +6,7 @@ The order is fixed: what elements and nodes of shells do stands before what need
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system import attachments
 from crashsolve.system.contact import node_contact, resting, surface_friction, times, touches
+from crashsolve.system.contact.work import of_load
 from crashsolve.system.energy import lose
 from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
@@ -60,6 +61,11 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
         p, history, out = group.parameters, group.history, group.output
         for i in range(p.shape[0]):
             old, new, o = history[clock.current, i], history[1 - clock.current, i], out[i]
+            works = KICK_DRIFT_KICK and not ELEMENTS and h > 0.0
+            work_of_load = 0.0
+            if works and hasattr(group.law, "present"):
+                body = nodes[p[i].node]
+                work_of_load = of_load(group.law.present(p[i], o, body.start_A), body)
             if group.materials:
                 for number, material in group.materials:
                     if p[i].law == number:
@@ -85,6 +91,10 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                 else:
                     group.law.load_elements(p[i], old, o, h, scene)
                 group.law.add_up(p[i], o, h, nodes, scene.block_sums)
+            if works and hasattr(group.law, "present"):
+                body = nodes[p[i].node]
+                work_of_load += of_load(group.law.present(p[i], o, body.A), body)
+                o.power, o.loss = 0.0, work_of_load
             lose(clock, old, new, o.power, o.loss)
             if DENSE:
                 group.powers[clock.stage * p.shape[0] + i] = o.power

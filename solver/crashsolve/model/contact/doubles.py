@@ -1,0 +1,35 @@
+"""Two surfaces that two contact cards name: both forces act, and the stiffness is doubled."""
+
+from collections import defaultdict
+from itertools import combinations
+from typing import Any
+
+from crashsolve.model.scene import Scene
+
+
+def warn_of_doubles(entries: dict[str, Any], scene: Scene) -> None:
+    """Warn of every two contact cards that have a pair of surfaces in common."""
+    named = defaultdict(list)
+    for name, entry in entries.items():
+        for surface in {*entry.card.a, *entry.card.b}:
+            named[surface].append(name)
+    together = {two for names in named.values() for two in combinations(names, 2)}
+    for first, second in sorted(together):
+        pair = _common(entries[first].card, entries[second].card)
+        if pair is not None:
+            scene.warn(
+                f"contacts '{first}' and '{second}' both press surfaces '{pair[0]}' and "
+                f"'{pair[1]}' apart: the forces add up; leave the pair to one of them"
+            )
+
+
+def _common(first: Any, second: Any) -> tuple[str, str] | None:
+    """Two surfaces that face each other in both cards."""
+    for a, b in ((second.a, second.b), (second.b, second.a)):
+        some_a = [name for name in first.a if name in set(a)]
+        some_b = [name for name in first.b if name in set(b)]
+        for one in some_a:
+            for other in some_b:
+                if one != other:
+                    return one, other
+    return None
