@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
+from crashsolve.estimate.between import widened
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
@@ -78,10 +79,18 @@ class Estimating:
         """Writes: control."""
         coarsen(control, self.coarseness, self.interval, self.estimator.order)
 
-    def judge(self, history: Path, cycles: int, spent: float) -> bool:
+    def judge(
+        self,
+        history: Path,
+        cycles: int,
+        spent: float,
+        missed: Sequence[Any] = (),
+        mass: dict[str, float] | None = None,
+    ) -> bool:
         """Estimate the errors of a finished run; whether it must be run again with other steps.
 
-        `cycles` are its steps and `spent` [s] its CPU time.
+        `cycles` are its steps and `spent` [s] its CPU time; `missed` the contacts whose peaks no
+        sample shows (simulation/missed.py) and `mass` [kg] those of the bodies.
         """
         begun = clock.process_time()
         main = read(history, self.estimator.all_channels)
@@ -97,7 +106,7 @@ class Estimating:
                 )
         except Abandoned:
             self.problems.append("asked to stop")
-        self.found = self.estimator.judge(main, self._companions)
+        self.found = widened(self.estimator.judge(main, self._companions), missed, mass or {})
         self._companions.append(main)
         self.cpu += clock.process_time() - begun
         self._tell(spent)
@@ -177,7 +186,11 @@ class Estimating:
         lines = [_line(estimate) for estimate in self.found]
         self.log.section("watched channels", lines)
         for e in self.found:
-            if e.error and e.value is not None and e.error > max(abs(e.value), SMALL * e.scale):
+            # what lies between samples has a warning of its own
+            is_missed = "' between samples" in e.how
+            if not e.error or e.value is None or is_missed:
+                continue
+            if e.error > max(abs(e.value), SMALL * e.scale):
                 self.log.warning(
                     f"{e.watch.name}: the estimated error, {e.error:.2g}, is larger than the "
                     f"value, {e.value:.2g}: take shorter steps or a smaller control.tolerance"

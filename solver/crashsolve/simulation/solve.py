@@ -40,6 +40,7 @@ from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.heartbeat import Pulse
 from crashsolve.simulation.misfits import refuse_misfits
+from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
@@ -270,7 +271,10 @@ class Run:
         self.account.status("running", None, "estimating errors")
         self.pulse.does("estimating errors")
         cycles = int(self.engine.clock["cycle"])
-        return self.estimating.judge(self.folder / "history.h5", cycles, self.account.spent())
+        history, model = self.folder / "history.h5", self.engine.model
+        mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
+        missed = missed_contacts(self.engine, history)
+        return self.estimating.judge(history, cycles, self.account.spent(), missed, mass)
 
     def _start_anew(self) -> None:
         """The same deck from its start, with the steps that the estimates ask for."""
@@ -342,6 +346,10 @@ class Run:
         if self.deck.control.solution == "transient":
             unbalanced = contact_warnings(engine.model, engine.state, engine.ledger)
         deep = pressed_deep(engine)
+        deep += [
+            contact.words(self.schedule.interval)
+            for contact in missed_contacts(engine, self.folder / "history.h5")
+        ]
         for text in (*engine.law_warnings(), *deep, *unbalanced, *engine.step_warnings()):
             self.log.warning(text)
         write_totals(self.account)

@@ -1,0 +1,71 @@
+"""What happens between samples is part of the error of numbers that are made of samples.
+
+    largest or least value of a force that a missed contact bears: + peak - shown
+    integral of it:                                                + |impulse - integral|
+    acceleration of a body that it strikes:                        + (peak - shown) / m
+
+A force in a joint, spring or section may lack as much as the contact does. Of HIC, filters and the
+like of such a body, of sensors and of stored energies nothing can be said. Consequence to test: no
+extreme or integral across a touch that lies between two samples has an error below its own size.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from crashsolve.estimate.error import Estimate
+
+OF_SAMPLES = ("max", "min", "abs_max", "argmax", "argmin", "integral", "mean", "rms")
+# functions whose value at any time is made of samples before it
+COURSES = re.compile(r"\b(hic|si|clip|cfc|integral|bric)\(")
+FORCES = re.compile(r"\b(jntforc|deforc|secforc)\.[\w-]+\.(force|axial|shear)\b")
+MOVED = re.compile(r"\brbdout\.([\w-]+)\.acceleration\b")
+SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
+
+
+def widened(found: Sequence[Estimate], missed: Sequence[Any], mass: dict[str, float]) -> list[Any]:
+    """Estimates with what the samples miss of contacts; masses [kg] of bodies by name."""
+    return [_widened(estimate, missed, mass) for estimate in found] if missed else list(found)
+
+
+def _widened(estimate: Estimate, missed: Sequence[Any], mass: dict[str, float]) -> Estimate:
+    text, statistic = " ".join(estimate.watch.channels), estimate.watch.statistic
+    is_course = bool(COURSES.search(text))
+    if estimate.error is None or (statistic not in OF_SAMPLES and not is_course):
+        return estimate
+    own = next((m for m in missed if re.search(rf"\brcforc\.{re.escape(m.name)}\.", text)), None)
+    if own is not None and "impulse" not in text and "peak_" not in text:
+        return _of_contact(estimate, own, text, statistic)
+    if FORCES.search(text) and not is_course:
+        worst = max(missed, key=lambda m: float(m.lack))
+        return _more(estimate, worst.lack, worst)
+    struck = {name for name in MOVED.findall(text) for m in missed if name in m.bodies}
+    if struck and not is_course and statistic in ("max", "min", "abs_max"):
+        lack = max(m.lack / mass[name] for name in struck for m in missed if name in m.bodies)
+        return _more(estimate, lack, max(missed, key=lambda m: float(m.lack)))
+    if struck or SENSED.search(text) or (is_course and MOVED.search(text) is None):
+        worst = max(missed, key=lambda m: float(m.lack))
+        how = f"not estimated: contact '{worst.name}' peaked at {worst.peak:.3g} N between samples"
+        return replace(estimate, error=None, how=how)
+    return estimate
+
+
+def _of_contact(estimate: Estimate, own: Any, text: str, statistic: str) -> Estimate:
+    """Of the force of a contact that was missed itself."""
+    if statistic == "integral" and estimate.value is not None:
+        component = re.search(r"\.force\.([xyz])", text)
+        if component:
+            true = float(own.impulse["xyz".index(component.group(1))])
+        else:
+            true = float((own.impulse**2).sum() ** 0.5)
+        return _more(estimate, abs(true - estimate.value), own)
+    if re.search(r"\.(normal|tangential|force)\b", text) and statistic in ("max", "min", "abs_max"):
+        return _more(estimate, own.lack, own)
+    how = f"not estimated: it peaked at {own.peak:.3g} N between samples"
+    return replace(estimate, error=None, how=how)
+
+
+def _more(estimate: Estimate, lack: float, own: Any) -> Estimate:
+    how = f"{estimate.how}; contact '{own.name}' between samples {lack:.2g}"
+    return replace(estimate, error=(estimate.error or 0.0) + lack, how=how)

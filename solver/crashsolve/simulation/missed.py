@@ -1,0 +1,78 @@
+"""Contacts that peaked between two samples: their true peaks, which are of all steps, say so."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+# a peak of which the samples show less than this share is missed
+SHOWN = 0.5
+
+
+@dataclass(frozen=True)
+class Missed:
+    """A contact of which the samples miss the peak; forces [N], times [s]."""
+
+    name: str
+    peak: float  # largest normal force of any step
+    shown: float  # and of any sample
+    impulse: np.ndarray  # (3,) [N s], of all steps
+    duration: float  # for how long it touched in all
+    touches: int
+    bodies: frozenset[str]
+
+    @property
+    def lack(self) -> float:
+        """What the samples do not show of the peak [N]."""
+        return self.peak - self.shown
+
+    def words(self, interval: float) -> str:
+        """The warning of it, for samples `interval` [s] apart."""
+        needed = self.duration / max(self.touches, 1) / 20.0
+        return (
+            f"contact '{self.name}' peaked at {self.peak:.4g} N between samples {interval:.3g} s "
+            f"apart, which show {self.shown:.4g} N: largest values and integrals of forces and "
+            f"accelerations, HIC and filters miss it; give output.history.interval: {needed:.1g}"
+        )
+
+
+def missed_contacts(engine: Any, history: Path) -> list[Missed]:
+    """Contacts whose largest normal force no sample shows, by the history of a finished run."""
+    model, found = engine.model, list[Missed]()
+    if not model.contacts:
+        return found
+    import h5py
+
+    kept = engine.state.card_history[int(engine.clock["current"])]
+    with h5py.File(history) as file:
+        shown = file["rcforc"]["normal"][:]
+        names = list(file["rcforc"]["ids"].asstr())
+    shown = np.nanmax(shown, axis=0, initial=0.0)
+    bodies = _bodies(model)
+    for k, name in enumerate(model.contacts):
+        peak, seen = float(kept["peak_normal"][k]), float(shown[names.index(name)])
+        if seen < SHOWN * peak:
+            found.append(
+                Missed(
+                    name,
+                    peak,
+                    seen,
+                    kept["impulse"][k].copy(),
+                    float(kept["duration"][k]),
+                    int(kept["touches"][k]),
+                    bodies.get(name, frozenset()),
+                )
+            )
+    return found
+
+
+def _bodies(model: Any) -> dict[str, frozenset[str]]:
+    """Bodies that each contact card may touch."""
+    found: dict[str, set[str]] = {}
+    for group in model.contact_groups:
+        p = group.parameters
+        for elements, side in ((group.elements_a, p["a"]), (group.elements_b, p["b"])):
+            for card, node in zip(p["card"], elements["node"][side], strict=True):
+                found.setdefault(model.contacts[int(card)], set()).add(model.bodies[int(node)])
+    return {name: frozenset(some - {"ground"}) for name, some in found.items()}

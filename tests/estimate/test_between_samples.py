@@ -1,0 +1,63 @@
+"""Numbers made of samples have an error of their size where a touch lies between two samples."""
+
+from pathlib import Path
+
+import pytest
+from command import crashsolve
+
+from crashpost.results.result import Result
+
+BALL = """
+title: a ball strikes a floor between two samples
+control: {end_time: 0.5}
+output: {history: {interval: INTERVAL}}
+bodies:
+  a: {primitive: {shape: sphere, radius: 0.1}, mass: 2, position: [0, 0, 0.2043],
+      velocity: [0, 0, -1]}
+surfaces: {a: {type: sphere, body: a, radius: 0.1}, f: {type: plane}}
+contacts: {c: {a: [a], b: [f], normal: {type: hertz, stiffness: 1e9}}}
+watch:
+  - {channel: rcforc.c.normal, statistic: max}
+  - {channel: rcforc.c.normal, statistic: integral}
+  - {channel: rcforc.c.depth, statistic: max}
+  - {channel: rbdout.a.acceleration.z, statistic: max}
+  - channel: hic(norm(rbdout.a.acceleration.x, rbdout.a.acceleration.z), '15 ms')
+    statistic: max
+  - {channel: glstat.model.energy.contact_stored, statistic: max}
+  - {channel: rbdout.a.velocity.z, statistic: final}
+"""
+# an elastic ball at v = 1 m/s: K d^2.5 / 2.5 = m v^2 / 2, F = K d^1.5; impulse 2 m v
+DEPTH = (2.5 * 2 / (2 * 1e9)) ** 0.4
+PEAK, IMPULSE = 1e9 * DEPTH**1.5, 4.0
+
+
+def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
+    """Estimates by the channel and statistic, and the log."""
+    deck = folder / "deck.yaml"
+    deck.write_text(BALL.replace("INTERVAL", interval), "utf-8")
+    done = crashsolve(deck, "-o", folder / "r")
+    assert done.returncode == 0, done.stdout
+    entries = Result(folder / "r").status["watched"]
+    return {f"{e['channel'].split('(')[0]} {e['statistic']}": e for e in entries}, done.stdout
+
+
+@pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1"])
+def test_the_error_is_at_least_what_the_samples_miss(tmp_path: Path, interval: str) -> None:
+    found, log = run(tmp_path, interval)
+    true = {"rcforc.c.normal max": PEAK, "rcforc.c.normal integral": IMPULSE}
+    true["rbdout.a.acceleration.z max"] = PEAK / 2
+    for name, value in true.items():
+        # the step's own error is below a hundredth
+        assert abs(found[name]["value"] - value) <= 1.01 * found[name]["error"], name
+    for name in ("rcforc.c.depth max", "hic max", "glstat.model.energy.contact_stored max"):
+        assert found[name]["error"] is None, name
+    assert found["rbdout.a.velocity.z final"]["error"] < 1e-2
+    assert "contact 'c' peaked at" in log and "between samples" in log
+    assert "take shorter steps" not in log
+
+
+def test_samples_that_show_the_touch_are_not_warned_of(tmp_path: Path) -> None:
+    found, log = run(tmp_path, "2e-5")
+    assert "peaked at" not in log
+    assert found["rcforc.c.normal max"]["value"] == pytest.approx(PEAK, rel=0.01)
+    assert found["hic max"]["error"] is not None
