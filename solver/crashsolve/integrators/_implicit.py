@@ -168,5 +168,5 @@ def judge(h, clock, nodes, scene):
     # at the end of what the iteration can do
     if clock.passes > MANY:
         wanted = min(wanted, h)
-    clock.next_step = min(wanted, control.step_max)
+    clock.next_step = min(wanted, control.step_max, control.curve_step)
     return 0.0

@@ -289,7 +289,7 @@ def judge(h, clock, nodes, rows, saddle, scene):
     # a step cut short says little about a longer one
     if h < 0.5 * clock.next_step:
         wanted = max(wanted, clock.next_step)
-    clock.next_step = min(wanted, control.step_max)
+    clock.next_step = min(wanted, control.step_max, control.curve_step)
     return 0.0
 
 

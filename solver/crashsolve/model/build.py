@@ -348,6 +348,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["fixed_step"] = fixed
     c["step_max"] = card.step_max or span or 1.0
     c["step_min"] = card.step_min or 1e-12 * (span or 1.0)
+    c["curve_step"], c["curve_share"] = np.inf, 1.0
     c["safety"] = card.safety
     c["turn"] = card.safety / 5.0
     c["constraint_tolerance"] = card.constraint_tolerance
