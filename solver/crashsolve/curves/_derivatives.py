@@ -96,9 +96,7 @@ def _function(name: str, of: list[Jet]) -> Jet:
         return Jet(value(u.y), np.where(u.slope == 0.0, 0.0, derivative(u.y) * u.slope))
     if name == "atan2":
         u, v = of
-        return Jet(
-            np.arctan2(u.y, v.y), (u.slope * v.y - u.y * v.slope) / (u.y * u.y + v.y * v.y)
-        )
+        return Jet(np.arctan2(u.y, v.y), (u.slope * v.y - u.y * v.slope) / (u.y * u.y + v.y * v.y))
     found = of[0]
     for other in of[1:]:
         takes = other.y < found.y if name == "min" else other.y > found.y

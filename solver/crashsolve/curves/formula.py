@@ -40,7 +40,12 @@ class Formula(CurveCard):
     expression: str = word("formula of x")
     from_: float = word("lower end of the range, in SI or with a unit")
     to: float = word("upper end of the range, in SI or with a unit")
-    segments: int = word("cubics that the curve begins with; they halve until its error is below 1e-9", 200, ge=1, le=100_000)
+    segments: int = word(
+        "cubics that the curve begins with; they halve until its error is below 1e-9",
+        200,
+        ge=1,
+        le=100_000,
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -72,7 +77,9 @@ def sample(card: Formula) -> tuple[Array, Array, Array, float]:
 
 
 @lru_cache(maxsize=32)
-def _sample(expression: str, start: float, end: float, segments: int) -> tuple[Array, Array, Array, float]:
+def _sample(
+    expression: str, start: float, end: float, segments: int
+) -> tuple[Array, Array, Array, float]:
     """The same, once for the check of the card and its build."""
     formula = Expression(expression)
     # what cannot be evaluated at all is told by the plain evaluation
@@ -161,7 +168,7 @@ def build(card: Formula, scene: Any) -> tuple[Array, Array, int]:
     x, y, slopes, tolerance = sample(card)
     if tolerance > TOLERANCE:
         scene.warnings.append(
-            f"formula '{card.expression}': {len(x) - 1} cubics keep to it within {tolerance:.0e} of "
-            f"its largest value, where {TOLERANCE:.0e} is usual; a shorter range helps"
+            f"formula '{card.expression}': {len(x) - 1} cubics keep to it within {tolerance:.0e} "
+            f"of its largest value, where {TOLERANCE:.0e} is usual; a shorter range helps"
         )
     return x, hermite(x, y, slopes), EXTRAPOLATE[card.extrapolate]

@@ -82,6 +82,7 @@ CONTROL = Record("""
     spectral_radius       1      of generalized-alpha at infinite frequency
     tolerance             1      error of a step over the model's size and largest speed
     length                m      the model's size
-    end                   s      time at which the run ends
+    start                 s      time at which the run begins
+    end                   s      time at which it ends
     check_every           count  cycles between guards
 """)

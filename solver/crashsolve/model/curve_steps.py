@@ -19,6 +19,8 @@ from crashsolve.model.corners import curves_of_time
 
 # steps in a period, and what a step may miss of the range of a curve
 PER_PERIOD, NOTHING = 40, 1e-8
+# a stated step of so many times the longest hardly sees a curve, or misses it
+HARDLY, MISSED = 4.0, 16.0
 # a part is halved down to so many of its steps, and this share of the curve
 FEW, SHORTEST = 16, 1.0 / 4096
 
@@ -39,10 +41,32 @@ def steps_by_curves(model: Any) -> tuple[np.ndarray, np.ndarray]:
     if not found:
         return np.zeros(0), np.zeros(0)
     starts = np.unique(np.concatenate([x for x, _ in found]))
-    each = [
-        np.r_[np.inf, h][np.searchsorted(x, starts, side="right")] for x, h in found
-    ]
+    each = [np.r_[np.inf, h][np.searchsorted(x, starts, side="right")] for x, h in found]
     return _merged(starts, np.min(each, axis=0))
+
+
+def unseen(model: Any) -> dict[str, tuple[float, float]]:
+    """Curves that a stated step hardly sees: its share of the step they need, and when [s]."""
+    control, found = model.control[0], {}
+    step, names = float(control["fixed_step"]), {k: name for name, k in model.curve_names.items()}
+    for first in sorted(curves_of_time(model)) if step > 0.0 else ():
+        starts, steps = _steps(model.curves, first)
+        met = (starts < control["end"]) & (np.r_[starts[1:], np.inf] > control["start"])
+        shares = np.where(met, step / steps, 0.0)
+        at = int(shares.argmax())
+        if shares[at] > HARDLY:
+            found[names[first]] = float(shares[at]), float(max(starts[at], control["start"]))
+    return found
+
+
+def warn_of_unseen(model: Any) -> list[str]:
+    """Curves of time of which a stated step takes too few points."""
+    return [
+        f"control.step takes {PER_PERIOD / share:.2g} points of a period of curve '{name}', from "
+        f"t = {when:.6g} s: it {'misses' if share > MISSED else 'hardly sees'} what the curve "
+        f"does; take {float(model.control[0]['fixed_step']) / share:.2g} s, or control.step: auto"
+        for name, (share, when) in unseen(model).items()
+    ]
 
 
 def _steps(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
