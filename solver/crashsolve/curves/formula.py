@@ -1,7 +1,8 @@
 """Curve from a formula of x, in SI, as cubics that keep to it within a stated tolerance.
 
     y(x) = expression, y'(x) its derivative, both exact at breakpoints;
-    between them |cubic - expression| <= 1e-9 max(|y|, 1e-6 max |y|)
+    between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-15 of the
+    largest of all, beside the round-off of x
 
 Breakpoints halve until that holds, kinks included. `segments` are what they begin with: every one
 is looked at in many places, so that a narrow pulse is found; a narrower one needs more of them.
@@ -28,8 +29,8 @@ from crashsolve.deck.reading.expressions import Expression, ExpressionError
 # error of the cubics over the value, or over this share of the largest value; and the largest error
 # of those that need too many
 TOLERANCE, FLOOR, LOOSEST, ROUND_OFF = 1e-9, 1e-6, 2e-4, 1e-15
-# places at which a formula is looked at before breakpoints are halved; and the most cubics
-LOOKS, MOST = 65_536, 450_000
+# places at which a formula is looked at, in each piece at least so many; and the most cubics
+LOOKS, LEAST, MOST = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and what is a jump, of the largest value
 SMALLEST, JUMP = 1e-13, 1e-3
 
@@ -85,7 +86,7 @@ def _sample(
     # what cannot be evaluated at all is told by the plain evaluation
     formula.value({"x": start})
     x = np.linspace(start, end, segments + 1)
-    looks = max(math.ceil(LOOKS / segments), 8)
+    looks = max(math.ceil(LOOKS / segments), LEAST)
     largest, tolerance = 0.0, TOLERANCE
     done: list[Array] = []
     left, right = x[:-1], x[1:]
@@ -129,7 +130,7 @@ def _sample(
             for pairs in ((a, m), (m, b))
         )
         count += len(middle)
-        looks = 5
+        looks = max((looks + 1) // 2, LEAST)
     x = np.concatenate([np.sort(np.concatenate(done)), [end]])
     found = _known(formula, x)
     return x, found.y, found.slope, tolerance

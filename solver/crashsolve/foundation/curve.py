@@ -23,6 +23,7 @@ POINT = Record("""
     c       1      4  coefficients in powers of x - x_i
     area    1         integral of y from the first point to x_i
     moment  1         integral of that integral
+    farthest  1       of the first point: largest x read beyond the range in a run; 0 for none
     last    index     last point of the curve that starts here
     beyond  flag      REFUSE, HOLD or LINEAR outside the range
     fault   index     row 0: first point of the curve last read outside its range; -body: folded
@@ -65,7 +66,7 @@ def _moments(s: np.ndarray, c: np.ndarray) -> np.ndarray:
 def curve_value(curves, k, x):
     """Value, first and second derivative at x of the curve whose first point is k.
 
-    Writes: curves[0].fault and x where the curve must not be read.
+    Writes: curves[0].fault and x where the curve must not be read, farthest beyond its end.
     """
     first, last = curves[k].x, curves[curves[k].last].x
     outside = x < first or x > last
@@ -80,6 +81,7 @@ def curve_value(curves, k, x):
     y1 = c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])
     if not outside:
         return y, y1, 2.0 * c[2] + 6.0 * s * c[3]
+    curves[k].farthest = max(curves[k].farthest, x)
     if curves[k].beyond == LINEAR:
         return y + y1 * (x - at), y1, 0.0
     return y, 0.0, 0.0

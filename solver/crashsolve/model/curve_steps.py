@@ -21,8 +21,8 @@ from crashsolve.model.corners import curves_of_time
 PER_PERIOD, NOTHING = 40, 1e-8
 # a stated step of so many times the longest hardly sees a curve, or misses it
 HARDLY, MISSED = 4.0, 16.0
-# a part is halved down to so many of its steps, and this share of the curve
-FEW, SHORTEST = 16, 1.0 / 4096
+# a part is halved down to so many of its steps, over a period, and this share of the curve
+FEW, SHORTEST = 100, 1.0 / 4096
 
 
 class _Pieces(NamedTuple):
