@@ -1,12 +1,16 @@
-"""Curve from a formula of x, in SI, sampled to piecewise cubics.
+"""Curve from a formula of x, in SI, as cubics that keep to it within a stated tolerance.
 
-    y(x) = expression, with slopes from five-point differences of step h/4
+    y(x) = expression, y'(x) its derivative, both exact at breakpoints;
+    between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-15 of the
+    largest of all, beside the round-off of x
 
-Consequence to test: a quartic's values and slopes at the breakpoints are exact, and the error
-between them falls with h^4.
-References: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), table 25.2.
+Breakpoints halve until that holds, kinks included. `segments` are what they begin with: every one
+is looked at in many places, so that a narrow pulse is found; a narrower one needs more of them.
+Consequence to test: a power, a root and a fast sine have their own values everywhere.
+References: de Boor, A Practical Guide to Splines (1978), chapter IV.
 """
 
+import math
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
@@ -15,13 +19,20 @@ import numpy as np
 from pydantic import ValidationInfo, model_validator
 
 from crashsolve.curves._card import EXTRAPOLATE, CurveCard
+from crashsolve.curves._derivatives import Jet, with_derivative
 from crashsolve.curves._piecewise import Array, hermite
 from crashsolve.deck.card import word
 from crashsolve.deck.mistakes import refuse
 from crashsolve.deck.numbers import Context, number_in
 from crashsolve.deck.reading.expressions import Expression, ExpressionError
 
-FINE = 4  # samples to a segment
+# error of the cubics over the value, or over this share of the largest value; and the largest error
+# of those that need too many
+TOLERANCE, FLOOR, LOOSEST, ROUND_OFF = 1e-9, 1e-6, 2e-4, 1e-15
+# places at which a formula is looked at, in each piece at least so many; and the most cubics
+LOOKS, LEAST, MOST = 65_536, 5, 450_000
+# [of the range] the shortest cubic, which holds a kink; and what is a jump, of the largest value
+SMALLEST, JUMP = 1e-13, 1e-3
 
 
 class Formula(CurveCard):
@@ -30,7 +41,12 @@ class Formula(CurveCard):
     expression: str = word("formula of x")
     from_: float = word("lower end of the range, in SI or with a unit")
     to: float = word("upper end of the range, in SI or with a unit")
-    segments: int = word("cubics that make up the curve", 200, ge=1, le=100_000)
+    segments: int = word(
+        "cubics that the curve begins with; they halve until its error is below 1e-9",
+        200,
+        ge=1,
+        le=100_000,
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -56,25 +72,104 @@ class Formula(CurveCard):
         return self
 
 
-def sample(card: Formula) -> tuple[Array, Array]:
-    """Abscissae and values (4 segments + 1,), at every quarter. Raises ExpressionError."""
+def sample(card: Formula) -> tuple[Array, Array, Array, float]:
+    """Breakpoints, values and slopes (n,), and the tolerance kept. Raises ExpressionError."""
     return _sample(card.expression, card.from_, card.to, card.segments)
 
 
 @lru_cache(maxsize=32)
-def _sample(expression: str, start: float, end: float, segments: int) -> tuple[Array, Array]:
+def _sample(
+    expression: str, start: float, end: float, segments: int
+) -> tuple[Array, Array, Array, float]:
     """The same, once for the check of the card and its build."""
     formula = Expression(expression)
-    x = np.linspace(start, end, FINE * segments + 1)
-    return x, np.array([formula.value({"x": float(at)}) for at in x])
+    # what cannot be evaluated at all is told by the plain evaluation
+    formula.value({"x": start})
+    x = np.linspace(start, end, segments + 1)
+    looks = max(math.ceil(LOOKS / segments), LEAST)
+    largest, tolerance = 0.0, TOLERANCE
+    done: list[Array] = []
+    left, right = x[:-1], x[1:]
+    ends = _known(formula, x)
+    a, b = Jet(ends.y[:-1], ends.slope[:-1]), Jet(ends.y[1:], ends.slope[1:])
+    least = SMALLEST * max(end - start, abs(start), abs(end))
+    count = len(left)
+    while len(left):
+        inside = np.linspace(0.0, 1.0, looks + 2)[1:-1]
+        # of even places a fast sine could be a multiple
+        inside = inside + 0.3 / (looks + 1) * np.sin(17.0 * inside)
+        places = left[:, None] + (right - left)[:, None] * inside
+        y = with_derivative(formula, places.ravel()).y.reshape(places.shape)
+        here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
+        largest = max(largest, float(here.max()))
+        error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
+        _refuse_jump(left, right, a.y, b.y, least, largest)
+        scale = np.maximum(here, FLOOR * largest)
+        # round-off of x itself shows in a steep formula
+        steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
+        error -= ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
+        is_rough = (error > tolerance * scale) & (right - left > least)
+        while count + is_rough.sum() > MOST:
+            tolerance *= 10.0
+            # a fast one: of its largest value
+            scale = np.full_like(scale, largest)
+            is_rough &= error > tolerance * scale
+            if tolerance > LOOSEST:
+                raise ExpressionError(
+                    f"needs more than {MOST} cubics from {start:g} to {end:g}",
+                    "give a shorter range",
+                )
+        done.append(left[~is_rough])
+        left, right = left[is_rough], right[is_rough]
+        a, b = (Jet(j.y[is_rough], j.slope[is_rough]) for j in (a, b))
+        middle = 0.5 * (left + right)
+        m = _known(formula, middle)
+        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
+        a, b = (
+            Jet(*(np.concatenate(pair) for pair in zip(*pairs, strict=True)))
+            for pairs in ((a, m), (m, b))
+        )
+        count += len(middle)
+        looks = max((looks + 1) // 2, LEAST)
+    x = np.concatenate([np.sort(np.concatenate(done)), [end]])
+    found = _known(formula, x)
+    return x, found.y, found.slope, tolerance
+
+
+def _known(formula: Expression, x: Array) -> Jet:
+    """Values and slopes at places; by a difference where the formula has no slope."""
+    found = with_derivative(formula, x)
+    slope = found.slope.copy()
+    slope[~np.isfinite(slope)] = 0.0
+    return Jet(found.y, slope)
+
+
+def _cubic(h: Array, a: Jet, b: Jet, part: Array) -> Array:
+    """Values (n, m) of cubics of length h (n,) at parts (m,) of it."""
+    h, secant = h[:, None], (b.y - a.y)[:, None]
+    first, last = h * a.slope[:, None], h * b.slope[:, None]
+    bend = first + last - 2.0 * secant
+    value: Array = a.y[:, None] + part * (first + part * (secant - first - bend + part * bend))
+    return value
+
+
+def _refuse_jump(
+    left: Array, right: Array, before: Array, after: Array, least: float, largest: float
+) -> None:
+    """Raises ExpressionError where the formula jumps: no slope tells how it goes on."""
+    jumps = (right - left <= least) & (np.abs(after - before) > JUMP * largest)
+    for at in left[jumps][:1]:
+        raise ExpressionError(
+            f"the formula jumps at x = {at:.6g}", "give it a slope there, or a shorter range"
+        )
 
 
 def build(card: Formula, scene: Any) -> tuple[Array, Array, int]:
     """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
-    x, y = sample(card)
-    step = (card.to - card.from_) / (FINE * card.segments)
-    middle = (y[2:-6:FINE] - 8 * y[3:-5:FINE] + 8 * y[5:-3:FINE] - y[6:-2:FINE]) / (12 * step)
-    ends = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / (12 * step)
-    slopes = np.concatenate([[ends @ y[:5]], middle, [-ends @ y[:-6:-1]]])
-    coarse = x[::FINE]
-    return coarse, hermite(coarse, y[::FINE], slopes), EXTRAPOLATE[card.extrapolate]
+    x, y, slopes, tolerance = sample(card)
+    if tolerance > TOLERANCE:
+        scene.warnings.append(
+            f"formula '{card.expression}': {len(x) - 1} cubics keep to it within {tolerance:.0e} "
+            f"of its largest value, where {TOLERANCE:.0e} is usual; a shorter range helps"
+        )
+    return x, hermite(x, y, slopes), EXTRAPOLATE[card.extrapolate]

@@ -51,6 +51,7 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
         c["fixed_step"] *= coarseness
         return
     c["step_max"] = min(c["step_max"], interval) * coarseness
+    c["curve_share"] *= coarseness
     c["safety"] *= coarseness
     c["turn"] *= coarseness
 

@@ -19,6 +19,7 @@ from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
+from crashsolve.model.curve_steps import unseen
 from crashsolve.output.channels import Family
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
@@ -31,6 +32,8 @@ COARSER = (4.0, 2.0)
 DEAR = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
+# of the longest step that sees a load
+APART = 2.0**-0.5
 
 
 class Estimator:
@@ -80,7 +83,10 @@ class Estimator:
         Writes: why one failed. Raises Abandoned.
         """
         self.companions.budget, runs = budget if isfinite(budget) else limit, list[Samples]()
+        finer = self._finer(coarseness)
         coarser = COARSER if self.compares_with_coarser else COARSER[-1:] * isfinite(budget)
+        # a multiple of a step that hardly sees a load sees as little of it
+        coarser = () if finer[0] < FINER[0] else coarser
         try:
             for factor in coarser:
                 runs.append(self.companions.run(factor * coarseness))
@@ -92,12 +98,12 @@ class Estimator:
             return runs
         if runs:
             return runs
-        if isfinite(budget):
+        if isfinite(budget) and finer == FINER:
             # a finer one would cost more than the run
             problems.append(DEAR)
             return []
         try:
-            for factor in FINER:
+            for factor in finer:
                 if not runs or is_as_fine(cycles, runs[-1].cycles):
                     runs.append(self.companions.run(factor * coarseness))
         except SolverError as error:
@@ -105,6 +111,16 @@ class Estimator:
         except TooDear:
             problems.append(DEAR)
         return runs
+
+    def _finer(self, coarseness: float) -> tuple[float, ...]:
+        """Factors of finer runs: of a stated step that hardly sees a load, one that sees it."""
+        if self.deck.control.step == "auto":
+            return FINER
+        shares = [share for share, _ in unseen(build(self.deck)[0]).values()]
+        if not shares:
+            return FINER
+        # no whole part of the step, which would meet some of the same points
+        return (min(FINER[0], APART / (coarseness * max(shares))),)
 
     def judge(self, main: Samples, others: Sequence[Samples]) -> list[Estimate]:
         """The estimates of all watched numbers."""

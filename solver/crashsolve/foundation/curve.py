@@ -22,6 +22,8 @@ POINT = Record("""
     x       1         breakpoint
     c       1      4  coefficients in powers of x - x_i
     area    1         integral of y from the first point to x_i
+    moment  1         integral of that integral
+    farthest  1       of the first point: largest x read beyond the range in a run; 0 for none
     last    index     last point of the curve that starts here
     beyond  flag      REFUSE, HOLD or LINEAR outside the range
     fault   index     row 0: first point of the curve last read outside its range; -body: folded
@@ -40,6 +42,9 @@ def pack(curves: Sequence[tuple[Any, Any, int]]) -> tuple[np.ndarray, list[int]]
         part["x"] = x
         part["c"][:-1] = coefficients
         part["area"][1:] = np.cumsum(_areas(np.diff(x), np.asarray(coefficients)))
+        part["moment"][1:] = np.cumsum(
+            part["area"][:-1] * np.diff(x) + _moments(np.diff(x), np.asarray(coefficients))
+        )
         part["last"] = first + len(x) - 1
         part["beyond"] = beyond
         starts.append(first)
@@ -52,11 +57,16 @@ def _areas(s: np.ndarray, c: np.ndarray) -> np.ndarray:
     return s * (c[:, 0] + s * (c[:, 1] / 2 + s * (c[:, 2] / 3 + s * c[:, 3] / 4)))
 
 
+def _moments(s: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Integral of the integral of each cubic over its segment of length s."""
+    return s * s * (c[:, 0] / 2 + s * (c[:, 1] / 6 + s * (c[:, 2] / 12 + s * c[:, 3] / 20)))
+
+
 @kernel
 def curve_value(curves, k, x):
     """Value, first and second derivative at x of the curve whose first point is k.
 
-    Writes: curves[0].fault and x where the curve must not be read.
+    Writes: curves[0].fault and x where the curve must not be read, farthest beyond its end.
     """
     first, last = curves[k].x, curves[curves[k].last].x
     outside = x < first or x > last
@@ -71,6 +81,7 @@ def curve_value(curves, k, x):
     y1 = c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])
     if not outside:
         return y, y1, 2.0 * c[2] + 6.0 * s * c[3]
+    curves[k].farthest = max(curves[k].farthest, x)
     if curves[k].beyond == LINEAR:
         return y + y1 * (x - at), y1, 0.0
     return y, 0.0, 0.0
@@ -106,6 +117,24 @@ def curve_area(curves, k, x):
     y, slope, _ = curve_value(curves, k, at)
     beyond = x - at
     return inside + beyond * (y + (0.5 * beyond * slope if curves[k].beyond == LINEAR else 0.0))
+
+
+@kernel
+def curve_moment(curves, k, x):
+    """Integral of that integral, from the first point of the curve to x."""
+    first, last = curves[k].x, curves[curves[k].last].x
+    at = min(max(x, first), last)
+    point = curves[segment(curves, k, curves[k].last, at)]
+    s = at - point.x
+    c = point.c
+    own = s * s * (c[0] / 2.0 + s * (c[1] / 6.0 + s * (c[2] / 12.0 + s * c[3] / 20.0)))
+    inside = point.moment + s * point.area + own
+    if x == at:
+        return inside
+    y, slope, _ = curve_value(curves, k, at)
+    beyond = x - at
+    more = y / 2.0 + (beyond * slope / 6.0 if curves[k].beyond == LINEAR else 0.0)
+    return inside + beyond * curve_area(curves, k, at) + beyond * beyond * more
 
 
 @kernel

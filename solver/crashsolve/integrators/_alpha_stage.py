@@ -40,7 +40,7 @@ from crashsolve.system.implicit.iteration import (
     is_near,
     note_pass,
 )
-from crashsolve.system.implicit.stages import keep_outside, keep_rates
+from crashsolve.system.implicit.stages import keep_outside, keep_rates, reference_speed
 from crashsolve.system.kinetics import clear_forces, take_late
 from crashsolve.system.loops.elements import keep_elements
 from crashsolve.system.loops.forces import force_pass
@@ -87,7 +87,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
     for k in range(rows.shape[0]):
         rows[k].trial = rows[k].multiplier
     compliant, factor = scene.compliant_0, end_factor(scene)
-    speed = clock.fastest if clock.fastest > 0.0 else 1.0
+    speed = reference_speed(clock)
     previous, converged, enough = 1e300, False, enough_beside(h, clock, control, ORDER, ESTIMATE)
     if ASSEMBLED:
         share = 0.0

@@ -32,7 +32,7 @@ from crashsolve.system.implicit.iteration import (
     is_near,
     note_pass,
 )
-from crashsolve.system.implicit.stages import keep_rates
+from crashsolve.system.implicit.stages import keep_rates, reference_speed
 from crashsolve.system.loops.elements import keep_elements
 from crashsolve.system.loops.tangents import bend, tangents
 from crashsolve.system.placeholders import ASSEMBLED, CONTACTS, JOINTS
@@ -65,7 +65,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
     control = scene.control[0]
     ratio = h / clock.step if clock.step > 0.0 and clock.kinked == 0 else 0.0
     guess(nodes, scene.stages, scene.A, scene.C, h, ratio if ratio < FAR else 0.0)
-    speed = clock.fastest if clock.fastest > 0.0 else 1.0
+    speed = reference_speed(clock)
     previous, converged = 1e300, False
     enough = enough_beside(h, clock, control, ORDER, ESTIMATE)
     for count in range(PASSES):

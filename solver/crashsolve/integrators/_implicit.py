@@ -17,7 +17,13 @@ from crashsolve.model.clock import (
     RUNNING,
     STEP_TOO_SMALL,
 )
-from crashsolve.system.implicit.stages import add_kick, add_outside, fastest_point, next_length
+from crashsolve.system.implicit.stages import (
+    add_kick,
+    add_outside,
+    fastest_point,
+    next_length,
+    reference_speed,
+)
 from crashsolve.system.kinetics import accelerations, refresh, save
 from crashsolve.system.loops.events import approach_before, event
 from crashsolve.system.loops.joints import residual
@@ -149,7 +155,7 @@ def gap_before(clock, nodes, scene):
 def judge(h, clock, nodes, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     control = scene.control[0]
-    speed = clock.fastest if clock.fastest > 0.0 else 1.0
+    speed = reference_speed(clock)
     error = estimate(h, clock, nodes, scene, control.length, speed)
     if control.fixed_step > 0.0:
         # nobody chooses the step by it, but its equations are solved better; nothing is known of a
@@ -168,5 +174,5 @@ def judge(h, clock, nodes, scene):
     # at the end of what the iteration can do
     if clock.passes > MANY:
         wanted = min(wanted, h)
-    clock.next_step = min(wanted, control.step_max)
+    clock.next_step = min(wanted, control.step_max, control.curve_step)
     return 0.0

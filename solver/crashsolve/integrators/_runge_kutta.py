@@ -41,6 +41,7 @@ from crashsolve.system.implicit.stages import (
     next_length,
     project_estimate,
     reach,
+    reference_speed,
     step_error,
     weigh_part,
 )
@@ -274,7 +275,7 @@ def judge(h, clock, nodes, rows, saddle, scene):
     control = scene.control[0]
     if control.fixed_step > 0.0:
         return 0.0
-    speed = clock.fastest if clock.fastest > 0.0 else 1.0
+    speed = reference_speed(clock)
     for k in range(ESTIMATES):
         estimate(nodes, scene.stages, STAGES, scene.E, scene.errors, k, h)
         if JOINTS:
@@ -289,7 +290,7 @@ def judge(h, clock, nodes, rows, saddle, scene):
     # a step cut short says little about a longer one
     if h < 0.5 * clock.next_step:
         wanted = max(wanted, clock.next_step)
-    clock.next_step = min(wanted, control.step_max)
+    clock.next_step = min(wanted, control.step_max, control.curve_step)
     return 0.0
 
 

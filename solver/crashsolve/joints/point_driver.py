@@ -1,6 +1,6 @@
 """Point driver: one world coordinate of a point of a body follows a curve of time.
 
-    Phi = u . x_b - ( f(t) - offset ),   nu = f'(t),   Phi_tt = -f''(t)
+    Phi = u . x_b - x(t),   nu = x'(t),   Phi_tt = -x''(t)     (x: _driven.py)
 
 lambda is the driving force on the body. Consequence to test: a pendulum whose pivot is moved with
 A sin(omega t) swings as if gravity were shaken.
@@ -13,26 +13,39 @@ import numpy as np
 from crashsolve.deck.card import BodyName, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, direction
-from crashsolve.joints._driven import DrivenCard, motion
+from crashsolve.joints._driven import MOTION, DrivenCard, motion
 
 # a travel along an axis of the ground: the kernels are those of the slide driver
-from crashsolve.joints.slide_driver import ANGULAR, ROWS, convective, jacobian, residual
+from crashsolve.joints.slide_driver import (
+    ANGULAR,
+    ROWS,
+    convective,
+    jacobian,
+    residual,
+    slide_rate,
+)
 
 __all__ = ["ANGULAR", "ROWS", "convective", "jacobian", "residual"]
 
 CONSTRAINTS = ()
 CURVES_OF_TIME = ("curve",)
-PARAMETERS = POINTS + Record("""
+PARAMETERS = (
+    POINTS
+    + Record("""
     axis_a  1      3  u, world axes
-    curve   index     f
-    offset  m         of f over the coordinate
 """)
+    + MOTION
+)
 
 
 class PointDriver(DrivenCard):
     """Prescribes the coordinate of a point of a body along a world direction."""
 
-    curve_axes: ClassVar = {"curve": ("s", "m")}
+    curve_axes: ClassVar = {
+        "curve": ("s", "m"),
+        "velocity": ("s", "m/s"),
+        "acceleration": ("s", "m/s^2"),
+    }
 
     body: BodyName = word("body that is moved")
     at: Vec3 | None = quantity(
@@ -53,13 +66,14 @@ def build(card: PointDriver, scene: Any) -> dict[str, Any]:
     u, x = direction(card, scene, "axis"), _point(card, scene, node)
     start = float(u @ x)
     tolerance = scene.deck.control.constraint_tolerance * scene.size
-    return motion(card, scene, start, tolerance) | {
+    frame = {
         "node_a": 0,
         "node_b": node,
         "point_a": np.zeros(3),
         "point_b": scene.to_body(node, x),
         "axis_a": u,
     }
+    return motion(card, scene, start, slide_rate(frame, scene), tolerance) | frame
 
 
 def _point(card: PointDriver, scene: Any, node: int) -> np.ndarray:

@@ -26,6 +26,7 @@ from crashsolve.model.contact.build import build_contacts
 from crashsolve.model.contact.node_to_surface import loads_of_points
 from crashsolve.model.contact.pieces import cut as cut_pairs
 from crashsolve.model.contact.pieces import has_many
+from crashsolve.model.curve_steps import warn_of_unseen
 from crashsolve.model.elements import (
     build_elements,
     initial_blocks,
@@ -123,6 +124,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     if deck.control.solution == "quasi_static" and goes_by_steps(groups):
         # by steps from rest (system/static/pseudo_transient.py)
         model.integrator = "newton"
+    model.warnings.extend(warn_of_unseen(model))
     state = _state(model, scene)
     if nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))
@@ -351,6 +353,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["fixed_step"] = fixed
     c["step_max"] = card.step_max or span or 1.0
     c["step_min"] = card.step_min or 1e-12 * (span or 1.0)
+    c["curve_step"], c["curve_share"] = np.inf, 1.0
     c["safety"] = card.safety
     c["turn"] = card.safety / 5.0
     c["constraint_tolerance"] = card.constraint_tolerance
@@ -360,7 +363,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["length"] = scene.size
     c["spectral_radius"] = card.spectral_radius
     c["tolerance"] = card.tolerance or card.accuracy or TOLERANCE
-    c["end"] = card.end_time
+    c["start"], c["end"] = card.start_time, card.end_time
     c["check_every"] = card.check_every
     return control
 

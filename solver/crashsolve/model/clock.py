@@ -73,6 +73,8 @@ CONTROL = Record("""
     fixed_step            s      step asked for by the deck; 0 for automatic
     step_min              s      a smaller step stops the run
     step_max              s      largest step
+    curve_step            s      largest automatic step in which curves of time are seen, at present
+    curve_share           1      by which that is lengthened or shortened
     safety                1      automatic step over the stability limit
     turn                  rad    largest turn of a body in an automatic step
     constraint_tolerance  1      largest position residual over model size
@@ -81,6 +83,7 @@ CONTROL = Record("""
     spectral_radius       1      of generalized-alpha at infinite frequency
     tolerance             1      error of a step over the model's size and largest speed
     length                m      the model's size
-    end                   s      time at which the run ends
+    start                 s      time at which the run begins
+    end                   s      time at which it ends
     check_every           count  cycles between guards
 """)

@@ -21,11 +21,11 @@ BENT = 0.01
 
 def corners_in_time(model: Any) -> np.ndarray:
     """Times [s] of the corners of all curves of time, in order."""
-    found = [corners(model.curves, first) for first in sorted(_curves_of_time(model))]
+    found = [corners(model.curves, first) for first in sorted(curves_of_time(model))]
     return np.unique(np.concatenate([np.zeros(0), *found]))
 
 
-def _curves_of_time(model: Any) -> set[int]:
+def curves_of_time(model: Any) -> set[int]:
     """First points of the curves that laws read at the present time."""
     return {
         int(first)

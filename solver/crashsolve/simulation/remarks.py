@@ -5,7 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.model.ledger import LARGEST
+from crashsolve.foundation.curve import HOLD, REFUSE, curve_value
+from crashsolve.foundation.rows import as_rows
+from crashsolve.model.corners import curves_of_time
+from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
 from crashsolve.output.peaks import Extremes
 from crashsolve.system.engine import Engine
 
@@ -13,6 +16,8 @@ from crashsolve.system.engine import Engine
 STRAINED, STORED = 1e-10, 1e-18
 # share of the half thicknesses of both sides, beyond which a touch is deep
 DEEP = 0.25
+# share of internal energy in hourglass modes that is too much
+MUCH_HOURGLASS = 0.05
 # columns of beams that tell strains, or strains over a length
 OF_BEAMS = ("strain", "curvature")
 # of so many steps the average counts, and by so much shorter is a collapse
@@ -37,6 +42,38 @@ def pressed_deep(engine: Engine) -> list[str]:
         "sides; so soft, one body goes past the other almost unhindered: make the contact stiffer"
         for name, share in zip(engine.model.contacts, now["peak_share"], strict=True)
         if share > DEEP
+    ]
+
+
+def read_beyond(engine: Engine) -> list[str]:
+    """Curves of a displacement or a turn that were read beyond their last point, and how far."""
+    model, found = engine.model, []
+    of_time = curves_of_time(model)
+    for name, first in model.curve_names.items():
+        points, row = model.curves, model.curves[first]
+        last = float(points["x"][row["last"]])
+        reached = float(row["farthest"])
+        if first in of_time or reached <= last or row["beyond"] == REFUSE:
+            continue
+        value = float(curve_value(as_rows(points), first, reached)[0])
+        how = "held" if row["beyond"] == HOLD else "continued straight"
+        found.append(
+            f"curve '{name}' was read at {reached:.6g}, beyond its last point {last:.6g} (SI): "
+            f"there its last value is {how}, {value:.6g}; give it more points"
+        )
+    return found
+
+
+def hourglass_share(engine: Engine) -> list[str]:
+    """That modes without stiffness of their own hold more than a twentieth of internal energy."""
+    at_most = float(engine.ledger[HOURGLASS])
+    internal = float(engine.ledger[INTERNAL])
+    if at_most <= MUCH_HOURGLASS * internal or internal <= STORED * float(engine.ledger[LARGEST]):
+        return []
+    return [
+        f"hourglass modes hold {at_most:.4g} J, {100.0 * at_most / internal:.3g} % of the internal "
+        f"energy, {internal:.4g} J: more than {100.0 * MUCH_HOURGLASS:.0f} % is a sign of elements "
+        "too coarse for what they do; take smaller ones, or element: fully_integrated"
     ]
 
 

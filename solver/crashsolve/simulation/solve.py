@@ -46,8 +46,10 @@ from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.remarks import (
     deleted,
+    hourglass_share,
     pressed_at_start,
     pressed_deep,
+    read_beyond,
     undeformed,
     untouched,
 )
@@ -121,6 +123,7 @@ class Run:
         self.requests = Requests(folder, log, self._end_at_once)
         self.files = ExitStack()
         self.estimating: Estimating | None = None
+        self.overlapping: list[str] = []
         self.schedule = Schedule.of(deck)
         self.history_step = self.schedule.interval
         self.sampled = self.schedule.start
@@ -218,7 +221,8 @@ class Run:
         if resumed is None:
             self.engine.start()
             refuse_misfits(self.deck, self.engine)
-            for text in pressed_at_start(self.engine):
+            self.overlapping = pressed_at_start(self.engine)
+            for text in self.overlapping:
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         metadata = provenance(self.deck, self.engine)
@@ -345,12 +349,16 @@ class Run:
         unbalanced = []
         if self.deck.control.solution == "transient":
             unbalanced = contact_warnings(engine.model, engine.state, engine.ledger)
-        deep = pressed_deep(engine)
-        deep += [
-            contact.words(self.schedule.interval)
-            for contact in missed_contacts(engine, self.folder / "history.h5")
-        ]
-        for text in (*engine.law_warnings(), *deep, *unbalanced, *engine.step_warnings()):
+        history = self.folder / "history.h5"
+        missed = [c.words(self.schedule.interval) for c in missed_contacts(engine, history)]
+        met = (*read_beyond(engine), *pressed_deep(engine), *missed, *hourglass_share(engine))
+        for text in (
+            *self.overlapping,
+            *engine.law_warnings(),
+            *met,
+            *unbalanced,
+            *engine.step_warnings(),
+        ):
             self.log.warning(text)
         write_totals(self.account)
         self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)

@@ -57,6 +57,8 @@ class StepBound:
             return "samples" if is_cut else "control.step"
         if self._longest is not None and step > 0.999 * self._longest:
             return "control.step_max"
+        if step > 0.4 * float(control["curve_step"]):
+            return "a curve of time, which longer steps would not see"
         if chooses_step(engine.model, engine.state):
             is_whole = step > 0.999 * self._interval
             return "samples" if is_whole else "error of a step, control.tolerance"

@@ -25,6 +25,7 @@ from crashsolve.model.clock import (
 from crashsolve.model.contact.node_to_surface import give_room
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.corners import corners_in_time
+from crashsolve.model.curve_steps import steps_by_curves
 from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
@@ -51,6 +52,8 @@ AS_GOOD_AS, ROUND_OFF = 1e-6, 1e-14
 # what the clock keeps of a balance above its limit, and what is no matter: a share of that limit,
 # as the first steps from rest err by much of the little energy there is
 MISSING, TRIFLE = ("missing", "missing_share", "missing_time"), 0.01
+# methods with stages take steps so many times as long, by what curves of time do
+WITHIN = 4.0
 # at most so many passes for friction and reactions of the initial state to agree
 PASSES = 60
 
@@ -64,8 +67,11 @@ class Engine:
         self.ledger, self.sample_clock = state.ledger.copy(), state.clock.copy()
         self._limit = float(model.control[0]["energy_limit"])
         self._corners = corners_in_time(model)
+        self._curve_starts, self._curve_steps = steps_by_curves(model)
         # of motion: an equilibrium has none
         self.has_stages = len(state.stages) > 0
+        # stages lie within the step, and its error is judged
+        self._stages_see = WITHIN if self.has_stages else 1.0
         self.is_dense = samples_within_steps(model)
         self.tableau = self._tableau()
         # rates at the stages of the last step
@@ -178,7 +184,8 @@ class Engine:
             corner = self._next_corner(until)
             # stages at the end of a step are of what comes before a corner
             end = nextafter(corner, -inf) if self.has_stages else corner
-            self._step(min(until, end), min(goal, end))
+            change = self._next_curve_step(min(max(until, goal), end))
+            self._step(min(until, end, change), min(goal, end, change))
             if clock["time"] >= end:
                 clock["time"], clock["kinked"] = corner, CORNER
 
@@ -210,6 +217,29 @@ class Engine:
         corner = float(self._corners[at])
         # one that a sample lies on to the last digits is met with it
         return until if abs(corner - until) <= near else corner
+
+    def _next_curve_step(self, goal: float) -> float:
+        """Time [s] until which one bound by curves of time holds. Writes: control, clock.
+
+        Where no step to `goal` could be as long as the bounds on the way, it is `goal`.
+        """
+        control, clock, starts = self.model.control[0], self.state.clock[0], self._curve_starts
+        if not len(starts) or control["fixed_step"] > 0.0:
+            return inf
+        now = float(clock["time"])
+        steps = self._curve_steps * (float(control["curve_share"]) * self._stages_see)
+        at = max(int(np.searchsorted(starts, now, side="right")) - 1, 0)
+        last = int(np.searchsorted(starts, goal, side="left"))
+        if steps[at:last].min(initial=inf) >= goal - now:
+            control["curve_step"] = inf
+            return inf
+        control["curve_step"] = steps[at]
+        if clock["next_step"] > 0.0:
+            clock["next_step"] = min(clock["next_step"], steps[at])
+        if last <= at + 1:
+            return inf
+        change = float(starts[at + 1])
+        return change if change - now > ROUND_OFF * abs(goal) else inf
 
     def _turn_corner(self) -> None:
         """What methods keep of the end of a step, as it is after the corner there."""

@@ -35,7 +35,7 @@ def wanted_step(clock, control, nodes):
             speed = sqrt(2.0 * body.stiffness + half_gamma * half_gamma) + half_gamma
             if speed > fastest:
                 fastest, at = speed, i
-    h = control.step_max
+    h = min(control.step_max, control.curve_step)
     clock.limit_node = 0
     if fastest * h > 2.0 * control.safety:
         h = 2.0 * control.safety / fastest

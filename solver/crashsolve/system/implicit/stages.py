@@ -21,6 +21,7 @@ from crashsolve.system.constraints import clear_joint_forces, driver_power
 
 EPSILON = 2.0**-52
 SAFETY = 0.8  # of the step at which the error is the tolerance
+STILL = 1e-50  # [m/s] a body so slow does not move: squares of less have no digits
 
 
 @kernel
@@ -116,6 +117,12 @@ def spin_round_off(nodes):
         b = nodes[n]
         largest = max(largest, (b.W[0] + b.W[4] + b.W[8]) * norm(vec(b.L)))
     return EPSILON * largest
+
+
+@kernel
+def reference_speed(clock):
+    """Speed to which the error of a step is compared [m/s]: 1 m/s as long as nothing moves."""
+    return clock.fastest if clock.fastest > STILL else 1.0
 
 
 @kernel

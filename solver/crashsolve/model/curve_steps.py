@@ -1,0 +1,118 @@
+"""Steps in which what is prescribed over time is seen: by how fast its curves change.
+
+    h <= 2 pi / 40 / omega,   omega = max |f'''| / max |f''|   near the time
+
+omega is the circular frequency of a sine, and for a smooth pulse of width s about 2 / s; straight
+pieces have none, and steps end at their corners (corners.py). A curve may change as fast as it
+likes where that is below NOTHING of its range in a step, and no piece is cut into more than four.
+Time is halved until a part has no more than some steps; parts of like bounds are one.
+Consequence to test: a pulse between two samples gives its impulse, wherever it lies; a load of the
+frequency of the samples as well.
+"""
+
+from math import pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crashsolve.model.corners import curves_of_time
+
+# steps in a period, and what a step may miss of the range of a curve
+PER_PERIOD, NOTHING = 40, 1e-8
+# a stated step of so many times the longest hardly sees a curve, or misses it
+HARDLY, MISSED = 4.0, 16.0
+# a part is halved down to so many of its steps, over a period, and this share of the curve
+FEW, SHORTEST = 100, 1.0 / 4096
+
+
+class _Pieces(NamedTuple):
+    """Cubics of a curve: where they end, and what tells how fast they change."""
+
+    x: np.ndarray  # (n + 1,) [s]
+    bend: np.ndarray  # (n,) largest |f''|
+    third: np.ndarray  # (n,) |f'''|
+    range: float
+
+
+def steps_by_curves(model: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time."""
+    found = [_steps(model.curves, first) for first in sorted(curves_of_time(model))]
+    found = [(x, h) for x, h in found if np.isfinite(h).any()]
+    if not found:
+        return np.zeros(0), np.zeros(0)
+    starts = np.unique(np.concatenate([x for x, _ in found]))
+    each = [np.r_[np.inf, h][np.searchsorted(x, starts, side="right")] for x, h in found]
+    return _merged(starts, np.min(each, axis=0))
+
+
+def unseen(model: Any) -> dict[str, tuple[float, float]]:
+    """Curves that a stated step hardly sees: its share of the step they need, and when [s]."""
+    control, found = model.control[0], {}
+    step, names = float(control["fixed_step"]), {k: name for name, k in model.curve_names.items()}
+    for first in sorted(curves_of_time(model)) if step > 0.0 else ():
+        starts, steps = _steps(model.curves, first)
+        met = (starts < control["end"]) & (np.r_[starts[1:], np.inf] > control["start"])
+        shares = np.where(met, step / steps, 0.0)
+        at = int(shares.argmax())
+        if shares[at] > HARDLY:
+            found[names[first]] = float(shares[at]), float(max(starts[at], control["start"]))
+    return found
+
+
+def warn_of_unseen(model: Any) -> list[str]:
+    """Curves of time of which a stated step takes too few points."""
+    return [
+        f"control.step takes {PER_PERIOD / share:.2g} points of a period of curve '{name}', from "
+        f"t = {when:.6g} s: it {'misses' if share > MISSED else 'hardly sees'} what the curve "
+        f"does; take {float(model.control[0]['fixed_step']) / share:.2g} s, or control.step: auto"
+        for name, (share, when) in unseen(model).items()
+    ]
+
+
+def _steps(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the curve that begins with point `first`."""
+    points = curves[first : curves[first]["last"] + 1]
+    x, c = points["x"].copy(), points["c"][:-1]
+    length = np.diff(x)
+    ends = np.abs([2 * c[:, 2], 2 * c[:, 2] + 6 * length * c[:, 3]])
+    values = points["c"][:-1, 0]
+    last = c[-1] @ length[-1] ** np.arange(4)
+    pieces = _Pieces(x, ends.max(axis=0), 6 * np.abs(c[:, 3]), float(np.ptp(np.r_[values, last])))
+    starts, steps = [x[0]], [np.inf]
+    if pieces.range > 0.0:
+        starts, steps = _halved(pieces, float(x[0]), float(x[-1]), (x[-1] - x[0]) * SHORTEST)
+    # beyond its range it goes on straight
+    return _merged(np.r_[starts, x[-1]], np.r_[steps, np.inf])
+
+
+def _halved(
+    pieces: _Pieces, begin: float, end: float, least: float
+) -> tuple[list[float], list[float]]:
+    """Starts and steps of parts, each of a few steps or short."""
+    step = _bound(pieces, begin, end)
+    if not np.isfinite(step) or end - begin <= max(FEW * step, least):
+        return [begin], [step]
+    middle = 0.5 * (begin + end)
+    halves = [_halved(pieces, *part, least) for part in ((begin, middle), (middle, end))]
+    return halves[0][0] + halves[1][0], halves[0][1] + halves[1][1]
+
+
+def _bound(pieces: _Pieces, begin: float, end: float) -> float:
+    """Longest step [s] between two times; infinite where the curve goes straight."""
+    first = int(np.searchsorted(pieces.x, begin, side="right")) - 1
+    last = max(int(np.searchsorted(pieces.x, end, side="left")), first + 1)
+    bend, third = pieces.bend[first:last].max(), pieces.third[first:last].max()
+    if bend == 0.0 or third == 0.0:
+        return np.inf
+    by_shape = 2.0 * pi / PER_PERIOD * bend / third
+    by_piece = 0.25 * float(np.diff(pieces.x[first : last + 1]).min())
+    by_size = float(np.sqrt(12.0 * NOTHING * pieces.range / bend))
+    return max(by_shape, by_piece, by_size)
+
+
+def _merged(starts: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Neighbours of like steps as one, of the smaller: powers of two of a second."""
+    coarse = np.exp2(np.floor(np.log2(steps)))
+    is_first = np.r_[True, coarse[1:] != coarse[:-1]]
+    kept = np.flatnonzero(is_first)
+    return starts[kept], np.minimum.reduceat(steps, kept)

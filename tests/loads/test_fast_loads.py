@@ -1,0 +1,137 @@
+"""Loads that change faster than samples: their impulse is found, or its error is told.
+
+A force on a free body of 1 kg gives it the velocity that is the integral of the force: of
+1 - cos(2 pi f t) over whole periods the time, of a Gaussian pulse of width w its area sqrt(pi) w.
+"""
+
+from math import cos, pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.estimate.estimator import estimate_in_memory
+from crashsolve.model.build import build
+from crashsolve.model.curve_steps import PER_PERIOD, steps_by_curves
+
+METHODS = (
+    "rattle",
+    "dormand_prince_5",
+    "dormand_prince_8",
+    "generalized_alpha",
+    "radau_iia_5",
+)
+# beside an error of the order that is told: what the cubics of a formula miss of it
+CUBICS = 1e-9
+
+
+def deck(folder: Path, formulas: list[str], end: float, control: str = "", out: str = "") -> Path:
+    path = folder / "deck.yaml"
+    curves = "\n".join(
+        f"  p{k}: {{type: formula, expression: '{text}', from: 0, to: {end}}}"
+        for k, text in enumerate(formulas)
+    )
+    loads = "\n".join(
+        f"  f{k}: {{type: force, body: m, force: [1, 0, 0], curve: p{k}}}"
+        for k in range(len(formulas))
+    )
+    path.write_text(
+        f"control: {{end_time: {end}{control}}}\n{out}\n"
+        "bodies:\n  m: {mass: 1, inertia: [1, 1, 1]}\n"
+        f"curves:\n{curves}\nloads:\n{loads}\n"
+        "watch: [{channel: rbdout.m.velocity.x, statistic: final}]\n"
+    )
+    return path
+
+
+def check(path: Path, true: float, accuracy: float) -> None:
+    """The value is right, and its error told to a factor of ten."""
+    _, (found,), _ = estimate_in_memory(read_deck(path))
+    assert found.value is not None and found.error is not None
+    off = abs(found.value - true)
+    assert off <= accuracy * abs(true)
+    assert off <= 10.0 * found.error + CUBICS * abs(true)
+
+
+@pytest.mark.parametrize("frequency", [999, 1000, 20_000])
+def test_a_load_of_the_frequency_of_the_samples_is_seen(frequency: int, tmp_path: Path) -> None:
+    end = 100 / frequency
+    interval = end / 100 if frequency != 999 else end / 97
+    path = deck(
+        tmp_path,
+        [f"1 - cos(2*pi*{frequency}*x)"],
+        end,
+        out=f"output: {{history: {{interval: {interval!r}}}}}",
+    )
+    # trapezoids of 40 steps a period; those of unequal length miss some of a period's end
+    check(path, end, 1e-4)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("width", [1e-4, 2e-2])
+def test_a_pulse_between_two_samples_is_seen(method: str, width: float, tmp_path: Path) -> None:
+    for middle in (0.1234, 0.375):
+        path = deck(
+            tmp_path,
+            [f"1000*exp(-((x - {middle})/{width})**2)"],
+            0.5,
+            f", integrator: {method}",
+            "output: {history: {interval: 0.05}}",
+        )
+        # 40 steps a period of a sine like the pulse, whose length changes over it
+        check(path, 1000 * sqrt(pi) * width, 2e-3)
+
+
+def test_several_fast_loads_at_once_are_seen(tmp_path: Path) -> None:
+    formulas = ["1 - cos(2*pi*500*x)", "50*exp(-((x - 0.0333)/3e-4)**2)", "2 + sin(2*pi*2000*x)"]
+    path = deck(tmp_path, formulas, 0.1, out="output: {history: {interval: 0.01}}")
+    check(path, 0.1 + 50 * sqrt(pi) * 3e-4 + 0.2, 1e-3)
+
+
+@pytest.mark.parametrize("step", [5e-4, 1e-3])
+@pytest.mark.parametrize("method", ["rattle", "generalized_alpha", "dormand_prince_5"])
+def test_a_stated_step_that_misses_a_load_tells_so(
+    step: float, method: str, tmp_path: Path
+) -> None:
+    control = f", step: {step}, integrator: {method}"
+    path = deck(tmp_path, ["1 - cos(2*pi*1000*x)"], 0.1, control)
+    model, _ = build(read_deck(path))
+    assert any("points of a period of curve 'p0'" in text for text in model.warnings)
+    _, (found,), _ = estimate_in_memory(read_deck(path))
+    assert found.value is not None and found.error is not None
+    assert abs(found.value - 0.1) <= 2.0 * found.error + CUBICS
+
+
+def test_a_stated_step_that_sees_a_load_is_no_matter(tmp_path: Path) -> None:
+    model, _ = build(read_deck(deck(tmp_path, ["1 - cos(2*pi*100*x)"], 0.1, ", step: 2e-4")))
+    assert not model.warnings
+
+
+@pytest.mark.parametrize("interpolation", ["smooth", "cubic"])
+def test_a_table_is_seen_like_a_formula(interpolation: str, tmp_path: Path) -> None:
+    times = np.linspace(0, 0.05, 501)
+    points = [[float(t), 1 - cos(2 * pi * 1000 * t)] for t in times]
+    path = deck(tmp_path, ["0*x"], 0.05, out="output: {history: {interval: 0.001}}")
+    lines = path.read_text().replace("{type: formula, expression: '0*x', from: 0, to: 0.05}", "P")
+    path.write_text(lines.replace("P", f"{{points: {points}, interpolation: {interpolation}}}"))
+    # ten points a period, symmetric about its middle: any interpolation has its area, but at ends
+    check_table(path, 0.05)
+
+
+def check_table(path: Path, true: float) -> None:
+    _, (found,), _ = estimate_in_memory(read_deck(path))
+    assert found.value == pytest.approx(true, rel=1e-3)
+
+
+def test_steps_are_short_where_the_curve_is_fast_alone(tmp_path: Path) -> None:
+    frequency, width = 250.0, 1e-3
+    model, _ = build(read_deck(deck(tmp_path, [f"sin(2*pi*{frequency}*x)"], 1)))
+    _, steps = steps_by_curves(model)
+    # parts of the curve need not hold a whole period
+    assert steps[np.isfinite(steps)] == pytest.approx(1 / (PER_PERIOD * frequency), rel=0.2)
+    model, _ = build(read_deck(deck(tmp_path, [f"exp(-((x - 0.4)/{width})**2)"], 1)))
+    starts, steps = steps_by_curves(model)
+    fast = starts[steps < width]
+    # exp(-100) and less is nothing
+    assert abs(fast - 0.4).max() < 12 * width
