@@ -60,9 +60,12 @@ def test_a_pulse_of_straight_lines_gives_its_impulse(
     way = 0.5 * TIMES[2] * (0.1 - (TIMES[1] + TIMES[2]) / 3.0)
     if method != "rattle":
         assert result.series("rbdout.struck.position.x").values[-1] == pytest.approx(way, rel=1e-12)
-    # three corners of the pulse and six of the motion, and hardly a step more
-    assert result.series("glstat.model.cycle").values[-1] < 30
-    assert result.series("rbdout.driven.position.x").values[-1] == pytest.approx(0.01, abs=1e-14)
+    # three corners of the pulse and six of the motion, and hardly a step more; steps that stiffness
+    # alone would bound are some seventy, to see how the motion bends
+    most = 80 if method == "rattle" and step == "auto" else 30
+    assert result.series("glstat.model.cycle").values[-1] < most
+    # a joint is closed to control.constraint_tolerance, 1e-10 of a metre
+    assert result.series("rbdout.driven.position.x").values[-1] == pytest.approx(0.01, abs=1e-10)
 
 
 # a bar is drawn to twice its yield force and let go between two samples

@@ -239,6 +239,8 @@ def accept(time, h, clock, control, nodes):
     """The new state becomes the present one. Writes: clock."""
     clock.time = time
     clock.step = h
+    if h > 0.0:
+        clock.kicked_over = h
     clock.current = 1 - clock.current
     clock.next_step = wanted_step(clock, control, nodes)
     clock.cycle += 1 if h > 0.0 else 0

@@ -121,12 +121,17 @@ def _build(deck: Deck) -> tuple[Model, State]:
         elements=tables_of_elements(groups, deck, scene),
         nodal_groups=nodal_groups,
     )
-    if deck.control.solution == "quasi_static" and goes_by_steps(groups):
+    model.warnings.extend(warn_of_unseen(model))
+    return model, _arranged(model, scene)
+
+
+def _arranged(model: Model, scene: Scene) -> State:
+    """The State, and what of the Model depends on the method. Writes: model."""
+    if scene.deck.control.solution == "quasi_static" and goes_by_steps(model.groups):
         # by steps from rest (system/static/pseudo_transient.py)
         model.integrator = "newton"
-    model.warnings.extend(warn_of_unseen(model))
     state = _state(model, scene)
-    if nodal_groups:
+    if model.nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator == "auto":
         model.integrator, model.choice = _choose(model, state, scene)
@@ -137,7 +142,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     if hasattr(_method(model), "DENSE"):
         for g in model.force_groups():
             g.powers = np.zeros(len(state.stages) * len(g.names))
-    return model, state
+    return state
 
 
 def _choose(model: Model, state: State, scene: Scene) -> tuple[str, str]:

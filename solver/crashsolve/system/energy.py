@@ -68,8 +68,11 @@ def least_energy(control, nodes, unseen):
 
 
 @kernel
-def close_ledger(ledger, least):
-    """Imbalance and largest energy, at least `least` [J], from the entries. Writes: ledger."""
+def close_ledger(ledger, least, kicked):
+    """Imbalance and largest energy, at least `least` [J], from the entries. Writes: ledger.
+
+    What of the imbalance the last half kick explains, `kicked` [J], is none.
+    """
     total = ledger[KINETIC] + ledger[POTENTIAL]
     largest = max(ledger[LARGEST], ledger[KINETIC], abs(ledger[INITIAL]), least)
     for k in range(ELASTIC, EXTERNAL_WORK):
@@ -78,7 +81,9 @@ def close_ledger(ledger, least):
     largest = max(largest, abs(ledger[EXTERNAL_WORK]), abs(ledger[DRIVER_WORK]))
     ledger[LARGEST] = largest
     outside = ledger[EXTERNAL_WORK] + ledger[DRIVER_WORK]
-    ledger[IMBALANCE] = total - outside - ledger[INITIAL]
+    missing = total - outside - ledger[INITIAL]
+    explained = min(max(missing, 0.0), kicked)
+    ledger[IMBALANCE] = missing - explained
     ledger[INTERNAL] = ledger[ELASTIC] + ledger[PLASTIC]
 
 

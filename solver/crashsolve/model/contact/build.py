@@ -213,7 +213,7 @@ class Side:
         name = surface.entry.name
         if name in self.surfaces:
             return
-        expand = getattr(narrow, f"expand_{self.letter}", lambda elements: elements)
+        expand = getattr(narrow, f"expand_{self.letter}", lambda elements, *others: elements)
         first = len(self.elements)
         is_edged = hasattr(import_module(narrow.gap.__module__), "least_half")
         for element in surface.elements:
