@@ -15,6 +15,7 @@ from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 from crashsolve.model.corners import corners, corners_in_time
+from crashsolve.model.curve_steps import steps_by_curves
 
 PULSE = [[0.0, 0.0], [0.0123, 1.0], [0.0377, 0.0]]
 TIMES = [x for x, _ in PULSE]
@@ -60,8 +61,14 @@ def test_a_pulse_of_straight_lines_gives_its_impulse(
     way = 0.5 * TIMES[2] * (0.1 - (TIMES[1] + TIMES[2]) / 3.0)
     if method != "rattle":
         assert result.series("rbdout.struck.position.x").values[-1] == pytest.approx(way, rel=1e-12)
-    # three corners of the pulse and six of the motion, and hardly a step more
-    assert result.series("glstat.model.cycle").values[-1] < 30
+    # three corners of the pulse and six of the motion, and hardly a step more, but for those that
+    # rattle takes to see the bent pieces of the motion (curve_steps.py)
+    seen = 0.0
+    if (method, step) == ("rattle", "auto"):
+        starts, longest = steps_by_curves(build(read_deck(deck))[0])
+        seen = float((np.diff(np.clip(np.r_[starts, 0.1], 0.0, 0.1)) / longest).sum())
+    cycles = result.series("glstat.model.cycle").values[-1]
+    assert 0.8 * seen < cycles < 30 + seen
     assert result.series("rbdout.driven.position.x").values[-1] == pytest.approx(0.01, abs=1e-14)
 
 

@@ -71,6 +71,7 @@ def build(deck: Deck) -> tuple[Model, State]:
         # what becomes of them is looked at below, card by card
         with np.errstate(all="ignore"):
             model, state = _build(deck)
+            model.warnings.extend(warn_of_unseen(model))
             refuse_beyond(deck, model, state)
     except BEYOND_NUMBERS:
         raise DeckErrors([of_model(deck)]) from None
@@ -124,7 +125,6 @@ def _build(deck: Deck) -> tuple[Model, State]:
     if deck.control.solution == "quasi_static" and goes_by_steps(groups):
         # by steps from rest (system/static/pseudo_transient.py)
         model.integrator = "newton"
-    model.warnings.extend(warn_of_unseen(model))
     state = _state(model, scene)
     if nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))
