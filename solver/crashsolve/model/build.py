@@ -71,6 +71,7 @@ def build(deck: Deck) -> tuple[Model, State]:
         # what becomes of them is looked at below, card by card
         with np.errstate(all="ignore"):
             model, state = _build(deck)
+            model.warnings.extend(warn_of_unseen(model))
             refuse_beyond(deck, model, state)
     except BEYOND_NUMBERS:
         raise DeckErrors([of_model(deck)]) from None
