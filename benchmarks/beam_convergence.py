@@ -16,7 +16,7 @@ from figures import finish
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.system.static.equilibrium import StaticEngine
+from crashsolve.statics.equilibrium import StaticEngine
 
 HERE = Path(__file__).resolve().parent
 MESHES = (2, 4, 8, 16, 32)
@@ -61,7 +61,7 @@ loads: {{tip: {{type: force, body: p_{end}, force: [0, 0, 600], curve: rise}}}}
 HEAD = """# Convergence of beams
 
 Written by `python benchmarks/beam_convergence.py`. n is the number of elements; error the
-distance of the tip from its place in the rod, over the way it has gone.
+distance of the tip from its position in the rod, over the distance it has travelled.
 
 ![errors over meshes](beam_convergence.png)
 """
@@ -81,13 +81,13 @@ def deck(problem: str, n: int) -> str:
         E, GA, EI = 4.8e8, 3.231e8, 9.346e6
         words = {"E": E, "A": 1, "I": EI / E, "k": 2 * GA / E, "L": 5, "force": [0, 0, -6e5]}
         return STRAIGHT.format(title="cantilever", n=n, **words)
-    turns = np.linspace(0.0, 0.25 * np.pi, n + 1)
-    points = [[100.0 * float(1.0 - np.cos(a)), 100.0 * float(np.sin(a)), 0.0] for a in turns]
+    rotations = np.linspace(0.0, 0.25 * np.pi, n + 1)
+    points = [[100.0 * float(1.0 - np.cos(a)), 100.0 * float(np.sin(a)), 0.0] for a in rotations]
     return CURVED.format(points=points, bars=[[k, k + 1] for k in range(1, n + 1)], end=n + 1)
 
 
 def error(folder: Path, problem: str, n: int) -> float:
-    """Of the tip's place, over its way."""
+    """Of the tip's place, over its displacement."""
     path = folder / "deck.yaml"
     path.write_text(deck(problem, n), "utf-8")
     read = read_deck(path)
@@ -111,7 +111,7 @@ def draw(results: dict[str, list[float]]) -> None:
         axis.loglog(MESHES, found, "o-", label="beam")
         axis.loglog(MESHES, [0.4 / n**2 for n in MESHES], "k:", label="order 2")
         axis.loglog(MESHES, [0.4 / n**4 for n in MESHES], "k--", label="order 4")
-        axis.set(title=name, xlabel="elements", ylabel="error of the tip over its way")
+        axis.set(title=name, xlabel="elements", ylabel="error of the tip over its displacement")
     finish(figure, axes, MESHES, HERE / "beam_convergence.png")
 
 

@@ -62,13 +62,13 @@ def main() -> None:
         methods = EXPLICIT + (CONTROLLED if "continuous" in deck else [])
         finest, truth, _, _ = run(deck, REFERENCE)
         for settings in methods:
-            places, impulses, steps, cpu = run(deck, settings)
-            apart = 1e3 * np.linalg.norm(places - finest, axis=2).max(1)
+            positions, impulses, steps, cpu = run(deck, settings)
+            apart = 1e3 * np.linalg.norm(positions - finest, axis=2).max(1)
             missed = np.linalg.norm(impulses - truth, axis=1)
             missed *= 1e2 / np.linalg.norm(truth, axis=1).max()
-            told = ", ".join(f"{value}" for value in settings.values())
+            message = ", ".join(f"{value}" for value in settings.values())
             print(
-                f"| {deck} | {told} | {steps} | {cpu:.3f} | {1e6 * cpu / steps:.1f} "
+                f"| {deck} | {message} | {steps} | {cpu:.3f} | {1e6 * cpu / steps:.1f} "
                 f"| {apart[FIRST_END].max():.3g} | {apart.max():.3g} "
                 f"| {missed[FIRST_END].max():.2g} | {missed.max():.2g} |",
                 flush=True,

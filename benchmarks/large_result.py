@@ -126,8 +126,8 @@ def _run(answer: Queue, words: list[str]) -> None:
         [sys.executable, "-m", "crashpost", *words], capture_output=True, text=True
     )
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    told = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
-    answer.put(told if done.returncode == 0 else f"{' '.join(words)}: {done.stderr}")
+    measured = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+    answer.put(measured if done.returncode == 0 else f"{' '.join(words)}: {done.stderr}")
 
 
 if __name__ == "__main__":

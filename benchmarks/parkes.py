@@ -3,7 +3,7 @@
     python benchmarks/parkes.py [SEGMENTS ...]
 
 A mass G at the tip of a rigid-plastic cantilever starts at V_0; a plastic hinge travels from the
-tip to the root, and then the whole turns about its root. With m the mass per length, M_0 the
+tip to the root, and then the whole rotates about its root. With m the mass per length, M_0 the
 plastic moment and displacements small (Parkes 1955), in the second phase
 
     omega = V_0 / (L (1 + m L / 2 G)),   theta_root = (G L^2 + m L^3 / 3) omega^2 / 2 M_0
@@ -47,7 +47,7 @@ def deck(segments: int, ratio: float) -> str:
         f"at: [{i * part}, 0, 0], axis: [0, 0, 1], curve: hinge}}"
         for i in range(segments)
     ]
-    blow = 2.0 * TIP_MASS * SPEED / PULSE
+    impulse = 2.0 * TIP_MASS * SPEED / PULSE
     return "\n".join(
         [
             f"title: Parkes' cantilever of {segments} segments",
@@ -56,7 +56,7 @@ def deck(segments: int, ratio: float) -> str:
             f"output: {{history: {{interval: {DURATION / 100}}}, states: {{interval: 1}}}}",
             "curves:",
             f"  hinge: {{points: [[0, 0], [{reach}, {MOMENT}], [1, {MOMENT}]]}}",
-            f"  blow: {{points: [[0, 0], [{PULSE / 2}, {blow}], [{PULSE}, 0], [1, 0]]}}",
+            f"  blow: {{points: [[0, 0], [{PULSE / 2}, {impulse}], [{PULSE}, 0], [1, 0]]}}",
             "bodies:",
             *bodies,
             f"  tip: {{mass: {TIP_MASS}, inertia: [1e-3, 1e-3, 1e-3], position: [{LENGTH}, 0, 0]}}",

@@ -24,9 +24,9 @@ from crashsolve.cli import give_back_memory
 from crashsolve.compiler.machine import machine_code
 from crashsolve.compiler.table import Tables
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.elements.shells.forces import blocks
 from crashsolve.foundation.point import LANES, POINT
 from crashsolve.model.build import build
-from crashsolve.parts.shells.elements import blocks
 from crashsolve.system.engine import Engine
 
 DECK = """
@@ -45,15 +45,15 @@ parts:
     thickness: {thickness}
     element: {element}
     material: {material}
-    hold: [{{nodes: u0}}, {{nodes: u1}}, {{nodes: v0}}, {{nodes: v1}}]
+    supports: [{{nodes: u0}}, {{nodes: u1}}, {{nodes: v0}}, {{nodes: v1}}]
 loads: {{q: {{type: pressure, part: plate, pressure: {pressure}}}}}
 output: {{history: {{interval: {end}}}}}
 """
 BARE = """
 from crashsolve.foundation.kernels import entry
 from crashsolve.materials import {law}
-from crashsolve.parts.shells.elements import {kind}
-from crashsolve.parts.shells.elements.blocks import deform
+from crashsolve.elements.shells.forces import {kind}
+from crashsolve.elements.shells.forces.blocks import deform
 
 @entry
 def advance(h, flag, scene):
@@ -150,7 +150,7 @@ def flops(folder: Path, element: str, material: str) -> float:
     Counted.count = 0
     p, clock = group.parameters.view(np.recarray)[0], state.clock.view(np.recarray)[0]
     (kind, pieces), law = KINDS[element], group.materials[0][1]
-    kernels = import_module(f"crashsolve.parts.shells.elements.{kind}")
+    kernels = import_module(f"crashsolve.elements.shells.forces.{kind}")
     blocks.deform(kernels, p, clock, 1.0, scene, law)
     return Counted.count / (16 * pieces)
 
@@ -194,14 +194,14 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
         "ready = time.process_time()\n"
         "e.advance(float(sys.argv[2]))\n"
         "done = time.process_time()\n"
-        "told = Path('/proc/self/status').read_text().partition('VmHWM:')[2]\n"
-        "peak = 1024 * int(told.split()[0])\n"
+        "used = Path('/proc/self/status').read_text().partition('VmHWM:')[2]\n"
+        "peak = 1024 * int(used.split()[0])\n"
         "print(done - ready, int(e.clock['cycle']), peak, ready - begun)\n"
     )
     for _ in range(2):  # the first run compiles
         words = [sys.executable, "-c", script, str(path), str(end)]
-        told = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
-    cpu, cycles, peak, ready = map(float, told)
+        measured = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
+    cpu, cycles, peak, ready = map(float, measured)
     count = KINDS[element][1] * n**2
     return cpu / (cycles * count), peak / count, ready
 
@@ -225,7 +225,7 @@ def implicit(folder: Path, n: int, method: str) -> tuple[float, float, int]:
         e.advance((cycle + 1) * step)
         # the first steps learn how many a call may take
         spent[is_anew] += (time.process_time() - begun) if cycle >= 20 else 0.0
-    return spent[True] / 10, spent[False] / 10, int(e.clock["passes"])
+    return spent[True] / 10, spent[False] / 10, int(e.clock["last_iterations"])
 
 
 def main(n: int) -> None:
@@ -244,14 +244,14 @@ def main(n: int) -> None:
                 f"bare {1e-6 / seconds:6.2f} M/s {1e9 * seconds:6.1f} ns, "
                 f"{count:.0f} flops, {bytes_moved:.0f} bytes, {count / seconds / 1e9:.1f} Gflop/s, "
                 f"{bytes_moved / seconds / 1e9:.1f} GB/s; whole run {1e-6 / run[0]:.2f} M/s, "
-                f"{run[1]:.0f} bytes per element all told, set-up {run[2]:.1f} s of CPU"
+                f"{run[1]:.0f} bytes per element in all, set-up {run[2]:.1f} s of CPU"
             )
         for side in (10, 20, 40):
             for method in ("generalized_alpha", "radau_iia_5"):
-                anew, kept, passes = implicit(folder, side, method)
+                anew, kept, iterations = implicit(folder, side, method)
                 print(
                     f"{method}, {side * side} elements: {1e3 * anew:.2f} ms a step with new "
-                    f"factors, {1e3 * kept:.2f} ms with those at hand, {passes} passes"
+                    f"factors, {1e3 * kept:.2f} ms with those at hand, {iterations} passes"
                 )
 
 

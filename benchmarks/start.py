@@ -14,7 +14,7 @@ Memory: the largest of a warm process above that of `python -c "import numpy, h5
 child process that compiles: its time counts as cold, its memory stands in the last column, without
 a budget. The second command names small and large scenes, shell_radau.yaml the largest of all.
 
-`--all` is shorter and tells of every deck: CPU time of one cold and one warm start, worst first,
+`--all` is shorter and reports every deck: CPU time of one cold and one warm start, worst first,
 with the parts of the cold one that read and build (this process) and that compile (its child).
 Decks with beams or shells are marked flexible.
 """
@@ -71,7 +71,7 @@ def end_after_first_step(deck: str, folder: str) -> None:
     Engine._step = one_step  # type: ignore[method-assign]
     from crashsolve.cli import main
     from crashsolve.deck.family import ELEMENTS, families
-    from crashsolve.system.static.equilibrium import StaticEngine
+    from crashsolve.statics.equilibrium import StaticEngine
 
     StaticEngine._step = one_pause  # type: ignore[method-assign]
 
@@ -137,8 +137,8 @@ def survey() -> None:
         except SystemExit as reason:
             apart.append(f"{name} has no first step: {str(reason).splitlines()[0]}")
             continue
-        told = f"{number} of {len(all_decks)}: {name} {found[-1][1].cpu:.2f} s"
-        print(told, file=sys.stderr, flush=True)
+        message = f"{number} of {len(all_decks)}: {name} {found[-1][1].cpu:.2f} s"
+        print(message, file=sys.stderr, flush=True)
     found.sort(key=lambda row: -row[1].cpu)
     print(f"CPU time [s] {'':40}    cold =    run + compiler    warm")
     for deck, cold, warm in found:

@@ -4,14 +4,14 @@
 
 Scenes are `plates` of 10^4 and 10^5 shells, `spheres`, 1000 and 4000 that fall into a box, and the
 first 8 ms of the crushed `tube`: begun folds, contact of its ends and of the tube with itself. The
-last is told as a whole, too, by runs of the command in turn, with start, samples and all files.
+last is reported as a whole, too, by runs of the command in turn, with start, samples and all files.
 
 "shared" is how often, at moments that have nothing to do with the step, the one thread of a run
 that is cut for several is found in a job that they would share: Amdahl's share p, which other
 programs on the machine do not change. "pieces" is c, the CPU time of that run over that of a run
 which is not cut. Of N cores of one's own follows from both, at most, N / c / (N - (N - 1) p).
 Speed by the clock is that of runs in turn, stretch by stretch, and says something only where
-nothing else runs: the load is told. The bits are those of one thread, asserted at the end.
+nothing else runs: the load is reported. The bits are those of one thread, asserted at the end.
 """
 
 import os
@@ -31,7 +31,7 @@ from crashsolve.cli import give_back_memory
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.model.build import build
 from crashsolve.system.engine import Engine
-from crashsolve.system.threads.jobs import NONE
+from crashsolve.threads.jobs import NONE
 
 TUBE = Path(__file__).resolve().parents[1] / "decks/benchmark/tube_crush.yaml"
 PLATE = """
@@ -45,7 +45,7 @@ parts:
     mesh: {{type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [{n}, {n}]}}
     thickness: {thickness}
     material: steel
-    hold: [{{nodes: u0}}, {{nodes: u1}}, {{nodes: v0}}, {{nodes: v1}}]
+    supports: [{{nodes: u0}}, {{nodes: u1}}, {{nodes: v0}}, {{nodes: v1}}]
 {load}"""
 LOAD = "loads: {q: {type: pressure, part: plate, pressure: 1e5}}\n"
 STRETCHES = 30

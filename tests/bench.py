@@ -14,7 +14,7 @@ from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
-from crashsolve.foundation.sparse.bordered import BLOCK, PLACE
+from crashsolve.foundation.sparse.bordered import BLOCK, SLOT
 from crashsolve.model.build import build
 from crashsolve.model.nodes import NODE, ROW
 
@@ -83,15 +83,15 @@ class Bench:
         b.A, b.W = A.ravel(), W.ravel()
         b.L = np.linalg.solve(W, b.w)
 
-    def turn(self, node: int, rotation: Any) -> None:
+    def rotation(self, node: int, rotation: Any) -> None:
         """Turn a body by a rotation vector in world axes [rad]."""
         self.move(node, q=product(exponential(rotation), self.nodes[node].q))
 
-    def shake(self, seed: int, speed: float = 1.0, turn: float = 0.8) -> None:
+    def shake(self, seed: int, speed: float = 1.0, rotation: float = 0.8) -> None:
         """Any configurations and velocities, and the ground at rest."""
         rng = np.random.default_rng(seed)
         for node in range(1, len(self.nodes)):
-            self.turn(node, rng.uniform(-turn, turn, 3))
+            self.rotation(node, rng.uniform(-rotation, rotation, 3))
             r = self.nodes[node].r + rng.uniform(-0.3, 0.3, 3)
             self.move(node, r=r, v=speed * rng.normal(size=3), w=speed * rng.normal(size=3))
 
@@ -99,7 +99,7 @@ class Bench:
         """Move every body by its present velocity."""
         for node in range(1, len(self.nodes)):
             b = self.nodes[node]
-            self.turn(node, time * b.w)
+            self.rotation(node, time * b.w)
             self.move(node, r=b.r + time * b.v)
 
     def carry_away(self) -> np.ndarray:
@@ -108,7 +108,7 @@ class Bench:
         R = matrix(exponential(rotation))
         for node in range(1, len(self.nodes)):
             b = self.nodes[node]
-            self.turn(node, rotation)
+            self.rotation(node, rotation)
             self.move(node, r=R @ b.r + [5, -3, 2], v=R @ b.v, w=R @ b.w)
         return R
 
@@ -257,12 +257,12 @@ def write_rows(law: Any, word: str, p: Any, old: Any, *rest: Any) -> None:
         first += len(basic.ANGULAR)
     if hasattr(law, word):
         getattr(law, word)(p, old, *rest)
-    if hasattr(law, "let_go"):
-        law.let_go(p, old, rows, law.ROWS)
+    if hasattr(law, "release_rows"):
+        law.release_rows(p, old, rows, law.ROWS)
 
 
 def refusal(folder: Path, text: str) -> str:
-    """What is told of a deck that cannot be built."""
+    """What is reported a deck that cannot be built."""
     path = folder / "deck.yaml"
     path.write_text(text, "utf-8")
     with pytest.raises(DeckErrors) as caught:
@@ -281,8 +281,8 @@ def assert_balanced(nodes: Any) -> None:
 
 def pair_of_blocks(flips: int) -> tuple[Any, Any]:
     """Place of nodes a and b, and empty blocks of a, b and both; that has rows of b if it flips."""
-    place = as_rows(np.array((0, 1, 2, flips), PLACE.dtype))
-    return place, as_rows(np.zeros(3, BLOCK.dtype))
+    position = as_rows(np.array((0, 1, 2, flips), SLOT.dtype))
+    return position, as_rows(np.zeros(3, BLOCK.dtype))
 
 
 def matrix_of_pair(blocks: Any, flips: int) -> np.ndarray:

@@ -29,7 +29,7 @@ APART = ("__main__", "examples", "study", "sweep")
 # what is read when a run asks for it; whatever else changes in the environment needs a real start
 READ_LATE = {"CRASHSOLVE_CACHE", "CRASHSOLVE_PLAIN", "PYTEST_CURRENT_TEST"}
 
-# what runs have in the place of this, here
+# what runs have in place of this, here
 _apart = machine._compile_apart
 
 
@@ -122,8 +122,8 @@ class Compiler:
         path: Path,
         lock: int | None = None,
     ) -> bytes:
-        """Machine code at `path`; what goes wrong is told by machine._compile_apart, anew."""
-        self._asked.send((source, path, list(names), tables.places))
+        """Machine code at `path`; what goes wrong is reported by machine._compile_apart, anew."""
+        self._asked.send((source, path, list(names), tables.slots))
         code = read_sealed(path) if self._asked.recv() == 0 else None
         return _apart(source, names, tables, path, lock) if code is None else code
 
@@ -132,13 +132,13 @@ class Compiler:
         os.waitpid(self._process, 0)
 
 
-def _compile(source: Path, path: Path, names: list[str], places: dict[str, Any]) -> int:
+def _compile(source: Path, path: Path, names: list[str], slots: dict[str, Any]) -> int:
     """Compile in a process of its own; its exit code."""
     child = os.fork()
     if child == 0:
         code = 1
         try:
-            sys.stdin = io.TextIOWrapper(io.BytesIO(pickle.dumps(places)))
+            sys.stdin = io.TextIOWrapper(io.BytesIO(pickle.dumps(slots)))
             process.main(source, path, names)
             code = 0
         finally:

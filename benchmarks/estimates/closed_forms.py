@@ -70,14 +70,17 @@ def drawn(travel: np.poly1d, bend: np.poly1d, omega: float) -> Motion:
     return lambda t: travel(t) - bend(t) / omega**2 + p * np.cos(omega * t) + q * np.sin(omega * t)
 
 
-def top(across: float, along: float, spin: float, turn: float, weight: float, arm: float) -> Motion:
+def top(
+    across: float, along: float, spin: float, precession: float, weight: float, arm: float
+) -> Motion:
     """Place (3, n) of the mass centre of a symmetric top that begins along y, its tip held.
 
     u = z / arm = u1 + (u2 - u1) sn^2, and it goes round with (a - b u) / (1 - u^2); both inertias
-    are about the tip, `turn` [rad/s] is about the vertical (Goldstein, Classical Mechanics, 5.7).
+    are about the tip, `precession` [rad/s] is about the vertical (Goldstein, Classical Mechanics,
+    5.7).
     """
     b, beta = along * spin / across, 2.0 * weight * arm / across
-    a = turn
+    a = precession
     roots = np.sort(np.roots([beta, -(a * a + b * b), 2.0 * a * b - beta, 0.0]).real)
     low, high, beyond = roots
     m = (high - low) / (beyond - low)
@@ -94,9 +97,9 @@ def top(across: float, along: float, spin: float, turn: float, weight: float, ar
 
     def motion(t: np.ndarray) -> np.ndarray:
         grid = np.linspace(0.0, max(t.max(), 1e-3), 201)
-        turned = np.concatenate([[0.0], np.cumsum(gone(grid[:-1], grid[1:]))])
+        rotated = np.concatenate([[0.0], np.cumsum(gone(grid[:-1], grid[1:]))])
         panel = np.minimum(np.searchsorted(grid, t, side="right") - 1, 199)
-        angle, u = turned[panel] + gone(grid[panel], t), height(t)
+        angle, u = rotated[panel] + gone(grid[panel], t), height(t)
         out = np.sqrt(1.0 - u * u)
         return arm * np.array([-out * np.sin(angle), out * np.cos(angle), u])
 
@@ -137,8 +140,8 @@ class Rod:
         part, kappa = self.length / n, 6.0 * 1.3 / (7.0 + 6.0 * 0.3)
         bend, shear = self.young * self.second, kappa * self.young / 2.6 * self.area
         give = part**3 / (12.0 * bend) + part / shear
-        slide, turn = np.array([-1, -part / 2, 1, -part / 2]), np.array([0, -1, 0, 1])
-        element = np.outer(slide, slide) / give + np.outer(turn, turn) * bend / part
+        slide, precession = np.array([-1, -part / 2, 1, -part / 2]), np.array([0, -1, 0, 1])
+        element = np.outer(slide, slide) / give + np.outer(precession, precession) * bend / part
         K = np.zeros((2 * n + 2, 2 * n + 2))
         for i in range(n):
             K[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += element
@@ -167,7 +170,7 @@ def chain_of_elements(
     sigma = 0.5 * damping * squares
     omega = np.sqrt(squares - sigma**2)
 
-    def places(t: np.ndarray) -> np.ndarray:
+    def positions(t: np.ndarray) -> np.ndarray:
         left = np.cos(np.outer(omega, t)) + (sigma / omega)[:, None] * np.sin(np.outer(omega, t))
         left *= np.exp(-np.outer(sigma, t))
         return shapes @ ((pushed / squares)[:, None] * (1.0 - left))
@@ -176,7 +179,7 @@ def chain_of_elements(
         moves = np.exp(-np.outer(sigma, t)) * np.sin(np.outer(omega, t))
         return shapes @ ((pushed / omega)[:, None] * moves)
 
-    return places, rates
+    return positions, rates
 
 
 def rigid_bar(

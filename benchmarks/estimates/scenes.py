@@ -294,10 +294,10 @@ springs:
 def heavy_top() -> Scene:
     """The heavy top of IFToMM A06; its axis passes a millionth from hanging straight down."""
     # benchmarks/peers/reference.py: Gauss collocation
-    place = (-0.15041682274577, -0.72416559163704, -0.67302226956026)
+    position = (-0.15041682274577, -0.72416559163704, -0.67302226956026)
     known = [
         Known(f"rbdout.top.position.{c}", ("final",), value)
-        for c, value in zip("xyz", place, strict=True)
+        for c, value in zip("xyz", position, strict=True)
     ]
     deck = DECKS / "benchmark" / "heavy_top.yaml"
     return Scene("heavy top A6", deck, 2.0, known, (2e-4, 1e-4, 5e-5), (2e-3, 1e-3))
@@ -305,15 +305,15 @@ def heavy_top() -> Scene:
 
 def spinning_top(spin: float) -> Scene:
     """A top that falls from its horizontal position and goes round as it nods."""
-    turn = 2.0
+    rotation = 2.0
     deck = f"""
 bodies:
   top: {{mass: 15, inertia: [0.234375, 0.46875, 0.234375], mass_centre: [0, 1, 0],
-        angular_velocity: [0, {spin}, {-turn}]}}
+        angular_velocity: [0, {spin}, {-rotation}]}}
 joints: {{tip: {{type: spherical, b: top, at: [0, 0, 0]}}}}
 loads: {{weight: {{type: gravity, acceleration: [0, 0, {-G}]}}}}
 """
-    axis = exact.top(15.234375, 0.46875, spin, -turn, 15.0 * G, 1.0)
+    axis = exact.top(15.234375, 0.46875, spin, -rotation, 15.0 * G, 1.0)
     known = [
         Known(f"rbdout.top.position.{c}", ("final", "path", "at:0.3"), partial(component, axis, i))
         for i, c in enumerate("xyz")
@@ -342,7 +342,8 @@ def squeezer() -> Scene:
         "k3.position.x": xb + sa * np.sin(gamma) + sb * np.cos(gamma),
         "k5.position.y": ya + ta * np.sin(delta) + tb * np.cos(delta),
     }
-    # methods of this code agree to 1e-8 on rates 3e-8 away from the published, of places on 1e-11
+    # methods of this code agree to 1e-8 on rates 3e-8 away from the published, of positions on
+    # 1e-11
     floor = {True: 1e-7, False: 1e-9}
     known = [
         Known(f"rbdout.{name}", ("final",), value, floor["velocity" in name])
@@ -355,10 +356,10 @@ def squeezer() -> Scene:
 def governor() -> Scene:
     """The stiff governor, IFToMM A05, by Gauss collocation in least coordinates."""
     # benchmarks/peers/reference.py: its turn, the angle of a rod, and the slider at 1 s
-    turn, slope, slider = 5.58634696586902, 0.52183330162555, 0.50142092237957
+    rotation, slope, slider = 5.58634696586902, 0.52183330162555, 0.50142092237957
     centre = (0.5 * 0.3 + 5.0) / 5.3
     known = [
-        Known("disbout.turn.angle", ("final",), turn),
+        Known("disbout.rotation.angle", ("final",), rotation),
         Known("rbdout.slider.position.z", ("final",), slider),
         Known("rbdout.rod_1.position.z", ("final",), 1.0 - centre * np.sin(slope)),
     ]
@@ -391,12 +392,12 @@ bodies:
   bob: {{mass: 1, inertia: [1e-9, 1e-9, 1e-9], position: [0, 10, -1]}}
 joints:
   rail: {{type: prismatic, b: carriage, at: [0, 0, 0], axis: [1, 0, 0]}}
-  motor: {{type: slide_driver, joint: rail, curve: rise}}
+  motor: {{type: translation_driver, joint: rail, curve: rise}}
   axle: {{type: revolute, b: disc, at: [0, 5, 0], axis: [0, 0, 1]}}
-  winder: {{type: turn_driver, joint: axle, curve: rise}}
+  winder: {{type: rotation_driver, joint: axle, curve: rise}}
   pin: {{type: revolute, a: pivot, b: bob, at: [0, 10, 0], axis: [0, 1, 0]}}
   guide: {{type: prismatic, b: pivot, at: [0, 10, 0], axis: [1, 0, 0]}}
-  puller: {{type: slide_driver, joint: guide, curve: run}}
+  puller: {{type: translation_driver, joint: guide, curve: run}}
 springs:
   link: {{type: linear, a: carriage, b: mass, stiffness: {k}, length: 1}}
   shaft: {{type: torsional, a: disc, b: wound, axis: [0, 0, 1], stiffness: {k}}}
@@ -499,10 +500,10 @@ def beams(damping: float) -> Scene:
 def hinges(speed: float) -> Scene:
     """A rotor bends a hinge that yields, and a slider one on an ellipse of force and moment."""
     moment, inertia, k = 300.0, 2.0, 3e5
-    limit, mass, stiff, turn = 1000.0, 10.0, 1e6, 0.6
+    limit, mass, stiff, rotation = 1000.0, 10.0, 1e6, 0.6
     # of the ellipse, with J / m = k_M / k_F = (M_p / F_p)^2: one motion, in newtons and metres
     fast, ratio = speed / 4.0, (moment / limit) ** 2
-    cosine = 1.0 / np.hypot(1.0, turn)
+    cosine = 1.0 / np.hypot(1.0, rotation)
     deck = f"""
 curves:
   turn: {{points: [[0, 0], [{moment / k}, {moment}], [9, {moment}]]}}
@@ -511,21 +512,21 @@ curves:
 bodies:
   rotor: {{mass: 1, inertia: [1, 1, {inertia}], angular_velocity: [0, 0, {speed}]}}
   slider: {{mass: {mass}, inertia: [1, 1, {mass * ratio}], position: [1, 0, 0],
-           velocity: [{fast}, 0, 0], angular_velocity: [0, 0, {turn * fast * limit / moment}]}}
+           velocity: [{fast}, 0, 0], angular_velocity: [0, 0, {rotation * fast * limit / moment}]}}
 hinges:
   rotor: {{type: bending, b: rotor, at: [0, 0, 0], axis: [0, 0, 1], curve: turn}}
   both: {{type: axial_bending, b: slider, at: [1, 0, 0], axis: [0, 0, 1], beam: [1, 0, 0],
          curve: bend, axial_curve: pull}}
 """
     far, reach = inertia * speed**2 / 2.0 / moment, moment / k
-    way, back = mass * fast**2 / 2.0 / (limit * cosine), limit * cosine / stiff
-    angle = (way - back / 2.0) * turn * limit / moment
+    stroke, back = mass * fast**2 / 2.0 / (limit * cosine), limit * cosine / stiff
+    angle = (stroke - back / 2.0) * rotation * limit / moment
     # corners of laws are met to 1e-10 of a step or so
     floor = 3e-10
     known = [
         Known("hinge.rotor.residual_angle", ("final",), far - reach / 2.0, floor),
         Known("hinge.rotor.plastic_angle", ("final",), far - reach / 2.0, floor),
-        Known("hinge.both.residual_stroke", ("final",), way - back / 2.0, floor),
+        Known("hinge.both.residual_stroke", ("final",), stroke - back / 2.0, floor),
         Known("hinge.both.residual_angle", ("final",), angle, floor),
     ]
     end = 1.3 * inertia * speed / moment

@@ -84,7 +84,7 @@ def rotation(body: np.void) -> np.ndarray:
     )
 
 
-def turn(body: np.void) -> float:
-    """Angle about z of a body that turns about z only, modulo a turn."""
+def angle_of(body: np.void) -> float:
+    """Angle about z of a body that rotates about z only, modulo a turn."""
     w, _, _, z = body["q"]
     return float(2.0 * np.arctan2(z, w))

@@ -99,9 +99,9 @@ def plane_body(
     return node, system.AddObject(ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
 
 
-def point(system: Any, body: int, place: Sequence[float]) -> int:
+def point(system: Any, body: int, position: Sequence[float]) -> int:
     """Marker at a point in the axes of a body."""
-    return system.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[*place, 0.0][:3]))
+    return system.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[*position, 0.0][:3]))
 
 
 def ground(system: Any) -> int:

@@ -26,7 +26,7 @@ REFERENCE = [5.58634696586902, 0.52183330162555, 0.50142092237957]
 
 def crashsolve_watch(body):
     slope = (1.0 - body["rod_1"]["r"][2]) / CENTRE
-    return crash.turn(body["shaft"]), np.arcsin(slope), body["slider"]["r"][2]
+    return crash.angle_of(body["shaft"]), np.arcsin(slope), body["slider"]["r"][2]
 
 
 def exudyn_tree(system):
@@ -54,9 +54,9 @@ def exudyn_tree(system):
         [SPIN, 0, 0, 0],
     )
 
-    def marker(number, place):
+    def marker(number, position):
         return system.AddMarker(
-            MarkerKinematicTreeRigid(objectNumber=body, linkNumber=number, localPosition=place)
+            MarkerKinematicTreeRigid(objectNumber=body, linkNumber=number, localPosition=position)
         )
 
     for side, number in ((HINGE, 2), (-HINGE, 3)):
@@ -70,8 +70,8 @@ def exudyn_tree(system):
         )
 
     def watch():
-        turn, height, angle, _ = exudyn_runs.coordinates(system, node)
-        return turn, angle, height
+        rotation, height, angle, _ = exudyn_runs.coordinates(system, node)
+        return rotation, angle, height
 
     return watch
 

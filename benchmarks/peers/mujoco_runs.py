@@ -98,7 +98,7 @@ def plane_body(
 
 
 @intrinsic
-def floats(_context: Any, _place: Any = None) -> Any:
+def floats(_context: Any, _position: Any = None) -> Any:
     """Pointer to floats at an address."""
 
     def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
@@ -117,13 +117,13 @@ def native(kernel: Any, history: Any = None) -> Callable[[Any, Any, float], obje
 
     @cfunc(types.void(types.voidptr, types.voidptr))
     def law(_model: Any, _data: Any) -> None:
-        places = carray(floats(at), 5).view(np.int64)
-        n = places[3]
+        positions = carray(floats(at), 5).view(np.int64)
+        n = positions[3]
         kernel(
-            carray(floats(places[0]), n),
-            carray(floats(places[1]), n),
-            carray(floats(places[2]), n),
-            carray(floats(places[4]), places[3]),
+            carray(floats(positions[0]), n),
+            carray(floats(positions[1]), n),
+            carray(floats(positions[2]), n),
+            carray(floats(positions[4]), positions[3]),
         )
 
     def bind(_model: Any, data: Any, _step: float) -> object:

@@ -57,8 +57,8 @@ def pendulum() -> Vector:
     def f(y: Vector) -> Vector:
         return np.array([y[1], 9.81 * cos(y[0]) / (1.0 + 1e-9)])
 
-    turned = gauss(f, np.zeros(2), np.linspace(0.0, 10.0, 2001))[0]
-    return np.array([-cos(turned), -sin(turned)])
+    rotated = gauss(f, np.zeros(2), np.linspace(0.0, 10.0, 2001))[0]
+    return np.array([-cos(rotated), -sin(rotated)])
 
 
 def four_bar() -> Vector:
@@ -128,7 +128,7 @@ def heavy_top() -> Vector:
         w, (x, y, z) = q[0], q[1:]
         weight = matrix(q).T @ np.array([0.0, 0.0, -15 * 9.81])
         torque = np.array([weight[2], 0.0, -weight[0]])
-        turn = np.array(
+        rotation = np.array(
             [
                 -x * v[0] - y * v[1] - z * v[2],
                 w * v[0] + y * v[2] - z * v[1],
@@ -136,7 +136,7 @@ def heavy_top() -> Vector:
                 w * v[2] + x * v[1] - y * v[0],
             ]
         )
-        return np.concatenate([turn / 2, (torque - np.cross(v, inertia * v)) / inertia])
+        return np.concatenate([rotation / 2, (torque - np.cross(v, inertia * v)) / inertia])
 
     start = np.array([1.0, 0, 0, 0, 0, 150.0, -4.61538])
     q = gauss(f, start, np.linspace(0.0, 2.0, 4001))[:4]

@@ -40,10 +40,10 @@ def foot():
 
 
 def crashsolve_turns(body):
-    turns = np.array([crash.turn(body[name]) for name in NAMES])
+    rotations = np.array([crash.angle_of(body[name]) for name in NAMES])
     # the deck gives k3 axes that are turned from the start
-    turns[2] -= start_angles()[2]
-    return turns
+    rotations[2] -= start_angles()[2]
+    return rotations
 
 
 def exudyn_bodies(system):
@@ -53,9 +53,9 @@ def exudyn_bodies(system):
         configuration = [*card.position[:2], 0.0]
         made[name] = exudyn_runs.plane_body(system, card.mass, card.inertia[2], configuration)
 
-    def marker(name, place):
+    def marker(name, position):
         centre = BODIES[name].position[:2] if name in BODIES else (0.0, 0.0)
-        return exudyn_runs.point(system, made[name][1], np.subtract(place[:2], centre))
+        return exudyn_runs.point(system, made[name][1], np.subtract(position[:2], centre))
 
     for name, entry in DECK.entries["joints"].items():
         a, b, at = entry.card.a, entry.card.b, POINTS[name]
@@ -81,8 +81,8 @@ def mujoco_text(step, closure):
             name, card.mass, card.inertia[2], POINTS[joint], card.position, parent, inside
         )
 
-    def site(name, place):
-        return f'<site name="{name}" pos="{place[0]!r} {place[1]!r} 0"/>'
+    def site(name, position):
+        return f'<site name="{name}" pos="{position[0]!r} {position[1]!r} 0"/>'
 
     meet = POINTS["p3"]
     at = {"k3": "b", "k4": "e", "k6": "h"}

@@ -43,7 +43,7 @@ STEPS: dict[str, dict[str, Any]] = {
 FRAMES = (0, 2, 4, 8, 12, 20)  # ms
 WINDOW = 1e-4  # of the mean force [s]
 SAMPLE, LENGTH, KINETIC = 2e-5, 360.0, 3050.9  # s, mm, J
-PLACES = (3, 4, 5, 6, 7, 8, 9, 10, 12, 13)  # shortening [mm]
+POSITIONS = (3, 4, 5, 6, 7, 8, 9, 10, 12, 13)  # shortening [mm]
 STOPPED = 4  # exit code of a numerical stop
 SHOWN = 160.0  # height of the pictures [mm]
 # OpenRadioss bd4557b: peak [kN], shortening [mm], mean, mean over 20-80 mm [kN], final length [mm],
@@ -99,19 +99,21 @@ def peak(result: Result) -> float:
 
 
 def figures(result: Result) -> tuple[str, ...]:
-    """What PUBLISHED tells, of a run."""
-    way, mean = force(result)
-    stop = int(way.argmax())
+    """What PUBLISHED states, of a run."""
+    stroke, mean = force(result)
+    stop = int(stroke.argmax())
     kinetic = values(result, "glstat.model.energy.kinetic")
-    between = (way[:stop] > 20.0) & (way[:stop] < 80.0)
-    part = np.trapezoid(mean[:stop][between], way[:stop][between]) / np.ptp(way[:stop][between])
+    between = (stroke[:stop] > 20.0) & (stroke[:stop] < 80.0)
+    part = np.trapezoid(mean[:stop][between], stroke[:stop][between]) / np.ptp(
+        stroke[:stop][between]
+    )
     hourglass = 100.0 * values(result, "matsum.tube.hourglass").max() / KINETIC
     return (
         f"{peak(result):.1f}",
-        f"{way[stop]:.1f}",
-        f"{(kinetic[0] - kinetic[stop]) / way[stop]:.1f}",
+        f"{stroke[stop]:.1f}",
+        f"{(kinetic[0] - kinetic[stop]) / stroke[stop]:.1f}",
         f"{part:.1f}",
-        f"{LENGTH - way[-1]:.1f}",
+        f"{LENGTH - stroke[-1]:.1f}",
         f"{values(result, 'rbdout.ring.velocity.z')[-1]:.2f}",
         f"{hourglass:.1f}",
     )
@@ -125,19 +127,19 @@ def table(head: str, lines: list[list[str]]) -> str:
 
 def compared(runs: dict[str, Result]) -> str:
     """Our figures beside those of OpenRadioss."""
-    lines = [[name, *told] for name, told in PUBLISHED.items()]
+    lines = [[name, *cells] for name, cells in PUBLISHED.items()]
     lines += [[f"crashsolve, {mesh}", *figures(result)] for mesh, result in runs.items()]
     head = "code, element, mesh|peak [kN]|shortening [mm]|mean force [kN]|mean over 20-80 mm [kN]"
     return table(f"{head}|final length [mm]|rebound [m/s]|hourglass [%]", lines)
 
 
 def fold(runs: dict[str, Result]) -> str:
-    """Lines of the first fold: force at PLACES."""
+    """Lines of the first fold: force at POSITIONS."""
     lines = []
     for mesh, result in runs.items():
-        way, mean = force(result)
-        stop = int(way.argmax())
-        found = np.interp(PLACES, way[:stop], mean[:stop])
+        stroke, mean = force(result)
+        stop = int(stroke.argmax())
+        found = np.interp(POSITIONS, stroke[:stop], mean[:stop])
         lines.append(f"| {mesh.removesuffix(', 5 mm')} | {' | '.join(f'{F:.1f}' for F in found)} |")
     return "\n".join(lines)
 
@@ -150,12 +152,12 @@ def checked(runs: dict[str, Result]) -> str:
         cycles = values(result, "glstat.model.cycle")[-1]
         with h5py.File(result.folder / "mesh.h5") as file:
             count = len(file["part_tube/cells"])
-        told = [f"{np.abs(values(result, 'glstat.model.balance')).max():.3f}"]
+        cells = [f"{np.abs(values(result, 'glstat.model.balance')).max():.3f}"]
         for channel in ("strain", "hourglass", "drilling", "plastic"):
-            told.append(f"{100 * values(result, f'matsum.tube.{channel}').max() / KINETIC:.1f}")
-        told.append(f"{1e6 * values(result, 'rcforc.folds.peak_depth').max():.0f}")
-        told += [f"{cycles:.0f}", f"{cpu:.0f}", f"{1e-6 * cycles * count / cpu:.2f}"]
-        lines.append([mesh, *told])
+            cells.append(f"{100 * values(result, f'matsum.tube.{channel}').max() / KINETIC:.1f}")
+        cells.append(f"{1e6 * values(result, 'rcforc.folds.peak_depth').max():.0f}")
+        cells += [f"{cycles:.0f}", f"{cpu:.0f}", f"{1e-6 * cycles * count / cpu:.2f}"]
+        lines.append([mesh, *cells])
     head = (
         "element, mesh|balance [%]|elastic|hourglass|drilling|plastic [%]|deepest touch [um]|cycles"
     )
@@ -168,15 +170,15 @@ def stepped(folder: Path) -> str:
     for name, settings in STEPS.items():
         name_of_run = name if settings else "reduced, 5 mm"
         out = run(folder, name_of_run, COARSE | settings, (0, STOPPED))
-        told, result = status(out), Result(out)
-        line = [name, f"{1e6 * told['time'] / told['cycle']:.3f}", f"{told['cycle']}"]
-        if told["state"] == "finished":
+        state, result = status(out), Result(out)
+        line = [name, f"{1e6 * state['time'] / state['cycle']:.3f}", f"{state['cycle']}"]
+        if state["state"] == "finished":
             _, _, mean, *_ = figures(result)
-            way = LENGTH - 1e3 * values(result, "rbdout.ring.position.z").min()
+            stroke = LENGTH - 1e3 * values(result, "rbdout.ring.position.z").min()
             balance = np.abs(values(result, "glstat.model.balance")).max()
-            line += [f"{way:.3f}", mean, f"{balance:.4f}", f"{cost(out):.0f}"]
+            line += [f"{stroke:.3f}", mean, f"{balance:.4f}", f"{cost(out):.0f}"]
         else:
-            line += [f"stopped at {1e3 * told['time']:.1f} ms", "", "", ""]
+            line += [f"stopped at {1e3 * state['time']:.1f} ms", "", "", ""]
         lines.append(line)
     head = "step|on average [us]|cycles|shortening [mm]|mean force [kN]|balance [%]|CPU [s]"
     return table(head, lines)

@@ -8,7 +8,7 @@
 #PBS -l walltime=01:00:00
 #PBS -j oe
 cd "$PBS_O_WORKDIR" || exit 1
-# PBS tells nobody before the end of the time: the script keeps its own [s], two minutes shorter
+# PBS notifies nobody before the end of the time: the script keeps its own [s], two minutes shorter
 limit=${LIMIT:-3480}
 run_of_sweep=${RUN:-$PBS_ARRAY_INDEX}
 trap 'kill -TERM "$run"' TERM

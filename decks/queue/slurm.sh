@@ -5,7 +5,7 @@
 #SBATCH --ntasks=1
 #SBATCH --cpus-per-task=1
 #SBATCH --mem=2G
-# the shell is told two minutes before the end, which is time for a dump
+# the shell is notified two minutes before the end, which is time for a dump
 #SBATCH --signal=B:USR1@120
 #SBATCH --requeue
 #SBATCH --open-mode=append
@@ -18,7 +18,7 @@ trap 'kill -TERM "$run"' TERM
 # without a dump in the folder, --restart begins at the start
 ${CRASHSOLVE:-crashsolve} "$deck" -o "$results" --restart &
 run=$!
-# told before the run was there
+# reported before the run was there
 [ "$out_of_time" = no ] || kill -TERM "$run"
 wait "$run"; code=$?
 # a trap ends the wait, not the run

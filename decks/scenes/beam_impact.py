@@ -69,7 +69,7 @@ class Runs:
         return self(f"beam_impact_10_{kind}", elements=elements, mu=mu, **given, **settings)
 
 
-def places(result: Result, time: float, nodes: list[str]) -> np.ndarray:
+def positions(result: Result, time: float, nodes: list[str]) -> np.ndarray:
     """Positions (n, 2) of nodes at a time, in the plane of the motion."""
     names = [[f"rbdout.{node}.position.{axis}" for axis in "xy"] for node in nodes]
     at = result.series(names[0][0]).time
@@ -97,15 +97,17 @@ def draw_frames(runs: Runs, plt: Any) -> None:
     figure, axes = plt.subplots(len(TIMES), len(MESHES), figsize=(9.0, 15.0), sharex=True)
     bar = runs("rigid_bar", control__end_time=2)
     for row, time in zip(axes, TIMES, strict=True):
-        centre = places(bar, time, ["bar"])[0]
-        turn = [np.interp(time, bar.time, values(bar, f"rbdout.bar.quaternion.{k}")) for k in "wz"]
-        angle = 2.0 * np.arctan2(turn[1], turn[0])
+        centre = positions(bar, time, ["bar"])[0]
+        rotation = [
+            np.interp(time, bar.time, values(bar, f"rbdout.bar.quaternion.{k}")) for k in "wz"
+        ]
+        angle = 2.0 * np.arctan2(rotation[1], rotation[0])
         half = 0.5 * LENGTH * np.array([np.cos(angle), np.sin(angle)])
         ends = np.array([centre - half, centre + half])
         for ax, elements in zip(row, MESHES, strict=True):
             ax.plot(*ends.T, color="0.6", lw=2.5, label="rigid bar")
             for model, style in (("continuous, K = 1.2e8", "-"), ("unilateral", "--")):
-                x = places(runs.beam(model, elements, 0.0), time, beam_nodes(elements))
+                x = positions(runs.beam(model, elements, 0.0), time, beam_nodes(elements))
                 ax.plot(*x.T, style, marker=".", ms=3, lw=1.2, label=model)
             ax.axvline(1.0, color="k", lw=2)
             ax.set_aspect("equal")
@@ -223,8 +225,8 @@ def steps_table(runs: Runs) -> str:
     for kind, model in (("continuous", "continuous, K = 1.2e8"), ("unilateral", "unilateral")):
         for elements in MESHES:
             known = PUBLISHED.get((kind, elements))
-            told = ["-"] * 3 if known is None else [f"{h:.1e}" for h in known]
-            lines.append([kind, str(elements), "chapter", *told, ""])
+            cells = ["-"] * 3 if known is None else [f"{h:.1e}" for h in known]
+            lines.append([kind, str(elements), "chapter", *cells, ""])
             for name, settings in methods.items():
                 if kind == "unilateral" and "dormand" in name:
                     continue
@@ -250,12 +252,12 @@ def groups_table(runs: Runs) -> str:
         for model in MODELS:
             for elements in (*MESHES, 40):
                 result = runs.beam(model, elements, mu)
-                told = []
+                cells = []
                 for node in (1, 2):
                     found = groups(result, node)
-                    told += [" ".join(f"{1e3 * long:.1f}" for _, long in found)]
-                    told += [f"{1e3 * np.sum([long for _, long in found]):.0f}"]
-                lines.append([model, f"{mu:g}", str(elements), *told])
+                    cells += [" ".join(f"{1e3 * long:.1f}" for _, long in found)]
+                    cells += [f"{1e3 * np.sum([long for _, long in found]):.0f}"]
+                lines.append([model, f"{mu:g}", str(elements), *cells])
     head = "model|mu|elements|groups of node 1 [ms]|sum|groups of node 2 [ms]|sum"
     return table(head, lines)
 
@@ -270,8 +272,8 @@ def equivalence_table(runs: Runs) -> str:
             first = 0.5 * MASS / (2.0 * elements) * SPEED**2
             until, whole = (captured(last, time) for time in (0.7, 2.0))
             apart = f"{1e3 * tips_apart(runs, elements, mu):.0f}"
-            told = [f"{x:.2f}" for x in found] + [f"{first:.2f}", f"{until:.2f}", f"{whole:.2f}"]
-            lines.append([f"{mu:g}", str(elements), *told, apart])
+            cells = [f"{x:.2f}" for x in found] + [f"{first:.2f}", f"{until:.2f}", f"{whole:.2f}"]
+            lines.append([f"{mu:g}", str(elements), *cells, apart])
     head = "mu|elements|J, K = 1.2e8|J, K = 1.2e7|J, unilateral|first capture [J]"
     return table(f"{head}|captures to 0.7 s|captures to 2 s|tips apart [mm]", lines)
 

@@ -58,10 +58,11 @@ COLOURS = {
 } | dict.fromkeys(("shells3", "shells4", "shells6", "shells8", "shells12"), "#8d96a3")
 BEST = "#1b1b1e"
 # meshes that the tube is bent with slowly, and the plastic angles of the page's table
-BENT, TOLD = ("shells4", "shells6", "shells8", "shells12"), (0.02, 0.05, 0.1, 0.2, 0.3)
+BENT, REPORTED = ("shells4", "shells6", "shells8", "shells12"), (0.02, 0.05, 0.1, 0.2, 0.3)
 # angles at which a curve is read; the first moments still swing
 ANGLES = np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.03, 0.04], np.arange(0.06, 0.5, 0.02)])
-# the last share of a run, over which the way at rest is the mean of a frame that still swings
+# the last share of a run, over which the residual deflection is the mean of a frame that still
+# swings
 REST = 0.15
 
 
@@ -131,12 +132,12 @@ def bent_table(runs: Runs) -> str:
     lines["line through 6 and 8"] = limit(runs, 3)
     lines["hinges"] = collapse(runs("bent", "hinges"))
     lines["hinges, kecman"] = collapse(runs("bent", "fold"))
-    head = "|moment [N m] at a plastic angle of|" + "".join(f"{x:g} rad|" for x in TOLD)
+    head = "|moment [N m] at a plastic angle of|" + "".join(f"{x:g} rad|" for x in REPORTED)
     rows = [
-        f"| {name} | " + " | ".join(f"{np.interp(x, ANGLES, found):.0f}" for x in TOLD) + " |"
+        f"| {name} | " + " | ".join(f"{np.interp(x, ANGLES, found):.0f}" for x in REPORTED) + " |"
         for name, found in lines.items()
     ]
-    return "\n".join([head, "|---" * (len(TOLD) + 1) + "|", *rows])
+    return "\n".join([head, "|---" * (len(REPORTED) + 1) + "|", *rows])
 
 
 def draw_bent(runs: Runs, plt: Any) -> None:
@@ -161,14 +162,14 @@ def force(result: Result) -> np.ndarray:
     return np.sqrt(sum(values(result, f"rcforc.blow.force.{k}") ** 2 for k in "xyz"))
 
 
-def way(result: Result) -> np.ndarray:
+def displacement(result: Result) -> np.ndarray:
     """Distance of the struck point from where it was [m]."""
-    return np.linalg.norm([values(result, f"disbout.way.vector.{k}") for k in "xyz"], axis=0)
+    return np.linalg.norm([values(result, f"disbout.deflection.vector.{k}") for k in "xyz"], axis=0)
 
 
 def numbers(result: Result) -> np.ndarray:
-    """Peak force [N], largest way and way at rest [m], energy of plastic work [J]."""
-    x = way(result)
+    """Peak force [N], peak deflection and residual deflection [m], energy of plastic work [J]."""
+    x = displacement(result)
     end = result.time > (1.0 - REST) * result.time[-1]
     work = sum(
         values(result, f"glstat.model.energy.{k}")[-1] for k in ("plastic", "hinge_dissipated")
@@ -177,9 +178,9 @@ def numbers(result: Result) -> np.ndarray:
 
 
 def difference(result: Result, best: Result) -> float:
-    """Root mean square of the difference of ways over the run, over the largest way."""
-    other = np.interp(best.time, result.time, way(result))
-    return float(np.sqrt(np.mean((other - way(best)) ** 2)) / way(best).max())
+    """Root mean square of the difference of deflections over the run, over the peak deflection."""
+    other = np.interp(best.time, result.time, displacement(result))
+    return float(np.sqrt(np.mean((other - displacement(best)) ** 2)) / displacement(best).max())
 
 
 def table(runs: Runs, scene: str) -> str:
@@ -187,7 +188,7 @@ def table(runs: Runs, scene: str) -> str:
     meshes = SCENES[scene][1]
     best, finest = runs(scene, meshes[-1]), runs.cost(scene, meshes[-1])
     exact = numbers(best)
-    head = "description|peak force [kN]|largest way [mm]|way at rest [mm]|plastic work [J]|"
+    head = "description|peak force [kN]|peak deflection [mm]|residual [mm]|plastic work [J]|"
     head += "difference of the history|CPU of the steps [s]|finest shells cost"
     lines = []
     for name in (*PLAIN, *meshes):
@@ -197,9 +198,11 @@ def table(runs: Runs, scene: str) -> str:
         for value, wanted, scale, digits in zip(
             found, exact, (1e-3, 1e3, 1e3, 1.0), (2, 1, 1, 0), strict=True
         ):
-            told = f"{scale * value:.{digits}f}"
+            shown_values = f"{scale * value:.{digits}f}"
             is_best = name == meshes[-1]
-            cells.append(told if is_best else f"{told} ({100 * (value / wanted - 1):+.0f} %)")
+            cells.append(
+                shown_values if is_best else f"{shown_values} ({100 * (value / wanted - 1):+.0f} %)"
+            )
         cells.append("-" if name == meshes[-1] else f"{100 * difference(result, best):.1f} %")
         cells += [f"{cost:.2f}", f"{finest / cost:.0f} times"]
         lines.append("| " + " | ".join(cells) + " |")
@@ -208,7 +211,7 @@ def table(runs: Runs, scene: str) -> str:
 
 
 def draw(runs: Runs, scene: str, plt: Any) -> None:
-    """Ways and forces of all descriptions over time."""
+    """Deflections and forces of all descriptions over time."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.2), layout="constrained")
     names = (*PLAIN[1:], *SCENES[scene][1])
     for name in names:
@@ -218,9 +221,9 @@ def draw(runs: Runs, scene: str, plt: Any) -> None:
             look |= {"color": BEST, "lw": 2.2}
         elif name in SCENES[scene][1]:
             look["ls"] = ("--", ":")[SCENES[scene][1].index(name)]
-        left.plot(1e3 * result.time, 1e3 * way(result), **look)
+        left.plot(1e3 * result.time, 1e3 * displacement(result), **look)
         right.plot(1e3 * result.time, 1e-3 * force(result), **look)
-    left.set(xlabel="time [ms]", ylabel="way of the struck point [mm]")
+    left.set(xlabel="time [ms]", ylabel="deflection of the struck point [mm]")
     right.set(xlabel="time [ms]", ylabel="force of the blow [kN]")
     left.legend(frameon=False, fontsize=8)
     for axes in (left, right):
@@ -254,7 +257,7 @@ def picture(runs: Runs, scene: str) -> None:
 
 def waves(runs: Runs) -> dict[str, str]:
     """When the foot of the cantilever feels the blow, and its first moments."""
-    told = {}
+    shown_values = {}
     for name in ("hinges", "segments", "beams", "shells4"):
         result = runs(
             "cantilever", name, control__end_time="6e-3", output__history__interval="1e-5"
@@ -262,44 +265,48 @@ def waves(runs: Runs) -> dict[str, str]:
         moment = values(result, "jntforc.floor.moment.y")
         start = float(result.time[force(result) > 0.0][0])
         largest = np.abs(moment).max()
-        felt = float(result.time[np.abs(moment) > 0.05 * largest][0])
-        told[f"{name}_felt"] = f"{1e3 * (felt - start):.2f}"
-        told[f"{name}_first"] = f"{np.abs(moment).max():.0f}"
+        applied = float(result.time[np.abs(moment) > 0.05 * largest][0])
+        shown_values[f"{name}_felt"] = f"{1e3 * (applied - start):.2f}"
+        shown_values[f"{name}_first"] = f"{np.abs(moment).max():.0f}"
         sign = np.sign(moment[np.argmax(np.abs(moment))])
-        told[f"{name}_back"] = f"{max(0.0, float((-sign * moment).max())):.0f}"
-    return told
+        shown_values[f"{name}_back"] = f"{max(0.0, float((-sign * moment).max())):.0f}"
+    return shown_values
 
 
 def words(runs: Runs) -> dict[str, str]:
     """Numbers that the text of the page names."""
     # half of the eighth part of what bends between joints of 25 mm
-    told = waves(runs) | {"cantilever_half": f"{0.5 * 950 / 8:.0f}"}
-    told["bent_table"] = bent_table(runs)
-    apart = np.abs(limit(runs, 3) / limit(runs) - 1.0)[TOLD[-1] >= ANGLES]
-    told["bent_apart"] = f"{100 * apart.max():.0f} %"
+    shown_values = waves(runs) | {"cantilever_half": f"{0.5 * 950 / 8:.0f}"}
+    shown_values["bent_table"] = bent_table(runs)
+    apart = np.abs(limit(runs, 3) / limit(runs) - 1.0)[REPORTED[-1] >= ANGLES]
+    shown_values["bent_apart"] = f"{100 * apart.max():.0f} %"
     fine, fold = limit(runs), collapse(runs("bent", "fold"))
-    shares = (fold / fine)[(ANGLES >= TOLD[0]) & (ANGLES <= TOLD[-1])]  # noqa: SIM300
-    told["fold_low"], told["fold_high"] = (f"{100 * x:.0f} %" for x in (shares.min(), shares.max()))
+    shares = (fold / fine)[(ANGLES >= REPORTED[0]) & (ANGLES <= REPORTED[-1])]  # noqa: SIM300
+    shown_values["fold_low"], shown_values["fold_high"] = (
+        f"{100 * x:.0f} %" for x in (shares.min(), shares.max())
+    )
     for scene in ("cantilever", "portal"):
         found = collapse(runs("bent", SCENES[scene][1][-1]))
         above = np.interp(0.2, ANGLES, found) / np.interp(0.2, ANGLES, fine) - 1.0
-        told[f"bent_above_{scene}"] = f"{100 * above:.0f} %"
+        shown_values[f"bent_above_{scene}"] = f"{100 * above:.0f} %"
     for scene, (_, meshes) in SCENES.items():
         best = numbers(runs(scene, meshes[-1]))
-        told[f"{scene}_finest"] = DESCRIPTIONS[meshes[-1]][0]
-        told[f"{scene}_table"] = table(runs, scene)
-        told[f"{scene}_ratio"] = f"{runs.cost(scene, meshes[0]) / runs.cost(scene, 'hinges'):.0f}"
+        shown_values[f"{scene}_finest"] = DESCRIPTIONS[meshes[-1]][0]
+        shown_values[f"{scene}_table"] = table(runs, scene)
+        shown_values[f"{scene}_ratio"] = (
+            f"{runs.cost(scene, meshes[0]) / runs.cost(scene, 'hinges'):.0f}"
+        )
         finest = runs.cost(scene, meshes[-1]) / runs.cost(scene, "hinges")
-        told[f"{scene}_finest_ratio"] = f"{finest:.0f}"
+        shown_values[f"{scene}_finest_ratio"] = f"{finest:.0f}"
         for name in dict.fromkeys((*PLAIN, *meshes)):
             found = numbers(runs(scene, name))
-            told[f"{scene}_{name}_rest"] = f"{100 * (found[2] / best[2] - 1):+.0f} %"
-            told[f"{scene}_{name}_back"] = f"{1e3 * (found[1] - found[2]):.1f}"
+            shown_values[f"{scene}_{name}_rest"] = f"{100 * (found[2] / best[2] - 1):+.0f} %"
+            shown_values[f"{scene}_{name}_back"] = f"{1e3 * (found[1] - found[2]):.1f}"
         fold_rest, limit_rest = (numbers(runs(scene, name))[2] for name in ("fold", "limit"))
-        told[f"{scene}_fold_limit"] = f"{100 * (fold_rest / limit_rest - 1):+.0f} %"
+        shown_values[f"{scene}_fold_limit"] = f"{100 * (fold_rest / limit_rest - 1):+.0f} %"
         coarse = numbers(runs(scene, meshes[-2]))
-        told[f"{scene}_mesh"] = f"{100 * abs(coarse[2] / best[2] - 1):.0f} %"
-    return told
+        shown_values[f"{scene}_mesh"] = f"{100 * abs(coarse[2] / best[2] - 1):.0f} %"
+    return shown_values
 
 
 def main(folder: Path) -> None:
@@ -310,12 +317,12 @@ def main(folder: Path) -> None:
 
     runs = Runs(folder)
     page = (PICTURES / "page.txt").read_text("utf-8")
-    told = words(runs)
+    shown_values = words(runs)
     draw_bent(runs, plt)
     for scene in SCENES:
         draw(runs, scene, plt)
         picture(runs, scene)
-    for name, text in told.items():
+    for name, text in shown_values.items():
         page = page.replace(f"<{name}>", text)
     (HERE / "structures.md").write_text(page, "utf-8")
 

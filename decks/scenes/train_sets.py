@@ -104,8 +104,10 @@ def absorbed(result: Result, i: int) -> float:
     """Work on both ends, and what plates and ribs have lost, to the end of the run [J]."""
     n, total = interface(i), 0.0
     for end in (f"car_{i}_right_end", f"car_{i + 1}_left_end"):
-        force, way = (values(result, f"deforc.{end}.{what}") for what in ("force", "elongation"))
-        total += float(np.trapezoid(force, way))
+        force, displacement = (
+            values(result, f"deforc.{end}.{what}") for what in ("force", "elongation")
+        )
+        total += float(np.trapezoid(force, displacement))
     for what in ("plates", "ribs"):
         for lost in ("dissipated", "friction_dissipated"):
             total += values(result, f"rcforc.{what}_{n}.{lost}")[-1]
@@ -127,8 +129,8 @@ def draw_bars(runs: Runs, plt: Any) -> None:
         figure, axes = plt.subplots(figsize=(11, 4.2), layout="constrained")
         for k, speed in enumerate(SPEEDS):
             bars = [scale * extreme(measure(runs(speed), i)) for i in INTERFACES]
-            places = np.arange(15) + 0.27 * (k - 1)
-            axes.bar(places, bars, 0.25, color=COLOURS[speed], label=f"{speed} km/h")
+            positions = np.arange(15) + 0.27 * (k - 1)
+            axes.bar(positions, bars, 0.25, color=COLOURS[speed], label=f"{speed} km/h")
         axes.axvline(6.5, color="0.8", lw=1)
         axes.axvline(7.5, color="0.8", lw=1)
         axes.axhline(0, color="0.3", lw=0.8)
@@ -145,10 +147,10 @@ def draw_crush(runs: Runs, plt: Any) -> None:
     """Crush and energy per interface."""
     figure, both = plt.subplots(1, 2, figsize=(12, 4.2), layout="constrained")
     for k, speed in enumerate(SPEEDS):
-        result, places = runs(speed), np.arange(15) + 0.27 * (k - 1)
+        result, positions = runs(speed), np.arange(15) + 0.27 * (k - 1)
         look = {"width": 0.25, "color": COLOURS[speed], "label": f"{speed} km/h"}
-        both[0].bar(places, [crush(result, i) for i in INTERFACES], **look)
-        both[1].bar(places, [1e-6 * absorbed(result, i) for i in INTERFACES], **look)
+        both[0].bar(positions, [crush(result, i) for i in INTERFACES], **look)
+        both[1].bar(positions, [1e-6 * absorbed(result, i) for i in INTERFACES], **look)
     for axes, label in zip(both, ("crush of both ends [m]", "energy absorbed [MJ]"), strict=True):
         axes.set_xticks(range(15), [f"{i}-{i + 1}" for i in INTERFACES], rotation=60)
         axes.set(xlabel="interface", ylabel=label)
@@ -208,10 +210,10 @@ def energy_table(runs: Runs) -> str:
         due = start - momentum[k] ** 2 / (2.0 * MASS) - braked
         pushed = momentum - rails(result, "impulse.x")
         error = np.abs(pushed / (MOVING * speed / 3.6) - 1.0).max()
-        told = (plastic, braked, due, spent - braked)
+        cells = (plastic, braked, due, spent - braked)
         lines.append(
             [str(speed), f"{result.time[k]:.2f}", f"{3.6 * momentum[k] / MASS:.2f}"]
-            + [f"{1e-6 * x:.3f}" for x in told]
+            + [f"{1e-6 * x:.3f}" for x in cells]
             + [f"{100 * ((spent - braked) / due - 1):+.1f} %", f"{error:.0e}"]
         )
     head = "speed [km/h]|all at one speed at [s]|that speed [km/h]|1/4 M v^2 [MJ]|brakes [MJ]"
@@ -230,14 +232,14 @@ def kinematics_table(runs: Runs) -> str:
             for i in INTERFACES
             if i != 8 and values(result, f"deforc.coupler_{interface(i)}.force").max() > 1.0
         ]
-        told = [", ".join(map(str, some)) or "none" for some in (lifted, ribs, pulled)]
-        lines.append([str(speed), f"{1e3 * g:.0f}", at, f"{1e-3 * f:.0f}", where, *told])
+        cells = [", ".join(map(str, some)) or "none" for some in (lifted, ribs, pulled)]
+        lines.append([str(speed), f"{1e3 * g:.0f}", at, f"{1e-3 * f:.0f}", where, *cells])
     head = "speed [km/h]|largest gap [mm]|at|largest tangential force [kN]|at"
     return table(f"{head}|cars with a wheel off the rail|ribs that locked|couplers pulled", lines)
 
 
-def told(run: sweeps.Extreme) -> str:
-    """Largest gap in mm and largest force in kN of a run, with their places."""
+def cells(run: sweeps.Extreme) -> str:
+    """Largest gap in mm and largest force in kN of a run, with their positions."""
     if np.isnan(run.gap):
         return "no answer"
     gap_at, force_at = run.gap_at.replace("_", "-"), run.force_at.replace("_", "-")
@@ -252,11 +254,11 @@ def assumption_table(folder: Path) -> str:
         for one, low, high in every
     }
     every.sort(key=lambda row: -spread[row[0].name])
-    lines = [["as the deck stands", "", "", told(stands), told(stands)]]
+    lines = [["as the deck stands", "", "", cells(stands), cells(stands)]]
     for one, low, high in every:
         value = sweeps.deck_value(one.name).strip("${}")
         lines.append(
-            [one.name, f"{value}, {one.kind}", f"{one.low} to {one.high}", told(low), told(high)]
+            [one.name, f"{value}, {one.kind}", f"{one.low} to {one.high}", cells(low), cells(high)]
         )
     return table("assumption|deck|range|at its low end|at its high end", lines)
 
@@ -323,11 +325,11 @@ def draw_assumptions(folder: Path, plt: Any) -> None:
 
 def draw_film(result: Result) -> None:
     """Strip and film of the cars that meet."""
-    for word, told in (
+    for word, cells in (
         ("render", ("--at", "0,0.1,0.3,0.6,1.5", "-o", "strip.png")),
         ("film", ("--slow", "4", "--fps", "12", "--size", "960x270", "-o", "film.gif")),
     ):
-        *options, file = told
+        *options, file = cells
         command = [sys.executable, "-m", "crashpost", word, str(result.folder), "--view", "side"]
         command += ["--show", MIDDLE_CARS, "--title", "Cars 7 to 10 at 55 km/h", *options]
         subprocess.run([*command, str(PICTURES / file)], check=True, stdout=subprocess.DEVNULL)
@@ -351,8 +353,8 @@ def price_table(runs: Runs) -> str:
         status = json.loads((result.folder / "status.json").read_text("utf-8"))
         steps = int(status["cycle"])
         cost = f"{status['cpu_steps']:.2f}"
-        told = [f"{x:.1e}" for x in errors]
-        lines.append([f"{safety:g}", str(steps), cost, *told])
+        cells = [f"{x:.1e}" for x in errors]
+        lines.append([f"{safety:g}", str(steps), cost, *cells])
     return table(
         "safety|steps|CPU of the steps [s]|error of largest gaps|of largest tangential forces",
         lines,
@@ -377,8 +379,8 @@ def main() -> None:
         for car, (mass, length) in REVERSED.items():
             reverse |= {f"mass_{car}": f"{mass} t", f"length_{car}": length}
         other = runs(55, **reverse)
-        turned = f"{1e3 * largest(other, gap)[0]:.0f} mm"
-        turned += f" and {1e-3 * largest(other, tangential)[0]:.0f} kN"
+        rotated = f"{1e3 * largest(other, gap)[0]:.0f} mm"
+        rotated += f" and {1e-3 * largest(other, tangential)[0]:.0f} kN"
         parts = {
             "ENERGY": energy_table(runs),
             "KINEMATICS": kinematics_table(runs),
@@ -386,7 +388,7 @@ def main() -> None:
             "PRICE": price_table(runs),
             "ASSUMED": assumption_table(work / "one"),
             "DRAWN": sweeps.summary(sweeps.all_at_once(work / "all")),
-            "TURNED": turned,
+            "ROTATED": rotated,
             "AGREE": plane_and_space(runs),
             "SPACE": space_table(runs),
         }

@@ -106,8 +106,8 @@ def run(folder: Path) -> list[dict[str, str]]:
     vary = {name: [some.get(name, number(stated[name][0])) for _, some in every] for name in names}
     measures = []
     for name, channel, statistic, during in MEASURES:
-        told = {"name": name, "channel": channel, "statistic": statistic}
-        measures.append(told | ({"during": during} if during else {}))
+        cells = {"name": name, "channel": channel, "statistic": statistic}
+        measures.append(cells | ({"during": during} if during else {}))
     settings = {"control.end_time": 0.42, "control.estimate": "off", "output.states.interval": 0.4}
     plan = {
         "title": "What the assumed numbers of the train test are worth",
@@ -123,14 +123,14 @@ def run(folder: Path) -> list[dict[str, str]]:
 def line(name: str, row: dict[str, str]) -> str:
     found = {column.split(" [")[0]: text for column, text in row.items()}
     values = {key: float(found[key]) for key, *_ in MEASURES}
-    told = (
+    cells = (
         f"{values['force'] / TONNE:.1f}",
         f"{1e3 * values['gap']:.1f}",
         f"{1e3 * values['settles']:.0f}",
         f"{1e3 * values['stroke A']:.0f}, {1e3 * values['stroke C']:.0f}",
         f"{1e-6 * values['largest']:.2f}",
     )
-    return f"| {name} | {' | '.join(told)} |"
+    return f"| {name} | {' | '.join(cells)} |"
 
 
 def main() -> None:

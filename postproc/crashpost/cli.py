@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # exit code of a request that cannot be met
 REFUSED = 2
 # commands whose answers do not show by themselves that a run is not finished
-TELLING = {"value", "values", "plot", "compare", "export", "render", "film"}
+REPORTING = {"value", "values", "plot", "compare", "export", "render", "film"}
 CHANNELS = "name, pattern such as 'rcforc.*.force.x', or arithmetic such as '-a.b.c / 2'"
 STATISTIC = "as under expect in a deck: max, mean, at:T with T in seconds, ..."
 
@@ -34,8 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(protected(given))
     try:
         code: int = options.command(options)
-        if options.word in TELLING:
-            _tell_unfinished(options)
+        if options.word in REPORTING:
+            _report_unfinished(options)
         sys.stdout.flush()
         return code
     except PostError as error:
@@ -62,7 +62,7 @@ def _give_up_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _tell_unfinished(options: argparse.Namespace) -> None:
+def _report_unfinished(options: argparse.Namespace) -> None:
     """Beside numbers, curves and pictures of a run that did not end, on standard error."""
     from crashpost.results.status import read_status, unfinished
 
@@ -222,8 +222,8 @@ def _sweep(options: argparse.Namespace) -> int:
     from crashpost.sweeps import table
 
     found = table.read(options.result)
-    _say(table.told(found, table.write(found)))
-    # a measure that no run has is a mistake of the plan
+    _say(table.summary(found, table.write(found)))
+    # a measure that no run has is an error of the plan
     code = 1 if table.unanswered(found) else 0
     if options.table:
         return code

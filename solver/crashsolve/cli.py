@@ -21,7 +21,7 @@ from crashsolve import __version__
 from crashsolve.channels.command_line import add_completion, completion, protected
 from crashsolve.channels.errors import ChannelError
 from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
-from crashsolve.foundation.streams import give_up, open_standard_streams, printable, tell_error
+from crashsolve.foundation.streams import give_up, open_standard_streams, printable, report_error
 
 COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "example")
 COMMANDS += ("manual", "schema", "keywords", "equations", "completion")
@@ -46,10 +46,10 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except CrashsolveError as error:
-        tell_error(str(error))
+        report_error(str(error))
         return int(error.exit_code)
     except KeyboardInterrupt:
-        tell_error("interrupted")
+        report_error("interrupted")
         return int(ExitCode.STOPPED)
     except BrokenPipeError:
         # the reader, such as `head`, has seen enough
@@ -60,7 +60,7 @@ def main(arguments: list[str] | None = None) -> int:
         if error.filename is not None:
             raise
         give_up(sys.stdout)
-        tell_error(f"standard output: {error.strerror}")
+        report_error(f"standard output: {error.strerror}")
         return int(ExitCode.OUTPUT)
 
 
@@ -219,7 +219,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _study(options: argparse.Namespace) -> int:
-    from crashsolve.study.conduct import Request, study
+    from crashsolve.study.runner import Request, study
 
     request = Request(
         deck=options.deck,
@@ -249,7 +249,7 @@ def _check(options: argparse.Namespace) -> int:
     look_up(deck, families_of(model, state))
     for text in (*deck.unread, *model.warnings):
         print(printable(f"warning: {text}"))
-    print(printable(f"{options.deck}: no mistakes found"))
+    print(printable(f"{options.deck}: no errors found"))
     return ExitCode.NORMAL
 
 
@@ -279,8 +279,10 @@ def _example(options: argparse.Namespace) -> int:
     print(path.read_text("utf-8"), end="")
     others = [file.name for file in examples.needed(path)[1:]]
     if others:
-        told = f"it needs {', '.join(others)}: crashsolve example {options.name} -o DIR writes all"
-        print(told, file=sys.stderr)
+        message = (
+            f"it needs {', '.join(others)}: crashsolve example {options.name} -o DIR writes all"
+        )
+        print(message, file=sys.stderr)
     return ExitCode.NORMAL
 
 

@@ -26,8 +26,8 @@ def explain(deck: Deck, model: Model) -> str:
             lines.append(f"  {keyword}: {', '.join(sorted(used[keyword]))}")
     for entry in deck.written_out:
         used.setdefault(entry.item.keyword, set()).add(entry.type)
-        told = f"{entry.type} '{entry.name}'"
-        lines.append(f"  {entry.item.keyword}: {told}, written out in these (--expanded)")
+        message = f"{entry.type} '{entry.name}'"
+        lines.append(f"  {entry.item.keyword}: {message}, written out in these (--expanded)")
     for group in model.contact_groups:
         lines.append(f"  contact loop: {group.word}, {len(group.parameters)} pairs")
     for nodal in model.nodal_groups:

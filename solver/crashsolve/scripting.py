@@ -32,14 +32,14 @@ def run(
     *,
     set: Mapping[str, Any] | None = None,
     restart: bool = False,
-    tell: Callable[[str], object] | None = None,
+    report: Callable[[str], object] | None = None,
 ) -> Path:
     """Solve a deck; returns its results folder, and raises RunFailed where it does not end.
 
     `deck` is a path, or the deck itself as a dict, which is then written to deck.yaml of the
     folder: files that it names are looked for there. `folder` is DECK.results when
     absent. `set` replaces parameters and fields, as --set does: {"control.step": "0.1 ms"}; bare
-    numbers are in the deck's units. `restart` goes on from the newest dump. `tell` is called with
+    numbers are in the deck's units. `restart` goes on from the newest dump. `report` is called with
     every line that the run prints, as in tell=print.
     """
     name = "deck" if isinstance(deck, Mapping) else Path(deck).stem
@@ -61,8 +61,8 @@ def run(
             try:
                 assert child.stdout is not None
                 for line in child.stdout:
-                    if tell:
-                        tell(line.rstrip("\n"))
+                    if report:
+                        report(line.rstrip("\n"))
             except BaseException:
                 # the run dumps and stops, as by an interrupt from the keyboard
                 child.terminate()

@@ -56,10 +56,10 @@ BATTERY = {
     "verification/hinges/portal": 40,
     "verification/hinges/stops": 40,
     "verification/joints/screw": 40,
-    "verification/joints/slide_driver": 40,
-    "verification/joints/slide_limit": 60,
-    "verification/joints/turn_friction": 40,
-    "verification/joints/turn_limit": 60,
+    "verification/joints/translation_driver": 40,
+    "verification/joints/translation_stop": 60,
+    "verification/joints/rotation_friction": 40,
+    "verification/joints/rotation_stop": 60,
     "verification/joints/universal 2": 40,
     "verification/joints/weld": 40,
     "verification/parts/fibre_beam": 40,
@@ -191,7 +191,7 @@ class Folded(ast.NodeTransformer):
 
 
 class Inlined(ast.NodeTransformer):
-    """A function with the text of its stages in the place of their calls.
+    """A function with the text of its stages in place of their calls.
 
     Only where arguments have the names that the stage has for them, as they do in this package.
     """

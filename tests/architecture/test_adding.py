@@ -28,8 +28,8 @@ def test_a_walk_ends_where_the_page_says(copy: Copy, walk: str, tmp_path: Path) 
     assert done.returncode == 0, done.stdout + done.stderr
     command = [sys.executable, "-m", "crashpost", "expect", str(tmp_path)]
     given = environment(**copy.environment)
-    told = subprocess.run(command, capture_output=True, text=True, env=given, check=False)
-    assert told.returncode == 0, told.stdout
+    reported = subprocess.run(command, capture_output=True, text=True, env=given, check=False)
+    assert reported.returncode == 0, reported.stdout
 
 
 def test_a_new_method_has_the_order_that_the_page_says(tmp_path: Path) -> None:

@@ -103,7 +103,7 @@ def test_a_declaration_of_a_wrong_kind_is_refused(name: str, value: Any) -> None
 
 
 @pytest.mark.parametrize(
-    ("other", "told"),
+    ("other", "reported"),
     [
         ({"section": "springs"}, "section 'springs' is that of crashsolve/springs"),
         ({"energy": ("spring",)}, "energy 'spring' is that of crashsolve/springs"),
@@ -114,9 +114,9 @@ def test_a_declaration_of_a_wrong_kind_is_refused(name: str, value: Any) -> None
         ({"default": "rope"}, "default 'rope' has no file in its folder"),
     ],
 )
-def test_names_that_are_taken_or_unknown_are_refused(other: dict[str, Any], told: str) -> None:
+def test_names_that_are_taken_or_unknown_are_refused(other: dict[str, Any], reported: str) -> None:
     family = declared(folder="tethers", **other)
-    with pytest.raises(FamilyError, match=f"^crashsolve/tethers/__init__.py: {told}"):
+    with pytest.raises(FamilyError, match=f"^crashsolve/tethers/__init__.py: {reported}"):
         _refuse_clashes([*families().values(), family])
 
 
@@ -133,7 +133,7 @@ def slope(p: Any, rows: Any) -> None: ...
 
 
 @pytest.mark.parametrize(
-    ("other", "told"),
+    ("other", "reported"),
     [
         ({"PARAMETERS": None}, "changed must provide PARAMETERS: Record"),
         ({"OUTPUT": None}, "changed must provide OUTPUT: Record"),
@@ -152,14 +152,14 @@ def slope(p: Any, rows: Any) -> None: ...
         ({"LEDGER": "hemp"}, "must be one of spring, joint, brake, as declared"),
     ],
 )
-def test_what_a_law_lacks_or_has_wrongly_is_told(other: dict[str, Any], told: str) -> None:
+def test_what_a_law_lacks_or_has_wrongly_is_reported(other: dict[str, Any], reported: str) -> None:
     check_law(law())
-    with pytest.raises(FamilyError, match=told):
+    with pytest.raises(FamilyError, match=reported):
         check_law(law(**other))
 
 
 @pytest.mark.parametrize(
-    ("other", "told"),
+    ("other", "reported"),
     [
         (
             {"tangent": None},
@@ -169,14 +169,14 @@ def test_what_a_law_lacks_or_has_wrongly_is_told(other: dict[str, Any], told: st
         ({"tangent": slope}, r"must provide tangent\(m, kept, blocks, .*not tangent\(p, rows\)"),
     ],
 )
-def test_what_a_material_lacks_is_told(other: dict[str, Any], told: str) -> None:
+def test_what_a_material_lacks_is_reported(other: dict[str, Any], reported: str) -> None:
     refuse_incomplete(law(elastic))
-    with pytest.raises(FamilyError, match=told):
+    with pytest.raises(FamilyError, match=reported):
         refuse_incomplete(law(elastic, **other))
 
 
 @pytest.mark.parametrize(
-    ("other", "told"),
+    ("other", "reported"),
     [
         ({name: None}, f"integrators.changed must declare {name}")
         for name in ("ORDER", "STAGES", "EXTRA", "A", "C", "DENSE", "TERMS", "E", "ESTIMATES")
@@ -189,9 +189,11 @@ def test_what_a_material_lacks_is_told(other: dict[str, Any], told: str) -> None
         ({"EXTRA": 1}, r"A has the shape \(7, 7\), not \(8, 8\)"),
     ],
 )
-def test_what_a_method_of_integration_lacks_is_told(other: dict[str, Any], told: str) -> None:
+def test_what_a_method_of_integration_lacks_is_reported(
+    other: dict[str, Any], reported: str
+) -> None:
     refuse_incomplete_method(law(dormand_prince_5))
-    with pytest.raises(FamilyError, match=told):
+    with pytest.raises(FamilyError, match=reported):
         refuse_incomplete_method(law(dormand_prince_5, **other))
 
 
@@ -203,21 +205,21 @@ COLUMNS = Record("""
 
 
 @pytest.mark.parametrize(
-    ("values", "told"),
+    ("values", "reported"),
     [
         ({"u": (0, 0, 1)}, "nothing for 'k' of PARAMETERS"),
         ({"k": 1.0, "u": (0, 0, 1), "c": 2.0}, "'c', which PARAMETERS has not"),
-        # a number would be written into all three places
+        # a number would be written into all three positions
         ({"k": 1.0, "u": 1.0}, "1.0 for 'u', which has 3 numbers"),
         ({"k": (1.0, 2.0), "u": (0, 0, 1)}, "for 'k', which has 1 number"),
         ({"k": "stiff", "u": (0, 0, 1)}, "'stiff' for 'k', which has 1 number"),
         (None, "must return a dict of columns, not None"),
     ],
 )
-def test_a_row_that_does_not_fit_its_columns_is_refused(values: Any, told: str) -> None:
+def test_a_row_that_does_not_fit_its_columns_is_refused(values: Any, reported: str) -> None:
     later = ("first_member",)
     refuse_unlike(linear, COLUMNS, {"k": 1.0, "u": np.ones(3)}, later)
-    with pytest.raises(FamilyError, match=f"springs.linear: build .*{told}"):
+    with pytest.raises(FamilyError, match=f"springs.linear: build .*{reported}"):
         refuse_unlike(linear, COLUMNS, values, later)
 
 

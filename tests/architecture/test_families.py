@@ -62,7 +62,7 @@ def test_it_is_in_the_step_the_ledger_the_channels_pictures_and_dumps(
     assert done.returncode == 0, done.stdout + done.stderr
     with h5py.File(tmp_path / "history.h5") as file:
         energy = file["glstat/energy"]
-        # what it stores comes back as motion, and all of it is told under its own name
+        # what it stores comes back as motion, and all of it is reported under its own name
         total = np.ravel(energy["tether_stored"]) + np.ravel(energy["kinetic"])
         assert np.ravel(energy["tether_stored"])[0] == pytest.approx(0.25)
         # (omega h)^2 / 4 of a step at the middle of the swing, omega = 50/s
@@ -82,8 +82,10 @@ def test_what_cannot_step_it_is_refused(home: Path, tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.yaml"
     wrong.write_text(DECK.replace("integrator: rattle", "integrator: radau_iia_5"), "utf-8")
     done = run(home, "check", wrong)
-    told = "tethers cannot be stepped by radau_iia_5; say integrator: rattle or dormand_prince_5"
-    assert (done.returncode, told in done.stderr) == (2, True), done.stderr
+    reported = (
+        "tethers cannot be stepped by radau_iia_5; say integrator: rattle or dormand_prince_5"
+    )
+    assert (done.returncode, reported in done.stderr) == (2, True), done.stderr
 
 
 def test_a_run_goes_on_from_its_dump_to_the_same_bits(home: Path, tmp_path: Path) -> None:
@@ -130,7 +132,7 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "old", "new", "told"),
+    ("file", "old", "new", "reported"),
     [
         ("__init__", "    picture=LINE,\n", "", "__init__.py: a family must declare picture: see"),
         (
@@ -164,7 +166,7 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
     ],
 )
 def test_what_is_forgotten_is_one_error_in_words(
-    home: Path, file: str, old: str, new: str, told: str
+    home: Path, file: str, old: str, new: str, reported: str
 ) -> None:
     path = home / "source" / "crashsolve" / "tethers" / f"{file}.py"
     text = path.read_text("utf-8")
@@ -178,4 +180,4 @@ def test_what_is_forgotten_is_one_error_in_words(
     assert done.returncode == (2 if "Ropes" in new else 1)
     # one clear line, and no traceback above it
     (line,) = done.stderr.splitlines()
-    assert told in line
+    assert reported in line

@@ -18,10 +18,11 @@ LAYERS = (
     ("foundation", "channels"),
     ("compiler",),
     # families state themselves what they are
-    ("deck", *dict.fromkeys(family.folder.split("/")[0] for family in families().values())),
+    ("deck", "elements", *dict.fromkeys(f.folder.split("/")[0] for f in families().values())),
     ("model",),
+    ("threads",),
     ("system",),
-    ("integrators", "output"),
+    ("integrators", "output", "statics"),
     ("recording",),
     ("study",),
     ("estimate",),
@@ -40,6 +41,8 @@ SIDEWAYS = {(family, "deck") for family in LAYERS[2]}
 SIDEWAYS |= {
     (name, other.partition("/")[0]) for name, family in families().items() for other in family.uses
 }
+# what elements are made of, and what is made of them
+SIDEWAYS |= {("elements", "materials"), ("parts", "elements"), ("springs", "elements")}
 FORBIDDEN = {"utils", "util", "helpers", "helper", "manager", "common", "misc"}
 LONGEST_FUNCTION, LONGEST_FILE = 60, 450
 

@@ -99,9 +99,9 @@ def test_an_example_is_printed_or_written_with_what_it_includes(tmp_path: Path) 
         assert done.returncode == 0, done.stderr
     again = crashsolve("example", word, "-o", tmp_path / word)
     assert (again.returncode, "exists; write into another folder" in again.stderr) == (2, True)
-    for wrong, told in (("bouncing_ball", "give it in full"), ("train_tst", "'train_test'?")):
+    for wrong, reported in (("bouncing_ball", "give it in full"), ("train_tst", "'train_test'?")):
         done = crashsolve("example", wrong)
-        assert (done.returncode, told in done.stderr, done.stdout) == (2, True, "")
+        assert (done.returncode, reported in done.stderr, done.stdout) == (2, True, "")
 
 
 def test_the_manual_has_all_pages() -> None:

@@ -27,7 +27,7 @@ def test_a_law_has_card_build_and_kernels(law: tuple[str, str]) -> None:
     module = import_module(law_class(folder, word).__module__)
     assert module.__doc__, f"{module.__file__} needs a docstring that begins with its equation"
     card = law_class(folder, word)
-    # KEYWORDS.md and the manual tell what a card is by its own words, not those of the class above
+    # KEYWORDS.md and the manual state what a card is by its own words, not those of the class above
     assert card.__doc__ and card.__doc__ != card.__mro__[1].__doc__, (
         f"{card.__name__} of {module.__file__} needs a docstring of its own"
     )

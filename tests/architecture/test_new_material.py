@@ -35,8 +35,8 @@ parts:
     layers: 2
     material: new
     damping: DAMPING
-    hold:
-      - {{nodes: u0, motions: [x, z, turn_x, turn_y, turn_z]}}
+    supports:
+      - {{nodes: u0, motions: [x, z, rotation_x, rotation_y, rotation_z]}}
       - {{nodes: v0, motions: [y]}}
     nodes: [{{name: high, at: [1, 1, 0]}}]
     welded: []
@@ -76,17 +76,19 @@ def test_it_keeps_the_contract(home: Path) -> None:
         MATERIAL.replace("2e11", "2.0e+11").replace("2e7", "2.0e+7").replace("2e10", "2.0e+10")
     )
     command = [sys.executable, str(ROOT / "tests" / "materials" / "one_layer.py"), example]
-    place = environment() | {"PYTHONPATH": search(home), "CRASHSOLVE_PLAIN": "1"}
-    told = subprocess.run(command, capture_output=True, text=True, env=place, check=True).stdout
-    found = {line.split(": ")[0]: float(line.split(": ")[1]) for line in told.splitlines()}
+    position = environment() | {"PYTHONPATH": search(home), "CRASHSOLVE_PLAIN": "1"}
+    reported = subprocess.run(
+        command, capture_output=True, text=True, env=position, check=True
+    ).stdout
+    found = {line.split(": ")[0]: float(line.split(": ")[1]) for line in reported.splitlines()}
     for word in ("tangent", "fibre by strain"):
-        assert found[word] < 1e-8, told
-    for word in ("turned", "fibre stress"):
-        assert found[word] < 1e-14, told
-    assert found["layer and fibre"] < 1e-8, told
+        assert found[word] < 1e-8, reported
+    for word in ("rotated", "fibre stress"):
+        assert found[word] < 1e-14, reported
+    assert found["layer and fibre"] < 1e-8, reported
     # a fiftieth of the limit a step: its square where the slope changes, and beyond
-    assert max(found["balance"], found["fibre balance"]) < 1e-3, told
-    assert found["least lost"] >= 0.0, told
+    assert max(found["balance"], found["fibre balance"]) < 1e-3, reported
+    assert found["least lost"] >= 0.0, reported
 
 
 def run_as_expected(
@@ -109,7 +111,7 @@ def test_all_elements_bear_its_stress_at_rest(
             "    nodes: [{name: high, at: [1, 1, 0]}]\n    welded: []\n",
             "    nodes: [{name: high, at: [1, 1, 0]}, {name: low, at: [1, 0, 0]}]\n",
         )
-        .replace("    hold:\n", "    hold:\n")
+        .replace("    supports:\n", "    supports:\n")
         .replace("      - {nodes: v0, motions: [y]}\n", "")
     )
     text += "loads:\n  bar: {type: force, body: bar_end, force: ['${0.01 * S}', 0, 0]}\n"

@@ -192,7 +192,7 @@ def looks(seed: int, count: int, folder: Path) -> Iterator[str]:
         arguments = [command, str(results), *words]
         code, text = outcome(lambda arguments=arguments: crashpost(arguments), HANGS)
         is_one_line = text.startswith("crashpost: error: ") and text.count("\n") == 1
-        # a report tells of figures that cannot be drawn below its own name
+        # a report lists figures that cannot be drawn below its own name
         is_report = command == "report" and "crashpost: error: " in text
         if code not in (0, 1, 2) or "\x1b" in text or (code == 2 and not is_one_line | is_report):
             yield f"{command}, {what}: code {code}\n{text[-800:]}"

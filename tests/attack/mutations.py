@@ -63,7 +63,7 @@ def holder(data: Any, route: Route) -> Any:
 
 
 def change_number(data: Any, rng: random.Random) -> None:
-    """Another number in the place of one, with its unit."""
+    """Another number in place of one, with its unit."""
     found = [
         route
         for route in routes(data)
@@ -84,16 +84,16 @@ def change_number(data: Any, rng: random.Random) -> None:
 
 
 def change_anything(data: Any, rng: random.Random) -> None:
-    """A value replaced, left out, or put into the place of another."""
+    """A value replaced, left out, or put into the position of another."""
     found = list(routes(data))
     route = rng.choice(found)
-    table, way = holder(data, route), rng.random()
-    if way < 0.3 and isinstance(table, dict):
+    table, direction = holder(data, route), rng.random()
+    if direction < 0.3 and isinstance(table, dict):
         del table[route[-1]]
-    elif way < 0.6:
+    elif direction < 0.6:
         other = rng.choice(found)
         table[route[-1]] = copy.deepcopy(holder(data, other)[other[-1]])
-    elif way < 0.7 and isinstance(table, dict):
+    elif direction < 0.7 and isinstance(table, dict):
         table[str(rng.choice(WORDS))] = table.pop(route[-1])
     else:
         table[route[-1]] = copy.deepcopy(rng.choice(WORDS))
@@ -112,10 +112,12 @@ STATUSES += (b'{"state": "finished", "message": "\\u001b[2J\\nforged", "cpu_stag
 
 def damage(folder: Path, rng: random.Random) -> str:
     """Break something in a results folder; returns what."""
-    way = rng.random()
-    if way < 0.45:
+    direction = rng.random()
+    if direction < 0.45:
         return _damage_structure(folder / "history.h5", rng)
-    return _damage_bytes(folder / "history.h5", rng) if way < 0.8 else _damage_text(folder, rng)
+    return (
+        _damage_bytes(folder / "history.h5", rng) if direction < 0.8 else _damage_text(folder, rng)
+    )
 
 
 def _damage_structure(path: Path, rng: random.Random) -> str:
@@ -126,32 +128,32 @@ def _damage_structure(path: Path, rng: random.Random) -> str:
         name = rng.choice([name for name in names if name in file])
         holder_name, _, last = name.rpartition("/")
         group = file[holder_name] if holder_name else file
-        way = rng.randrange(12)
-        if way < 3:
-            attributes = (file if way < 2 else file[name]).attrs
+        direction = rng.randrange(12)
+        if direction < 3:
+            attributes = (file if direction < 2 else file[name]).attrs
             if not attributes:
                 return "nothing"
             key = rng.choice(list(attributes))
-            if way == 0:
+            if direction == 0:
                 del attributes[key]
             else:
                 attributes[key] = rng.choice(ATTRIBUTES)
-            return f"attribute {key} of {name if way == 2 else '/'}"
-        if way == 3 and isinstance(file[name], h5py.Dataset) and file[name].dtype.kind == "f":
+            return f"attribute {key} of {name if direction == 2 else '/'}"
+        if direction == 3 and isinstance(file[name], h5py.Dataset) and file[name].dtype.kind == "f":
             file[name][...] = rng.choice((np.nan, np.inf, 1e308))
             return f"values of {name}"
         del file[name]
         new: tuple[Any, ...] = (np.zeros((3, 3, 3)), "text", np.array([b"a", b"b"]))
         new += (np.full(5, 1j), h5py.SoftLink("/"), h5py.ExternalLink("/etc/passwd", "/"))
-        if way == 4:
+        if direction == 4:
             group.create_dataset(last, shape=(10**12,), chunks=(1024,), dtype="f8")
-        elif way == 5:
+        elif direction == 5:
             group.create_dataset(last, shape=(0,), dtype="f8")
-        elif way == 6:
+        elif direction == 6:
             group.create_group(last)
-        elif way > 7:
+        elif direction > 7:
             group[last] = rng.choice(new)
-        return f"{name}, {way}"
+        return f"{name}, {direction}"
 
 
 def _damage_bytes(path: Path, rng: random.Random) -> str:

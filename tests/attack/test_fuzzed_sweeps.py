@@ -84,13 +84,13 @@ def sweep_folder(folder: Path) -> dict[str, Any]:
     }
 
 
-def test_a_damaged_sweep_is_told(tmp_path: Path) -> None:
+def test_a_damaged_sweep_is_reported(tmp_path: Path) -> None:
     data, rng = sweep_folder(tmp_path), random.Random(5)
     path = tmp_path / "sweep.json"
     path.write_text(json.dumps(data), "utf-8")
     (row,) = table.read(tmp_path).rows
     assert (row.state, row.message, row.values) == ("failed", "m", [3.0])
-    told = 0
+    reported = 0
     for _ in range(300):
         wrong = copy.deepcopy(data)
         change_anything(wrong, rng)
@@ -98,6 +98,6 @@ def test_a_damaged_sweep_is_told(tmp_path: Path) -> None:
         try:
             table.write(table.read(tmp_path))
         except PostError as error:
-            told += 1
+            reported += 1
             assert "sweep.json" in str(error)
-    assert told > 0
+    assert reported > 0

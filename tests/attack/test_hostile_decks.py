@@ -90,7 +90,7 @@ def test_a_beam_of_very_many_elements(count: str) -> None:
 
 
 def test_names_of_cuts_are_names(tmp_path: Path) -> None:
-    cut = 'cuts: [{name: "a b", at: [0.5, 0, 0], normal: [1, 0, 0]}],'
+    cut = 'section_cuts: [{name: "a b", at: [0.5, 0, 0], normal: [1, 0, 0]}],'
     text = SHELL.replace("1000000]", "4]").replace("NU", "4").replace("THICK", "0.01")
     assert "'a b' is not a valid name" in refusal(tmp_path, text.replace("MORE", cut))
 

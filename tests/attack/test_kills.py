@@ -63,7 +63,7 @@ def is_readable(folder: Path) -> None:
 
 
 def steps_of(folder: Path) -> int:
-    """Steps that a run has told of."""
+    """Steps that a run has reported."""
     status = folder / "status.json"
     return int(json.loads(status.read_text("utf-8"))["cycle"]) if status.exists() else 0
 
@@ -87,7 +87,7 @@ def test_a_run_killed_again_and_again_goes_on_to_the_same_bits(name: str, tmp_pa
     sets = {"control.estimate": "off"} | overrides
     more = [word for path, value in sets.items() for word in ("--set", f"{path}={value}")]
     whole, folder = tmp_path / "whole", tmp_path / "killed"
-    # compiles; the second tells how long a run lasts
+    # compiles; the second states how long a run lasts
     assert crashsolve(deck, "-o", whole, *more).returncode == 0
     begun = time.monotonic()
     assert crashsolve(deck, "-o", whole, *more).returncode == 0

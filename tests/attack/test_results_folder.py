@@ -186,13 +186,13 @@ def test_a_run_outlives_its_standard_output(stream: str, tmp_path: Path) -> None
     h5py.File(tmp_path / "history.h5").close()
 
 
-def test_an_answer_that_cannot_be_told_is_an_error(tmp_path: Path) -> None:
+def test_an_answer_that_cannot_be_determined_is_an_error(tmp_path: Path) -> None:
     done = run_into(">/dev/full", tmp_path, "check", OSCILLATOR)
     assert done.returncode == 5
     assert done.stderr == "standard output: No space left on device\n"
     assert run_into(">&-", tmp_path, "check", OSCILLATOR).returncode == 0
 
 
-def test_errors_keep_their_code_where_nobody_can_be_told(tmp_path: Path) -> None:
+def test_errors_keep_their_code_where_nobody_can_be_determined(tmp_path: Path) -> None:
     absent = tmp_path / "absent.yaml"
     assert run_into(">/dev/full 2>/dev/full", tmp_path, "check", absent).returncode == 2

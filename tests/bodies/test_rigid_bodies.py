@@ -49,7 +49,7 @@ def test_mass_and_inertia_of_a_solid_are_its_integrals(tmp_path: Path, solid: st
     np.testing.assert_allclose(np.diag(b.J.reshape(3, 3)) * b.mass_inv, moments, rtol=2e-3)
 
 
-def test_a_rod_turns_about_its_middle_and_hardly_about_itself(tmp_path: Path) -> None:
+def test_a_rod_rotates_about_its_middle_and_hardly_about_itself(tmp_path: Path) -> None:
     b = node(tmp_path, "mass: 3, primitive: {shape: rod, length: 2}")
     np.testing.assert_allclose(np.diag(b.J.reshape(3, 3)), [1.0, 1.0, 1e-6])
 
@@ -66,17 +66,17 @@ def test_moments_of_no_solid_are_refused(tmp_path: Path, inertia: str) -> None:
         node(tmp_path, f"mass: 1, inertia: {inertia}")
 
 
-def test_place_and_velocity_are_those_of_the_origin(tmp_path: Path) -> None:
-    turn = "rotation: {axis: [0, 0, 1], angle: 90 deg}, angular_velocity: [0, 0, 2]"
+def test_position_and_velocity_are_those_of_the_origin(tmp_path: Path) -> None:
+    rotation = "rotation: {axis: [0, 0, 1], angle: 90 deg}, angular_velocity: [0, 0, 2]"
     start = "position: [1, 2, 3], velocity: [4, 5, 6], mass_centre: [0.5, 0, 0]"
-    b = node(tmp_path, f"mass: 1, inertia: [1, 1, 1], {start}, {turn}")
+    b = node(tmp_path, f"mass: 1, inertia: [1, 1, 1], {start}, {rotation}")
     np.testing.assert_allclose(b.r, [1.0, 2.5, 3.0], atol=1e-15)
     np.testing.assert_allclose(b.v, [4.0 - 2.0 * 0.5, 5.0, 6.0], atol=1e-15)
 
 
 def test_spin_may_be_given_in_body_axes(tmp_path: Path) -> None:
-    turn = "rotation: {axis: [0, 0, 1], angle: 90 deg}, angular_velocity_axes: body"
-    b = node(tmp_path, f"mass: 1, inertia: [1, 2, 3], {turn}, angular_velocity: [1, 0, 0]")
+    rotation = "rotation: {axis: [0, 0, 1], angle: 90 deg}, angular_velocity_axes: body"
+    b = node(tmp_path, f"mass: 1, inertia: [1, 2, 3], {rotation}, angular_velocity: [1, 0, 0]")
     np.testing.assert_allclose(b.w, [0, 1, 0], atol=1e-15)
     np.testing.assert_allclose(b.L, [0, 1, 0], atol=1e-15)
 

@@ -35,9 +35,9 @@ def test_the_examples_of_the_python_page_are_what_python_says(
     page = doctest.DocTestParser().get_doctest(text, {}, "PYTHON.md", str(PYTHON), 0)
     assert len(page.examples) > 20
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS, verbose=False)
-    told: list[str] = []
-    runner.run(page, out=told.append)
-    assert runner.failures == 0, "".join(told)
+    reported: list[str] = []
+    runner.run(page, out=reported.append)
+    assert runner.failures == 0, "".join(reported)
 
 
 def test_a_new_statistic_is_one_file_that_deck_and_commands_know(tmp_path: Path) -> None:

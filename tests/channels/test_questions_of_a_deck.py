@@ -37,8 +37,8 @@ def test_questions_that_make_no_sense_are_refused_before_the_run(flight: Path) -
     done = crashsolve(flight, "-o", flight.parent / "results", CRASHSOLVE_PLAIN="1")
     *lines, last = done.stderr.splitlines()
     assert (done.returncode, len(lines)) == (2, len(wrong)), done.stderr
-    for number, (line, told) in enumerate(zip(lines, wrong.values(), strict=True), 1):
-        assert "flight.yaml:5:" in line and f"watch {number}: channel: {told}" in line
+    for number, (line, reported) in enumerate(zip(lines, wrong.values(), strict=True), 1):
+        assert "flight.yaml:5:" in line and f"watch {number}: channel: {reported}" in line
     assert "watch 5: statistic: 'at:-0.1' is before the run, from 0 s on" in last
 
 

@@ -101,10 +101,10 @@ def test_the_gap_is_that_of_the_general_routine(seed: int, tmp_path: Path) -> No
     for first, second in (("box", "box"), ("box", "large"), ("cap", "box")):
         contact = pair(tmp_path, first, second)
         for _ in range(4):
-            contact.bench.shake(int(rng.integers(1e6)), turn=2.0)
+            contact.bench.shake(int(rng.integers(1e6)), rotation=2.0)
             depth, n, _ = contact.gaps()[0]
-            way = depth - rng.uniform(-0.1, 0.02)
-            contact.bench.move(1, r=contact.bench.nodes[1].r + way * n)
+            direction = depth - rng.uniform(-0.1, 0.02)
+            contact.bench.move(1, r=contact.bench.nodes[1].r + direction * n)
             known, _, _ = general(contact)
             depth, n, x = contact.gaps()[0]
             assert depth == pytest.approx(known, abs=1e-12)
@@ -146,13 +146,13 @@ def test_friction_of_slip_and_spin_takes_what_it_works() -> None:
     velocity = a.v - b.v
     slip = velocity - (velocity @ n) * n
     sliding = areas.sliding(a, b, tuple(slip), tuple(n), 0.07)
-    rub = -0.3 * np.array(sliding) / np.linalg.norm(sliding)
-    force = np.array(areas.along_surface(tuple(rub), tuple(n)))
+    friction_force = -0.3 * np.array(sliding) / np.linalg.norm(sliding)
+    force = np.array(areas.along_surface(tuple(friction_force), tuple(n)))
     for body in (a, b):
-        body.torque, body.late_torque = zero(3), zero(3)
-    areas.twist(a, b, tuple(rub), tuple(n), 0.07, 1.0)
+        body.torque, body.deferred_torque = zero(3), zero(3)
+    areas.twist(a, b, tuple(friction_force), tuple(n), 0.07, 1.0)
     power = force @ velocity + a.torque @ a.w + b.torque @ b.w
-    assert power == pytest.approx(rub @ sliding, rel=1e-14)
+    assert power == pytest.approx(friction_force @ sliding, rel=1e-14)
     np.testing.assert_allclose(a.torque, -b.torque)
 
 

@@ -40,10 +40,13 @@ def test_a_friction_tangent_is_the_derivative_along_and_across(law: str, tmp_pat
     for v in (0.02, 0.07, 0.3, 2.0):
         along, side = tangent(contact.p, 100.0, (v, 0.0, 0.0))
         step = 1e-6
-        ends = [contact.rub(100.0, (v + s) * u, n).force @ u for s in (step, -step)]
+        ends = [contact.friction_force(100.0, (v + s) * u, n).force @ u for s in (step, -step)]
         # central differences of a force of 40 N: round-off 1e-8, third derivatives below 1e6
         assert (ends[1] - ends[0]) / (2 * step) == pytest.approx(along, rel=1e-6, abs=1e-5)
-        ends = [contact.rub(100.0, v * u + s * across, n).force @ across for s in (step, -step)]
+        ends = [
+            contact.friction_force(100.0, v * u + s * across, n).force @ across
+            for s in (step, -step)
+        ]
         assert (ends[1] - ends[0]) / (2 * step) == pytest.approx(side, rel=1e-6, abs=1e-5)
 
 

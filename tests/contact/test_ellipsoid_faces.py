@@ -1,4 +1,4 @@
-"""Claims of ellipsoids that press on faces of shells: the nearest place, sides, what is refused."""
+"""Claims of ellipsoids that press on faces of shells: the nearest point, sides, what is refused."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,7 +19,7 @@ SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float) - [0.5, 0
 FAR = 1e9
 
 
-def turned(rng: np.random.Generator) -> np.ndarray:
+def rotated(rng: np.random.Generator) -> np.ndarray:
     return np.linalg.qr(rng.normal(size=(3, 3)))[0]
 
 
@@ -46,32 +46,32 @@ def net(corners: np.ndarray, grid: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_no_place_of_a_face_is_nearer(seed: int) -> None:
+def test_no_position_of_a_face_is_nearer(seed: int) -> None:
     rng = np.random.default_rng(seed)
     s = 10.0 ** rng.uniform(-1.0, 0.3, 3)
     side = 10.0 ** rng.uniform(-1.0, 1.0)
-    corners = side * (SQUARE + 0.2 * rng.uniform(-1, 1, (4, 3))) @ turned(rng)
-    # any place about the ellipsoid, but not so deep that ways out on several sides are as short
+    corners = side * (SQUARE + 0.2 * rng.uniform(-1, 1, (4, 3))) @ rotated(rng)
+    # any position about the ellipsoid, but not so deep that exits on several sides are as short
     corners += rng.normal(size=3)
     N, distance, m = nearest(s, corners)
     least = min(away(s, x) for x in net(corners, 10))
     if least < -0.5 * s.min():
-        pytest.skip("too deep for one way out")
+        pytest.skip("too deep for one exit")
     assert (N >= 0.0).all() and N.sum() == pytest.approx(1.0, abs=1e-14)
-    place = N @ corners
-    assert away(s, place) == pytest.approx(distance, abs=1e-13 * s.max())
+    position = N @ corners
+    assert away(s, position) == pytest.approx(distance, abs=1e-13 * s.max())
     assert distance <= least + 1e-12 * s.max()
-    # the normal at the foot, from which the place is so far
-    foot = place - distance * m
+    # the normal at the foot, from which the position is so far
+    foot = position - distance * m
     assert np.sum((foot / s) ** 2) == pytest.approx(1.0, abs=1e-10)
     slope = foot / s**2
     np.testing.assert_allclose(m, slope / np.linalg.norm(slope), atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_with_equal_semi_axes_it_is_the_place_nearest_to_the_centre(seed: int) -> None:
+def test_with_equal_semi_axes_it_is_the_position_nearest_to_the_centre(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    corners = (SQUARE + 0.3 * rng.uniform(-1, 1, (4, 3))) @ turned(rng) + rng.normal(size=3)
+    corners = (SQUARE + 0.3 * rng.uniform(-1, 1, (4, 3))) @ rotated(rng) + rng.normal(size=3)
     N, distance, _ = nearest((0.1, 0.1, 0.1), corners)
     M, square, _ = _face.nearest_on_face(*[tuple(map(float, x)) for x in corners])
     assert distance == pytest.approx(np.sqrt(square) - 0.1, abs=1e-14)
@@ -80,10 +80,10 @@ def test_with_equal_semi_axes_it_is_the_place_nearest_to_the_centre(seed: int) -
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_a_far_face_is_told_to_be_no_nearer_than_it_is(seed: int) -> None:
+def test_a_far_face_is_reported_to_be_no_nearer_than_it_is(seed: int) -> None:
     rng = np.random.default_rng(seed)
     s = (0.3, 0.1, 0.2)
-    corners = (SQUARE + 0.2 * rng.uniform(-1, 1, (4, 3))) @ turned(rng)
+    corners = (SQUARE + 0.2 * rng.uniform(-1, 1, (4, 3))) @ rotated(rng)
     corners += 2.0 * corners.mean(axis=0) + rng.normal(size=3) * 2.0
     _, bound, _ = nearest(s, corners, far=0.05)
     _, distance, _ = nearest(s, corners)
@@ -146,7 +146,7 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
             g.totals[0],
             g.ellipsoids[0],
             g.nodes,
-            projection.Sides(g.probe_states, g.turns, g.found[0]),
+            projection.Sides(g.probe_states, g.slot_in_use, g.found[0]),
             mesh,
             lists,
         ),
@@ -158,14 +158,14 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
     hits = []
     for s in range(2):
         old, new, hit = (
-            g.probe_states[g.turns[s], s],
-            g.probe_states[1 - g.turns[s], s],
+            g.probe_states[g.slot_in_use[s], s],
+            g.probe_states[1 - g.slot_in_use[s], s],
             g.found[0][s],
         )
         new.depth, new.active, new.face = hit.depth, int(hit.depth > 0.0), hit.face
         new.normal = hit.normal
         if new.active or old.active:
-            node_contact.take_turn(1.0, g.turns, s)
+            node_contact.swap_slot(1.0, g.slot_in_use, s)
         if new.active:
             ellipsoids.roll(g.balls[0], g.p[0], hit, g.nodes, g.points, g.corners)
             z = np.array(body.r) + np.reshape(body.A, (3, 3)) @ g.balls[0].at
@@ -176,11 +176,11 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
 @pytest.mark.parametrize("seed", range(6))
 def test_on_a_flat_floor_it_is_as_deep_as_on_a_plane(seed: int, tmp_path: Path) -> None:
     semi = np.array([0.3, 0.15, 0.1])
-    g, A = bench(tmp_path, semi), turned(np.random.default_rng(seed))
+    g, A = bench(tmp_path, semi), rotated(np.random.default_rng(seed))
     A *= np.sign(np.linalg.det(A))
     reach = np.linalg.norm(semi * A[2])
     lowest = -(A * semi**2) @ A[2] / reach
-    # less than the least radius of curvature: deeper, another way out is shorter than upwards
+    # less than the least radius of curvature: deeper, another exit is shorter than upwards
     for drop in (0.0, 0.01, 0.03):
         x = np.array([0.1, 0.1, 0.0]) - lowest * [1.0, 1.0, 0.0] + [0.0, 0.0, reach - drop]
         ((s, depth, normal, z),) = look(g, x, A)
@@ -188,7 +188,7 @@ def test_on_a_flat_floor_it_is_as_deep_as_on_a_plane(seed: int, tmp_path: Path) 
         # half the thickness of the floor, and what is below its mid-surface
         assert depth == pytest.approx(0.01 + drop, abs=1e-12)
         np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-7)
-        # a ball of the shortest semi-axis within the ellipsoid at its lowest place
+        # a ball of the shortest semi-axis within the ellipsoid at its lowest point
         np.testing.assert_allclose(z, [0.1, 0.1, 0.1 - drop], atol=1e-7)
     assert look(g, x + [0, 0, 0.05], A) == []
     # from below it is the same the other way up
@@ -209,7 +209,7 @@ def test_beyond_the_border_its_side_meets_the_edge(tmp_path: Path) -> None:
 @pytest.mark.parametrize("r", [0.9, 1.08])
 def test_along_a_field_it_points_to_the_axis_of_a_drum(r: float, seed: int, tmp_path: Path) -> None:
     semi, rng = np.array([0.2, 0.14, 0.1]), np.random.default_rng(seed)
-    g, A, sign = bench(tmp_path, semi, DRUM, normals="continuous"), turned(rng), np.sign(r - 1.0)
+    g, A, sign = bench(tmp_path, semi, DRUM, normals="continuous"), rotated(rng), np.sign(r - 1.0)
     A *= np.sign(np.linalg.det(A))
     B = A * semi**2 @ A.T
     for phi in rng.uniform(0.0, 2.0 * np.pi, 5):
@@ -230,7 +230,7 @@ def test_along_a_field_it_points_to_the_axis_of_a_drum(r: float, seed: int, tmp_
 def test_the_way_to_the_centre_changes_by_its_derivative(seed: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed)
     g = bench(tmp_path, (0.3, 0.15, 0.1))
-    g.nodes[1].A = np.ravel(turned(rng))
+    g.nodes[1].A = np.ravel(rotated(rng))
     _, pen = ellipsoids.pen_of(g.ellipsoids[0], g.nodes)
     n, d, step = rng.normal(size=3), rng.normal(size=3), 1e-5
     ends = [np.array(ellipsoids.to_centre(pen, tuple(n + k * step * d))) for k in (1, -1)]

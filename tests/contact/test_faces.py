@@ -28,7 +28,7 @@ runs = pytest.mark.xdist_group("faces")
 
 
 def random_face(seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """A warped face of odd shape, and a place near it."""
+    """A warped face of odd shape, and a position near it."""
     rng = np.random.default_rng(seed)
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
     return square + 0.35 * rng.uniform(-1, 1, (4, 3)), rng.uniform(-0.7, 1.7, 3)
@@ -36,47 +36,47 @@ def random_face(seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 def nearest(corners: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, float, int]:
     seen = [tuple(map(float, corner - x)) for corner in corners]
-    N, square, place = _face.nearest_on_face(*seen)
-    return np.array(N), float(np.sqrt(square)), place
+    N, square, position = _face.nearest_on_face(*seen)
+    return np.array(N), float(np.sqrt(square)), position
 
 
 def searched(corners: np.ndarray, x: np.ndarray, grid: int = 60) -> float:
-    """Least distance over a fine net of places on the four triangles, by numpy alone."""
+    """Least distance over a fine net of positions on the four triangles, by numpy alone."""
     u, v = np.meshgrid(np.linspace(0, 1, grid + 1), np.linspace(0, 1, grid + 1))
     u, v = u[u + v <= 1 + 1e-12], v[u + v <= 1 + 1e-12]
     middle, least = corners.mean(axis=0), np.inf
     for k in range(4):
         a, b = corners[k], corners[(k + 1) % 4]
-        places = np.outer(1 - u - v, middle) + np.outer(u, a) + np.outer(v, b)
-        least = min(least, np.linalg.norm(places - x, axis=1).min())
+        positions = np.outer(1 - u - v, middle) + np.outer(u, a) + np.outer(v, b)
+        least = min(least, np.linalg.norm(positions - x, axis=1).min())
     return float(least)
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_no_place_of_a_face_is_nearer(seed: int) -> None:
+def test_no_position_of_a_face_is_nearer(seed: int) -> None:
     corners, x = random_face(seed)
     N, distance, _ = nearest(corners, x)
     assert (N >= 0.0).all() and N.sum() == pytest.approx(1.0, abs=1e-14)
-    # the weights lead to the place whose distance is told, and it lies on a triangle
+    # the weights lead to the position whose distance is reported, and it lies on a triangle
     assert np.linalg.norm(N @ corners - x) == pytest.approx(distance, abs=1e-13)
     found = searched(corners, x)
-    # a net of this fineness has a node within two hundredths of any place; the distance is of
-    # second order in that unless the place is near
+    # a net of this fineness has a node within two hundredths of any position; the distance is of
+    # second order in that unless the position is near
     assert distance <= found + 1e-13
     assert found <= np.hypot(distance, 0.04)
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_the_nearest_place_does_not_depend_on_the_first_corner(seed: int) -> None:
+def test_the_nearest_point_does_not_depend_on_the_first_corner(seed: int) -> None:
     corners, x = random_face(seed)
     N, distance, _ = nearest(corners, x)
-    for turn in range(1, 4):
-        M, other, _ = nearest(np.roll(corners, -turn, axis=0), x)
+    for rotation in range(1, 4):
+        M, other, _ = nearest(np.roll(corners, -rotation, axis=0), x)
         assert other == pytest.approx(distance, abs=1e-14)
-        np.testing.assert_allclose(M @ np.roll(corners, -turn, axis=0), N @ corners, atol=1e-13)
+        np.testing.assert_allclose(M @ np.roll(corners, -rotation, axis=0), N @ corners, atol=1e-13)
 
 
-def test_sides_and_corners_are_told() -> None:
+def test_sides_and_corners_are_reported() -> None:
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
     assert nearest(square, np.array([0.4, 0.6, 0.2]))[2] == _face.INSIDE
     for k, x in enumerate(([0.5, -1, 0], [2, 0.5, 0], [0.5, 2, 0], [-1, 0.5, 0])):
@@ -150,19 +150,19 @@ class Bench:
         g.nodes[1].r, g.totals[0].listed = x, -1.0
         g.due[:] = 0.0
         self.search(g)
-        place = tuple(map(float, x))
-        sides = projection.Sides(g.probe_states, g.turns, g.found[0])
-        projection.look(0, place, g.p[0], g.totals[0], sides, g.mesh, g.lists)
+        position = tuple(map(float, x))
+        sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
+        projection.look(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
         if is_smooth:
             spared = (g.spared_first, g.spared)
-            normals.smoothen(0, place, None, g.p[0], g.mesh, spared, g.found[0])
+            normals.smoothen(0, position, None, g.p[0], g.mesh, spared, g.found[0])
         hits = []
         for s in range(2):
-            old, new = g.probe_states[g.turns[s], s], g.probe_states[1 - g.turns[s], s]
+            old, new = g.probe_states[g.slot_in_use[s], s], g.probe_states[1 - g.slot_in_use[s], s]
             new.depth, new.active = g.found[0][s].depth, int(g.found[0][s].depth > 0.0)
             new.face, new.normal = g.found[0][s].face, g.found[0][s].normal
             if new.active or old.active:
-                node_contact.take_turn(h, g.turns, s)
+                node_contact.swap_slot(h, g.slot_in_use, s)
             if new.active:
                 hits.append((s, float(g.found[0][s].depth), np.array(g.found[0][s].normal)))
         return hits
@@ -249,25 +249,25 @@ def test_a_deleted_element_is_met_no_more(tmp_path: Path, mesh: Any) -> None:
         if f >= g.p[0].quads:
             first, stride, k = g.p[0].first_third, g.p[0].stride_third, f - g.p[0].quads
         blocks[first + k // 16 * stride + k % 16] = 0.0
-    projection.bury(g.p[0], blocks, g.gone)
+    projection.remove_near_faces(g.p[0], blocks, g.gone)
     assert list(g.gone) == list((x > 1.0).astype(int))
     assert bench.look([1.6, 0.3, 0.05]) == []
     assert len(bench.look([0.4, 0.6, 0.05])) == 1
     # and its neighbour has a free border there
     for angle in np.radians(np.arange(80, -81, -10)):
-        place = np.array([1.0, 0.4, 0.0]) + 0.07 * np.array([np.cos(angle), 0.0, np.sin(angle)])
-        ((_, depth, normal),) = bench.look(place)
+        position = np.array([1.0, 0.4, 0.0]) + 0.07 * np.array([np.cos(angle), 0.0, np.sin(angle)])
+        ((_, depth, normal),) = bench.look(position)
         np.testing.assert_allclose(normal, [np.cos(angle), 0.0, np.sin(angle)], atol=1e-12)
 
 
 def test_a_sharp_fold_is_met_once(tmp_path: Path) -> None:
-    # outside it, by whichever of the two faces the normal is told
+    # outside it, by whichever of the two faces the normal is reported
     for angle in np.radians(np.arange(-60, 61, 20)):
         bench = Bench(tmp_path, *HAIRPIN)
-        way = np.array([np.cos(angle - 0.17), 0.0, np.sin(angle - 0.17)])
-        hits = bench.look(np.array([1.0, 0.5, 0.0]) + 0.05 * way)
+        direction = np.array([np.cos(angle - 0.17), 0.0, np.sin(angle - 0.17)])
+        hits = bench.look(np.array([1.0, 0.5, 0.0]) + 0.05 * direction)
         assert len(hits) == 1
-        np.testing.assert_allclose(hits[0][2], way, atol=1e-12)
+        np.testing.assert_allclose(hits[0][2], direction, atol=1e-12)
 
 
 def test_between_two_walls_both_are_met(tmp_path: Path) -> None:
@@ -306,26 +306,26 @@ def test_a_continuous_field_points_to_the_axis_of_a_drum(
     for phi in np.linspace(0.01, 0.01 + 4.0 * np.pi / count, 23):
         x = np.array([r * np.cos(phi), r * np.sin(phi), 0.4])
         ((_, depth, normal),) = bench.look(x, is_smooth=True)
-        way = np.array([np.cos(phi), np.sin(phi), 0.0]) * np.sign(r - 1.0)
-        np.testing.assert_allclose(normal, way, atol=1e-12)
-        # the force acts along the line through the ball and the place on the face
+        direction = np.array([np.cos(phi), np.sin(phi), 0.0]) * np.sign(r - 1.0)
+        np.testing.assert_allclose(normal, direction, atol=1e-12)
+        # the force acts along the line through the ball and the position on the face
         hit = bench.groups[0].found[0][0 if r > 1.0 else 1]
         g = bench.groups[0]
         at = corner_points(g.p[0], hit.face, g.corners)
-        place = np.array(hit.N) @ np.array(g.points.r)[list(at)]
-        np.testing.assert_allclose(place + (0.1 - depth) * normal, x, atol=1e-12)
+        position = np.array(hit.N) @ np.array(g.points.r)[list(at)]
+        np.testing.assert_allclose(position + (0.1 - depth) * normal, x, atol=1e-12)
         half = np.pi / count
         chord = np.cos(half) / np.cos(phi % (2.0 * half) - half)
         assert depth == pytest.approx(0.1 - abs(r - chord), abs=1e-12)
 
 
-def test_beyond_a_free_border_the_nearest_place_stays(tmp_path: Path) -> None:
+def test_beyond_a_free_border_the_nearest_point_stays(tmp_path: Path) -> None:
     smooth, nearest_place = Bench(tmp_path, *STRIP), Bench(tmp_path, *STRIP)
     for x in ([-0.05, 0.5, 0.03], [0.4, 0.5, 0.06], [1.0, 0.2, 0.05]):
         ((_, depth, normal),) = smooth.look(x, is_smooth=True)
-        ((_, wanted, way),) = nearest_place.look(x)
+        ((_, wanted, direction),) = nearest_place.look(x)
         assert depth == pytest.approx(wanted, abs=1e-14)
-        np.testing.assert_allclose(normal, way, atol=1e-13)
+        np.testing.assert_allclose(normal, direction, atol=1e-13)
 
 
 def test_faces_across_sides_and_rings_about_nodes() -> None:

@@ -21,10 +21,10 @@ def contact(request: pytest.FixtureRequest, tmp_path: Path) -> Contact:
     return Contact(tmp_path, friction=f"{{type: {request.param}, {LAWS[request.param]}}}")
 
 
-def rub(contact: Contact, v: float, ease: float) -> float:
+def friction_force(contact: Contact, v: float, ease: float) -> float:
     """Friction against a free slip of v."""
-    contact.old.rub = 0.0
-    return -float(contact.rub(N, (v, 0, 0), UP, ease=ease).force[0])
+    contact.old.friction_force = 0.0
+    return -float(contact.friction_force(N, (v, 0, 0), UP, ease=ease).force[0])
 
 
 @pytest.mark.parametrize("ease", 10.0 ** np.arange(-8, 3))
@@ -32,7 +32,7 @@ def test_the_impulse_of_a_step_stops_a_slip_and_never_reverses_it(
     contact: Contact, ease: float
 ) -> None:
     for v in 10.0 ** np.arange(-6.0, 2.0, 0.5):
-        friction = rub(contact, v, ease)
+        friction = friction_force(contact, v, ease)
         # twice what half a step takes; round-off, and the root of stribeck to 1e-13
         assert 0.0 <= 2.0 * ease * friction <= v * (1 + 1e-12)
 
@@ -40,22 +40,26 @@ def test_the_impulse_of_a_step_stops_a_slip_and_never_reverses_it(
 def test_it_is_the_law_at_the_slip_that_it_leaves(contact: Contact) -> None:
     # 1e-5 s/kg is a thirtieth of what would widen either law
     for v in (0.005, 0.02, 0.06, 0.5, 5.0):
-        friction = rub(contact, v, 1e-5)
-        assert rub(contact, v - 1e-5 * friction, 0.0) == pytest.approx(friction, rel=1e-9)
+        friction = friction_force(contact, v, 1e-5)
+        assert friction_force(contact, v - 1e-5 * friction, 0.0) == pytest.approx(
+            friction, rel=1e-9
+        )
 
 
 def test_friction_of_the_last_step_is_taken_out_of_the_slip(contact: Contact) -> None:
     """A slip that lasts is met by the friction of the law, however long the step."""
-    friction = rub(contact, 0.06, 0.0)
+    friction = friction_force(contact, 0.06, 0.0)
     for ease in (0.0, 1e-6, 1e-5):
-        contact.old.rub = (-friction, 0.0, 0.0)
-        again = -contact.rub(N, (0.06, 0, 0), UP, ease=ease).force[0]
+        contact.old.friction_force = (-friction, 0.0, 0.0)
+        again = -contact.friction_force(N, (0.06, 0, 0), UP, ease=ease).force[0]
         assert again == pytest.approx(friction, rel=1e-11)
 
 
 def test_with_the_slip_of_a_step_it_loses_its_work_and_is_no_damper(contact: Contact) -> None:
-    contact.old.rub = (-3.0, 1.0, 0.0)
-    out = contact.rub(N, (0.06, 0, 0), UP, h=1e-3, ease=1e-6, way=(6e-5, 2e-5, 0.0))
+    contact.old.friction_force = (-3.0, 1.0, 0.0)
+    out = contact.friction_force(
+        N, (0.06, 0, 0), UP, h=1e-3, ease=1e-6, direction=(6e-5, 2e-5, 0.0)
+    )
     mean = 0.5 * (np.array([-3.0, 1.0, 0.0]) + out.force)
     assert out.loss == pytest.approx(-mean @ (6e-5, 2e-5, 0.0), rel=1e-14)
     assert (out.power, out.damping) == (0.0, 0.0)
@@ -91,7 +95,7 @@ def sliding(mu: float) -> dict[str, object]:
     }
 
 
-def test_what_a_contact_makes_is_told(tmp_path: Path) -> None:
+def test_what_a_contact_makes_is_reported(tmp_path: Path) -> None:
     """A ball bounces off a stiff floor in two and a half steps: the work is not what is stored."""
     scene = sliding(0.0)
     scene["bodies"]["ball"] |= {"position": [0, 0, 0.06], "velocity": [0, 0, -1]}  # type: ignore[index]

@@ -14,17 +14,17 @@ from crashsolve.contact.shape.box import ROUNDING
 
 # each shape as a card on body %s, and how far it reaches along directions u (n, 3) in its body
 AXES = np.array([[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]]) / 3.0
-TURN = "rotation: {axis: [1, 1, 1], angle: 60 deg}"
+ROTATED = "rotation: {axis: [1, 1, 1], angle: 60 deg}"
 OCTAHEDRON = 0.3 * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 CARDS = {
     "sphere": "type: sphere, body: %s, radius: 0.25, at: [0.1, 0, 0.05]",
     "plane": "type: plane, body: %s, normal: [1, 2, 2], at: [0.1, 0, 0.05]",
-    "ellipsoid": f"type: ellipsoid, body: %s, semi_axes: [0.4, 0.2, 0.3], {TURN},"
+    "ellipsoid": f"type: ellipsoid, body: %s, semi_axes: [0.4, 0.2, 0.3], {ROTATED},"
     " at: [0.1, 0, 0.05]",
     "cylinder": "type: cylinder, body: %s, radius: 0.2, length: 0.6, axis: [2, -1, 2],"
     " at: [0.1, 0, 0.05]",
-    "box": f"type: box, body: %s, size: [0.6, 0.4, 0.5], at: [0.1, 0, 0.05], {TURN}",
-    "mesh": f"type: mesh, body: %s, vertices: {OCTAHEDRON.tolist()}, at: [0.1, 0, 0.05], {TURN},"
+    "box": f"type: box, body: %s, size: [0.6, 0.4, 0.5], at: [0.1, 0, 0.05], {ROTATED}",
+    "mesh": f"type: mesh, body: %s, vertices: {OCTAHEDRON.tolist()}, at: [0.1, 0, 0.05], {ROTATED},"
     " faces: [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5],"
     " [0, 3, 5]]",
 }
@@ -42,19 +42,19 @@ LEAST = 0.2  # smallest half size of all shapes, which the rounding is a share o
 class Pair(Contact):
     """Two shapes on the bodies a and b."""
 
-    def __init__(self, folder: Path, word: str, turned: bool = False) -> None:
+    def __init__(self, folder: Path, word: str, rotated: bool = False) -> None:
         self.shapes = word.split("_")
         cards = "".join(
             f"  {body}: {{{CARDS[shape] % body}}}\n"
             for body, shape in zip("ab", self.shapes, strict=True)
         )
-        sides = "a: [b], b: [a]" if turned else "a: [a], b: [b]"
+        sides = "a: [b], b: [a]" if rotated else "a: [a], b: [b]"
         super().__init__(folder, surfaces=f"surfaces:\n{cards}", sides=sides)
 
     def approach(self, seed: int) -> None:
         """Any configurations, near to each other: some apart, some overlapping by a little."""
         rng = np.random.default_rng(seed)
-        self.bench.shake(seed, turn=2.0)
+        self.bench.shake(seed, rotation=2.0)
         n = rng.normal(size=3)
         self.bench.move(1, r=self.bench.nodes[2].r + 3.0 * n / np.linalg.norm(n))
         # along the normal of a gap the depth grows one for one, to first order
@@ -74,12 +74,12 @@ def pair(request: pytest.FixtureRequest, tmp_path: Path) -> Pair:
     return Pair(tmp_path, request.param)
 
 
-def test_the_turn_of_the_cards_is_that_of_the_reach() -> None:
+def test_the_rotation_of_the_cards_is_that_of_the_reach() -> None:
     q = exponential(np.full(3, np.deg2rad(60.0) / np.sqrt(3.0)))
-    np.testing.assert_allclose(turned(q, np.eye(3)).T, AXES, atol=1e-15)
+    np.testing.assert_allclose(rotated(q, np.eye(3)).T, AXES, atol=1e-15)
 
 
-def turned(q: np.ndarray, points: np.ndarray) -> np.ndarray:
+def rotated(q: np.ndarray, points: np.ndarray) -> np.ndarray:
     from crashsolve.foundation.orientation import matrix
 
     return points @ matrix(q).T
@@ -87,7 +87,7 @@ def turned(q: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_depth_is_the_largest_separation_of_all_directions(pair: Pair, seed: int) -> None:
-    """Apart: the distance; overlapping: the shortest way out. By brute force over directions."""
+    """Apart: the distance; overlapping: the shortest exit. By brute force over directions."""
     pair.approach(seed)
     depth, _, _ = pair.deepest()
     first, second = pair.shapes
@@ -135,7 +135,7 @@ def test_depth_changes_as_the_material_points_move(pair: Pair, seed: int) -> Non
         nodes[:] = start
         for body in (1, 2):
             b = start[body]
-            pair.bench.turn(body, time * b.w)
+            pair.bench.rotation(body, time * b.w)
             pair.bench.move(body, r=b.r + time * b.v)
         depths.append([depth for depth, _, _ in pair.gaps()])
     nodes[:] = start
@@ -152,21 +152,21 @@ def test_depth_changes_as_the_material_points_move(pair: Pair, seed: int) -> Non
 def test_a_common_motion_of_both_bodies_changes_nothing(pair: Pair, seed: int) -> None:
     pair.approach(seed)
     before = pair.gaps()
-    turn, way = np.array([0.3, -1.1, 0.7]), np.array([5.0, -3.0, 2.0])
-    q = exponential(turn)
+    rotation, direction = np.array([0.3, -1.1, 0.7]), np.array([5.0, -3.0, 2.0])
+    q = exponential(rotation)
     for body in (1, 2):
         b = pair.bench.nodes[body]
-        pair.bench.move(body, r=turned(q, b.r) + way, q=product(q, b.q))
+        pair.bench.move(body, r=rotated(q, b.r) + direction, q=product(q, b.q))
     for (depth, n, x), (depth_after, n_after, x_after) in zip(before, pair.gaps(), strict=True):
         # round-off of numbers of size 5, a thousand times that in directions at rounded edges
         assert depth_after == pytest.approx(depth, abs=1e-13)
-        np.testing.assert_allclose(n_after, turned(q, n), atol=1e-11)
-        np.testing.assert_allclose(x_after, turned(q, x) + way, atol=1e-9)
+        np.testing.assert_allclose(n_after, rotated(q, n), atol=1e-11)
+        np.testing.assert_allclose(x_after, rotated(q, x) + direction, atol=1e-9)
 
 
 @pytest.mark.parametrize("word", PAIRS)
 def test_the_sides_of_the_card_do_not_matter(tmp_path: Path, word: str) -> None:
-    straight, crossed = Pair(tmp_path, word), Pair(tmp_path, word, turned=True)
+    straight, crossed = Pair(tmp_path, word), Pair(tmp_path, word, rotated=True)
     straight.approach(1)
     crossed.bench.nodes[:] = straight.bench.nodes
     a, b = straight.deepest(), crossed.deepest()
@@ -206,7 +206,7 @@ def from_inside(pair: Pair, centre: Any) -> tuple[float, np.ndarray, np.ndarray]
     return pair.deepest()
 
 
-def test_two_spheres_in_one_place_still_have_a_normal(tmp_path: Path) -> None:
+def test_two_spheres_in_one_position_still_have_a_normal(tmp_path: Path) -> None:
     pair = Pair(tmp_path, "sphere_sphere")
     depth, n, _ = from_inside(pair, (0, 0, 0))
     assert depth == pytest.approx(0.5, abs=1e-15)

@@ -106,7 +106,7 @@ def chain(folder: Path, name: str, gap: float) -> list[float]:
 
     def forces(h: float) -> np.ndarray:
         f = []
-        # closing speeds foretold by the forces of the step before
+        # closing speeds predicted by the forces of the step before
         a = push @ before / MASS
         for k, (contact, depth, mass) in enumerate(((pair, y[0], 0.5), (wall, y[1], 1.0))):
             u = v + 0.5 * h * a

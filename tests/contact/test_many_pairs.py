@@ -18,7 +18,7 @@ from crashsolve.model.contact import pieces, records
 from crashsolve.system.bounds import stiffest
 from crashsolve.system.compose import compose
 from crashsolve.system.engine import Engine
-from crashsolve.system.threads.worker import MOST_PIECES
+from crashsolve.threads.worker import MOST_PIECES
 
 # a worker compiles the scene once
 pytestmark = pytest.mark.xdist_group("threads")
@@ -142,14 +142,14 @@ def test_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Pa
 def test_a_run_out_of_balance_stops_any_number_of_threads_alike(
     two: tuple[Path, Path], tmp_path: Path
 ) -> None:
-    told = set()
+    reported = set()
     for threads in "13":
         # what these steps miss is some thousand times more
         words = ("--set", "control.energy_limit=1e-9", "--set", f"control.threads={threads}")
         done = crashsolve(two[0], "-o", tmp_path / threads, *words)
         assert done.returncode == 4
-        told.add(done.stderr.replace(str(tmp_path / threads), ""))
-    assert len(told) == 1
+        reported.add(done.stderr.replace(str(tmp_path / threads), ""))
+    assert len(reported) == 1
 
 
 # decks whose pairs are few, done in pieces of three pairs and two bodies: all shapes and laws
@@ -230,12 +230,12 @@ def test_every_pair_is_in_one_piece_of_its_card_and_every_load_on_one_body() -> 
     assert (group.pieces["end"] - group.pieces["first"] <= pieces.PAIRS).all()
     assert len(group.pieces) <= MOST_PIECES
     body = {at: b["node"] for b in group.bearers for at in range(b["first"], b["end"])}
-    assert [body[at] for at in group.places] == [node for two in nodes for node in two]
-    assert sorted(group.places) == list(range(2000))
+    assert [body[at] for at in group.load_rows] == [node for two in nodes for node in two]
+    assert sorted(group.load_rows) == list(range(2000))
     for b in group.bearers:
         # those of a body in the order of the pairs
-        own = [load for load, at in enumerate(group.places) if b["first"] <= at < b["end"]]
-        assert [group.places[load] for load in own] == list(range(b["first"], b["end"]))
+        own = [load for load, at in enumerate(group.load_rows) if b["first"] <= at < b["end"]]
+        assert [group.load_rows[load] for load in own] == list(range(b["first"], b["end"]))
 
 
 def test_no_list_of_pairs_has_more_pieces_than_a_job_can(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -104,8 +104,8 @@ def test_the_sign_is_that_of_the_solid_angle(tmp_path: Path, seed: int) -> None:
         a, b, c = (points[faces[:, k]] - y for k in range(3))
         la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
         below = la * lb * lc + _dots(a, b) * lc + _dots(b, c) * la + _dots(c, a) * lb
-        turns = np.arctan2(_dots(a, np.cross(b, c)), below).sum() / (2 * np.pi)
-        assert (depth > 0.0) == (turns > 0.5)
+        rotations = np.arctan2(_dots(a, np.cross(b, c)), below).sum() / (2 * np.pi)
+        assert (depth > 0.0) == (rotations > 0.5)
         assert abs(depth) == pytest.approx(distance(points[faces], y), abs=1e-13)
         # along the normal the depth falls one for one
         assert depth_at(contact, y + 1e-7 * n)[0] == pytest.approx(depth - 1e-7, abs=1e-13)

@@ -46,7 +46,7 @@ def test_points_are_found_along_the_surface(size: float) -> None:
 def test_a_wall_that_is_near_but_far_along_the_surface_is_met() -> None:
     points, quads = strip(1, 40, 1.0, fold=True)
     owners, reached = points_along(points, quads, 3.5)
-    # points of a row of two have consecutive numbers: rows tell how far along they are
+    # points of a row of two have consecutive numbers: rows state how far along they are
     assert (np.abs(owners // 2 - reached // 2) <= 3).all()
 
 

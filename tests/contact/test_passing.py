@@ -1,4 +1,4 @@
-"""Claim: a body that passes the middle of what it strikes stops the run; holes are told.
+"""Claim: a body that passes the middle of what it strikes stops the run; holes are reported.
 
 What pushes back by the right face is in decks/verification/contact/kept_face.yaml.
 """
@@ -119,7 +119,7 @@ def test_a_hard_contact_lets_nothing_through(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
 
 
-def test_a_ball_that_slips_by_another_deep_within_it_is_told(tmp_path: Path) -> None:
+def test_a_ball_that_slips_by_another_deep_within_it_is_reported(tmp_path: Path) -> None:
     """Flown by 2.5 mm beside the middle of two radii of 2.5 mm, it has been half of them deep."""
     ball = "type: sphere, radius: 2.5e-3"
     soft = fly(tmp_path, BALL, ball, height=6e-3, speed=-300.0, step=None, beside=2.5e-3)
@@ -164,17 +164,17 @@ HOLES = [
 
 
 @pytest.mark.parametrize("surface, points, other, radius", HOLES)
-def test_holes_between_points_are_told(
+def test_holes_between_points_are_reported(
     surface: str, points: str, other: str, radius: str | None, tmp_path: Path
 ) -> None:
     for a, b in ((points, other), (other, points)):
         path = tmp_path / "deck.yaml"
         path.write_text(SHELL % (surface, a, b), "utf-8")
         model, _ = build(read_deck(path))
-        told = [text for text in model.warnings if "may pass without being touched" in text]
-        assert len(told) == (radius is not None)
+        reported = [text for text in model.warnings if "may pass without being touched" in text]
+        assert len(reported) == (radius is not None)
         if radius is not None:
-            assert f"the points of '{points}' leave holes of radius {radius}" in told[0]
+            assert f"the points of '{points}' leave holes of radius {radius}" in reported[0]
 
 
 def test_an_end_that_begins_crushed_has_lost_nothing(tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ def compiled(folder: Path, step: float) -> Result:
 def test_a_round_rod_rolls_or_slides_within_the_cone_and_keeps_the_balance(tmp_path: Path) -> None:
     changed = scene(
         ("{type: nodes, part: rod}", "{type: nodes, part: rod, radius: 0.02}"),
-        ("b: [drum]}", "b: [floor], friction: 0.2}"),
+        ("b: [drum]}", "b: [floor], friction_coefficient: 0.2}"),
     )
     control = {"end_time": 0.12, "step": 5e-4}
     changed |= {"control": control, "output": {"history": {"interval": 1e-3}}}
@@ -115,7 +115,10 @@ REFUSED = {
         ("materials:", "control: {end_time: 1, integrator: dormand_prince_5}\nmaterials:"),
         "'unilateral' counts in whole steps",
     ),
-    "friction": (("b: [drum]}", "b: [drum], friction: -1}"), "friction: must be at least 0"),
+    "friction": (
+        ("b: [drum]}", "b: [drum], friction_coefficient: -1}"),
+        "friction_coefficient: must be at least 0",
+    ),
     "part": (("part: rod", "part: rid"), "unknown part 'rid'; did you mean 'rod'?"),
 }
 
@@ -152,5 +155,5 @@ def test_what_hits_a_free_plate_changes_no_sum_of_momentum(tmp_path: Path) -> No
     assert last(result, "rcforc.touch.onsets") >= 2
     for name in ("momentum_error", "angular_momentum_error"):
         assert last(result, f"glstat.model.{name}") < 1e-12
-    # of second order in the step: 0.17 % at 5e-4 s, where the rod rings after the blows
+    # of second order in the step: 0.17 % at 5e-4 s, where the rod rings after the impacts
     assert abs(last(result, "glstat.model.balance")) < 0.1

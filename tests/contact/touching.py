@@ -35,8 +35,10 @@ class Contact:
         sides: str = "a: [one], b: [other]",
         bodies: str = BODIES,
     ) -> None:
-        rub = f", friction: {friction}" if friction else ""
-        text = f"{CURVES}{surfaces}\ncontacts:\n  hit: {{{sides}, normal: {normal}{rub}}}\n"
+        friction_force = f", friction: {friction}" if friction else ""
+        text = (
+            f"{CURVES}{surfaces}\ncontacts:\n  hit: {{{sides}, normal: {normal}{friction_force}}}\n"
+        )
         self.bench = Bench(folder, text, bodies)
         self.model = self.bench.model
         self.group = self.model.contact_groups[0]
@@ -70,7 +72,7 @@ class Contact:
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         return SimpleNamespace(**dict(zip(names, result, strict=True)))
 
-    def rub(
+    def friction_force(
         self,
         normal: float,
         slip: Any,
@@ -78,7 +80,7 @@ class Contact:
         h: float = 0.0,
         mass: float = 1.0,
         ease: float = 0.0,
-        way: Any = None,
+        direction: Any = None,
     ) -> Any:
         """Friction on side a at a sliding velocity.
 
@@ -91,15 +93,15 @@ class Contact:
         u, m = tuple(map(float, slip)), tuple(map(float, n))
         if getattr(law, "STEPWISE", False):
             before = self.slip if self.old.active else np.zeros(3)
-            way = 0.5 * h * (before + np.asarray(u)) * self.old.active
-            way = tuple(way - way @ np.asarray(n) * np.asarray(n))
+            direction = 0.5 * h * (before + np.asarray(u)) * self.old.active
+            direction = tuple(direction - direction @ np.asarray(n) * np.asarray(n))
         self._slip = np.asarray(u)
         curves = self.bench.curves
-        slide = Slide(normal, u, way, m, mass, ease)
+        slide = Slide(normal, u, direction, m, mass, ease)
         result = kernel(self.p, self.old, self.new, slide, curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         found = SimpleNamespace(**dict(zip(names, result, strict=True)))
-        found.force = self.new.rub = np.array(found.force)
+        found.force = self.new.friction_force = np.array(found.force)
         return found
 
     def release(self, law: Any) -> None:

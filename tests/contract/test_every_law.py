@@ -149,7 +149,7 @@ def _missing(law: tuple[str, str], seed: int, steps: int) -> float:
         # with the velocity in the middle of the step ahead
         go_at((k + 0.5) * h)
         for node in ends:
-            one.bench.turn(node, h * nodes[node].w)
+            one.bench.rotation(node, h * nodes[node].w)
             one.bench.move(node, r=nodes[node].r + h * nodes[node].v)
     missing = sums[0] - sums[1] + float(one.out.stored) - first
     return float(abs(missing) / largest)
@@ -195,13 +195,13 @@ def test_its_tangent_is_the_slope_of_the_force_on_the_way_it_goes(
     f = np.linalg.lstsq(own.T, force, rcond=None)[0]
     # the force is one along the directions of the rows
     assert np.abs(own.T @ f - force).max() <= 1e-9 * (1.0 + np.abs(force).max())
-    way = np.concatenate([start[n][x] for n in _ends(one) for x in ("v", "w")])
+    direction = np.concatenate([start[n][x] for n in _ends(one) for x in ("v", "w")])
     one.bench.drift(STEP)
     change = (_load(one) - force) / STEP - (_unmixed(one) - own).T @ f / STEP
-    told = here.stiffness * (here.D @ way) + here.damping * (here.G @ way)
+    reported = here.stiffness * (here.D @ direction) + here.damping * (here.G @ direction)
     # second derivatives over the step, and round-off of the force over it
     bound = 2e-3 * (1.0 + np.abs(change).max()) + 1e-10 * np.abs(force).max() / STEP
-    np.testing.assert_allclose(change, -here.D.T @ told, atol=bound)
+    np.testing.assert_allclose(change, -here.D.T @ reported, atol=bound)
 
 
 def _unmixed(one: Law) -> np.ndarray:
@@ -228,7 +228,7 @@ def _load(one: Law) -> np.ndarray:
 
 
 def _rows(one: Law) -> np.recarray:
-    """The law's compliant rows at the present place."""
+    """The law's compliant rows at the present position."""
     found = as_rows(np.zeros(one.module.TANGENTS, COMPLIANT.dtype))
     one.module.tangent(one.p, one.old, one.bench.nodes, one.bench.curves, found, 0)
     return found

@@ -71,9 +71,9 @@ def test_the_order_on_the_squeezer(method: str) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_the_order_on_the_heavy_top(method: str) -> None:
     # Euler parameters after 0.2 s are known to eight digits (benchmarks, A6)
-    turned = [-0.70827915, 0.43878109, 0.5457284, 0.08939975]
+    rotated = [-0.70827915, 0.43878109, 0.5457284, 0.08939975]
     quaternion = reference(TOP)["q"][0]
-    assert quaternion * np.sign(quaternion[0] * turned[0]) == pytest.approx(turned, abs=1e-8)
+    assert quaternion * np.sign(quaternion[0] * rotated[0]) == pytest.approx(rotated, abs=1e-8)
     assert slope(TOP, method) == pytest.approx(order_of(method), abs=SLOPE)
 
 

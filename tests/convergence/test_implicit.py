@@ -51,8 +51,8 @@ def bushings(k: float) -> dict[str, Any]:
             "at_b": [-0.5, 0, 0],
             "stiffness": [k] * 3,
             "damping": [c] * 3,
-            "turning_stiffness": [k, 0, k],
-            "turning_damping": [c, 0, c],
+            "rotational_stiffness": [k, 0, k],
+            "rotational_damping": [c, 0, c],
         }
         for i in range(LINKS)
     }
@@ -203,7 +203,7 @@ def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) 
                 for b in SCENE["bodies"]
             )
         )
-        # few attempts fail: the estimate foretells the error of the next step
+        # few attempts fail: the estimate predicts the error of the next step
         assert engine.clock.rejected < 0.2 * engine.clock.cycle
     # an estimate of order p - 1 in h that is kept to tol: error ~ tol^((p - 1) / p), at least
     assert errors[1] < 0.1 * errors[0]
@@ -259,7 +259,7 @@ def test_a_force_that_jumps_at_its_onset_does_not_bind_the_steps_before_it(
             "skin": {"type": "sphere", "body": "arm", "radius": 0.1},
             "floor": {"type": "plane"},
         },
-        "contacts": {"blow": {"a": ["skin"], "b": ["floor"], "normal": normal}},
+        "contacts": {"impulse": {"a": ["skin"], "b": ["floor"], "normal": normal}},
     }
     engine = run(tmp_path, scene, 1.0001e-3, integrator=method, tolerance=1e-10)
     assert engine.clock["located"] == 1

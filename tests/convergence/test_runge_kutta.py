@@ -253,7 +253,7 @@ def test_the_seven_bodies_to_nine_digits() -> None:
 def test_the_flat_configuration_is_passed() -> None:
     deck = BENCHMARKS / "four_bar_singular.yaml"
     engine = solved(deck, integrator="dormand_prince_8", tolerance=1e-10)
-    # 3 theta'' = -3.5 g cos theta (benchmarks/peers/reference.py); twenty passes of the fold
+    # 3 theta'' = -3.5 g cos theta (benchmarks/peers/reference.py); twenty iterations of the fold
     tip = 2.0 * engine.state.nodes[engine.model.bodies.index("crank_1")]["r"][:2]
     assert tip == pytest.approx([0.32845811154026, 0.94451853817879], abs=1e-7)
 

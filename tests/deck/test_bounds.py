@@ -1,4 +1,4 @@
-"""Claim: bounds are told: of the number of includes, of words put in, of lengths."""
+"""Claim: bounds are reported: of the number of includes, of words put in, of lengths."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ BODY = 'bodies: {"b<x>": {mass: 1, inertia: [1, 1, 1]}}\n'
 def test_files_that_each_include_the_next_twice_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Thirty of them would be a thousand million files; the bound is told once."""
+    """Thirty of them would be a thousand million files; the bound is reported once."""
     monkeypatch.setattr(files, "MOST", 200)
     first = "include: [{file: a1.yaml, with: {x: l}}, {file: a1.yaml, with: {x: r}}]\n"
     (tmp_path / "a0.yaml").write_text(f"control: {{end_time: 1}}\n{first}")
@@ -23,9 +23,9 @@ def test_files_that_each_include_the_next_twice_are_refused(
         name = f"a{k + 1}.yaml"
         both = ", ".join(f'{{file: {name}, with: {{x: "<x>{side}"}}}}' for side in "lr")
         (tmp_path / f"a{k}.yaml").write_text(BODY + (f"include: [{both}]\n" if k < 30 else ""))
-    with pytest.raises(DeckErrors) as told:
+    with pytest.raises(DeckErrors) as reported:
         read_deck(tmp_path / "a0.yaml")
-    assert str(told.value).count("more than 200 files") == 1
+    assert str(reported.value).count("more than 200 files") == 1
 
 
 def test_words_that_grow_are_refused(tmp_path: Path) -> None:

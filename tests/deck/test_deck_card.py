@@ -8,7 +8,7 @@ from pydantic import ValidationError, model_validator
 
 from crashsolve.channels.units import BASES, parse_unit
 from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
-from crashsolve.deck.mistakes import mistakes_of
+from crashsolve.deck.diagnostics import diagnostics_of
 from crashsolve.deck.numbers import Context, SiFloat
 
 
@@ -42,10 +42,10 @@ class Sample(Card):
         return self
 
 
-def mistake(**fields: Any) -> tuple[Any, ...]:
+def diagnostic(**fields: Any) -> tuple[Any, ...]:
     with pytest.raises(ValidationError) as caught:
         Sample.model_validate(fields)
-    (found,) = mistakes_of(Sample, caught.value)
+    (found,) = diagnostics_of(Sample, caught.value)
     return found.path, found.message
 
 
@@ -110,16 +110,16 @@ def test_bare_numbers_are_in_the_units_of_the_file() -> None:
         ({"flag": True, "count": 8}, (), "the eighth is not allowed"),
     ],
 )
-def test_a_mistake_has_its_place_and_words(
+def test_an_error_has_its_location_and_words(
     fields: dict[str, Any], path: tuple[Any, ...], message: str
 ) -> None:
-    assert mistake(**fields) == (path, message)
+    assert diagnostic(**fields) == (path, message)
 
 
-def test_all_mistakes_of_a_card_are_found() -> None:
+def test_all_errors_of_a_card_are_found() -> None:
     with pytest.raises(ValidationError) as caught:
         Sample.model_validate({"step": -1, "at": [1], "inner": {"length": 0}, "extra": 1})
-    found = mistakes_of(Sample, caught.value)
+    found = diagnostics_of(Sample, caught.value)
     assert {m.path for m in found} == {("step",), ("at",), ("inner", "length"), ("extra",)}
 
 

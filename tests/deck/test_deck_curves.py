@@ -138,7 +138,7 @@ def test_a_file_gives_the_same_curve_as_a_table(tmp_path: Path) -> None:
 def test_a_file_without_points_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "points.txt"
     path.write_text(text)
-    with pytest.raises(ValueError, match="mistake"):
+    with pytest.raises(ValueError, match="diagnostic"):
         file.File(file=str(path))
 
 
@@ -194,7 +194,7 @@ def test_slopes_of_a_formula_are_its_derivative() -> None:
 
 
 def test_a_formula_that_jumps_is_refused() -> None:
-    with pytest.raises(ValueError, match="mistake|jumps"):
+    with pytest.raises(ValueError, match="error|jumps"):
         formula.Formula.model_validate({"expression": "atan2(0, x-0.3)", "from": 0, "to": 1})
 
 
@@ -214,7 +214,7 @@ joints:
   pin: {type: revolute, a: ground, b: a, at: [0, 0, 0], axis: [0, 0, 1]}
 springs:
   stop: {type: curve, a: ground, b: a, at_b: [9, 0, 0], curve: force, rate_curve: rate}
-  turn: {type: turn_limit, joint: pin, upper: 9, curve: moment}
+  turn: {type: rotation_stop, joint: pin, upper: 9, curve: moment}
 loads:
   push: {type: force, body: a, force: [1, 0, 0], curve: pulse}
 curves:
@@ -226,7 +226,7 @@ curves:
 """
 
 
-def test_the_use_of_a_curve_tells_the_units_of_its_numbers(tmp_path: Path) -> None:
+def test_the_use_of_a_curve_states_the_units_of_its_numbers(tmp_path: Path) -> None:
     (tmp_path / "moment.csv").write_text("0, 0\n1, 2\n")
     (tmp_path / "deck.yaml").write_text(BY_USE)
     deck = read_deck(tmp_path / "deck.yaml")
@@ -248,7 +248,7 @@ def test_the_use_of_a_curve_tells_the_units_of_its_numbers(tmp_path: Path) -> No
             np.testing.assert_allclose([*c[:, 0], ends], y, rtol=1e-12)
 
 
-def test_every_field_that_names_a_curve_tells_the_units_of_its_axes() -> None:
+def test_every_field_that_names_a_curve_states_the_units_of_its_axes() -> None:
     for folder, word in LAWS:
         card = law_class(folder, word)
         curves = {
@@ -260,7 +260,7 @@ def test_every_field_that_names_a_curve_tells_the_units_of_its_axes() -> None:
                 parse_unit(unit)
 
 
-def test_a_mistake_of_what_uses_a_curve_is_the_only_one(tmp_path: Path) -> None:
+def test_an_error_of_what_uses_a_curve_is_the_only_one(tmp_path: Path) -> None:
     (tmp_path / "moment.csv").write_text("0, 0\n1, 2\n")
     for old, new in (
         ("rate_curve: rate}", "rate_curve: rate, colour: 3}"),

@@ -71,7 +71,7 @@ def holder(data: Any, route: Route) -> Any:
 
 
 def renamed(route: Route, word: str) -> str:
-    """The deck with one word replaced, in its place."""
+    """The deck with one word replaced, in its location."""
     data = copy.deepcopy(DATA)
     table = holder(data, route)
     pairs = [(word if key == route[-1] else key, value) for key, value in table.items()]

@@ -48,7 +48,7 @@ def deck_of(folder: Path, refuses: bool = True, **overrides: str) -> Deck:
 
 
 @pytest.mark.parametrize(
-    ("word", "told"),
+    ("word", "reported"),
     [
         # the title has no part in the run
         ("speed=4", "deck.yaml:4) is read by no card, so that the run would be the same"),
@@ -65,14 +65,14 @@ def deck_of(folder: Path, refuses: bool = True, **overrides: str) -> Deck:
         ("materials.spare.young=1e11", "material 'spare': no card names it; leave it out"),
     ],
 )
-def test_what_changes_nothing_is_refused_with_its_place(
-    word: str, told: str, tmp_path: Path
+def test_what_changes_nothing_is_refused_with_its_location(
+    word: str, reported: str, tmp_path: Path
 ) -> None:
     name, _, text = word.partition("=")
     with pytest.raises(DeckErrors) as caught:
         deck_of(tmp_path, **{name: text})
     assert str(caught.value).startswith(f"--set {word.removeprefix('parameters.')}: error: ")
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
     assert len(caught.value.errors) == 1
 
 
@@ -92,7 +92,7 @@ def test_what_changes_the_deck_changes_its_text(name: str, text: str, tmp_path: 
     before = deck_of(tmp_path).text
     changed = [line for line in deck_of(tmp_path, **{name: text}).text.splitlines()]
     own = set(changed) - set(before.splitlines())
-    # more than the line that tells the parameter
+    # more than the line that states the parameter
     assert [line for line in own if not line.startswith(f"  {name}:")]
 
 

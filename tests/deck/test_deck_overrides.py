@@ -71,7 +71,7 @@ def test_every_field_can_be_set(
     assert value(deck_of(tmp_path, **{name: text}), path) == pytest.approx(found, rel=1e-14)
 
 
-def test_what_is_anchored_is_set_in_one_place_only(tmp_path: Path) -> None:
+def test_what_is_anchored_is_set_in_one_location_only(tmp_path: Path) -> None:
     deck = deck_of(tmp_path, **{"bodies.ball.mass": "5", "bodies.ball.velocity.1": "0"})
     assert deck.entries["bodies"]["ball"].card.mass == 5.0
     assert deck.entries["bodies"]["other"].card.mass == 1.0
@@ -84,7 +84,7 @@ def test_units_of_the_deck_can_be_set(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "told"),
+    ("word", "reported"),
     [
         ("contact.touch.a=1", "unknown keyword 'contact'; did you mean 'contacts'? ("),
         ("contacts.tuch.a=1", "contacts: unknown contact 'tuch'; did you mean 'touch'? ("),
@@ -107,10 +107,10 @@ def test_units_of_the_deck_can_be_set(tmp_path: Path) -> None:
             "output: history.interval: must be greater than 0 s, not 0",
         ),
         ("control.end_time.now=1", "there is no field 'now' here: the deck has 1"),
-        ("bodies.ball.velocity.4=1", "'4' is no place of a list of 3; places count from 1 to 3"),
-        ("bodies.ball.velocity.0=1", "'0' is no place of a list of 3"),
-        ("bodies.ball.velocity.z=1", "'z' is no place of a list of 3"),
-        ("bodies.ball.velocity.²=1", "'²' is no place of a list of 3"),
+        ("bodies.ball.velocity.4=1", "'4' is no position of a list of 3; places count from 1 to 3"),
+        ("bodies.ball.velocity.0=1", "'0' is no position of a list of 3"),
+        ("bodies.ball.velocity.z=1", "'z' is no position of a list of 3"),
+        ("bodies.ball.velocity.²=1", "'²' is no position of a list of 3"),
         (
             "bodies.ball.position.1=1",
             "the deck has no list 'position' here; write it in the deck",
@@ -135,11 +135,11 @@ def test_units_of_the_deck_can_be_set(tmp_path: Path) -> None:
         ("m=1", "unknown parameter 'm'"),
     ],
 )
-def test_a_path_that_leads_nowhere_is_told_of(word: str, told: str, tmp_path: Path) -> None:
+def test_a_path_that_leads_nowhere_is_reported(word: str, reported: str, tmp_path: Path) -> None:
     name, _, text = word.partition("=")
     with pytest.raises(DeckErrors) as caught:
         deck_of(tmp_path, **{name: text})
-    assert str(caught.value).startswith(f"--set {word}: error: {told}")
+    assert str(caught.value).startswith(f"--set {word}: error: {reported}")
 
 
 def test_numbers_in_texts_print_as_written(tmp_path: Path) -> None:

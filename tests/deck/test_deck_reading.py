@@ -156,7 +156,7 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "told"),
+    ("word", "reported"),
     [
         (
             "sped=3",
@@ -178,9 +178,9 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
         ("count=010", "'010' begins with a zero; write 10, or put it in quotes"),
     ],
 )
-def test_a_wrong_override_is_refused(word: str, told: str, tmp_path: Path) -> None:
+def test_a_wrong_override_is_refused(word: str, reported: str, tmp_path: Path) -> None:
     name, _, text = word.partition("=")
-    assert messages(tmp_path, TRAIN, **{name: text})[0] == f"--set {word}: error: {told}"
+    assert messages(tmp_path, TRAIN, **{name: text})[0] == f"--set {word}: error: {reported}"
 
 
 def test_an_override_sets_a_field_of_control(tmp_path: Path) -> None:
@@ -336,7 +336,7 @@ def test_a_file_is_included_many_times_with_other_words(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("before", "after", "reported"),
     [
         ("car: rear", "car: front", "car.yaml:1:14: error: parameter 'bogie_front'"),
         (", x: 5", "", "car.yaml:3:72: error: include: the word <x> is not given"),
@@ -352,15 +352,15 @@ def test_a_file_is_included_many_times_with_other_words(tmp_path: Path) -> None:
     ],
 )
 def test_words_that_do_not_fit_a_file_are_refused(
-    tmp_path: Path, before: str, after: str, told: str
+    tmp_path: Path, before: str, after: str, reported: str
 ) -> None:
     (tmp_path / "car.yaml").write_text(CAR)
     assert before in TWO_CARS
     found = messages(tmp_path, TWO_CARS.replace(before, after))
-    assert any(line.startswith(told) for line in found), found
+    assert any(line.startswith(reported) for line in found), found
 
 
-def test_mistakes_stand_in_the_order_of_the_files(tmp_path: Path) -> None:
+def test_errors_stand_in_the_order_of_the_files(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("bodies:\n  wagon: {mass: 0, inertia: [1, 1, 1]}\n")
     found = messages(tmp_path, "include: [a.yaml]\ncontrol: {end_time: -1}\ntitle: 3\n")
     assert [line.split(": error")[0] for line in found] == [
@@ -370,7 +370,7 @@ def test_mistakes_stand_in_the_order_of_the_files(tmp_path: Path) -> None:
     ]
 
 
-def test_a_mistake_found_while_building_has_its_place(tmp_path: Path) -> None:
+def test_an_error_found_while_building_has_its_location(tmp_path: Path) -> None:
     deck = deck_of(tmp_path, TRAIN)
     entry = deck.entries["bodies"]["front"]
     error = deck.error(entry, "rotation.euler", "cannot be", "try another")
@@ -380,7 +380,7 @@ def test_a_mistake_found_while_building_has_its_place(tmp_path: Path) -> None:
     assert deck.error(entry, "velocity.1", "cannot be").column == 28
 
 
-def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
+def test_a_byte_order_mark_is_no_error(tmp_path: Path) -> None:
     (tmp_path / "deck.yaml").write_bytes(b"\xef\xbb\xbfcontrol: {end_time: 1}\n")
     assert read_deck(tmp_path / "deck.yaml").title == "deck"
 
@@ -455,7 +455,7 @@ BESIDE = (
 )
 
 
-def test_an_unknown_type_hides_no_other_mistake_and_makes_none_up(tmp_path: Path) -> None:
+def test_an_unknown_type_hides_no_other_error_and_makes_none_up(tmp_path: Path) -> None:
     # neither the node of the part that cannot be read nor its missing shell is complained of
     found = messages(tmp_path, MISTYPED)
     assert len(found) == len(BESIDE)

@@ -207,9 +207,9 @@ def test_every_deck_keeps_to_the_schema() -> None:
 )
 def test_the_schema_points_at_the_field_that_is_wrong(text: str, found: str) -> None:
     schema = json_schema()
-    told = list(faults(yaml.safe_load(text), schema, schema))
-    assert [line for line in told if line.startswith(f".{found}")], told
-    assert len(told) == 1 or "friction.coefficient" in found
+    reported = list(faults(yaml.safe_load(text), schema, schema))
+    assert [line for line in reported if line.startswith(f".{found}")], reported
+    assert len(reported) == 1 or "friction.coefficient" in found
 
 
 def test_what_may_be_left_empty_may_be_null() -> None:
@@ -219,7 +219,7 @@ def test_what_may_be_left_empty_may_be_null() -> None:
     assert list(faults(yaml.safe_load(text), schema, schema)) == []
 
 
-def test_the_manual_tells_which_surfaces_meet_and_in_how_many_points() -> None:
+def test_the_manual_says_which_surfaces_meet_and_in_how_many_points() -> None:
     manual = keywords_markdown()
     pairs = package_folder() / "contact" / "narrow"
     for path in pairs.glob("[!_]*.py"):

@@ -1,4 +1,4 @@
-"""Claim: scalars follow YAML 1.2, and every key and value knows its place."""
+"""Claim: scalars follow YAML 1.2, and every key and value knows its location."""
 
 from typing import Any
 
@@ -9,9 +9,9 @@ from crashsolve.foundation.errors import DeckError
 
 
 def parsed(text: str) -> Table:
-    mistakes: list[DeckError] = []
-    table = parse_yaml(text, "deck.yaml", mistakes)
-    assert not mistakes, str(mistakes[0])
+    diagnostics: list[DeckError] = []
+    table = parse_yaml(text, "deck.yaml", diagnostics)
+    assert not diagnostics, str(diagnostics[0])
     assert table is not None
     return table
 
@@ -94,10 +94,10 @@ def test_place(path: tuple[Any, ...], key: bool, line: int, column: int) -> None
     assert locate(start, parsed(DECK), path, key) == ("deck.yaml", line, column)
 
 
-def test_several_mistakes_of_one_file_are_found() -> None:
-    mistakes: list[DeckError] = []
-    parse_yaml("a: 010\na: .inf\n3: x\nb: !x y\n", "deck.yaml", mistakes)
-    assert [(error.line, error.column) for error in mistakes] == [
+def test_several_errors_of_one_file_are_found() -> None:
+    diagnostics: list[DeckError] = []
+    parse_yaml("a: 010\na: .inf\n3: x\nb: !x y\n", "deck.yaml", diagnostics)
+    assert [(error.line, error.column) for error in diagnostics] == [
         (1, 4),
         (2, 4),
         (2, 1),

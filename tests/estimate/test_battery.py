@@ -18,13 +18,13 @@ def test_estimates_are_near_true_errors(monkeypatch: pytest.MonkeyPatch) -> None
     import battery
 
     runs = battery.run_all()
-    told = battery.table(runs)
-    print(told)
+    reported = battery.table(runs)
+    print(reported)
     # a run counts when one of its numbers has an error above round-off
     counted = [run for run in runs if any(number.counts for number in run)]
     assert len(counted) >= RUNS
-    assert battery.share([n for run in counted for n in run if n.counts]) >= SHARE, told
+    assert battery.share([n for run in counted for n in run if n.counts]) >= SHARE, reported
     # and no method hides behind the others
     for method in {run[0].method for run in counted}:
         mine = [n for run in counted for n in run if n.counts and n.method == method]
-        assert battery.share(mine) >= SHARE, told
+        assert battery.share(mine) >= SHARE, reported

@@ -1,4 +1,6 @@
-"""Claim: an error is told from other runs as it is, whatever their order, or said to be unknown."""
+"""Claim: an error is distinguished from other runs as it is, whatever their order, or said to be
+unknown.
+"""
 
 from collections.abc import Callable
 
@@ -31,7 +33,7 @@ def estimate(
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 5.0])
 @pytest.mark.parametrize("statistic", ["final", "path", "max"])
-def test_three_runs_of_an_order_tell_the_error(order: float, statistic: str) -> None:
+def test_three_runs_of_an_order_state_the_error(order: float, statistic: str) -> None:
     found = estimate(order, statistic, lambda h: h**order, 20, 10, 5)
     # the extrapolation is exact but for the tenth that is kept against luck
     assert found.error == pytest.approx((1 / 20) ** order, rel=0.11)
@@ -40,13 +42,13 @@ def test_three_runs_of_an_order_tell_the_error(order: float, statistic: str) -> 
 
 
 @pytest.mark.parametrize("order", [2.0, 5.0])
-def test_a_coarser_run_alone_tells_it_by_the_order(order: float) -> None:
+def test_a_coarser_run_alone_states_it_by_the_order(order: float) -> None:
     found = estimate(order, "final", lambda h: h**order, 20, 10)
     assert found.error == pytest.approx((1 / 20) ** order, rel=1e-6)
 
 
 @pytest.mark.parametrize("order", [2.0, 5.0, 8.0])
-def test_a_finer_run_tells_it_without_the_order(order: float) -> None:
+def test_a_finer_run_states_it_without_the_order(order: float) -> None:
     found = estimate(order, "final", lambda h: h**order, 20, 40)
     # that of order 2 is taken for any higher one: a third too much at most
     assert (1 / 20) ** order <= (found.error or 0.0) * (1 + 1e-3) <= 1.34 * (1 / 20) ** order
@@ -66,7 +68,7 @@ def test_a_lucky_difference_does_not_make_the_error_small() -> None:
     assert found.error == pytest.approx(0.15 / 48, rel=1e-6)
 
 
-def test_without_a_run_of_other_steps_nothing_is_told() -> None:
+def test_without_a_run_of_other_steps_nothing_is_reported() -> None:
     found = estimate(2.0, "final", lambda h: h, 20, 19)
     assert found.error is None
     assert "not estimated" in found.how

@@ -14,9 +14,9 @@ from command import crashsolve, start
 from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.companion import Abandoned
-from crashsolve.estimate.conduct import Estimating
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import DEAR, Estimator
+from crashsolve.estimate.runner import Estimating
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.model.ledger import EXTERNAL_WORK, IMBALANCE, LARGEST
@@ -56,7 +56,7 @@ def test_the_estimated_error_is_near_the_true_one(step: str, tmp_path: Path) -> 
         true = abs(found[channel]["value"] - exact)
         assert true / FACTOR < found[channel]["error"] < true * FACTOR
         assert f"{channel} final = " in log
-    assert "price of these errors" in log
+    assert "cost of the error estimates" in log
 
 
 @pytest.mark.parametrize(("method", "accuracy"), [("rattle", 1e-4), ("dormand_prince_5", 1e-6)])
@@ -76,7 +76,7 @@ def test_an_accuracy_is_kept(method: str, accuracy: float, tmp_path: Path) -> No
     assert "pilot runs" in (tmp_path / "log.txt").read_text("utf-8")
 
 
-def test_status_tells_steps_constraints_and_times(tmp_path: Path) -> None:
+def test_status_states_steps_constraints_and_times(tmp_path: Path) -> None:
     run(tmp_path)
     status = json.loads((tmp_path / "status.json").read_text("utf-8"))
     assert status["average_step"] == {"before": pytest.approx(2e-3), "during": None, "after": None}
@@ -189,7 +189,7 @@ def test_an_error_larger_than_the_value_is_a_warning() -> None:
         Estimate(watch, value, "m/s", error, 10.0, "2 coarser runs, order 2.00")
         for watch, value, error in zip(watches, (5.0, 5.0, 1e-9), (16.0, 1.0, 2e-9), strict=True)
     ]
-    estimating._tell(1.0)
+    estimating._report(1.0)
     (text,) = texts
     assert "lost: the estimated error, 16, is larger than the value, 5" in text
 

@@ -148,15 +148,15 @@ def test_what_depends_on_no_placeholder_keeps_its_text(program: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "reported"),
     [
         ("cut_short", "cut_short: a loop over groups cannot be left"),
         ("asks_too_much", "asks_too_much: group soft_springs has no 'colour'"),
         ("has_no_tables", "has_no_tables: its tables need an argument 'scene'"),
     ],
 )
-def test_a_loop_that_cannot_be_copied_says_why(program: Any, name: str, told: str) -> None:
-    with pytest.raises(SpecialiseError, match=told):
+def test_a_loop_that_cannot_be_copied_says_why(program: Any, name: str, reported: str) -> None:
+    with pytest.raises(SpecialiseError, match=reported):
         program().add("bench_loops", name)
 
 
@@ -168,7 +168,7 @@ def test_a_name_has_one_meaning(program: Any) -> None:
         made.add("bench_loops", "clashes")
 
 
-def test_a_placeholder_without_a_value_is_told(program: Any) -> None:
+def test_a_placeholder_without_a_value_is_reported(program: Any) -> None:
     made = program()
     del made.placeholders["FLAG"]
     with pytest.raises(SpecialiseError, match="nothing stands for the placeholder FLAG"):

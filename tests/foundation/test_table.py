@@ -12,7 +12,7 @@ from crashsolve.foundation.record import Record
 
 THING = Record("""
     mass   kg        a number
-    place  m      3  several numbers
+    slot   m      3  several numbers
     mark   count     a whole number
     marks  count  2  several whole numbers
 """)
@@ -25,8 +25,8 @@ def work(number, flag, scene):
     for i in range(things.shape[0]):
         thing = things[i]
         thing.mass *= 2.0
-        thing.place[1] = thing.place[0] + 10.0 * thing.place[2]
-        thing.place[2] -= 1.0
+        thing.slot[1] = thing.slot[0] + 10.0 * thing.slot[2]
+        thing.slot[2] -= 1.0
         thing.mark += thing.marks[0]
         thing.marks[1] = i
         sums[0] += thing.mass
@@ -42,7 +42,7 @@ def work(number, flag, scene):
 def arrays() -> dict[str, np.ndarray]:
     things, pages = np.zeros(4, THING.dtype), np.zeros((2, 3), THING.dtype)
     things["mass"], things["marks"] = [1, 2, 3, 4], 5
-    things["place"] = np.arange(12).reshape(4, 3)
+    things["slot"] = np.arange(12).reshape(4, 3)
     pages["mass"][0] = [10, 20, 30]
     return {"things": things, "pages": pages, "sums": np.zeros(2)}
 
@@ -68,7 +68,7 @@ def test_the_layout_depends_on_names_and_columns_alone() -> None:
     assert one.layout != Tables(other).layout
 
 
-def test_what_cannot_be_compiled_is_told(tmp_path: Path) -> None:
+def test_what_cannot_be_compiled_is_reported(tmp_path: Path) -> None:
     source = tmp_path / "wrong.py"
     source.write_text(
         "from crashsolve.foundation.kernels import entry\n\n\n"
@@ -83,7 +83,7 @@ def test_an_array_in_pieces_is_refused() -> None:
         Tables({"things": np.zeros(6, THING.dtype)[::2]})
 
 
-@pytest.mark.parametrize("name", ["addresses", "places", "pointer", "of_threads", "layout"])
+@pytest.mark.parametrize("name", ["addresses", "slots", "pointer", "of_threads", "layout"])
 def test_no_table_may_take_the_place_of_what_finds_the_others(name: str) -> None:
     with pytest.raises(ValueError, match=f"no table may be called {name}"):
         Tables({name: np.zeros(3)})

@@ -30,7 +30,7 @@ from crashsolve.compiler.table import Tables
 from crashsolve.compiler.translation.arithmetic import operate
 from crashsolve.compiler.translation.expressions import BUILTINS, Expressions
 from crashsolve.compiler.translation.kinds import Tuple, Value, known
-from crashsolve.compiler.translation.memory import place_of_number, write_number
+from crashsolve.compiler.translation.memory import slot_of_number, write_number
 from crashsolve.compiler.translation.module import Module, TranslationError
 from crashsolve.foundation.kernels import entry, inlined, kernel, stage
 from crashsolve.foundation.record import Record
@@ -38,7 +38,7 @@ from crashsolve.foundation.record import Record
 ROW = Record("""
     width  m         a number
     mark   count     a whole number
-    place  m      3  several numbers
+    slot   m      3  several numbers
 """)
 WEIGHTS = (0.5, 0.25, 0.125)
 PAIRS = ((1, 2.0), (3, 4.0), (5, 6.0))
@@ -166,11 +166,11 @@ def bits(i):
 
 
 @inlined
-def chosen(x, way):
+def chosen(x, direction):
     """What there is of None is settled before the run."""
-    if way is None:
+    if direction is None:
         return x
-    return x + way[0]
+    return x + direction[0]
 
 
 @stage
@@ -179,8 +179,8 @@ def rows(table, out, at):
     for i in range(table.shape[0]):
         row = table[i]
         row.width, row.mark = row.mark, i
-        row.place[0], row.place[1] = row.place[1], row.place[0]
-        column = row.place
+        row.slot[0], row.slot[1] = row.slot[1], row.slot[0]
+        column = row.slot
         column[2] *= 2.0
         row.width += column[2]
     if ON and not OFF:
@@ -206,8 +206,8 @@ def _keep(of: Expressions, given: list[Value]) -> Value:
         if isinstance(item.kind, Tuple):
             at = _keep(of, [out, at, item])
         else:
-            place = place_of_number(of.text, out, at)
-            write_number(of.text, place, np.dtype(float), item)
+            slot = slot_of_number(of.text, out, at)
+            write_number(of.text, slot, np.dtype(float), item)
             at = operate(of.text, ast.Add(), at, known(1))
     return at
 
@@ -232,7 +232,7 @@ def work(number, flag, scene):
 
 def arrays() -> dict[str, np.ndarray]:
     table = np.zeros(5, ROW.dtype)
-    table["width"], table["place"] = np.arange(5) + 0.5, np.arange(15).reshape(5, 3)
+    table["width"], table["slot"] = np.arange(5) + 0.5, np.arange(15).reshape(5, 3)
     return {"table": table, "out": np.full(2000, np.nan), "small": np.zeros(1, np.int32)}
 
 
@@ -297,7 +297,7 @@ def test_what_is_no_kernel_is_refused_with_file_and_line(name: str, tmp_path: Pa
     lines, why = WRONG[name]
     source = tmp_path / f"wrong_{len(name)}_{abs(hash(name))}.py"
     source.write_text(f"{HEAD}    {lines}\n", "utf-8")
-    module = Module(Tables(arrays()).places)
+    module = Module(Tables(arrays()).slots)
     with pytest.raises(TranslationError, match=rf"{source.name}:\d+: .*{re.escape(why)}"):
         module.entry(import_file(source).work, "work")
 
@@ -305,7 +305,7 @@ def test_what_is_no_kernel_is_refused_with_file_and_line(name: str, tmp_path: Pa
 def test_a_scene_has_the_same_text_every_time() -> None:
     texts = []
     for _ in range(2):
-        module = Module(Tables(arrays()).places)
+        module = Module(Tables(arrays()).slots)
         module.entry(work, "work")
         texts.append(module.text())
     assert texts[0] == texts[1]

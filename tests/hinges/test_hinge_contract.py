@@ -38,18 +38,18 @@ Make = Callable[[str], Law]
 
 @pytest.fixture
 def make(tmp_path: Path) -> Make:
-    return lambda way: Bench(tmp_path, f"{CURVES}hinges:\n  h: {{{HINGES[way]}}}\n").law(
+    return lambda case: Bench(tmp_path, f"{CURVES}hinges:\n  h: {{{HINGES[case]}}}\n").law(
         "hinges", "h"
     )
 
 
 def each() -> pytest.MarkDecorator:
-    return pytest.mark.parametrize("way", list(HINGES))
+    return pytest.mark.parametrize("case", list(HINGES))
 
 
-def near(law: Law, seed: int, speed: float = 1.0, turn: float = 0.4) -> None:
+def near(law: Law, seed: int, speed: float = 1.0, rotation: float = 0.4) -> None:
     """Any motion, after which most hinges have yielded."""
-    law.bench.shake(seed, speed=speed, turn=turn)
+    law.bench.shake(seed, speed=speed, rotation=rotation)
 
 
 def test_every_hinge_is_under_this_contract() -> None:
@@ -59,8 +59,8 @@ def test_every_hinge_is_under_this_contract() -> None:
 
 @each()
 @pytest.mark.parametrize("seed", range(3))
-def test_action_equals_reaction_also_in_moment(make: Make, way: str, seed: int) -> None:
-    law = make(way)
+def test_action_equals_reaction_also_in_moment(make: Make, case: str, seed: int) -> None:
+    law = make(case)
     near(law, seed)
     before = law.old.tobytes()
     law.force()
@@ -72,8 +72,8 @@ def test_action_equals_reaction_also_in_moment(make: Make, way: str, seed: int) 
 
 @each()
 @pytest.mark.parametrize("seed", range(2))
-def test_moving_both_bodies_together_changes_nothing(make: Make, way: str, seed: int) -> None:
-    law = make(way)
+def test_moving_both_bodies_together_changes_nothing(make: Make, case: str, seed: int) -> None:
+    law = make(case)
     near(law, seed)
     out = law.force()
     before, torque = [float(out.stored), float(out.loss)], law.bench.nodes.torque[2].copy()
@@ -86,10 +86,10 @@ def test_moving_both_bodies_together_changes_nothing(make: Make, way: str, seed:
 
 @each()
 @pytest.mark.parametrize("seed", range(2))
-def test_work_on_the_bodies_is_what_is_stored_and_lost(make: Make, way: str, seed: int) -> None:
+def test_work_on_the_bodies_is_what_is_stored_and_lost(make: Make, case: str, seed: int) -> None:
     """Along a path of many small steps, the work of the forces by trapezoids."""
-    law, step, work = make(way), 2e-3, 0.0
-    near(law, seed, turn=0.05)
+    law, step, work = make(case), 2e-3, 0.0
+    near(law, seed, rotation=0.05)
     law.bench.nodes.v[1:] *= 0.3
     out = law.force()
     law.accept()
@@ -107,9 +107,9 @@ def test_work_on_the_bodies_is_what_is_stored_and_lost(make: Make, way: str, see
 
 @each()
 @pytest.mark.parametrize("seed", range(2))
-def test_rows_are_the_derivatives_of_what_they_hold(make: Make, way: str, seed: int) -> None:
-    law = make(way)
-    near(law, seed, turn=0.6)
+def test_rows_are_the_derivatives_of_what_they_hold(make: Make, case: str, seed: int) -> None:
+    law = make(case)
+    near(law, seed, rotation=0.6)
     bench, count = law.bench, law.module.ROWS
     rows = slice(law.p.first_row, law.p.first_row + count)
     args = (bench.nodes, bench.rows, bench.curves)
@@ -139,8 +139,8 @@ def test_rows_are_the_derivatives_of_what_they_hold(make: Make, way: str, seed: 
 
 
 @each()
-def test_failure_frees_the_joint_and_gives_up_its_energy(make: Make, way: str) -> None:
-    law = make(way)
+def test_failure_frees_the_joint_and_gives_up_its_energy(make: Make, case: str) -> None:
+    law = make(case)
     near(law, 1)
     law.p.failure[0] = 1e-6
     law.p.is_apart = 1
@@ -174,11 +174,11 @@ def tangents(law: Law) -> Any:
     return found
 
 
-@pytest.mark.parametrize("way", ["bending", "bending softened", "torsion", "axial"])
+@pytest.mark.parametrize("case", ["bending", "bending softened", "torsion", "axial"])
 @pytest.mark.parametrize("seed", range(2))
-def test_tangents_are_derivatives_as_the_hinge_flows_on(make: Make, way: str, seed: int) -> None:
-    """dF = dD^T f - D^T k D dq, onward along the velocity, without growth by the rate."""
-    law = make(way)
+def test_tangents_are_derivatives_as_the_hinge_flows_on(make: Make, case: str, seed: int) -> None:
+    """dF = dD^T f - D^T k D dq, onward along the velocity, without rate hardening."""
+    law = make(case)
     law.p.rate_coefficient = 0.0
     near(law, seed)
     law.force()
@@ -192,11 +192,11 @@ def test_tangents_are_derivatives_as_the_hinge_flows_on(make: Make, way: str, se
         law.bench.nodes[:] = start
         law.bench.drift(time)
         ends.append((load(law), tangents(law).D.copy()))
-    turned = ((ends[1][1] - ends[0][1]) / step).T @ force
+    rotated = ((ends[1][1] - ends[0][1]) / step).T @ force
     wanted = -here.D.T @ (here.stiffness * (here.D @ onward))
     # round-off of forces of 1e3 over the step, and second derivatives of some 1e3 times it
     np.testing.assert_allclose(
-        (ends[1][0] - ends[0][0]) / step - turned, wanted, atol=1e-2 * (1.0 + np.abs(wanted).max())
+        (ends[1][0] - ends[0][0]) / step - rotated, wanted, atol=1e-2 * (1.0 + np.abs(wanted).max())
     )
 
 
@@ -218,7 +218,7 @@ def test_angles_are_counted_over_many_turns(make: Make) -> None:
     law = make("bending")
     spoil(law.new, law.module.HISTORY)
     for k in range(1, 60):
-        law.bench.turn(2, [0.0, 0.0, 0.5])
+        law.bench.rotation(2, [0.0, 0.0, 0.5])
         out = law.force()
         law.accept()
         assert float(out.angle) == pytest.approx(0.5 * k, abs=1e-11)

@@ -90,7 +90,7 @@ def test_the_largest_moment_has_no_jumps() -> None:
 
 @pytest.mark.parametrize(("a", "b"), [(0.06, 0.06), (0.09, 0.04), (0.04, 0.1)])
 def test_the_fold_does_not_stretch_its_walls(a: float, b: float) -> None:
-    """From the places of the crest: edges of the web and of the bulge keep their lengths."""
+    """From the positions of the crest: edges of the web and of the bulge keep their lengths."""
     h = 0.5 * min(a, b)
     for share in (0.05, 0.3, 0.9):
         rho = 0.5 * share * _collapse.closing_angle(a, b, 0.001)

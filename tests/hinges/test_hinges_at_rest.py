@@ -11,7 +11,7 @@ from crashsolve.foundation.errors import DeckErrors, SolverError
 from crashsolve.model import ledger
 from crashsolve.model.build import build
 from crashsolve.recording.engines import engine_of
-from crashsolve.system.static.equilibrium import StaticEngine
+from crashsolve.statics.equilibrium import StaticEngine
 
 # a worker compiles each scene once
 pytestmark = pytest.mark.xdist_group("hinges_at_rest")
@@ -152,14 +152,14 @@ SERIES = f"""
 curves:
   fold: {{points: [[0, 0], [0.01, 1000], [0.05, 1400], [0.06, 700], [1, 600]]}}
   stiff: {{points: [[0, 0], [0.1, STIFFNESS], [1, STIFFNESS]]}}
-  way: {{points: [[0, 0], [1, 0.2]]}}
+  displacement: {{points: [[0, 0], [1, 0.2]]}}
 bodies:
   first: {{{BODY}}}
   second: {{{BODY}}}
   last: {{{BODY}}}
 joints:
   axle: {{type: revolute, b: last, at: [0, 0, 0], axis: [0, 0, 1]}}
-  turn: {{type: turn_driver, joint: axle, curve: way}}
+  turn: {{type: rotation_driver, joint: axle, curve: displacement}}
 hinges:
   fold: {{type: torsion, b: first, at: [0, 0, 0], axis: [0, 0, 1], curve: fold}}
   stiff: {{type: torsion, a: first, b: second, at: [0, 0, 0], axis: [0, 0, 1], curve: stiff}}
@@ -214,8 +214,8 @@ def test_where_two_hinges_would_fold_alike_the_run_stops(
 ) -> None:
     """Either may go on, so none is chosen, however long the steps."""
     found = engine(tmp_path, two_folds(share))
-    told = "hinge 'end' and hinge 'fold': either of them may go on .* make one of them a little"
-    with pytest.raises(SolverError, match=told):
+    reported = "hinge 'end' and hinge 'fold': either of them may go on .* make one of them a little"
+    with pytest.raises(SolverError, match=reported):
         for k in range(steps):
             found.reach((k + 1) / steps)
     # both peaks and the elastic hinge: 0.05 + 0.05 + 1400 / 2e5 rad, of 0.2 s^-1; the weaker
@@ -233,17 +233,17 @@ def test_a_hinge_that_hardens_unloads_behind_the_peak_of_a_weaker_one(
     for k in range(steps):
         found.reach((k + 1) / steps)
     peak = 1400.0 * share
-    turned = 0.01 + (peak - 1000.0) / 1e4
+    rotated = 0.01 + (peak - 1000.0) / 1e4
     # 0.2 = M / 2e5 + turned - (peak - M) / 1e5 + 0.08 + (700 share - M) / slope
     slope = share * 100.0 / 0.92
-    rest = 0.2 - turned + peak / 1e5 - 0.08 - 700.0 * share / slope
+    rest = 0.2 - rotated + peak / 1e5 - 0.08 - 700.0 * share / slope
     moment = rest / (1 / 2e5 + 1 / 1e5 - 1 / slope)
     strong, weak = output(found, "fold").copy(), output(found, "end").copy()
     # corners are passed by 1e-6 of a load step: 2e-7 rad, of which M has 2e-5 N m on the tail
     assert float(strong.moment) == pytest.approx(moment, abs=2e-5)
     assert float(weak.moment) == pytest.approx(moment, abs=2e-5)
-    assert float(strong.angle) == pytest.approx(turned - (peak - moment) / 1e5, abs=1e-9)
-    work = 5.0 + (turned - 0.01) * 0.5 * (1000.0 + peak) - (peak**2 - moment**2) / 2e5
+    assert float(strong.angle) == pytest.approx(rotated - (peak - moment) / 1e5, abs=1e-9)
+    work = 5.0 + (rotated - 0.01) * 0.5 * (1000.0 + peak) - (peak**2 - moment**2) / 2e5
     assert float(strong.energy) == pytest.approx(work, rel=1e-6)
     assert abs(found.ledger[ledger.IMBALANCE]) < 1e-6 * found.ledger[ledger.LARGEST]
 
@@ -251,11 +251,11 @@ def test_a_hinge_that_hardens_unloads_behind_the_peak_of_a_weaker_one(
 LOOP = f"""
 curves:
   law: {{points: [[0, 0], [0.01, 10], [0.11, 20]], extrapolate: linear}}
-  way: {{points: [[0, 0], [0.25, 0.11], [0.5, -0.11], [0.75, 0.11], [1, -0.11]]}}
+  displacement: {{points: [[0, 0], [0.25, 0.11], [0.5, -0.11], [0.75, 0.11], [1, -0.11]]}}
 bodies: {{b: {{{BODY}}}}}
 joints:
   axle: {{type: revolute, b: b, at: [0, 0, 0], axis: [0, 0, 1]}}
-  turn: {{type: turn_driver, joint: axle, curve: way}}
+  turn: {{type: rotation_driver, joint: axle, curve: displacement}}
 hinges:
   h: {{type: bending, b: b, at: [0, 0, 0], axis: [0, 0, 1], curve: law, cyclic: kinematic}}
 """

@@ -189,10 +189,10 @@ class Lifted:
         # the points of the elastic line all have x = 0
         return float(np.interp(x, self.sides[side][0][1:], self.sides[side][1][1:]))
 
-    def resists(self, side: int, way: float) -> float:
-        at = (1 - 2 * side) * self.x + way
+    def resists(self, side: int, direction: float) -> float:
+        at = (1 - 2 * side) * self.x + direction
         if self.cyclic == "isotropic":
-            return self.curve(side, self.alpha + way)
+            return self.curve(side, self.alpha + direction)
         if self.cyclic == "kinematic":
             both = self.sides[side][1][1] + self.sides[1 - side][1][1]
             return self.curve(side, at) if at >= 0.0 else both - self.curve(1 - side, -at)
@@ -208,9 +208,9 @@ class Lifted:
             else:
                 before = self.zero
 
-            def left(way: float, side: int = side, sign: float = sign) -> float:
-                R = self.resists(side, way)
-                elastic = sign * ELASTIC * (angle - self.x) - ELASTIC * way
+            def left(direction: float, side: int = side, sign: float = sign) -> float:
+                R = self.resists(side, direction)
+                elastic = sign * ELASTIC * (angle - self.x) - ELASTIC * direction
                 return elastic - (phi * R if R > 0.0 else R)
 
             pulls = self.cyclic == "kinematic" or sign * (angle - self.x) > 0.0
@@ -249,9 +249,9 @@ def test_a_random_walk_with_growth_follows_an_independent_model(
 @pytest.mark.parametrize("cyclic", list(WALKS))
 def test_steps_between_turning_points_do_not_matter(tmp_path: Path, cyclic: str) -> None:
     words = f"{WALKS[cyclic][0]}, cyclic: {cyclic}"
-    turns = [0.07, -0.03, 0.04, 0.02, 0.12, -0.15, 0.0, 0.2]
+    rotations = [0.07, -0.03, 0.04, 0.02, 0.12, -0.15, 0.0, 0.2]
     coarse, fine = Driven(tmp_path, words), Driven(tmp_path, words)
-    for before, after in zip([0.0, *turns[:-1]], turns, strict=True):
+    for before, after in zip([0.0, *rotations[:-1]], rotations, strict=True):
         coarse.go(after)
         fine.walk(np.linspace(before, after, 38)[1:])
         assert fine.moment == pytest.approx(coarse.moment, abs=1e-12)
@@ -264,9 +264,9 @@ def test_steps_between_turning_points_do_not_matter(tmp_path: Path, cyclic: str)
 def test_work_is_what_is_stored_and_lost(tmp_path: Path, cyclic: str, seed: int) -> None:
     """By trapezoids over many steps; each corner is missed by k d^2 / 8 at most."""
     hinge = Driven(tmp_path, f"{WALKS[cyclic][0]}, cyclic: {cyclic}")
-    turns = np.concatenate([[0.0], np.random.default_rng(seed).normal(scale=0.08, size=12)])
+    rotations = np.concatenate([[0.0], np.random.default_rng(seed).normal(scale=0.08, size=12)])
     work = corners = before = 0.0
-    for start, end in zip(turns[:-1], turns[1:], strict=True):
+    for start, end in zip(rotations[:-1], rotations[1:], strict=True):
         angles = np.linspace(start, end, 401)
         moments = np.concatenate([[before], hinge.walk(angles[1:])])
         work += float(np.diff(angles) @ (moments[1:] + moments[:-1])) / 2.0
@@ -392,11 +392,11 @@ def test_a_load_that_turns_stays_on_the_ellipse(tmp_path: Path) -> None:
 @pytest.mark.parametrize("angle", [0.0, 2.0])
 def test_a_round_section_is_alike_in_all_directions(tmp_path: Path, angle: float) -> None:
     hinge, plane = Turned(tmp_path, "curve: up"), Driven(tmp_path, "curve: up")
-    way = np.array([np.cos(angle), np.sin(angle)])
+    direction = np.array([np.cos(angle), np.sin(angle)])
     for x in (0.005, 0.03, 0.055, 0.08, -0.03):
         wanted = plane.go(x)
         # pieces of a step return each to the curve at its end, where it is exact
-        np.testing.assert_allclose(hinge.go(*(x * way)), wanted * way, atol=2e-2)
+        np.testing.assert_allclose(hinge.go(*(x * direction)), wanted * direction, atol=2e-2)
 
 
 def test_the_error_on_the_ellipse_is_of_first_order(tmp_path: Path) -> None:
@@ -419,13 +419,13 @@ def test_the_tangent_on_the_ellipse_is_the_derivative(
     hinge = Turned(tmp_path, "curve: bilinear, second_curve: down, second_stiffness: 1000")
     for share in np.linspace(0.0, 1.0, 41):
         start = hinge.go(0.05 * share, 0.03 * share)
-    law, way = hinge.law, np.array(onward)
+    law, direction = hinge.law, np.array(onward)
     seen = _pair.Motions(0.05, 0.03, *onward, speed=0.0, sizes=(0.0, 0.0))
     rows = _pair.tangent(law.p, law.old, seen, law.bench.curves)
     K = sum(row[2] * np.outer(row[:2], row[:2]) for row in rows)
-    change = (hinge.go(0.05 + 1e-7 * way[0], 0.03 + 1e-7 * way[1]) - start) / 1e-7
+    change = (hinge.go(0.05 + 1e-7 * direction[0], 0.03 + 1e-7 * direction[1]) - start) / 1e-7
     # second derivatives, k over the elastic range, times the step
-    np.testing.assert_allclose(change, K @ way, atol=0.05)
+    np.testing.assert_allclose(change, K @ direction, atol=0.05)
 
 
 def test_work_on_the_ellipse_is_stored_and_lost(tmp_path: Path) -> None:

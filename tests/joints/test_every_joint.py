@@ -31,13 +31,13 @@ FREEDOMS = {
     "point_on_line": 4,
     "point_on_plane": 5,
     "distance": 5,
-    "turn_driver": 5,
-    "slide_driver": 5,
+    "rotation_driver": 5,
+    "translation_driver": 5,
     "point_driver": 5,
     "gear": 5,
     "rack": 5,
 }
-DRIVERS = ("turn_driver", "slide_driver", "point_driver")
+DRIVERS = ("rotation_driver", "translation_driver", "point_driver")
 # central differences with steps of 1e-5: truncation 1e-10 times third derivatives of order 100,
 # round-off 1e-16 / 1e-5
 STEP, TOLERANCE = 1e-5, 2e-8
@@ -132,7 +132,7 @@ def test_forces_on_both_bodies_balance_where_the_rows_hold(case: Rows) -> None:
         np.testing.assert_allclose(moment, 0.0, atol=1e-14)
 
 
-@pytest.mark.parametrize("name", ["turn_driver", "gear", "rack"])
+@pytest.mark.parametrize("name", ["rotation_driver", "gear", "rack"])
 def test_turns_are_counted_without_a_jump(name: str) -> None:
     case = case_of(name)
     case.nodes.v[:] = case.nodes.w[:] = 0.0

@@ -17,7 +17,7 @@ END = 0.2
 G = 9.81
 BRISTLE = {"stiffness": 1e4, "damping": 20}
 # pendulum of 1 kg and 0.2 kg m^2 on an arm of 1 m that never turns back
-INERTIA, PIN, TURN = 0.2, 0.1, 12.0
+INERTIA, PIN, FULL_TURN = 0.2, 0.1, 12.0
 # block of 1 kg pressed by 20 N (1 + sin(6 t) / 2)
 PRESS, MU, SPEED = 20.0, 0.3, 5.0
 
@@ -25,7 +25,12 @@ PRESS, MU, SPEED = 20.0, 0.3, 5.0
 def pendulum_and_slider() -> dict[str, Any]:
     times = np.linspace(0.0, 1.0, 201)
     points = np.stack([times, 1.0 + 0.5 * np.sin(6.0 * times)], axis=1)
-    rub = {"type": "turn_friction", "joint": "pin", "coefficient": 2.0 * PIN, "radius": 0.5}
+    friction_force = {
+        "type": "rotation_friction",
+        "joint": "pin",
+        "coefficient": 2.0 * PIN,
+        "radius": 0.5,
+    }
     return {
         "curves": {"press": {"points": points.tolist(), "interpolation": "cubic"}},
         "bodies": {
@@ -33,8 +38,8 @@ def pendulum_and_slider() -> dict[str, Any]:
                 "mass": 1,
                 "inertia": [INERTIA] * 3,
                 "position": [0, -1, 0],
-                "velocity": [TURN, 0, 0],
-                "angular_velocity": [0, 0, TURN],
+                "velocity": [FULL_TURN, 0, 0],
+                "angular_velocity": [0, 0, FULL_TURN],
             },
             "block": {
                 "mass": 1,
@@ -48,8 +53,8 @@ def pendulum_and_slider() -> dict[str, Any]:
             "rail": {"type": "prismatic", "b": "block", "at": [0, 0, 5], "axis": [1, 0, 0]},
         },
         "springs": {
-            "pin": rub | BRISTLE,
-            "rail": {"type": "slide_friction", "joint": "rail", "coefficient": MU} | BRISTLE,
+            "pin": friction_force | BRISTLE,
+            "rail": {"type": "translation_friction", "joint": "rail", "coefficient": MU} | BRISTLE,
         },
         "loads": {
             "weight": {"type": "force", "body": "bob", "force": [0, -G, 0]},
@@ -76,7 +81,7 @@ def ladder(speed: float) -> dict[str, Any]:
             "link": {"type": "distance", "a": "foot", "b": "head"},
         },
         "springs": {
-            "level": {"type": "slide_friction", "joint": "level", "coefficient": 0.6}
+            "level": {"type": "translation_friction", "joint": "level", "coefficient": 0.6}
             | {"stiffness": 1e5, "damping": 100}
         },
         "loads": {"weight": {"type": "gravity", "acceleration": [0, -G, 0]}},
@@ -95,7 +100,7 @@ def exact_turn() -> float:
             w_dot = (-G * sin(angle) - PIN * reaction) / (1.0 + INERTIA)
         return np.array([w, w_dot])
 
-    y, h = np.array([0.0, TURN]), END / 400
+    y, h = np.array([0.0, FULL_TURN]), END / 400
     for _ in range(400):
         a = rate(y)
         b = rate(y + 0.5 * h * a)
@@ -107,11 +112,11 @@ def exact_turn() -> float:
 
 def test_pendulum_and_slider_converge_at_order_two(tmp_path: Path) -> None:
     runs = [run(tmp_path, pendulum_and_slider(), END, h) for h in STEPS]
-    turn, speed = exact_turn(), SPEED - MU * PRESS * (END + 0.5 * (1.0 - cos(6.0 * END)) / 6.0)
+    rotation, speed = exact_turn(), SPEED - MU * PRESS * (END + 0.5 * (1.0 - cos(6.0 * END)) / 6.0)
     errors = [
         [abs(last(result, channel) - exact) for result in runs]
         for channel, exact in (
-            ("rbdout.bob.angular_velocity.z", turn),
+            ("rbdout.bob.angular_velocity.z", rotation),
             ("rbdout.block.velocity.x", speed),
         )
     ]

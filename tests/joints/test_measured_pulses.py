@@ -50,9 +50,9 @@ def final(folder: Path, **words: str) -> float:
     return value
 
 
-SLIDE = {"joint": "prismatic", "drive": "type: slide_driver, joint: rail"}
+SLIDE = {"joint": "prismatic", "drive": "type: translation_driver, joint: rail"}
 POINT = {"joint": "prismatic", "drive": "type: point_driver, body: sled, axis: [2, 0, 0]"}
-TURN = {"joint": "revolute", "drive": "type: turn_driver, joint: rail"}
+FULL_TURN = {"joint": "revolute", "drive": "type: rotation_driver, joint: rail"}
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -81,7 +81,7 @@ def test_a_measured_velocity_gives_its_stroke(method: str, tmp_path: Path) -> No
 def test_a_measured_spin_is_that_of_a_turn(tmp_path: Path) -> None:
     t, a = pulse(tmp_path, 0.0)
     words = {"moves": "angular_velocity: [4, 0, 0]", "method": "rattle", "kind": "acceleration"}
-    w = final(tmp_path, channel="rbdout.sled.angular_velocity.x", **(words | TURN))
+    w = final(tmp_path, channel="rbdout.sled.angular_velocity.x", **(words | FULL_TURN))
     assert w == pytest.approx(4 + integrals(t, a, 0.1)[0], rel=1e-9)
 
 
@@ -99,7 +99,7 @@ def test_a_driver_has_one_curve(words: str, message: str, tmp_path: Path) -> Non
         method="rattle",
         joint="prismatic",
         moves="velocity: [0, 0, 0]",
-        drive="type: slide_driver",
+        drive="type: translation_driver",
         kind="KIND",
         channel="rbdout.sled.velocity.x",
     )

@@ -97,10 +97,10 @@ def test_a_closed_excursion_does_no_work(make: Make, name: str) -> None:
                 at = start + (k + 1) / steps * (end - start)
                 law.bench.move(2, q=product(exponential(at), first))
                 back = product(law.bench.nodes[2].q, before * [1, -1, -1, -1])
-                turn = Rotation.from_quat([*back[1:], back[0]]).as_rotvec()
+                rotation = Rotation.from_quat([*back[1:], back[0]]).as_rotvec()
                 out = law.force()
                 most = max(most, float(out.stored))
-                work += 0.5 * float((torque + law.bench.nodes[2].torque) @ turn)
+                work += 0.5 * float((torque + law.bench.nodes[2].torque) @ rotation)
                 torque = law.bench.nodes[2].torque.copy()
         works.append(work)
         assert most > 0.5
@@ -112,11 +112,11 @@ def test_a_closed_excursion_does_no_work(make: Make, name: str) -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_swing_and_twist_agree_with_an_independent_calculation(make: Make, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    turns = rng.uniform(-1.0, 1.0, (2, 3))
+    rotations = rng.uniform(-1.0, 1.0, (2, 3))
     for name in ("cone", "twist"):
         law = make(RANGES[name])
         for node in (1, 2):
-            law.bench.turn(node, turns[node - 1])
+            law.bench.rotation(node, rotations[node - 1])
         out = law.force()
         R = [Rotation.from_matrix(matrix(law.bench.nodes[k].q)) for k in (1, 2)]
         c = R[0].apply(unit([1, 2, 0.5]))
@@ -180,10 +180,10 @@ def test_through_the_axis_nothing_jumps(make: Make) -> None:
     law = make(RANGES["cone"])
     c, s = law.p.axis_a, law.p.pointer
     A = law.bench.nodes[1].A.reshape(3, 3)
-    turn = Rotation.align_vectors([A @ c], [s])[0].as_quat()
+    rotation = Rotation.align_vectors([A @ c], [s])[0].as_quat()
     for tilt in (0.0, 1e-15, 1e-9, 1e-5):
-        law.bench.move(2, q=np.array([turn[3], *turn[:3]]))
-        law.bench.turn(2, tilt * np.array([0.3, -0.4, 0.5]))
+        law.bench.move(2, q=np.array([rotation[3], *rotation[:3]]))
+        law.bench.rotation(2, tilt * np.array([0.3, -0.4, 0.5]))
         out = law.force()
         assert out.torque == 0.0 and out.swing <= tilt + 2e-8
         assert np.isfinite(law.bench.nodes.stiffness).all()

@@ -19,19 +19,24 @@ joints:
   rail: {type: cylindrical, a: a, b: b, at: [0.4, 0.1, 0.2], axis: [1, 2, -1]}
 """
 STOPS = {
-    "turn": "{type: turn_limit, joint: hinge, lower: -0.4, upper: 0.4, stiffness: 9, damping: 2}",
-    "turn on a curve": "{type: turn_limit, joint: rail, lower: -0.1, curve: hard, damping: 2}",
-    "slide": "{type: slide_limit, joint: rail, lower: -0.2, upper: 0.2, stiffness: 9, damping: 2}",
-    "slide on a curve": "{type: slide_limit, joint: rail, upper: -0.05, curve: hard}",
+    "rotation": "{type: rotation_stop, joint: hinge, "
+    "lower: -0.4, upper: 0.4, stiffness: 9, damping: 2}",
+    "turn on a curve": "{type: rotation_stop, joint: rail, lower: -0.1, curve: hard, damping: 2}",
+    "slide": "{type: translation_stop, joint: rail, "
+    "lower: -0.2, upper: 0.2, stiffness: 9, damping: 2}",
+    "slide on a curve": "{type: translation_stop, joint: rail, upper: -0.05, curve: hard}",
 }
 LEVEL, PRESSED = 6.0, 0.25
 FRICTION = {
-    "turn": f"{{type: turn_friction, joint: hinge, torque: {LEVEL}, stiffness: 400, damping: 3}}",
-    "ball": f"{{type: turn_friction, joint: ball, torque: {LEVEL}, stiffness: 400, damping: 3}}",
-    "slide": f"{{type: slide_friction, joint: rail, force: {LEVEL}, stiffness: 400, damping: 3}}",
+    "rotation": f"{{type: rotation_friction, joint: hinge, "
+    f"torque: {LEVEL}, stiffness: 400, damping: 3}}",
+    "ball": f"{{type: rotation_friction, joint: ball, "
+    f"torque: {LEVEL}, stiffness: 400, damping: 3}}",
+    "slide": f"{{type: translation_friction, joint: rail, "
+    f"force: {LEVEL}, stiffness: 400, damping: 3}}",
 }
-ALL = {f"stop, {way}": text for way, text in STOPS.items()} | {
-    f"friction, {way}": text for way, text in FRICTION.items()
+ALL = {f"stop, {direction}": text for direction, text in STOPS.items()} | {
+    f"friction, {direction}": text for direction, text in FRICTION.items()
 }
 Make = Callable[[str], Law]
 
@@ -41,10 +46,10 @@ def make(tmp_path: Path) -> Make:
     return lambda law: Bench(tmp_path, f"{JOINTS}springs:\n  s: {law}\n").law("springs", "s")
 
 
-@pytest.mark.parametrize("way", ALL)
+@pytest.mark.parametrize("case", ALL)
 @pytest.mark.parametrize("seed", range(4))
-def test_action_equals_reaction_also_in_moment(make: Make, way: str, seed: int) -> None:
-    law = make(ALL[way])
+def test_action_equals_reaction_also_in_moment(make: Make, case: str, seed: int) -> None:
+    law = make(ALL[case])
     law.bench.shake(seed)
     law.force()
     n = law.bench.nodes
@@ -54,9 +59,9 @@ def test_action_equals_reaction_also_in_moment(make: Make, way: str, seed: int) 
     np.testing.assert_allclose(moment, 0.0, atol=1e-11)
 
 
-@pytest.mark.parametrize("way", ALL)
-def test_every_column_is_written_and_the_past_is_kept(make: Make, way: str) -> None:
-    law = make(ALL[way])
+@pytest.mark.parametrize("case", ALL)
+def test_every_column_is_written_and_the_past_is_kept(make: Make, case: str) -> None:
+    law = make(ALL[case])
     law.bench.shake(3)
     before = law.old.tobytes()
     for h in (1.0, 0.0):
@@ -68,9 +73,11 @@ def test_every_column_is_written_and_the_past_is_kept(make: Make, way: str) -> N
     assert law.old.tobytes() == before
 
 
-@pytest.mark.parametrize("way", STOPS)
-def test_a_stop_only_pushes_and_its_power_is_what_it_stores_and_loses(make: Make, way: str) -> None:
-    law = make(STOPS[way])
+@pytest.mark.parametrize("case", STOPS)
+def test_a_stop_only_pushes_and_its_power_is_what_it_stores_and_loses(
+    make: Make, case: str
+) -> None:
+    law = make(STOPS[case])
     start, met, free = law.bench.state(), 0, 0
     for seed in range(30):
         law.bench.nodes[:] = start
@@ -85,11 +92,11 @@ def test_a_stop_only_pushes_and_its_power_is_what_it_stores_and_loses(make: Make
     assert met >= 5 and free >= 5
 
 
-@pytest.mark.parametrize("way", STOPS)
-def test_the_side_of_a_stop(make: Make, way: str) -> None:
-    law = make(STOPS[way])
-    name = "travel" if "slide" in way else "angle"
-    force = "force" if "slide" in way else "torque"
+@pytest.mark.parametrize("case", STOPS)
+def test_the_side_of_a_stop(make: Make, case: str) -> None:
+    law = make(STOPS[case])
+    name = "travel" if "slide" in case else "angle"
+    force = "force" if "slide" in case else "torque"
     start = law.bench.state()
     for seed in range(30):
         law.bench.nodes[:] = start
@@ -100,11 +107,11 @@ def test_the_side_of_a_stop(make: Make, way: str) -> None:
         assert out[force] == 0.0 if inside else beyond * out[force] >= 0.0
 
 
-@pytest.mark.parametrize("way", FRICTION)
+@pytest.mark.parametrize("case", FRICTION)
 def test_friction_stays_below_its_limit_and_its_work_is_stored_or_lost(
-    make: Make, way: str
+    make: Make, case: str
 ) -> None:
-    law = make(FRICTION[way])
+    law = make(FRICTION[case])
     rng = np.random.default_rng(5)
     law.force(0.0)
     law.accept()
@@ -115,13 +122,13 @@ def test_friction_stays_below_its_limit_and_its_work_is_stored_or_lost(
         if k % 20 == 0:
             rate = rng.uniform(-1.0, 1.0) * (0.1 if k % 60 == 0 else 3.0)
         h = 0.01
-        turn, travel = step(law, way, h * rate)
+        rotation, travel = step(law, case, h * rate)
         out = law.force(h)
         slid = float(out.slid - law.old.slid)
         saw_sliding, saw_holding = saw_sliding or slid > 0.0, saw_holding or slid == 0.0
-        now = wrench(law, way)
+        now = wrench(law, case)
         assert np.linalg.norm(now) <= LEVEL * (1.0 + 1e-12)
-        absorbed -= 0.5 * float((force + now) @ (turn if way != "slide" else travel))
+        absorbed -= 0.5 * float((force + now) @ (rotation if case != "slide" else travel))
         lost += float(out.loss)
         force = now
         law.accept()
@@ -137,38 +144,38 @@ def axis_of(law: Law) -> np.ndarray:
     return axis
 
 
-def step(law: Law, way: str, amount: float) -> tuple[np.ndarray, np.ndarray]:
+def step(law: Law, case: str, amount: float) -> tuple[np.ndarray, np.ndarray]:
     """Turn or move b against a along the joint; the vectors of both."""
     u, b = axis_of(law), law.bench.nodes[2]
     law.bench.move(1, v=np.zeros(3), w=np.zeros(3))
-    if way == "slide":
+    if case == "slide":
         law.bench.move(2, r=b.r + amount * u, v=amount / 0.01 * u, w=np.zeros(3))
         return np.zeros(3), amount * u
-    law.bench.turn(2, amount * u)
+    law.bench.rotation(2, amount * u)
     law.bench.move(2, v=np.zeros(3), w=amount / 0.01 * u)
     return amount * u, np.zeros(3)
 
 
-def wrench(law: Law, way: str) -> np.ndarray:
+def wrench(law: Law, case: str) -> np.ndarray:
     """Force or torque on b."""
     b = law.bench.nodes[2]
-    return np.array(b.force if way == "slide" else b.torque)
+    return np.array(b.force if case == "slide" else b.torque)
 
 
-@pytest.mark.parametrize("way", FRICTION)
-def test_what_is_held_springs_back_to_where_it_was(make: Make, way: str) -> None:
-    law = make(FRICTION[way])
+@pytest.mark.parametrize("case", FRICTION)
+def test_what_is_held_springs_back_to_where_it_was(make: Make, case: str) -> None:
+    law = make(FRICTION[case])
     law.force(0.0)
     law.accept()
     # a stretch of 0.01 needs 4 of the 6 that it holds, for any number of times
     for k in range(1000):
-        step(law, way, 0.01 if k % 2 == 0 else -0.01)
+        step(law, case, 0.01 if k % 2 == 0 else -0.01)
         law.bench.move(2, v=np.zeros(3), w=np.zeros(3))
         out = law.force(0.01)
         law.accept()
         assert out.slid == 0.0
     # round-off of a thousand turns
-    np.testing.assert_allclose(wrench(law, way), 0.0, atol=1e-10)
+    np.testing.assert_allclose(wrench(law, case), 0.0, atol=1e-10)
 
 
 def press(law: Law, opening: Any, closing: Any, before: float, h: float = 0.1) -> float:
@@ -182,13 +189,14 @@ def press(law: Law, opening: Any, closing: Any, before: float, h: float = 0.1) -
 
 def test_the_limit_follows_the_reaction(make: Make) -> None:
     law = make(
-        "{type: turn_friction, joint: ball, torque: 2, coefficient: 0.5, radius: 0.5, stiffness: 9}"
+        "{type: rotation_friction, joint: ball, "
+        "torque: 2, coefficient: 0.5, radius: 0.5, stiffness: 9}"
     )
     # three quarters of the opening and a quarter of the closing kick, (3, 4, 12), and a third of
     # the change over three times the step
     limit = press(law, (2.0, 4.0, 12.0), (6.0, 4.0, 12.0), before=12.7)
     assert limit == pytest.approx(2.0 + PRESSED * 13.1, rel=1e-15)
-    law = make("{type: slide_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
+    law = make("{type: translation_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
     across = (3.0, 4.0, 50.0, 60.0)
     assert press(law, across, across, before=5.3) == pytest.approx(PRESSED * 4.9, rel=1e-15)
     # a sample repeats the last step
@@ -196,32 +204,32 @@ def test_the_limit_follows_the_reaction(make: Make) -> None:
 
 
 def test_a_reaction_that_jumps_has_no_trend(make: Make) -> None:
-    law = make("{type: slide_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
+    law = make("{type: translation_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
     for before, taken in ((0.0, 1.1), (50.0, 0.9)):
         limit = press(law, (3.0, 4.0), (3.0, 4.0), before)
         assert limit == pytest.approx(PRESSED * 5.0 * taken, rel=1e-15)
 
 
 WRONG = {
-    "needs lower, upper or both": "{type: turn_limit, joint: hinge, stiffness: 5}",
+    "needs lower, upper or both": "{type: rotation_stop, joint: hinge, stiffness: 5}",
     "lower: must not exceed upper": (
-        "{type: turn_limit, joint: hinge, stiffness: 5, lower: 1, upper: 0}"
+        "{type: rotation_stop, joint: hinge, stiffness: 5, lower: 1, upper: 0}"
     ),
-    "needs one of stiffness and curve": "{type: slide_limit, joint: rail, lower: 0}",
+    "needs one of stiffness and curve": "{type: translation_stop, joint: rail, lower: 0}",
     "curve: must begin at 0, where the joint meets the stop": (
-        "{type: slide_limit, joint: rail, lower: 0, curve: late}"
+        "{type: translation_stop, joint: rail, lower: 0, curve: late}"
     ),
     "joint: 'hinge' is of type revolute and has no travel; name one of type": (
-        "{type: slide_limit, joint: hinge, lower: 0, stiffness: 5}"
+        "{type: translation_stop, joint: hinge, lower: 0, stiffness: 5}"
     ),
     "joint: 'rail' is of type prismatic and has no angle or ball; name one of type": (
-        "{type: turn_friction, joint: rail, torque: 1, stiffness: 5}"
+        "{type: rotation_friction, joint: rail, torque: 1, stiffness: 5}"
     ),
-    "needs torque, coefficient or both": "{type: turn_friction, joint: hinge, stiffness: 5}",
+    "needs torque, coefficient or both": "{type: rotation_friction, joint: hinge, stiffness: 5}",
     "coefficient and radius belong together": (
-        "{type: turn_friction, joint: hinge, stiffness: 5, coefficient: 0.1}"
+        "{type: rotation_friction, joint: hinge, stiffness: 5, coefficient: 0.1}"
     ),
-    "needs force, coefficient or both": "{type: slide_friction, joint: rail, stiffness: 5}",
+    "needs force, coefficient or both": "{type: translation_friction, joint: rail, stiffness: 5}",
 }
 
 
@@ -232,7 +240,7 @@ hinges:
 joints:
   table: {type: planar, a: a, b: b, at: [0.4, 0.1, 0.2], axis: [1, 2, -1]}
   hinge: {type: revolute, a: a, b: b, at: [0.4, 0.1, 0.2], axis: [1, 2, -1]}
-springs: {s: {type: turn_limit, joint: %s, lower: -0.1, upper: 0.1, stiffness: 9, damping: 2}}
+springs: {s: {type: rotation_stop, joint: %s, lower: -0.1, upper: 0.1, stiffness: 9, damping: 2}}
 """
 
 

@@ -32,16 +32,16 @@ WRONG = {
         "{type: distance, b: a, at_a: [0.1, 0.2, -0.1], at_b: [0, 0, 0]}"
     ),
     "joint: 'ball' is of type spherical and has no angle; name one of type": (
-        "{type: turn_driver, joint: ball, curve: wave}"
+        "{type: rotation_driver, joint: ball, curve: wave}"
     ),
     "joint: 'hinge' is of type revolute and has no travel; name one of type": (
-        "{type: slide_driver, joint: hinge, curve: wave}"
+        "{type: translation_driver, joint: hinge, curve: wave}"
     ),
     "curve: is 0.2 at the start, where the coordinate is 0;": (
-        "{type: turn_driver, joint: hinge, curve: wave, relative: false}"
+        "{type: rotation_driver, joint: hinge, curve: wave, relative: false}"
     ),
     "curve: 'late' reaches from 0.5 to 1 s; the run starts at 0 s": (
-        "{type: slide_driver, joint: rail, curve: late}"
+        "{type: translation_driver, joint: rail, curve: late}"
     ),
     "curve: is 0.2 at the start, where the coordinate is 0.1;": (
         "{type: point_driver, body: a, axis: [1, 0, 0], curve: wave, relative: false}"
@@ -75,7 +75,8 @@ def test_a_joint_that_cannot_be_built_is_not_explained_twice(tmp_path: Path) -> 
     broken = "  broken: {type: revolute, a: b, b: b, at: [0, 0, 0], axis: [0, 0, 1]}\n"
     with pytest.raises(DeckErrors) as caught:
         Bench(
-            tmp_path, f"{GOOD}{broken}  motor: {{type: turn_driver, joint: broken, curve: wave}}\n"
+            tmp_path,
+            f"{GOOD}{broken}  motor: {{type: rotation_driver, joint: broken, curve: wave}}\n",
         )
     assert str(caught.value).count("joins 'b' with itself") == 1
     assert "joint 'motor': joint: 'broken' cannot be built" in str(caught.value)

@@ -28,7 +28,7 @@ SCENE: dict[str, Any] = {
         "pulse": {"points": PULSE, "extrapolate": "hold"},
         "motion": {"points": SMOOTH, "interpolation": "smooth"},
     },
-    "loads": {"blow": {"type": "force", "body": "struck", "force": [1, 0, 0], "curve": "pulse"}},
+    "loads": {"impulse": {"type": "force", "body": "struck", "force": [1, 0, 0], "curve": "pulse"}},
     "joints": {"path": {"type": "point_driver", "body": "driven", "axis": [1, 0, 0],
                         "curve": "motion"}},
 }  # fmt: skip
@@ -57,9 +57,11 @@ def test_a_pulse_of_straight_lines_gives_its_impulse(
     speed = result.series("rbdout.struck.velocity.x").values[-1]
     # round-off: every method is exact on a straight line
     assert speed == pytest.approx(0.5 * TIMES[2], rel=1e-13)
-    way = 0.5 * TIMES[2] * (0.1 - (TIMES[1] + TIMES[2]) / 3.0)
+    direction = 0.5 * TIMES[2] * (0.1 - (TIMES[1] + TIMES[2]) / 3.0)
     if method != "rattle":
-        assert result.series("rbdout.struck.position.x").values[-1] == pytest.approx(way, rel=1e-12)
+        assert result.series("rbdout.struck.position.x").values[-1] == pytest.approx(
+            direction, rel=1e-12
+        )
     # three corners of the pulse and six of the motion, and hardly a step more; steps that stiffness
     # alone would bound are some seventy, to see how the motion bends
     most = 80 if method == "rattle" and step == "auto" else 30

@@ -1,4 +1,4 @@
-"""Loads that change faster than samples: their impulse is found, or its error is told.
+"""Loads that change faster than samples: their impulse is found, or its error is reported.
 
 A force on a free body of 1 kg gives it the velocity that is the integral of the force: of
 1 - cos(2 pi f t) over whole periods the time, of a Gaussian pulse of width w its area sqrt(pi) w.
@@ -22,7 +22,7 @@ METHODS = (
     "generalized_alpha",
     "radau_iia_5",
 )
-# beside an error of the order that is told: what the cubics of a formula miss of it
+# beside an error of the order that is reported: what the cubics of a formula miss of it
 CUBICS = 1e-9
 
 
@@ -46,7 +46,7 @@ def deck(folder: Path, formulas: list[str], end: float, control: str = "", out: 
 
 
 def check(path: Path, true: float, accuracy: float) -> None:
-    """The value is right, and its error told to a factor of ten."""
+    """The value is right, and its error reported to a factor of ten."""
     _, (found,), _ = estimate_in_memory(read_deck(path))
     assert found.value is not None and found.error is not None
     off = abs(found.value - true)
@@ -91,7 +91,7 @@ def test_several_fast_loads_at_once_are_seen(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("step", [5e-4, 1e-3])
 @pytest.mark.parametrize("method", ["rattle", "generalized_alpha", "dormand_prince_5"])
-def test_a_stated_step_that_misses_a_load_tells_so(
+def test_a_stated_step_that_misses_a_load_states_so(
     step: float, method: str, tmp_path: Path
 ) -> None:
     control = f", step: {step}, integrator: {method}"

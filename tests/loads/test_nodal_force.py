@@ -61,18 +61,20 @@ def test_equal_shares_and_several_loads(tmp_path: Path) -> None:
 
 
 def test_nodes_that_are_held_and_such_that_are_bodies_are_loaded(tmp_path: Path) -> None:
-    hold = [{"nodes": "v0", "motions": ["x", "y"]}]
+    supports = [{"nodes": "v0", "motions": ["x", "y"]}]
     tip = [{"name": "tip", "at": [2, 1, 0]}]
-    points, _, _ = loaded(tmp_path, {}, hold=hold, nodes=tip)
+    points, _, _ = loaded(tmp_path, {}, supports=supports, nodes=tip)
     np.testing.assert_allclose(points.force.sum(axis=0), [0, 8, 4], rtol=1e-12)
     with pytest.raises(DeckErrors) as caught:
-        loaded(tmp_path, {}, hold=[{"nodes": "u1", "motions": ["x"]}], nodes=tip)
+        loaded(tmp_path, {}, supports=[{"nodes": "u1", "motions": ["x"]}], nodes=tip)
     assert "load it in its other directions by a nodal_force" in str(caught.value)
 
 
 def test_a_set_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DeckErrors) as caught:
         loaded(tmp_path, {"nodes": "edge"})
-    told = str(caught.value)
-    assert "load 'q0': nodes: the mesh has no set of nodes 'edge' (sets: u0, u1, v0, v1)" in told
-    assert told.count("load 'q0'") == 1
+    reported = str(caught.value)
+    assert (
+        "load 'q0': nodes: the mesh has no set of nodes 'edge' (sets: u0, u1, v0, v1)" in reported
+    )
+    assert reported.count("load 'q0'") == 1

@@ -16,15 +16,15 @@ import numpy as np
 import yaml
 
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.elements.beams import fibres
+from crashsolve.elements.shells.layers import clear_growth, through_thickness
+from crashsolve.elements.shells.records import BLOCK, WORK
+from crashsolve.elements.shells.resultants import clear_resultants
+from crashsolve.elements.shells.tangents.layers import layers_and_tangent
+from crashsolve.elements.shells.tangents.records import ACROSS_OUT, POINT_ROWS, SIDE
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
-from crashsolve.parts.beams import fibres
-from crashsolve.parts.shells.layers import clear_growth, through_thickness
-from crashsolve.parts.shells.records import BLOCK, WORK
-from crashsolve.parts.shells.resultants import clear_resultants
-from crashsolve.parts.shells.tangents.layers import layers_and_tangent
-from crashsolve.parts.shells.tangents.records import ACROSS_OUT, POINT_ROWS, SIDE
 
 Example = dict[str, Any]
 DECK: dict[str, Any] = {
@@ -117,8 +117,8 @@ class Layers:
         found, kept = np.zeros((LANES, 4, 3)), self.blocks.copy()
         for k in range(3):
             ends = []
-            for way in (size, -size):
-                stress = self.step(d + way * np.eye(3)[k], h)
+            for direction in (size, -size):
+                stress = self.step(d + direction * np.eye(3)[k], h)
                 ends.append(np.column_stack([stress, self.get(WORK.thinning)]))
                 self.blocks[:] = kept
             found[:, :, k] = (ends[0] - ends[1]) / (2.0 * size)
@@ -195,8 +195,9 @@ def tangent_error(layers: Layers, d: np.ndarray, h: float, size: float) -> float
     return float(np.abs(found).max())
 
 
-def balance(layers: Layers, way: np.ndarray, steps: int, h: float) -> tuple[float, float]:
-    """Out along `way` and half way back: worst of work less stored and lost, over the work done;
+def balance(layers: Layers, direction: np.ndarray, steps: int, h: float) -> tuple[float, float]:
+    """Out along `direction` and half way back: worst of work less stored and lost, over the work
+    done;
 
     smallest of what is lost in a step, over the same.
     """
@@ -204,7 +205,7 @@ def balance(layers: Layers, way: np.ndarray, steps: int, h: float) -> tuple[floa
     volume, stress, large = np.ones(LANES), np.zeros((LANES, 3)), layers.law.LARGE_STRAIN
     begun, peak = layers.stored(), np.full(LANES, 1e-300)
     for k in range(steps + steps // 2):
-        d = way if k < steps else -way
+        d = direction if k < steps else -direction
         new = layers.step(d, h)
         across = layers.get(WORK.thinning) if large else 0.0
         grown = volume * (np.exp(d[:, 0] + d[:, 1] + across) if large else 1.0)
@@ -217,7 +218,7 @@ def balance(layers: Layers, way: np.ndarray, steps: int, h: float) -> tuple[floa
     return float(error.max()), least
 
 
-def turned(d: np.ndarray, angle: float, half: float) -> np.ndarray:
+def rotated(d: np.ndarray, angle: float, half: float) -> np.ndarray:
     """Strains (half 0.5) or stresses (half 1) in axes turned by an angle."""
     c, s = np.cos(angle), np.sin(angle)
     R = np.array([[c, -s], [s, c]])
@@ -238,9 +239,9 @@ def checks(example: Example, folder: Path) -> dict[str, float]:
         errors.append(tangent_error(layers, d, h, 1e-6 * size))
     found["tangent"] = max(errors)
     layers = Layers(folder, plain)
-    way = 0.02 * size * np.random.default_rng(4).normal(size=(LANES, 3))
-    found["balance"], found["least lost"] = balance(layers, way, 100, 0.02 * h)
-    found["turned"] = turn_error(folder, plain, size, h)
+    direction = 0.02 * size * np.random.default_rng(4).normal(size=(LANES, 3))
+    found["balance"], found["least lost"] = balance(layers, direction, 100, 0.02 * h)
+    found["rotated"] = turn_error(folder, plain, size, h)
     module = import_module(f"crashsolve.materials.{example['type']}")
     if module.FIBRE is not None:
         found |= fibre_checks(folder, plain, size, h)
@@ -259,8 +260,8 @@ def turn_error(folder: Path, example: Example, size: float, h: float) -> float:
     rng, worst = np.random.default_rng(7), 0.0
     for _ in range(4):
         d = size * rng.normal(size=(LANES, 3))
-        a, b = one.step(d, h), other.step(turned(d, angle, 0.5), h)
-        worst = max(worst, float(np.abs(turned(a, angle, 1.0) - b).max()))
+        a, b = one.step(d, h), other.step(rotated(d, angle, 0.5), h)
+        worst = max(worst, float(np.abs(rotated(a, angle, 1.0) - b).max()))
     return worst / (one.m.young * size)
 
 
@@ -275,10 +276,10 @@ def fibre_checks(folder: Path, example: Example, size: float, h: float) -> dict[
         rate, tiny = float(rng.normal()) * size / h, 1e-6 * size
         sigma, slope, faster = fibre.tangent(strain + step, rate)
         stress_error = max(stress_error, abs(sigma - fibre.step(strain + step, rate)[0]))
-        ends = [fibre.step(strain + step + way, rate)[0] for way in (tiny, -tiny)]
+        ends = [fibre.step(strain + step + direction, rate)[0] for direction in (tiny, -tiny)]
         by_strain = max(by_strain, abs(slope - (ends[0] - ends[1]) / (2.0 * tiny)) / E)
         tiny = 1e-6 * abs(rate)
-        ends = [fibre.step(strain + step, rate + way)[0] for way in (tiny, -tiny)]
+        ends = [fibre.step(strain + step, rate + direction)[0] for direction in (tiny, -tiny)]
         by_rate = max(by_rate, abs(faster - (ends[0] - ends[1]) / (2.0 * tiny)) * abs(rate))
         strain += step
         fibre.step(strain, step / h)

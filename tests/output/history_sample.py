@@ -60,8 +60,8 @@ def assert_is_sample(path: Path, at_least: int) -> int:
     assert rows >= at_least
     np.testing.assert_array_equal(times, [sample_time(row) for row in range(rows)])
     for family in FAMILIES:
-        for place, column in enumerate(family.columns):
-            wanted = [sample_row(row)[family.name][:, place] for row in range(rows)]
+        for position, column in enumerate(family.columns):
+            wanted = [sample_row(row)[family.name][:, position] for row in range(rows)]
             shape = (rows, len(family.ids))
             np.testing.assert_array_equal(
                 data[f"{family.name}/{column.path}"], np.reshape(wanted, shape)

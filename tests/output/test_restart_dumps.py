@@ -43,8 +43,8 @@ def test_dump_returns_the_same_bits(tmp_path: Path) -> None:
     }
     info = {"time": 0.1 + 0.2, "cycle": 12, "deck": "größe"}
     write_restart(tmp_path, arrays, info)
-    found, told = newest_restart(tmp_path) or ({}, {})
-    assert told == info
+    found, reported = newest_restart(tmp_path) or ({}, {})
+    assert reported == info
     assert found.keys() == arrays.keys()
     for name, array in arrays.items():
         assert found[name].dtype == array.dtype

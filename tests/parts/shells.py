@@ -9,11 +9,11 @@ import numpy as np
 import yaml
 
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.elements.shells.forces import blocks
+from crashsolve.elements.shells.records import BLOCK, EROSION
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
-from crashsolve.parts.shells.elements import blocks
-from crashsolve.parts.shells.records import BLOCK, EROSION
 
 STEEL = {"type": "elastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
 # the patch of MacNeal and Harder (1985): five elements of odd shapes on 0.24 by 0.12
@@ -53,7 +53,7 @@ class Elements:
         self.module, self.p = group.module, as_rows(group.parameters)[0]
         self.material = group.materials[0][1]
         used = [name for column, name in self.module.KINDS.items() if self.p[column]]
-        self.kinds = [import_module(f"crashsolve.parts.shells.elements.{name}") for name in used]
+        self.kinds = [import_module(f"crashsolve.elements.shells.forces.{name}") for name in used]
         self.new = as_rows(group.history)[1, 0]
         self.out = as_rows(group.output)[0]
         self.clock: Any = as_rows(self.state.clock)[0]
@@ -80,13 +80,13 @@ class Elements:
             blocks.deform(kind, self.p, self.clock, h, self.scene, self.material)
         return np.hstack([self.points.force, self.points.torque])
 
-    def turn(self, axis: np.ndarray, about: np.ndarray, way: np.ndarray) -> np.ndarray:
+    def rotation(self, axis: np.ndarray, about: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Move all nodes by the rigid motion that a step of Cayley vector `axis` makes."""
         # x_new - x = axis x (x_new + x), both from the mean place of the centre of rotation
         S = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
         R = np.linalg.solve(np.eye(3) - S, np.eye(3) + S)
         x = self.points.r - about
-        motion = np.hstack([x @ R.T - x + way, np.tile(2.0 * axis, (len(x), 1))])
+        motion = np.hstack([x @ R.T - x + direction, np.tile(2.0 * axis, (len(x), 1))])
         self.move(motion)
         return R
 
@@ -100,8 +100,8 @@ class Elements:
         """Derivative of minus the forces by the motions (6 n, 6 n), from small steps."""
         start, rest = self.points.copy(), self.state.blocks.copy()
         columns, size = [], 1e-7
-        for way in np.eye(6 * len(start)):
-            force = self.move(size * way.reshape(-1, 6))
+        for direction in np.eye(6 * len(start)):
+            force = self.move(size * direction.reshape(-1, 6))
             columns.append(-force.ravel() / size)
             self.points[:], self.state.blocks[:] = start, rest
         return np.array(columns).T
@@ -118,7 +118,7 @@ class Elements:
         return self.rows(BLOCK.SIZE, count)[element].reshape(-1, int(self.p.layer_rows))
 
 
-def any_turn(seed: int) -> np.ndarray:
+def any_rotation(seed: int) -> np.ndarray:
     """A rotation matrix."""
     q = np.random.default_rng(seed).normal(size=4)
     return matrix(q / np.linalg.norm(q))

@@ -23,10 +23,14 @@ def seed(request: pytest.FixtureRequest) -> int:
     return int(request.param)
 
 
-def element(folder: Path, seed: int, speed: float, damping: float = 0.02, turn: float = 0.8) -> Law:
-    """The element between two nodes anywhere within `turn` of its start, and somewhere far off."""
+def element(
+    folder: Path, seed: int, speed: float, damping: float = 0.02, rotation: float = 0.8
+) -> Law:
+    """The element between two nodes anywhere within `rotation` of its start, and somewhere far
+    off.
+    """
     law = Bench(folder, "", DECK.replace("DAMPING", str(damping))).law("parts", "s_1")
-    law.bench.shake(seed, speed, turn)
+    law.bench.shake(seed, speed, rotation)
     rigid(law, np.random.default_rng(seed + 10).normal(size=3))
     return law
 
@@ -36,7 +40,7 @@ def rigid(law: Law, rotation: np.ndarray) -> np.ndarray:
     R = matrix(exponential(rotation))
     for node in (1, 2):
         b = law.bench.nodes[node]
-        law.bench.turn(node, rotation)
+        law.bench.rotation(node, rotation)
         law.bench.move(node, r=R @ b.r + [5, -3, 2], v=R @ b.v, w=R @ b.w)
     return R
 
@@ -48,14 +52,16 @@ def load(law: Law) -> np.ndarray:
     return np.concatenate([n.force[1], n.torque[1], n.force[2], n.torque[2]])
 
 
-def shift(law: Law, start: np.ndarray, way: np.ndarray, rate: np.ndarray, step: float) -> None:
+def shift(
+    law: Law, start: np.ndarray, direction: np.ndarray, rate: np.ndarray, step: float
+) -> None:
     """Both nodes from `start` by step times a change of place and of velocity (12,) each."""
     law.bench.nodes[:] = start
     for node in (1, 2):
         part = slice(6 * node - 6, 6 * node)
-        dq, dv = step * way[part], step * rate[part]
+        dq, dv = step * direction[part], step * rate[part]
         b = law.bench.nodes[node]
-        law.bench.turn(node, dq[3:])
+        law.bench.rotation(node, dq[3:])
         law.bench.move(node, r=b.r + dq[:3], v=b.v + dv[:3], w=b.w + dv[3:])
 
 
@@ -63,10 +69,10 @@ def test_the_force_is_the_gradient_of_the_energy(tmp_path: Path, seed: int) -> N
     law = element(tmp_path, seed, speed=0.0)
     force, start = load(law), law.bench.state()
     gradient = np.zeros(12)
-    for k, way in enumerate(np.eye(12)):
+    for k, direction in enumerate(np.eye(12)):
         stored = []
         for side in (-STEP, STEP):
-            shift(law, start, way, np.zeros(12), side)
+            shift(law, start, direction, np.zeros(12), side)
             stored.append(float(law.force().stored))
         gradient[k] = (stored[1] - stored[0]) / (2.0 * STEP)
     np.testing.assert_allclose(-gradient, force, atol=1e-8 * np.abs(force).max())
@@ -95,9 +101,9 @@ def test_moving_both_nodes_together_changes_nothing(tmp_path: Path, seed: int) -
     numbers = [float(out.stored), float(out.power), *out.force, *out.moment_a, *out.moment_b]
     R = rigid(law, np.array([0.3, -0.5, 2.9]))
     after, out = load(law), law.force()
-    turned = (before.reshape(4, 3) @ R.T).ravel()
-    # round-off of places of up to 10 m, times stiffness
-    np.testing.assert_allclose(after, turned, atol=1e-12 * np.abs(before).max())
+    rotated = (before.reshape(4, 3) @ R.T).ravel()
+    # round-off of positions of up to 10 m, times stiffness
+    np.testing.assert_allclose(after, rotated, atol=1e-12 * np.abs(before).max())
     again = [float(out.stored), float(out.power), *out.force, *out.moment_a, *out.moment_b]
     np.testing.assert_allclose(again, numbers, atol=1e-12 * np.abs(before).max())
 
@@ -105,11 +111,12 @@ def test_moving_both_nodes_together_changes_nothing(tmp_path: Path, seed: int) -
 def test_an_element_does_not_know_its_first_node(tmp_path: Path, seed: int) -> None:
     law = element(tmp_path, seed, speed=1.0)
     before, stored = load(law), float(law.force().stored)
-    # the same beam told from its other end: both nodes half a turn about the section's y axis
+    # the same beam reported from its other end: both nodes half a rotation about the section's y
+    # axis
     law.bench.nodes[1:] = law.bench.nodes[[2, 1]]
     for node in (1, 2):
         y = law.bench.nodes[node].A.reshape(3, 3)[:, 1].copy()
-        law.bench.turn(node, np.pi * y)
+        law.bench.rotation(node, np.pi * y)
     after = load(law)
     np.testing.assert_allclose(np.roll(after, 6), before, atol=1e-12 * np.abs(before).max())
     assert float(law.force().stored) == pytest.approx(stored, rel=1e-13)
@@ -128,18 +135,20 @@ FRAME = DECK.replace("    type: beam\n", "    type: frame\n").replace(
 )
 
 
-@pytest.mark.parametrize("turn", [0.0, 1e-6, 0.8])
+@pytest.mark.parametrize("rotation", [0.0, 1e-6, 0.8])
 @pytest.mark.parametrize("text", [DECK, FRAME], ids=["beam", "frame"])
-def test_forces_by_motions_are_their_derivatives(tmp_path: Path, text: str, turn: float) -> None:
+def test_forces_by_motions_are_their_derivatives(
+    tmp_path: Path, text: str, rotation: float
+) -> None:
     law = Bench(tmp_path, "", text.replace("DAMPING", "0")).law("parts", "s_1")
-    law.bench.shake(1, 0.0, turn)
+    law.bench.shake(1, 0.0, rotation)
     rigid(law, np.array([1.1, -0.7, 0.4]))
     start, still, wanted = law.bench.state(), np.zeros(12), np.zeros((12, 12))
     found = law.module.forces_by_motions(law.p.reshape(1), None, law.bench.nodes, None)[0]
-    for k, way in enumerate(np.eye(12)):
+    for k, direction in enumerate(np.eye(12)):
         # of fourth order: steps of 1e-3 leave 1e-12 of fifth derivatives, and round-off 1e-13
         for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
-            shift(law, start, way, still, steps * 1e-3)
+            shift(law, start, direction, still, steps * 1e-3)
             wanted[:, k] += weight * load(law) / 12e-3
     law.bench.nodes[:] = start
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
@@ -174,19 +183,19 @@ def is_plastic(kind: str) -> bool:
     return kind.startswith("fibres") and not kind.endswith("elastic")
 
 
-def on_its_way(folder: Path, kind: str, seed: int, speed: float, turn: float) -> Law:
+def on_its_way(folder: Path, kind: str, seed: int, speed: float, rotation: float) -> Law:
     """An element in a step that begins deformed, yielding where it can, and goes any way.
 
     Fibres flow as they are moved: rates against that are no part of the rows.
     """
     law = Bench(folder, "", KINDS[kind].replace("DAMPING", VISCOUS)).law("parts", "s_1")
-    law.bench.shake(seed, 0.0, turn)
+    law.bench.shake(seed, 0.0, rotation)
     rigid(law, np.array([1.1, -0.7, 0.4]))
     load(law)
     law.accept()
-    way = np.random.default_rng(seed + 21).normal(size=12)
-    small = np.tile(np.repeat([0.1, 0.2 * turn], 3), 2)
-    shift(law, law.bench.state(), small * way, speed * way, 1.0)
+    direction = np.random.default_rng(seed + 21).normal(size=12)
+    small = np.tile(np.repeat([0.1, 0.2 * rotation], 3), 2)
+    shift(law, law.bench.state(), small * direction, speed * direction, 1.0)
     return law
 
 
@@ -195,42 +204,42 @@ def test_rows_are_the_derivative_by_the_velocity(tmp_path: Path, kind: str, seed
     """dF = -D^T c D dv, as tests/springs/test_tangents.py has it."""
     law = on_its_way(tmp_path, kind, seed, 1.0, 0.8)
     found = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
-    place = (law.bench.nodes, law.bench.curves, found, 0)
-    law.module.tangent(law.p, law.old, *place, *law.materials)
+    position = (law.bench.nodes, law.bench.curves, found, 0)
+    law.module.tangent(law.p, law.old, *position, *law.materials)
     start, rate, ends = law.bench.state(), np.random.default_rng(seed).normal(size=12), []
     for side in (-STEP, STEP):
         shift(law, start, np.zeros(12), rate, side)
         ends.append(load(law))
     change = (ends[1] - ends[0]) / (2.0 * STEP)
-    told = -found.D.T @ (found.damping * (found.D @ rate))
-    np.testing.assert_allclose(told, change, atol=1e-8 * np.abs(change).max())
+    reported = -found.D.T @ (found.damping * (found.D @ rate))
+    np.testing.assert_allclose(reported, change, atol=1e-8 * np.abs(change).max())
 
 
 def whole_tangent(law: Law, flips: int) -> np.ndarray:
     """Blocks of the element as one matrix (12, 12) of the nodes."""
-    place, blocks = pair_of_blocks(flips)
-    given = (law.bench.nodes, law.bench.curves, place, blocks)
+    position, blocks = pair_of_blocks(flips)
+    given = (law.bench.nodes, law.bench.curves, position, blocks)
     law.module.bend(law.p, law.old, *given, *law.materials)
     return matrix_of_pair(blocks, flips)
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.0])
-@pytest.mark.parametrize("turn", [0.0, 0.8])
+@pytest.mark.parametrize("rotation", [0.0, 0.8])
 @pytest.mark.parametrize("kind", KINDS)
-def test_blocks_are_the_derivative_by_the_place(
-    tmp_path: Path, kind: str, turn: float, speed: float
+def test_blocks_are_the_derivative_by_the_position(
+    tmp_path: Path, kind: str, rotation: float, speed: float
 ) -> None:
     """In any configuration, with damping and viscosity while it moves, elastic and yielding."""
-    law = on_its_way(tmp_path, kind, 5, speed, turn)
+    law = on_its_way(tmp_path, kind, 5, speed, rotation)
     load(law)
     # some fibres flow, and with a turn some do not
     assert not is_plastic(kind) or (law.new.hardening > law.old.hardening).any()
     start, still, wanted = law.bench.state(), np.zeros(12), np.zeros((12, 12))
     found = [whole_tangent(law, flips) for flips in (0, 1)]
-    for k, way in enumerate(np.eye(12)):
+    for k, direction in enumerate(np.eye(12)):
         # as above, but no fibre may yield or turn back on the way: round-off is 1e-11
         for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
-            shift(law, start, way, still, steps * 1e-4)
+            shift(law, start, direction, still, steps * 1e-4)
             wanted[:, k] -= weight * load(law) / 12e-4
     for K in found:
         np.testing.assert_allclose(K, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
@@ -244,10 +253,10 @@ def test_stiffness_for_the_step_bounds_the_highest_frequency(tmp_path: Path, see
     load(law)
     bound = 2.0 * law.bench.nodes.stiffness[1:].max()
     start, columns = law.bench.state(), []
-    for way in np.eye(12):
+    for direction in np.eye(12):
         ends = []
         for side in (-STEP, STEP):
-            shift(law, start, way, np.zeros(12), side)
+            shift(law, start, direction, np.zeros(12), side)
             ends.append(acceleration(law))
         columns.append((ends[1] - ends[0]) / (2.0 * STEP))
     highest = np.linalg.eigvals(-np.array(columns).T).real.max()

@@ -46,7 +46,7 @@ class Cantilever:
         return np.hstack([nodes.force[2:], nodes.torque[2:]]).ravel()
 
     def stiffness(self) -> np.ndarray:
-        """Derivative of the load by places and turns, less its sign."""
+        """Derivative of the load by positions and turns, less its sign."""
         K = np.zeros((6 * self.count + 6, 6 * self.count + 6))
         for k, law in enumerate(self.laws):
             at = slice(6 * k, 6 * k + 12)
@@ -55,8 +55,8 @@ class Cantilever:
             )[0]
         return K[6:, 6:]
 
-    def shift(self, way: np.ndarray) -> None:
-        for node, part in enumerate(way.reshape(-1, 6), start=2):
+    def shift(self, direction: np.ndarray) -> None:
+        for node, part in enumerate(direction.reshape(-1, 6), start=2):
             b = self.bench.nodes[node]
             self.bench.move(node, r=b.r + part[:3], q=product(exponential(part[3:]), b.q))
 
@@ -66,11 +66,11 @@ class Cantilever:
         for k in range(steps):
             outside[-5] = load * (k + 1) / steps
             for _ in range(30):
-                way = np.linalg.solve(self.stiffness(), self.load() + outside)
+                direction = np.linalg.solve(self.stiffness(), self.load() + outside)
                 # a bent strip that is nearly rigid along itself is approached by turning a little
-                way *= min(1.0, 0.3 / np.abs(way).max())
-                self.shift(way)
-                if np.abs(way).max() < 1e-9:
+                direction *= min(1.0, 0.3 / np.abs(direction).max())
+                self.shift(direction)
+                if np.abs(direction).max() < 1e-9:
                     break
             else:
                 raise AssertionError("no equilibrium found")

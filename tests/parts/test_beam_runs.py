@@ -50,9 +50,9 @@ def test_elements_are_drawn_between_their_nodes_with_what_they_bear(
         return float(values[np.argmin(np.abs(times - moment))])
 
     for k, node in ((0, "start"), (1, "1"), (2, "1"), (15, "end")):
-        place = [value(f"rbdout.tube_{node}.position.{axis}") for axis in "xyz"]
+        position = [value(f"rbdout.tube_{node}.position.{axis}") for axis in "xyz"]
         # states are written in single precision
-        np.testing.assert_allclose(ends[k], place, atol=1e-6)
+        np.testing.assert_allclose(ends[k], position, atol=1e-6)
     for column in ("force", "moment_a", "moment_b"):
         wanted = [[value(f"elout.tube_{k + 1}.{column}.{i}") for i in "xyz"] for k in range(8)]
         size = np.abs(wanted).max()
@@ -63,15 +63,15 @@ def test_elements_are_drawn_between_their_nodes_with_what_they_bear(
     assert stored == pytest.approx(value("glstat.model.energy.elastic"), rel=1e-6)
 
 
-# squares of 1e-2 reach 3e-10, a thirtieth of the tolerance, in four passes; without the turning of
-# forces 10.6 were taken. Stages one after the other leave 0.37 each: seven reach a thirtieth of the
-# tolerance, without the turning 11.5 did. A hundredth of the error of a stated step, some thirty
-# times less, takes log(30)/log(1/0.37) = 3.4 more
+# squares of 1e-2 reach 3e-10, a thirtieth of the tolerance, in four iterations; without the turning
+# of forces 10.6 were taken. Stages one after the other leave 0.37 each: seven reach a thirtieth of
+# the tolerance, without the turning 11.5 did. A hundredth of the error of a stated step, some
+# thirty times less, takes log(30)/log(1/0.37) = 3.4 more
 PASSES = {"generalized_alpha": (0.05, 1e-8, 4.5), "radau_iia_5": (0.125, 1e-6, 10.5)}
 
 
 @pytest.mark.parametrize("method", list(PASSES))
-def test_steps_that_bend_far_take_few_passes(method: str, tmp_path: Path) -> None:
+def test_steps_that_bend_far_take_few_iterations(method: str, tmp_path: Path) -> None:
     """Two elements bend by 1.3 rad in a second."""
     step, tolerance, most = PASSES[method]
     text = ROLL_UP.read_text("utf-8").partition("expect:")[0]
@@ -87,8 +87,8 @@ def test_steps_that_bend_far_take_few_passes(method: str, tmp_path: Path) -> Non
     assert (
         f"steps accepted, rejected                            {round(1 / step)}, 0" in done.stdout
     )
-    told = next(line for line in done.stdout.splitlines() if "iterations per step" in line)
-    assert float(told.split()[-1]) < most
+    reported = next(line for line in done.stdout.splitlines() if "iterations per step" in line)
+    assert float(reported.split()[-1]) < most
 
 
 ROPE = """
@@ -106,20 +106,20 @@ bodies: {hand: {mass: 1, inertia: [1, 1, 1], position: [1, 0.3, 0]}}
 joints:
   root: {type: weld, b: p_start, at: [0, 0, 0]}
   guide: {type: prismatic, b: hand, at: [1, 0.3, 0], axis: [0, 1, 0]}
-  motor: {type: point_driver, body: hand, axis: [0, 1, 0], curve: way}
-curves: {way: {type: formula, expression: "0.25*(1 - cos(3.141592653589793*x))", from: 0, to: 1}}
+  motor: {type: point_driver, body: hand, axis: [0, 1, 0], curve: displacement}
+curves: {displacement: {type: formula, expression: "0.25*(1 - cos(3.141592653589793*x))", from: 0, to: 1}}
 springs:
   rope: {type: linear, a: hand, b: p_end, at_a: [1, 0.3, 0], at_b: [1, 0, 0], stiffness: 20, length: 0}
 output: {history: {interval: 0.1}}
 """  # noqa: E501
 
 
-def test_a_rope_that_pulls_and_turns_takes_few_passes(tmp_path: Path) -> None:
+def test_a_rope_that_pulls_and_turns_takes_few_iterations(tmp_path: Path) -> None:
     """Its tension over its length is above what the light beam resists the same way."""
     deck = tmp_path / "deck.yaml"
     deck.write_text(ROPE, "utf-8")
     done = crashsolve(deck, "-o", tmp_path / "out", CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
-    told = next(line for line in done.stdout.splitlines() if "iterations per step" in line)
+    reported = next(line for line in done.stdout.splitlines() if "iterations per step" in line)
     # without the turning of its force 5.4 were taken
-    assert float(told.split()[-1]) < 3.0
+    assert float(reported.split()[-1]) < 3.0

@@ -77,7 +77,7 @@ def rates(folder: Path, words: str) -> tuple[Any, Any]:
     return build(read_deck(path))
 
 
-def test_mass_scaling_reaches_its_step_and_tells_what_it_added(tmp_path: Path) -> None:
+def test_mass_scaling_reaches_its_step_and_states_what_it_added(tmp_path: Path) -> None:
     model, state = rates(tmp_path, "damping: 0")
     p, wanted = model.groups[0].parameters, 0.01
     fastest = np.sqrt(2.0 * (p["rate_b"][0] + p["rate_a"][1]))
@@ -87,9 +87,9 @@ def test_mass_scaling_reaches_its_step_and_tells_what_it_added(tmp_path: Path) -
     fastest = np.sqrt(2.0 * (p["rate_b"][0] + p["rate_a"][1]))
     assert 2.0 * 0.5 / fastest == pytest.approx(wanted, rel=1e-12)
     added = scaled.total_mass() - model.total_mass()
-    (told,) = scaled.warnings
-    assert f"part 's': mass scaling adds {added:.4g} kg" in told
-    assert "to 4 of 4 elements" in told
+    (reported,) = scaled.warnings
+    assert f"part 's': mass scaling adds {added:.4g} kg" in reported
+    assert "to 4 of 4 elements" in reported
     before, after = (s.nodes["J"][1][[0, 4, 8]] * s.nodes["mass_inv"][1] for s in (state, heavy))
     np.testing.assert_allclose(after, before, rtol=1e-12)
 
@@ -107,7 +107,7 @@ def test_viscosity_is_for_explicit_integrators(tmp_path: Path) -> None:
         build(read_deck(path))
 
 
-def test_the_node_that_sets_the_step_is_told_with_its_element(tmp_path: Path) -> None:
+def test_the_node_that_sets_the_step_is_reported_with_its_element(tmp_path: Path) -> None:
     model, _ = rates(tmp_path, "damping: 0")
     assert limiter(model, 2) in ("s_1, node s_1", "s_2, node s_1")
     assert limiter(model, 0) == ""
@@ -127,12 +127,12 @@ def test_damping_of_shells_takes_the_work_of_its_forces(element: str, tmp_path: 
     bare = Elements(tmp_path, SQUARE, element=element)
     work = np.zeros(2)
     for step in range(4):
-        way = (-1) ** step * any_motion(damped, 1e-6)
+        direction = (-1) ** step * any_motion(damped, 1e-6)
         for k, shell in enumerate((damped, bare)):
-            force = shell.move(way / 1e-3, 1e-3)
+            force = shell.move(direction / 1e-3, 1e-3)
             # nodes feel the mean of the forces before and after the step
             before = getattr(shell, "last", np.zeros_like(force))
-            work[k] -= 0.5 * float(((before + force) * way).sum())
+            work[k] -= 0.5 * float(((before + force) * direction).sum())
             shell.last = force
     taken = float(damped.energies().damping)
     assert taken > 0.0
@@ -142,7 +142,7 @@ def test_damping_of_shells_takes_the_work_of_its_forces(element: str, tmp_path: 
 
 def test_a_rigid_motion_of_shells_is_not_damped(tmp_path: Path) -> None:
     shell = Elements(tmp_path, SQUARE, damping=0.02, viscosity={})
-    shell.turn(np.array([0.1, -0.2, 0.3]), np.array([3.0, 1.0, 2.0]), np.array([1.0, 2.0, 0.0]))
+    shell.rotation(np.array([0.1, -0.2, 0.3]), np.array([3.0, 1.0, 2.0]), np.array([1.0, 2.0, 0.0]))
     assert abs(float(shell.energies().damping)) < 1e-20
 
 
@@ -155,11 +155,11 @@ def test_mass_scaling_of_shells_holds_the_bound_of_the_step(element: str, tmp_pa
     assert 0.2 / np.sqrt(free) < wanted
     heavy = Elements(tmp_path, SQUARE, element=element, mass_scaling={"step": wanted, "most": 99})
     heavy.move(np.zeros((4, 6)))
-    told = float(heavy.clock.element_rate)
-    assert 0.2 / np.sqrt(told) == pytest.approx(wanted, rel=1e-12)
+    reported = float(heavy.clock.element_rate)
+    assert 0.2 / np.sqrt(reported) == pytest.approx(wanted, rel=1e-12)
     ratio = bare.points.mass_inv / heavy.points.mass_inv
     # a corner of the worst element alone has its factor
-    assert ratio.max() == pytest.approx(free / told, rel=1e-12)
+    assert ratio.max() == pytest.approx(free / reported, rel=1e-12)
     assert ratio.min() > 1.0
 
 
@@ -169,6 +169,6 @@ def test_damping_shortens_the_step_of_shells(element: str, tmp_path: Path) -> No
     damped = Elements(tmp_path, SQUARE, element=element, damping=0.01)
     for shell in (bare, damped):
         shell.move(np.zeros((4, 6)))
-    omega, told = (np.sqrt(float(s.clock.element_rate)) for s in (bare, damped))
+    omega, reported = (np.sqrt(float(s.clock.element_rate)) for s in (bare, damped))
     xi = 0.005 * omega
-    assert told == pytest.approx(omega * (xi + np.sqrt(1.0 + xi * xi)), rel=1e-12)
+    assert reported == pytest.approx(omega * (xi + np.sqrt(1.0 + xi * xi)), rel=1e-12)

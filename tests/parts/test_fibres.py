@@ -12,9 +12,9 @@ from test_beam import KINDS, is_plastic, load, on_its_way, shift, whole_tangent
 
 from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.elements.beams import fibres
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
-from crashsolve.parts.beams import fibres
 from crashsolve.parts.fibre_beam import IMPLICIT
 
 DECK = """
@@ -64,16 +64,16 @@ def act(law: Law) -> Any:
     return law.force(h=1.0)
 
 
-def bend(law: Law, turn: float, axis: int = 1, stretch: float = 0.0) -> Any:
+def bend(law: Law, angle: float, axis: int = 1, stretch: float = 0.0) -> Any:
     """Both ends turned against each other by an angle, on the arc of a circle."""
-    rotation = 0.5 * turn * np.eye(3)[axis]
+    rotation = 0.5 * angle * np.eye(3)[axis]
     nodes = law.bench.nodes
     q = [[1.0, 0.0, 0.0, 0.0]] * 2
     for node, sign in ((1, -1.0), (2, 1.0)):
         law.bench.move(node, q=q[node - 1])
-        law.bench.turn(node, sign * rotation)
+        law.bench.rotation(node, sign * rotation)
     # the chord of an arc of this length, as elements have it
-    chord = (1.0 + stretch) / (1.0 + turn**2 / 24.0)
+    chord = (1.0 + stretch) / (1.0 + angle**2 / 24.0)
     law.bench.move(2, r=nodes[1].r + [chord, 0.0, 0.0])
     return act(law)
 
@@ -178,9 +178,9 @@ def test_corrections_fall_quadratically_beyond_yield(tmp_path: Path, kind: str) 
     shift(law, law.bench.state(), away, np.zeros(12), 1.0)
     for _ in range(8):
         missing = load(law)[6:] - wanted
-        way = np.linalg.solve(whole_tangent(law, 0)[6:, 6:], missing)
-        shift(law, law.bench.state(), np.append(np.zeros(6), way), np.zeros(12), 1.0)
-        sizes.append(np.abs(way).max())
+        direction = np.linalg.solve(whole_tangent(law, 0)[6:, 6:], missing)
+        shift(law, law.bench.state(), np.append(np.zeros(6), direction), np.zeros(12), 1.0)
+        sizes.append(np.abs(direction).max())
     near = [k for k in range(7) if 1e-9 < sizes[k] < 1e-1]
     assert len(near) >= 2
     for k in near:
@@ -258,7 +258,7 @@ REFUSED = {
         "type: elastoplastic, failure_strain: 0.1,",
         "material 'soft' has failure_strain, which fibres do not follow",
     ),
-    "a mistake elsewhere": (
+    "an error elsewhere": (
         "control: {",
         "joints: {foot: {type: revolute, b: s_start, at: [0, 0, 0], axis: [0, 0, 0]}}\ncontrol: {",
         "joint 'foot': axis: a direction needs a length",
@@ -284,7 +284,7 @@ def test_a_section_of_listed_fibres_is_a_sandwich(tmp_path: Path) -> None:
     assert float(out.moment_a[1]) == pytest.approx(4.0 * 0.4 * 1.0, rel=1e-12)
 
 
-def test_a_law_that_stiffens_tells_the_step() -> None:
+def test_a_law_that_stiffens_states_the_step() -> None:
     # sigma = E (eps + c eps^3) has the slope E (1 + 3 c eps^2)
     E, c = 2e11, 1e7
     section = SimpleNamespace(

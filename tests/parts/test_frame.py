@@ -46,9 +46,9 @@ def test_a_straight_bar_has_the_masses_forces_and_rates_of_the_beam(tmp_path: Pa
     for at in (line, bar):
         nodes.r[at] += moved
         nodes.v[at], nodes.w[at] = v, w
-    turns = [turn(x) for x in rng.normal(0.0, 0.3, (4, 3))]
+    rotations = [rotation(x) for x in rng.normal(0.0, 0.3, (4, 3))]
     for at in (line, bar):
-        for i, q in zip(at, turns, strict=True):
+        for i, q in zip(at, rotations, strict=True):
             nodes.q[i] = product(q, nodes.q[i])
     for g in model.groups:  # type: ignore[attr-defined]
         p, out = g.parameters.view(np.recarray), g.output.view(np.recarray)
@@ -62,7 +62,7 @@ def test_a_straight_bar_has_the_masses_forces_and_rates_of_the_beam(tmp_path: Pa
     np.testing.assert_allclose(nodes.stiffness[bar], nodes.stiffness[line], rtol=1e-9)
 
 
-def turn(x: np.ndarray) -> np.ndarray:
+def rotation(x: np.ndarray) -> np.ndarray:
     """Unit quaternion of a rotation vector."""
     angle = float(np.linalg.norm(x))
     return np.array([np.cos(0.5 * angle), *(np.sin(0.5 * angle) / angle * x)])
@@ -100,7 +100,7 @@ ENDS = {
     "no point": ("{bar: 1, point: 3}", "ends: bar 1 does not end in point 3"),
     "twice": ("{bar: 1, point: 2}, {bar: 1, point: 2}", "ends: bar 1 at point 2 is given twice"),
     "massless": (
-        "{bar: 1, point: 2, free: [turn_y]}",
+        "{bar: 1, point: 2, free: [rotation_y]}",
         "every bar at point 2 has an end of its own",
     ),
 }

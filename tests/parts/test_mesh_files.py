@@ -191,18 +191,18 @@ def test_elements_of_other_kinds_do_not_hinder_a_set_without_them(tmp_path: Path
     assert "(plate.inp, line 17)" in refusal(tmp_path, mesh)
 
 
-@pytest.mark.parametrize("field", ["hold", "welded", "velocities"])
+@pytest.mark.parametrize("field", ["supports", "welded", "velocities"])
 def test_an_empty_set_is_refused_where_it_is_used(tmp_path: Path, field: str) -> None:
     (tmp_path / "plate.inp").write_text(INP + "*NSET, NSET=NONE\n*NSET, NSET=LEFT\n1, 5\n", "utf-8")
     mesh = {"type": "file", "file": "plate.inp", "elements": "MIDDLE"}
     meshed(tmp_path, mesh)
     for name in ("NONE", "LEFT"):
         words = {"nodes": name} | ({"part": "s"} if field == "welded" else {})
-        told = refusal(tmp_path, mesh, **{field: [words]})
-        assert f"{field}.nodes: set '{name}' has no node of these elements" in told
+        reported = refusal(tmp_path, mesh, **{field: [words]})
+        assert f"{field}.nodes: set '{name}' has no node of these elements" in reported
 
 
-def test_what_is_passed_over_is_told(tmp_path: Path) -> None:
+def test_what_is_passed_over_is_reported(tmp_path: Path) -> None:
     (tmp_path / "plate.inp").write_text(INP + "*MATERIAL, NAME=A\n*TIE\n", "utf-8")
     assert read_mesh_file(tmp_path / "plate.inp").passed_over == [
         "*MATERIAL (line 16)",
@@ -263,8 +263,8 @@ def test_an_element_of_points_that_are_not_there_is_refused(
     mesh = meshio.Mesh(points, [("quad", np.array([[0, 1, 2, 3]]))])
     mesh.cells[0].data[0, 3] = wrong
     meshio.write(tmp_path / f"plate.{suffix}", mesh)
-    told = refusal(tmp_path, {"type": "file", "file": f"plate.{suffix}"})
-    assert f"element 0 names point {wrong}; there are points 0 to 3" in told
+    reported = refusal(tmp_path, {"type": "file", "file": f"plate.{suffix}"})
+    assert f"element 0 names point {wrong}; there are points 0 to 3" in reported
 
 
 def test_groups_of_gmsh_have_names_or_numbers_and_outlines_are_sets_of_nodes(
@@ -283,7 +283,7 @@ def test_groups_of_gmsh_have_names_or_numbers_and_outlines_are_sets_of_nodes(
     assert "no element set '7'" in refusal(tmp_path, mesh)
 
 
-def test_of_several_groups_of_an_area_meshio_tells_one_so_numbers_are_no_names(
+def test_of_several_groups_of_an_area_meshio_states_one_so_numbers_are_no_names(
     tmp_path: Path,
 ) -> None:
     entities = (
@@ -313,7 +313,7 @@ def test_sets_of_a_listed_mesh_may_have_numbers(tmp_path: Path) -> None:
         "quads": [[1, 2, 3, 4]],
         "sets": [{"name": 3, "nodes": [1, 2]}],
     }
-    part = meshed(tmp_path, square, hold=[{"nodes": 3, "motions": ["x"]}])
+    part = meshed(tmp_path, square, supports=[{"nodes": 3, "motions": ["x"]}])
     assert list(part.held) == [1, 1, 0, 0]
 
 

@@ -1,4 +1,4 @@
-"""Meshes: area, orientation, sets, files; what is wrong with one is said, with its place."""
+"""Meshes: area, orientation, sets, files; what is wrong with one is said, with its position."""
 
 from pathlib import Path
 from typing import Any
@@ -117,13 +117,13 @@ def test_a_part_of_a_sphere_ends_on_its_planes(tmp_path: Path, half: str, sides:
 
 def test_a_blow_gives_the_elements_of_a_box_their_momentum(tmp_path: Path) -> None:
     box = {"low": [0.5, 0, -1], "high": [2, 3, 1], "speed": 3}
-    part = meshed(tmp_path, GRID, blows=[box])
+    part = meshed(tmp_path, GRID, impulses=[box])
     middle = part.mesh.points[part.mesh.quads].mean(axis=1)
     hit = (middle[:, 0] > 0.5) & (middle[:, 0] < 2)
     total = (part.mass[:, None] * part.velocities()).sum(axis=0)
     np.testing.assert_allclose(total, [0, 0, 3 * part.weight[hit].sum()], atol=1e-15)
     assert "no element has its middle in the box" in refusal(
-        tmp_path, GRID, blows=[box | {"low": [0.5, 0, 0.5]}]
+        tmp_path, GRID, impulses=[box | {"low": [0.5, 0, 0.5]}]
     )
 
 
@@ -135,12 +135,12 @@ def test_a_folded_plate_needs_a_number_for_each_piece(tmp_path: Path) -> None:
 def test_a_dent_pushes_two_sides_in_and_two_out(tmp_path: Path) -> None:
     dent = {"depth": 0.01, "from": 0.5, "to": 1.5}
     plain = meshed(tmp_path, TUBE | {"elements": [2, 2, 8]}).mesh.points
-    way = meshed(tmp_path, TUBE | {"elements": [2, 2, 8], "dent": dent}).mesh.points - plain
+    direction = meshed(tmp_path, TUBE | {"elements": [2, 2, 8], "dent": dent}).mesh.points - plain
     middle = np.isclose(plain[:, 2], 1.0)
     across, up = middle & (abs(plain[:, 0]) < 1e-9), middle & (abs(plain[:, 1]) < 1e-9)
-    np.testing.assert_allclose(way[across][:, 1] * np.sign(plain[across][:, 1]), 0.01)
-    np.testing.assert_allclose(way[up][:, 0] * np.sign(plain[up][:, 0]), -0.01)
-    assert np.count_nonzero(np.abs(way).max(axis=1) > 1e-9) == 4 * 3
+    np.testing.assert_allclose(direction[across][:, 1] * np.sign(plain[across][:, 1]), 0.01)
+    np.testing.assert_allclose(direction[up][:, 0] * np.sign(plain[up][:, 0]), -0.01)
+    assert np.count_nonzero(np.abs(direction).max(axis=1) > 1e-9) == 4 * 3
 
 
 def test_a_file_gives_its_elements_and_its_sets(tmp_path: Path) -> None:
@@ -152,15 +152,15 @@ def test_a_file_gives_its_elements_and_its_sets(tmp_path: Path) -> None:
 
 def test_what_meshio_passes_over_is_refused_with_its_line(tmp_path: Path) -> None:
     (tmp_path / "plate.inp").write_text(INP + "*INSTANCE, NAME=A, PART=B\n1,0,0\n", "utf-8")
-    told = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
-    assert "plate.inp, line 15: *INSTANCE would be passed over; write the mesh flat" in told
+    reported = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
+    assert "plate.inp, line 15: *INSTANCE would be passed over; write the mesh flat" in reported
 
 
 def test_nodes_in_round_coordinates_are_refused(tmp_path: Path) -> None:
     text = INP.replace("*NODE", "*Node, nset=all, system=C")
     (tmp_path / "plate.inp").write_text(text, "utf-8")
-    told = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
-    assert "plate.inp, line 3: *NODE, NSET=ALL, SYSTEM=C would be passed over" in told
+    reported = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
+    assert "plate.inp, line 3: *NODE, NSET=ALL, SYSTEM=C would be passed over" in reported
 
 
 @pytest.mark.parametrize("kind", ["quad", "triangle"])
@@ -205,8 +205,8 @@ def test_elements_of_a_property_are_a_set(tmp_path: Path) -> None:
     for number, area in (("7", 1.0), ("9", 2.0), ("", 3.0)):
         part = meshed(tmp_path, {"type": "file", "file": "plate.bdf", "elements": number})
         assert part.area.sum() == pytest.approx(area, rel=1e-12)
-    told = refusal(tmp_path, {"type": "file", "file": "plate.bdf", "elements": "8"})
-    assert "no element set '8' (sets: 7, 9)" in told
+    reported = refusal(tmp_path, {"type": "file", "file": "plate.bdf", "elements": "8"})
+    assert "no element set '8' (sets: 7, 9)" in reported
 
 
 def test_triangles_of_a_file_come_after_its_quadrilaterals(tmp_path: Path) -> None:
@@ -226,13 +226,13 @@ def test_files_of_other_elements_or_none_are_refused(tmp_path: Path) -> None:
         INP.replace("TYPE=S4", "TYPE=T3D2").replace("2, 5, 4\n", "2\n").replace("3, 6, 5\n", "3\n")
     )
     (tmp_path / "plate.inp").write_text(text, "utf-8")
-    told = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
-    assert "2 elements are of type line; shells are of type quad or triangle" in told
+    reported = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
+    assert "2 elements are of type line; shells are of type quad or triangle" in reported
     (tmp_path / "plate.inp").write_text(INP, "utf-8")
-    told = refusal(tmp_path, {"type": "file", "file": "plate.inp", "elements": "ROOF"})
-    assert "no element set 'ROOF' (sets: PLATE)" in told
-    told = refusal(tmp_path, {"type": "file", "file": "mesh.yaml"})
-    assert "meshio" in told
+    reported = refusal(tmp_path, {"type": "file", "file": "plate.inp", "elements": "ROOF"})
+    assert "no element set 'ROOF' (sets: PLATE)" in reported
+    reported = refusal(tmp_path, {"type": "file", "file": "mesh.yaml"})
+    assert "meshio" in reported
 
 
 def listed(nodes: list[list[float]], quads: list[list[int]]) -> dict[str, Any]:
@@ -243,7 +243,7 @@ SIX: list[list[float]] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0],
 WRONG = {
     "duplicate": (
         listed([*SIX, [1, 0, 0], [1, 1, 0]], [[1, 2, 5, 4], [7, 3, 6, 8]]),
-        "nodes 2 and 7 lie in one place (1, 0, 0) m; merge them",
+        "nodes 2 and 7 lie in one position (1, 0, 0) m; merge them",
     ),
     "inverted": (
         listed(SIX, [[1, 2, 5, 4], [2, 5, 6, 3]]),
@@ -280,9 +280,9 @@ def test_a_mesh_that_cannot_serve_is_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_a_set_that_does_not_exist_is_named_with_those_that_do(tmp_path: Path) -> None:
-    told = refusal(tmp_path, GRID, hold=[{"nodes": "left"}])
-    assert "mesh.yaml" in told
-    assert "hold.nodes: the mesh has no set of nodes 'left' (sets: u0, u1, v0, v1)" in told
+    reported = refusal(tmp_path, GRID, supports=[{"nodes": "left"}])
+    assert "mesh.yaml" in reported
+    assert "supports.nodes: the mesh has no set of nodes 'left' (sets: u0, u1, v0, v1)" in reported
 
 
 def test_other_methods_than_rattle_are_refused(tmp_path: Path) -> None:

@@ -15,10 +15,10 @@ from crashsolve.foundation.errors import DeckErrors, SolverError
 from crashsolve.model import ledger
 from crashsolve.model.build import build
 from crashsolve.recording.engines import engine_of
-from crashsolve.system.static import equilibrium
-from crashsolve.system.static.balance import EQUAL, ROUND, Forces
-from crashsolve.system.static.pseudo_transient import turning
-from crashsolve.system.static.stability import way_out
+from crashsolve.statics import equilibrium
+from crashsolve.statics.balance import EQUAL, ROUND, Forces
+from crashsolve.statics.pseudo_transient import turning
+from crashsolve.statics.stability import unstable_mode
 
 DECK = """
 title: cantilever at rest
@@ -54,9 +54,9 @@ def engine(folder: Path, text: str = DECK) -> equilibrium.StaticEngine:
 def test_corrections_fall_quadratically_to_round_off(tmp_path: Path) -> None:
     found, sizes = engine(tmp_path), []
     for _ in range(8):
-        way = found.correction(0.3)
-        sizes.append(float(np.abs(way).max()))
-        found.shift(found.state.nodes, way)
+        direction = found.correction(0.3)
+        sizes.append(float(np.abs(direction).max()))
+        found.shift(found.state.nodes, direction)
     # each is the square of the one before, then a share: differences over 1e-7 of the size see
     # the stretch of what they turn, and round-off of 1e-16 / 1e-7
     near = [k for k in range(7) if sizes[k] < 0.01]
@@ -87,7 +87,7 @@ def test_where_no_equilibrium_is_found_the_run_says_so(
 ) -> None:
     found = engine(tmp_path)
     before = found.state.nodes.copy()
-    monkeypatch.setattr(equilibrium, "PASSES", 1)
+    monkeypatch.setattr(equilibrium, "MOST_ITERATIONS", 1)
     with pytest.raises(SolverError, match="no equilibrium found behind this one"):
         found.reach(1.0)
     # what failed has left no trace
@@ -101,13 +101,13 @@ def run(found: equilibrium.StaticEngine, steps: int = 10) -> None:
 
 
 def bracket(found: equilibrium.StaticEngine) -> tuple[float, float, str]:
-    """Times [s] between which an equilibrium becomes unstable, and the place."""
+    """Times [s] between which an equilibrium becomes unstable, and the position."""
     with pytest.raises(SolverError, match="becomes unstable between t = .* s and t = ") as caught:
         run(found)
     stable, unstable = (float(part.split(" s")[0]) for part in caught.value.cause.split("t = ")[1:])
     assert stable == pytest.approx(float(found.clock.time), rel=1e-5)
     assert stable < unstable
-    return stable, unstable, caught.value.place
+    return stable, unstable, caught.value.location
 
 
 # of a column with E I = 1 and L = 1, clamped at one end
@@ -116,11 +116,11 @@ EULER = np.pi**2 / 4.0
 
 def test_a_column_is_refused_beyond_its_critical_load(tmp_path: Path) -> None:
     load = f"force: [{-1.25 * EULER}, 0, 0]"
-    stable, unstable, place = bracket(engine(tmp_path, STIFF.replace("force: [0, 1, 1]", load)))
+    stable, unstable, location = bracket(engine(tmp_path, STIFF.replace("force: [0, 1, 1]", load)))
     # 4 elements leave 3e-5 of the critical load; a load step over 2^7 is 1e-3 of it
     assert 1.25 * stable == pytest.approx(1.0, abs=2e-3)
     assert 1.25 * unstable == pytest.approx(1.0, abs=2e-3)
-    assert "p_end" in place
+    assert "p_end" in location
 
 
 def test_a_shaft_is_refused_beyond_its_critical_torque(tmp_path: Path) -> None:
@@ -168,14 +168,14 @@ def test_a_pendulum_hangs_and_does_not_stand(tmp_path: Path) -> None:
     run(engine(tmp_path, PENDULUM), 1)
     with pytest.raises(SolverError, match="becomes unstable between 0 %") as caught:
         engine(tmp_path, PENDULUM.replace("[0, 0, -1]", "[0, 0, 1]"))
-    assert "bob" in caught.value.place
+    assert "bob" in caught.value.location
     assert "what stands upside down needs something that holds it" in caught.value.advice
 
 
 SPRUNG = DECK.replace(
     f"joints: {{{CLAMP}}}",
     "springs: {s: {type: bushing, a: ground, b: p_start, stiffness: [10, 10, 10], "
-    "turning_stiffness: [10, 10, 10]}}",
+    "rotational_stiffness: [10, 10, 10]}}",
 ).replace("force: [0, 1, 1]", "force: [0, 0.01, 0]")
 
 
@@ -190,7 +190,7 @@ def test_springs_alone_may_hold_a_beam(tmp_path: Path) -> None:
 def test_what_moves_freely_stops_the_run(tmp_path: Path) -> None:
     # a pendulum about a vertical axis weighs the same wherever it is
     vertical = PENDULUM.replace("[0, 1, 0]", "[0, 0, 1]")
-    spins = SPRUNG.replace("turning_stiffness: [10, 10, 10]", "turning_stiffness: [0, 0, 0]")
+    spins = SPRUNG.replace("rotational_stiffness: [10, 10, 10]", "rotational_stiffness: [0, 0, 0]")
     for text in (vertical, spins):
         with pytest.raises(SolverError, match="no equilibrium found") as caught:
             engine(tmp_path, text)
@@ -207,7 +207,7 @@ parts:
     thickness: 0.1
     material: m
     nodes: [{name: a, at: [1, 0, 0]}, {name: b, at: [1, 1, 0]}]
-    hold: [{nodes: u0}]
+    supports: [{nodes: u0}]
 loads:
   blown: {type: pressure, part: q, pressure: 1}
   along: {type: force, body: q_a, force: [0, 0, 1], axes: body}
@@ -215,17 +215,17 @@ loads:
 """
 
 
-def test_what_stability_of_shells_leaves_out_is_told_by_name(tmp_path: Path) -> None:
+def test_what_stability_of_shells_leaves_out_is_reported_by_name(tmp_path: Path) -> None:
     path = tmp_path / "deck.yaml"
     path.write_text(FOLLOWED, "utf-8")
     model, _ = build(read_deck(path))
-    told = turning(model.groups)
-    assert told is not None
-    assert "load 'along'" in told
-    assert "load 'blown'" in told
-    assert "'fixed'" not in told
-    assert "buckling or flutter may be missed" in told
-    assert "solution: transient" in told
+    reported = turning(model.groups)
+    assert reported is not None
+    assert "load 'along'" in reported
+    assert "load 'blown'" in reported
+    assert "'fixed'" not in reported
+    assert "buckling or flutter may be missed" in reported
+    assert "solution: transient" in reported
     assert turning([g for g in model.groups if g.keyword != "loads"]) is None
 
 
@@ -283,46 +283,48 @@ def test_a_column_below_its_critical_load_is_not(tmp_path: Path) -> None:
 def test_the_answer_scales_with_loads_and_stiffness(tmp_path: Path, factor: float) -> None:
     plain, scaled = DECK, DECK.replace("young: 1e3", f"young: {1e3 * factor!r}")
     scaled = scaled.replace("force: [0, 1, 1]", f"force: [0, {factor!r}, {factor!r}]")
-    places = []
+    positions = []
     for text in (plain, scaled):
         found = engine(tmp_path, text)
         run(found, 2)
-        places.append(found.state.nodes["r"].copy())
-    np.testing.assert_allclose(places[1], places[0], rtol=0.0, atol=1e-9)
+        positions.append(found.state.nodes["r"].copy())
+    np.testing.assert_allclose(positions[1], positions[0], rtol=0.0, atol=1e-9)
 
 
 def test_the_course_of_time_and_the_number_of_load_steps_do_not_count(tmp_path: Path) -> None:
-    places = []
+    positions = []
     for end, steps in ((1.0, 1), (1e-6, 3), (1e6, 5)):
         text = DECK.replace("end_time: 1,", f"end_time: {end!r},")
         found = engine(tmp_path, text.replace("[1, 1]]", f"[{end!r}, 1]]"))
         for k in range(steps):
             found.reach(end * (k + 1) / steps)
-        places.append(found.state.nodes["r"].copy())
-    for place in places[1:]:
+        positions.append(found.state.nodes["r"].copy())
+    for location in positions[1:]:
         # ten times what the tolerance leaves of the way
-        np.testing.assert_allclose(place, places[0], rtol=0.0, atol=10 * equilibrium.TOLERANCE)
+        np.testing.assert_allclose(
+            location, positions[0], rtol=0.0, atol=10 * equilibrium.TOLERANCE
+        )
 
 
 def test_loads_without_a_curve_act_from_the_start_and_do_half_their_way(tmp_path: Path) -> None:
     found = engine(tmp_path, DECK.replace("force: [0, 1, 1], curve: rise", "force: [0, 0.01, 0]"))
     found.sample()
-    place, stored = found.nodes["r"].copy(), float(found.ledger[ledger.ELASTIC])
+    location, stored = found.nodes["r"].copy(), float(found.ledger[ledger.ELASTIC])
     tip = found.model.bodies.index("p_end")
     # P L^3 / 3 E I and shear P L / G A; 4 elements leave 1 / 4 n^2 of bending
-    assert place[tip, 1] == pytest.approx(0.01 / 3.0 + 0.01 / 500.0, rel=2e-2)
-    assert stored == pytest.approx(0.005 * place[tip, 1], rel=1e-4)
+    assert location[tip, 1] == pytest.approx(0.01 / 3.0 + 0.01 / 500.0, rel=2e-2)
+    assert stored == pytest.approx(0.005 * location[tip, 1], rel=1e-4)
     assert abs(found.ledger[ledger.IMBALANCE]) < 1e-4 * stored
     found.reach(1.0)
     found.sample()
-    np.testing.assert_allclose(found.nodes["r"], place, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(found.nodes["r"], location, rtol=0.0, atol=1e-10)
 
 
 def test_equilibrium_is_a_matter_of_forces() -> None:
     forces = Forces(size=2.0, tolerance=1e-6)
     forces._grow(100.0, 0.0)
     g = np.zeros(12)
-    for force, moment, stiffness, told in (
+    for force, moment, stiffness, reported in (
         (0.9e-4, 1.9e-4, 0.0, EQUAL),
         (1.1e-4, 0.0, 0.0, 0),
         (0.0, 2.1e-4, 0.0, 0),
@@ -331,20 +333,20 @@ def test_equilibrium_is_a_matter_of_forces() -> None:
         (1.1e-4, 0.0, 1e15, ROUND),
     ):
         g[6], g[9] = force, moment
-        assert forces.balance(g, (stiffness, stiffness)) == told
+        assert forces.balance(g, (stiffness, stiffness)) == reported
 
 
 def test_stability_is_that_of_the_constrained_motion() -> None:
     # two motions of stiffness 1 and -1: stable where the second is held, or loads turn it over
     K, M = np.diag([1.0, -1.0]), np.eye(2)
-    mode, _ = way_out(K, np.zeros((0, 2)), M)
+    mode, _ = unstable_mode(K, np.zeros((0, 2)), M)
     assert mode is not None
     np.testing.assert_allclose(np.abs(mode / np.abs(mode).max()), [0.0, 1.0], atol=1e-12)
-    assert way_out(K, np.array([[0.0, 1.0], [0.0, 2.0]]), M) == (None, False)
+    assert unstable_mode(K, np.array([[0.0, 1.0], [0.0, 2.0]]), M) == (None, False)
     # Ziegler: eigenvalues of K are 1 +- 2 i
-    assert way_out(np.array([[1.0, 2.0], [-2.0, 1.0]]), np.zeros((0, 2)), M) == (None, True)
-    # a zero is no way out
-    assert way_out(np.diag([1.0, 0.0]), np.zeros((0, 2)), M) == (None, False)
+    assert unstable_mode(np.array([[1.0, 2.0], [-2.0, 1.0]]), np.zeros((0, 2)), M) == (None, True)
+    # a zero is no unstable mode
+    assert unstable_mode(np.diag([1.0, 0.0]), np.zeros((0, 2)), M) == (None, False)
 
 
 SHELL = """  q:

@@ -66,7 +66,9 @@ class Chain:
         return np.sqrt(np.linalg.eigvalsh(L @ K[np.ix_(free, free)] @ L.T))
 
     def bent(self, force: float) -> tuple[float, float, float]:
-        """Way of the tip across and back, and its turn, under a force that keeps its direction."""
+        """Displacement of the tip across and back, and its turn, under a force that keeps its
+        direction.
+        """
         start = self.nodes.copy()
         tip = self.order[-1]
         arm = np.array([1.0, 0.0, 0.0]) - start[tip].r
@@ -76,9 +78,9 @@ class Chain:
             n = self.nodes
             n[:] = start
             n.force[:], n.torque[:] = 0.0, 0.0
-            for i, (dx, dz, turn) in zip(self.order, x.reshape(-1, 3), strict=True):
+            for i, (dx, dz, rotation) in zip(self.order, x.reshape(-1, 3), strict=True):
                 n[i].r += [dx, 0.0, dz]
-                n[i].q = product(exponential(np.array([0.0, -turn, 0.0])), start[i].q)
+                n[i].q = product(exponential(np.array([0.0, -rotation, 0.0])), start[i].q)
                 n[i].A = matrix(n[i].q).ravel()
             for k, p in enumerate(self.springs):
                 args = (0.0, 0.0, n, None, None)
@@ -95,8 +97,8 @@ class Chain:
             x = newton(partial(left, load=share * force), x)
             assert np.abs(left(x, share * force)).max() < 1e-6 * force
         lever = matrix(self.nodes[tip].q) @ matrix(start[tip].q).T @ arm
-        place = self.nodes[tip].r + lever
-        return float(place[2]), float(1.0 - place[0]), float(x[-1])
+        position = self.nodes[tip].r + lever
+        return float(position[2]), float(1.0 - position[0]), float(x[-1])
 
 
 def newton(left: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
@@ -130,9 +132,9 @@ def test_frequencies_of_a_cantilever_converge_with_the_square_of_the_length(
 
 def test_one_spring_has_the_stiffness_of_the_whole_beam(tmp_path: Path) -> None:
     # small: the way along the axis is some (P L^2 / E I)^2 of it
-    across, _, turn = Chain(tmp_path, 1).bent(1e-3 * EI)
+    across, _, rotation = Chain(tmp_path, 1).bent(1e-3 * EI)
     assert across == pytest.approx(1e-3 / 3.0, rel=1e-5)
-    assert turn == pytest.approx(1e-3 / 2.0, rel=1e-5)
+    assert rotation == pytest.approx(1e-3 / 2.0, rel=1e-5)
 
 
 def test_large_deflections_converge_with_the_square_of_the_length(tmp_path: Path) -> None:

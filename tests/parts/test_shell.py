@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from shells import KINDS, ODD, PATCH, SQUARE, STEEL, Elements, any_turn
+from shells import KINDS, ODD, PATCH, SQUARE, STEEL, Elements, any_rotation
 
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.elements.shells.records import BLOCK
 from crashsolve.model.build import build
-from crashsolve.parts.shells.records import BLOCK
 from crashsolve.system.points import bound_rate
 
 E, NU = STEEL["young"], STEEL["poisson"]
@@ -34,11 +34,11 @@ def inner(mesh: list, elements: Elements) -> list[int]:
     return [4, 5, 6, 7] if mesh is PATCH else []
 
 
-def placed(mesh: tuple, turn: np.ndarray) -> tuple:
+def placed(mesh: tuple, rotation: np.ndarray) -> tuple:
     """The mesh somewhere else in space."""
     nodes = np.asarray(mesh[0], float)
     nodes = np.hstack([nodes, np.zeros((len(nodes), 3 - nodes.shape[1]))])
-    return ((nodes @ turn.T + [0.3, -0.2, 0.5]).tolist(), mesh[1])
+    return ((nodes @ rotation.T + [0.3, -0.2, 0.5]).tolist(), mesh[1])
 
 
 def test_a_patch_holds_constant_strain_of_its_plane(tmp_path: Path, kind: str) -> None:
@@ -77,7 +77,7 @@ def test_rigid_motions_strain_nothing(tmp_path: Path, kind: str, seed: int) -> N
     shell = Elements(tmp_path, WARPED, element=kind)
     rest = shell.state.blocks.copy()
     for _ in range(3):
-        shell.turn(rng.normal(size=3), rng.normal(size=3), rng.normal(size=3))
+        shell.rotation(rng.normal(size=3), rng.normal(size=3), rng.normal(size=3))
     change = (shell.state.blocks - rest).reshape(-1, int(shell.p.stride) // 16, 16)[0, 6:, 0]
     # round-off of strains is 1e-16; a strain of 1 gives stresses of E
     assert np.abs(change).max() < 1e-13 * E
@@ -87,7 +87,7 @@ def test_a_strained_element_turns_its_forces_with_it(tmp_path: Path, kind: str, 
     rng = np.random.default_rng(seed)
     shell = Elements(tmp_path, WARPED, element=kind)
     before = shell.move(1e-2 * rng.normal(size=(4, 6)))
-    R = shell.turn(rng.normal(size=3), rng.normal(size=3), rng.normal(size=3))
+    R = shell.rotation(rng.normal(size=3), rng.normal(size=3), rng.normal(size=3))
     after = np.hstack([shell.points.force, shell.points.torque])
     expected = np.hstack([before[:, :3] @ R.T, before[:, 3:] @ R.T])
     np.testing.assert_allclose(after, expected, atol=1e-12 * np.abs(before).max())
@@ -95,7 +95,7 @@ def test_a_strained_element_turns_its_forces_with_it(tmp_path: Path, kind: str, 
 
 def test_forces_and_moments_balance_also_when_warped(tmp_path: Path, kind: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    shell = Elements(tmp_path, placed(WARPED, any_turn(seed)), element=kind)
+    shell = Elements(tmp_path, placed(WARPED, any_rotation(seed)), element=kind)
     force = shell.move(0.05 * rng.normal(size=(4, 6)))
     size = np.abs(force).max()
     np.testing.assert_allclose(force[:, :3].sum(0), 0.0, atol=1e-14 * size)
@@ -123,11 +123,11 @@ def test_only_rigid_and_some_drilling_motions_cost_nothing(
 def test_the_work_of_the_nodes_is_stored(tmp_path: Path, kind: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     shell = Elements(tmp_path, ODD, element=kind)
-    way, work = rng.normal(size=(4, 6)), 0.0
+    direction, work = rng.normal(size=(4, 6)), 0.0
     last = np.zeros((4, 6))
     for _ in range(20):
-        force = shell.move(1e-5 * way)
-        work -= 0.5 * 1e-5 * (way * (force + last)).sum()
+        force = shell.move(1e-5 * direction)
+        work -= 0.5 * 1e-5 * (direction * (force + last)).sum()
         last = force
     out = shell.energies()
     # two by two points leave nothing to a stiffness of its own
@@ -147,10 +147,10 @@ def test_the_step_bounds_the_highest_frequency(
         nodes = np.column_stack([nodes, rng.uniform(-0.12, 0.12, 4)])
     shell = Elements(tmp_path, (nodes.tolist(), SQUARE[1]), thickness, element=kind)
     highest = highest_rate(shell)
-    told = float(shell.clock.element_rate)
+    reported = float(shell.clock.element_rate)
     # that of a triangle is a sum: row sums of bending, and the trace of shear
     share = 0.4 if kind == "triangles" else 0.5
-    assert share * told < highest <= told
+    assert share * reported < highest <= reported
 
 
 def highest_rate(shell: Elements) -> float:
@@ -168,11 +168,11 @@ def test_the_step_of_a_mesh_is_bounded_by_the_masses_of_its_nodes(
     highest = highest_rate(shell)
     shell.move(np.zeros((8, 6)))
     worst = float(shell.clock.element_rate)
-    told = 0.0
+    reported = 0.0
     for b in shell.points:
-        told = bound_rate(told, b)
+        reported = bound_rate(reported, b)
     # the element in the middle is the smallest; two of its nodes have more of others
-    assert highest <= told < 0.9 * worst
+    assert highest <= reported < 0.9 * worst
 
 
 def test_turning_corners_of_a_warped_element_do_not_stretch_its_middle(

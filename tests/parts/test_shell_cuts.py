@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from shells import KINDS, PATCH, Elements
 
+from crashsolve.elements.shells import section_cut
+from crashsolve.elements.shells.forces import blocks
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.rows import as_rows
-from crashsolve.parts.shells import section_cut
-from crashsolve.parts.shells.elements import blocks
 
 CUTS = [
     {"name": "across", "at": [0.1, 0, 0], "normal": [1, 0, 0]},
@@ -19,7 +19,7 @@ CUTS = [
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_section_hands_on_all_force_and_moment(kind: str, tmp_path: Path) -> None:
-    shell = Elements(tmp_path, PATCH, 0.01, element=kind, cuts=CUTS)
+    shell = Elements(tmp_path, PATCH, 0.01, element=kind, section_cuts=CUTS)
     start, rng = shell.points.r.copy(), np.random.default_rng(3)
     shell.move(1e-3 * rng.normal(size=(8, 6)))
     wrench = shell.move(1e-3 * rng.normal(size=(8, 6)))
@@ -27,7 +27,7 @@ def test_a_section_hands_on_all_force_and_moment(kind: str, tmp_path: Path) -> N
     for cut, card in zip(cuts, CUTS, strict=True):
         front = (start - card["at"]) @ np.array(card["normal"], float) > 0.0
         force, torque = wrench[front, :3], wrench[front, 3:]
-        x = shell.points.r[front] - cut["place"]
+        x = shell.points.r[front] - cut["position"]
         moment = (torque + np.cross(x, force)).sum(0)
         # round-off of the forces of single elements, which inside the front add up to nothing
         size = np.abs(wrench).max()
@@ -45,8 +45,8 @@ def measured(shell: Elements) -> np.ndarray:
     section_cut.open_cuts(scene)
     for tap in scene.taps:
         if tap.first != before:
-            place = (tap.first, tap.corner, scene, shell.material)
-            blocks.respond(kinds[int(tap.kind)], shell.p, 0.0, *place)
+            position = (tap.first, tap.corner, scene, shell.material)
+            blocks.respond(kinds[int(tap.kind)], shell.p, 0.0, *position)
         before = tap.first
         section_cut.add_tap(tap, scene)
     section_cut.close_cuts(scene)
@@ -56,4 +56,4 @@ def measured(shell: Elements) -> np.ndarray:
 def test_a_plane_beside_the_part_is_refused(tmp_path: Path) -> None:
     beside = [{"name": "beside", "at": [9, 0, 0], "normal": [1, 0, 0]}]
     with pytest.raises(DeckErrors, match="plane of 'beside' cuts no element"):
-        Elements(tmp_path, PATCH, cuts=beside)
+        Elements(tmp_path, PATCH, section_cuts=beside)

@@ -55,7 +55,7 @@ def test_deleted_elements_are_hidden_in_pictures(tmp_path: Path) -> None:
             hidden.append(int(file["part_torn/vtkGhostType"][0]))
     # it tears at half of the time
     assert hidden[0] == 0 and hidden[-1] == 32
-    # and the end of the run tells of them
-    told = json.loads((tmp_path / "status.json").read_text("utf-8"))["deleted"]
-    assert (list(told), told["torn"]["count"]) == (["torn"], 1)
-    assert f"1, at {told['torn']['first']:.6g} s" in done.stdout
+    # and the end of the run reports them
+    reported = json.loads((tmp_path / "status.json").read_text("utf-8"))["deleted"]
+    assert (list(reported), reported["torn"]["count"]) == (["torn"], 1)
+    assert f"1, at {reported['torn']['first']:.6g} s" in done.stdout

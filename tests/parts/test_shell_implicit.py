@@ -14,12 +14,12 @@ from shells import ODD, PATCH, STEEL
 
 from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.elements.shells.forces import blocks
+from crashsolve.elements.shells.tangents import blocks as slopes
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.model.implicit.compliance import compliance
-from crashsolve.parts.shells.elements import blocks
-from crashsolve.parts.shells.tangents import blocks as slopes
 from crashsolve.system import points
 from crashsolve.system.implicit import global_matrix, stiffness
 
@@ -95,15 +95,15 @@ class Implicit:
         self.p = as_rows(group.parameters)[0]
         self.material = group.materials[0][1]
         words = [word for column, word in group.module.KINDS.items() if self.p[column]]
-        self.kinds = [import_module(f"crashsolve.parts.shells.elements.{word}") for word in words]
+        self.kinds = [import_module(f"crashsolve.elements.shells.forces.{word}") for word in words]
         for b in self.nodes[1:]:
             b.start_r, b.start_q, b.start_A = b.r, b.q, b.A
 
-    def place(self, motion: np.ndarray) -> None:
+    def position(self, motion: np.ndarray) -> None:
         """All bodies moved and turned (n, 6) from where they are."""
-        for b, way in zip(self.nodes[1:], motion, strict=True):
-            b.r = b.r + way[:3]
-            b.q = product(exponential(way[3:]), b.q)
+        for b, direction in zip(self.nodes[1:], motion, strict=True):
+            b.r = b.r + direction[:3]
+            b.q = product(exponential(direction[3:]), b.q)
             b.A = matrix(b.q).ravel()
 
     def carry(self) -> None:
@@ -133,7 +133,7 @@ class Implicit:
         stiffness.reach(self.nodes, self.scene)
         for kind in self.kinds:
             word = kind.__name__.rpartition(".")[2].lstrip("_")
-            file = import_module(f"crashsolve.parts.shells.tangents.{word}")
+            file = import_module(f"crashsolve.elements.shells.tangents.{word}")
             slopes.tangent(file, self.p, H, self.scene, matrix, self.material)
         return self.matrix()
 
@@ -143,9 +143,9 @@ class Implicit:
         wanted = np.zeros((6 * n, 6 * n))
         for k in range(6 * n):
             for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
-                way = np.zeros(6 * n)
-                way[k] = steps * size
-                self.place(way.reshape(n, 6))
+                direction = np.zeros(6 * n)
+                direction[k] = steps * size
+                self.position(direction.reshape(n, 6))
                 wanted[:, k] -= weight * self.force().ravel() / (12.0 * size)
                 self.nodes[:] = kept
         return wanted
@@ -175,13 +175,13 @@ def test_the_tangent_is_the_derivative_of_the_forces(tmp_path: Path, case: str) 
     element, mesh, material, words = CASES[case]
     bench = Implicit(tmp_path, element, mesh, material, words)
     n, rng = len(bench.nodes) - 1, np.random.default_rng(3)
-    turn = np.array([0.2, -0.3, 0.5])
+    rotation = np.array([0.2, -0.3, 0.5])
     for size in (6e-3, 3e-3):
         # a large turn of the whole, and strains well beyond yield (1e-3), back in part
         motion = size * rng.normal(size=(n, 6)) * (0.2 if mesh is PATCH else 1.0)
-        motion[:, :3] += (matrix(exponential(turn)) - np.eye(3)).dot(bench.nodes.r[1:].T).T
-        motion[:, 3:] += turn
-        bench.place(motion)
+        motion[:, :3] += (matrix(exponential(rotation)) - np.eye(3)).dot(bench.nodes.r[1:].T).T
+        motion[:, 3:] += rotation
+        bench.position(motion)
         if size == 6e-3:
             bench.begin()
     # small beside 1e-3, at which the tangent changes; forces of 1e-15 over it are 1e-10
@@ -268,9 +268,9 @@ def test_steps_of_radau_go_on_from_a_dump_to_the_same_bits(tmp_path: Path) -> No
     done = crashsolve(deck, "-o", tmp_path / "whole")
     assert done.returncode == 0, done.stdout + done.stderr
     # stages one after the other leave up to 0.37 of an error of 1 at the start of steps that bend
-    # far: sixteen passes to 3e-9; the rest closes the joint
-    told = next(line for line in done.stdout.splitlines() if "iterations per step" in line)
-    assert float(told.split()[-1]) < 18.0
+    # far: sixteen iterations to 3e-9; the rest closes the joint
+    reported = next(line for line in done.stdout.splitlines() if "iterations per step" in line)
+    assert float(reported.split()[-1]) < 18.0
     assert "t = 0.005 s" in gone_on(deck, tmp_path / "whole", tmp_path / "again")
 
 

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from shells import KINDS, ODD, SQUARE, Elements
 
-from crashsolve.foundation.curve import curve_line, curve_value, pack
-from crashsolve.foundation.rows import as_rows
-from crashsolve.materials._von_mises import LAYER
-from crashsolve.parts.shells.plasticity import transverse_square
-from crashsolve.parts.shells.records import (
+from crashsolve.elements.shells.plasticity import transverse_square
+from crashsolve.elements.shells.records import (
     BLOCK,
     SLOT,
     WORK,
 )
-from crashsolve.parts.shells.return_mapping import NEAR, step_to_root
+from crashsolve.elements.shells.return_mapping import NEAR, step_to_root
+from crashsolve.foundation.curve import curve_line, curve_value, pack
+from crashsolve.foundation.rows import as_rows
+from crashsolve.materials._von_mises import LAYER
 
 STRAIN = LAYER.plastic_strain
 BASE = {"type": "elastoplastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
@@ -111,16 +111,16 @@ def test_transverse_shear_yields_with_the_layers(tmp_path: Path, kind: str) -> N
 
 def test_the_hourglass_yields_by_its_mean_square(tmp_path: Path) -> None:
     shell = Elements(tmp_path, SQUARE, 0.1, MATERIALS["perfect"], layers=3)
-    way = np.zeros((4, 6))
-    way[:, :2] = np.outer([1e-4, -1e-4, 1e-4, -1e-4], [3.0, 4.0])
+    direction = np.zeros((4, 6))
+    direction[:, :2] = np.outer([1e-4, -1e-4, 1e-4, -1e-4], [3.0, 4.0])
     for _ in range(100):
-        shell.move(way)
+        shell.move(direction)
     # of the unit square A int h_x^2 is 4/3, with the slopes h_x = 4 y of xi eta
     stress = shell.rows(BLOCK.hourglass_plane, 2)[0] / (0.1 * np.sqrt(4.0 / 3.0))
     assert np.linalg.norm(stress) == pytest.approx(Y, rel=1e-12)
     assert stress[1] / stress[0] == pytest.approx(4.0 / 3.0, rel=1e-12)
     # stretching it as well takes from both
-    shell.move(way + 1e-3 * stretched([1.0, 0.0, 0.0]))
+    shell.move(direction + 1e-3 * stretched([1.0, 0.0, 0.0]))
     less = np.linalg.norm(shell.rows(BLOCK.hourglass_plane, 2)[0]) / (0.1 * np.sqrt(4.0 / 3.0))
     assert less < 0.9 * Y
     for slot, row in enumerate(shell.layers()):
@@ -164,10 +164,10 @@ def test_the_line_of_a_curve_touches_it(bend: float) -> None:
         assert end == (1e300 if x > 3.0 else -1.0 if bend else 1.0 if x < 1.0 else 3.0)
 
 
-@pytest.mark.parametrize("way", ["linear", "smooth"])
-def test_layers_follow_a_curve_over_its_corners_to_round_off(tmp_path: Path, way: str) -> None:
+@pytest.mark.parametrize("case", ["linear", "smooth"])
+def test_layers_follow_a_curve_over_its_corners_to_round_off(tmp_path: Path, case: str) -> None:
     points = [[0.0, Y], [0.002, 230.0], [0.003, 260.0], [0.01, 280.0], [1.0, 300.0]]
-    words = {"points": points, "interpolation": way}
+    words = {"points": points, "interpolation": case}
     material = {k: v for k, v in BASE.items()} | {"curve": "flow"}
     shell = Elements(tmp_path, ODD, 0.1, material, layers=5, curves={"flow": words})
     rng, corners = np.random.default_rng(2), set()
@@ -205,9 +205,9 @@ def test_pull_and_push_follow_the_law_of_hardening(tmp_path: Path, name: str) ->
     material = MATERIALS[name]
     shell = Elements(tmp_path, SQUARE, 0.01, material, layers=1)
     beta, stress = material.get("kinematic", 0.0), []
-    for way in (1, -1):
+    for direction in (1, -1):
         for _ in range(10):
-            pull(shell, way * 1e-3)
+            pull(shell, direction * 1e-3)
             stress.append(shell.layers()[0, 0])
     e = np.cumsum(np.repeat([1e-3, -1e-3], 10))
     slope = BASE["young"] * H / (BASE["young"] + H)
@@ -254,10 +254,10 @@ def test_the_rate_lifts_the_yield_stress_as_cowper_and_symonds_say(tmp_path: Pat
 def test_work_is_stored_or_plastic(tmp_path: Path, material: dict[str, Any], kind: str) -> None:
     rng = np.random.default_rng(5)
     shell = Elements(tmp_path, ODD, 0.1, material, layers=4, element=kind)
-    way, work, last = rng.normal(size=(4, 6)), 0.0, np.zeros((4, 6))
+    direction, work, last = rng.normal(size=(4, 6)), 0.0, np.zeros((4, 6))
     for _ in range(50):
-        force = shell.move(6e-5 * way)
-        work -= 0.5 * 6e-5 * (way * (force + last)).sum()
+        force = shell.move(6e-5 * direction)
+        work -= 0.5 * 6e-5 * (direction * (force + last)).sum()
         last = force
     out = shell.energies()
     assert out.plastic > 0.1 * work
@@ -299,7 +299,9 @@ def test_johnson_and_cook_follow_their_formula_at_one_rate(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_element_that_has_failed_is_gone_and_its_energy_told(tmp_path: Path, kind: str) -> None:
+def test_an_element_that_has_failed_is_gone_and_its_energy_reported(
+    tmp_path: Path, kind: str
+) -> None:
     shell = Elements(tmp_path, SQUARE, 0.01, MATERIALS["failing"], layers=3, element=kind)
     work, last = 0.0, np.zeros((4, 6))
     motion = stretched([3e-4, -1.2e-4, 9e-5])

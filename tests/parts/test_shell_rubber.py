@@ -60,9 +60,9 @@ def taken(shell: Elements, F: np.ndarray, steps: int) -> np.ndarray:
 
 
 @KINDS
-@pytest.mark.parametrize("way", F_END)
-def test_stress_and_energy_are_those_of_the_formula(tmp_path: Path, way: str, kind: str) -> None:
-    F = np.array(F_END[way])
+@pytest.mark.parametrize("case", F_END)
+def test_stress_and_energy_are_those_of_the_formula(tmp_path: Path, case: str, kind: str) -> None:
+    F = np.array(F_END[case])
     shell = sheet(tmp_path, kind)
     force = taken(shell, F, 100)
     stress, energy, across = cauchy(F)
@@ -93,17 +93,17 @@ def test_a_closed_path_costs_nothing(tmp_path: Path, kind: str) -> None:
 
 
 @KINDS
-@pytest.mark.parametrize("way", ["stretched", "pulled", "both"])
-def test_a_stretched_sheet_does_not_flutter(tmp_path: Path, way: str, kind: str) -> None:
+@pytest.mark.parametrize("case", ["stretched", "pulled", "both"])
+def test_a_stretched_sheet_does_not_flutter(tmp_path: Path, case: str, kind: str) -> None:
     """Frequencies about a large strain are real, and below the bound."""
     shell = sheet(tmp_path, kind)
-    taken(shell, np.array((F_END | {"stretched": [[1.6, 0.0], [0.0, 1.0]]})[way]), 50)
-    told, start, rest = float(shell.clock.element_rate), shell.points.copy(), shell.state.blocks
+    taken(shell, np.array((F_END | {"stretched": [[1.6, 0.0], [0.0, 1.0]]})[case]), 50)
+    reported, start, rest = float(shell.clock.element_rate), shell.points.copy(), shell.state.blocks
     rest, columns = rest.copy(), []
-    for way in np.eye(24):
+    for direction in np.eye(24):
         ends = []
         for size in (1e-8, -1e-8):
-            ends.append(shell.move(size * way.reshape(4, 6)).ravel())
+            ends.append(shell.move(size * direction.reshape(4, 6)).ravel())
             shell.points[:], shell.state.blocks[:] = start, rest
         columns.append((ends[1] - ends[0]) / 2e-8)
     K = np.array(columns).T
@@ -111,7 +111,7 @@ def test_a_stretched_sheet_does_not_flutter(tmp_path: Path, way: str, kind: str)
     squared = np.linalg.eigvals(inverse[:, None] * K)
     assert np.abs(squared.imag).max() < 1e-4 * squared.real.max()
     assert squared.real.min() > -1e-4 * squared.real.max()
-    assert squared.real.max() <= told
+    assert squared.real.max() <= reported
 
 
 def test_without_thinning_it_is_refused(tmp_path: Path) -> None:

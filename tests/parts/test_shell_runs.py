@@ -48,17 +48,17 @@ def test_states_hold_what_histories_hold(whole: tuple[Path, Path]) -> None:
         moment = float(file.attrs["time"])
         fields = {name: file["part_plate"][name][:] for name in file["part_plate"]}
     series = result.series("rbdout.plate_mid.position.z")
-    place = float(np.interp(moment, series.time, series.values))
+    position = float(np.interp(moment, series.time, series.values))
     # single precision
-    assert fields["displacement"][:, 2].min() == pytest.approx(place, rel=1e-6)
+    assert fields["displacement"][:, 2].min() == pytest.approx(position, rel=1e-6)
     assert fields["displacement"].shape == (441, 3)
     assert (fields["plastic_strain_top"] > 0.0).any()
     assert fields["thickness"].min() < 0.002
     # the energies of all elements are those of the part
     area = (0.3 / 20) ** 2
     plastic = (fields["plastic_energy_density"] * 0.002 * area).sum()
-    told = result.series("matsum.plate.plastic").values[-1]
-    assert plastic == pytest.approx(told, rel=1e-5)
+    reported = result.series("matsum.plate.plastic").values[-1]
+    assert plastic == pytest.approx(reported, rel=1e-5)
     assert (fields["von_mises"] < 2e8 * (1.0 + 1e-6)).all()
 
 
@@ -70,9 +70,9 @@ def test_energies_of_shells_are_booked_under_their_own_names(whole: tuple[Path, 
 
     of_part = {"elastic": "strain", "hourglass": "hourglass", "plastic": "plastic"}
     for entry, name in of_part.items():
-        told = values(f"glstat.model.energy.{entry}")
-        assert told.max() > 0.0
-        assert np.array_equal(told, values(f"matsum.plate.{name}"))
+        reported = values(f"glstat.model.energy.{entry}")
+        assert reported.max() > 0.0
+        assert np.array_equal(reported, values(f"matsum.plate.{name}"))
     internal = values("matsum.plate.strain") + values("matsum.plate.plastic")
     assert np.array_equal(values("glstat.model.energy.internal"), internal)
     # the ball meets the plate, and there is no spring

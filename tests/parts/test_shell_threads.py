@@ -15,12 +15,12 @@ from shells import Elements
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.deck.run_cards.control import CORES_GIVEN
+from crashsolve.elements.shells.forces import blocks
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.model.partition import PIECES, cut
-from crashsolve.parts.shells.elements import blocks
 from crashsolve.system.compose import compose
-from crashsolve.system.threads import jobs, worker
+from crashsolve.threads import jobs, worker
 
 # a worker compiles the scene once
 pytestmark = pytest.mark.xdist_group("threads")
@@ -56,7 +56,7 @@ parts:
     layers: 3
     thinning: true
     nodes: [{name: mid, at: [0.15, 0.15, 0]}]
-    hold: [{nodes: u0}, {nodes: v0, motions: [x, z]}]
+    supports: [{nodes: u0}, {nodes: v0, motions: [x, z]}]
   other:
     type: shell
     mesh: {type: grid, along: [0.1, 0, 0], across: [0, 0.1, 0], elements: [5, 5],
@@ -170,31 +170,33 @@ def test_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Pa
 def test_a_step_too_long_stops_any_number_of_threads_alike(
     two: tuple[Path, Path], tmp_path: Path
 ) -> None:
-    told = set()
+    reported = set()
     for threads in "13":
         # some ten times the stable one
         words = ("--set", "control.step=3e-5", "--set", f"control.threads={threads}")
         done = crashsolve(two[0], "-o", tmp_path / threads, *words)
         assert done.returncode == 4
-        told.add(next(line for line in done.stderr.splitlines() if "take a shorter step" in line))
-    assert len(told) == 1
+        reported.add(
+            next(line for line in done.stderr.splitlines() if "take a shorter step" in line)
+        )
+    assert len(reported) == 1
 
 
 def test_every_piece_is_taken_once_whoever_comes_when() -> None:
     rng, next_piece = random.Random(1), worker.next_piece
     for threads, pieces in ((1, 1), (2, 8), (3, 2), (8, 33)):
-        turns = np.zeros(worker.QUEUES + worker.LINE * threads, np.int64)
+        rotations = np.zeros(worker.QUEUES + worker.LINE * threads, np.int64)
         for _ in range(3):
-            called = worker.call(pieces, threads, turns)
+            called = worker.call(pieces, threads, rotations)
             taken = []
-            while (k := next_piece(rng.randrange(threads), called, threads, turns)) >= 0:
+            while (k := next_piece(rng.randrange(threads), called, threads, rotations)) >= 0:
                 taken.append(k)
-                worker.finish(turns)
+                worker.finish(rotations)
             assert sorted(taken) == list(range(pieces))
-            worker.wait_for_all(pieces, turns)
+            worker.wait_for_all(pieces, rotations)
         # one that comes late to a round finds nothing of the next
-        worker.call(pieces, threads, turns)
-        assert next_piece(0, called, threads, turns) == -1
+        worker.call(pieces, threads, rotations)
+        assert next_piece(0, called, threads, rotations) == -1
 
 
 def test_who_waits_long_sleeps(monkeypatch: pytest.MonkeyPatch) -> None:

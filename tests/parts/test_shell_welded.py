@@ -1,4 +1,4 @@
-"""Claims of shells that are part of other bodies: mass goes over whole, mistakes are refused."""
+"""Claims of shells that are part of other bodies: mass goes over whole, errors are refused."""
 
 from pathlib import Path
 from typing import Any
@@ -63,8 +63,8 @@ def test_points_ride_where_they_are_and_on_the_nearest_node(tmp_path: Path) -> N
     assert len(model.elements.attached_points) == 4
     for attached_point in model.elements.attached_points:
         node, point = state.nodes[attached_point["node"]], state.points[attached_point["point"]]
-        place = node["r"] + node["A"].reshape(3, 3) @ attached_point["spot"]
-        np.testing.assert_allclose(place, point["r"], atol=1e-15)
+        position = node["r"] + node["A"].reshape(3, 3) @ attached_point["spot"]
+        np.testing.assert_allclose(position, point["r"], atol=1e-15)
         if point["r"][0] > 0.1:
             wanted = "rib_start" if point["r"][1] < 0.05 else "rib_end"
             assert model.bodies[attached_point["node"]] == wanted
@@ -72,7 +72,7 @@ def test_points_ride_where_they_are_and_on_the_nearest_node(tmp_path: Path) -> N
 
 WRONG = {
     "set": ("nodes: u0", "nodes: rim", "the mesh has no set of nodes 'rim' (sets: "),
-    "ground": ("to: hub", "to: ground", "the ground holds nodes by `hold`"),
+    "ground": ("to: hub", "to: ground", "the ground holds nodes by `supports`"),
     "twice": ("nodes: u0", "nodes: u1", "held, welded or named otherwise already"),
     "within": (
         "to: hub",
@@ -104,10 +104,10 @@ def test_a_weld_reaches_no_farther_than_an_element_or_what_the_card_allows(tmp_p
     assert len(model_of(tmp_path, FAR.replace("{z}", "0.0999"))[0].elements.attached_points) == 4
     with pytest.raises(DeckErrors) as caught:
         model_of(tmp_path, FAR.replace("{z}", "0.3"))
-    told = str(caught.value)
-    assert "welded: the node at (0.2, 0, 0) m is 0.3 m from the nearest node of 'rib'" in told
-    assert "more than 0.1 m (the longest side of its elements)" in told
-    assert "allow the distance by within" in told
+    reported = str(caught.value)
+    assert "welded: the node at (0.2, 0, 0) m is 0.3 m from the nearest node of 'rib'" in reported
+    assert "more than 0.1 m (the longest side of its elements)" in reported
+    assert "allow the distance by within" in reported
     near = "{nodes: u1, part: rib, within: 4 cm}"
     with pytest.raises(DeckErrors) as caught:
         model_of(tmp_path, FAR.replace("{nodes: u1, part: rib}", near).replace("{z}", "0.05"))

@@ -9,7 +9,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.recording.engines import engine_of
-from crashsolve.system.static.equilibrium import StaticEngine
+from crashsolve.statics.equilibrium import StaticEngine
 
 STRIP = Path(__file__).parents[2] / "decks" / "verification" / "parts" / "strip_static.yaml"
 # a worker compiles the scene once
@@ -52,4 +52,4 @@ def test_a_strip_buckles_as_a_column_does(tmp_path: Path) -> None:
     assert 0.011 * first == pytest.approx(1.0, abs=0.012)
     assert 0.011 * second == pytest.approx(1.0, abs=0.012)
     assert first < second
-    assert "strip" in caught.value.place
+    assert "strip" in caught.value.location

@@ -202,9 +202,11 @@ sensors: {tip: {type: displacement, b: arm_tip}}
 
 
 def tip_in_closed_form() -> tuple[float, float]:
-    """Way of the tip along y and z under 100 and 200 N: Timoshenko's beam between rigid joints."""
+    """Displacement of the tip along y and z under 100 and 200 N: Timoshenko's beam between rigid
+    joints.
+    """
     a, b, t, E = 0.048, 0.068, 0.002, 2.1e11
-    ways = []
+    directions = []
     # bending about z, the flanges along z are b wide and the webs a high; then about y
     for force, flange, web in ((100.0, b, a), (200.0, a, b)):
         second = t * web**2 * (flange / 2 + web / 6)
@@ -212,8 +214,8 @@ def tip_in_closed_form() -> tuple[float, float]:
         flow = web**2 * flange**3 / 24 + 2 * (c * c * web + c * web**3 / 6 + web**5 / 120)
         r = 0.035
         bent = ((1 - r) ** 3 - r**3) / (3 * E * second)
-        ways.append(force * (bent + (1 - 2 * r) * t * flow / (E / 2.6 * second**2)))
-    return ways[0], ways[1]
+        directions.append(force * (bent + (1 - 2 * r) * t * flow / (E / 2.6 * second**2)))
+    return directions[0], directions[1]
 
 
 @pytest.mark.parametrize("word", ("hinges", "segments", "beams", "shells"))
@@ -261,7 +263,7 @@ def test_the_expanded_deck_runs_by_itself_to_the_same_bits(tmp_path: Path, word:
 
 @pytest.mark.parametrize("method", ("generalized_alpha", "radau_iia_5"))
 @pytest.mark.parametrize("word", ("segments", "beams"))
-def test_implicit_steps_have_welds_in_the_place_of_welded_nodes(
+def test_implicit_steps_have_welds_in_place_of_welded_nodes(
     tmp_path: Path, word: str, method: str
 ) -> None:
     text = CANTILEVER.replace("DESCRIPTION", word)
@@ -274,7 +276,7 @@ def test_implicit_steps_have_welds_in_the_place_of_welded_nodes(
 
 WRONG = {
     "to: B, side: [1, 0, 0]": ("to: E, side: [1, 0, 0]", "unknown point 'E'; (points: A, B, C, D)"),
-    "from: A, to: B": ("from: B, to: B", "begins and ends in one place"),
+    "from: A, to: B": ("from: B, to: B", "begins and ends in one position"),
     "section: tube": ("divisions: 3", "has no section; give it one"),
     "side: [0, 0, 1]": ("damping: 0", "bends more easily one way"),
     "divisions: 12": ("divisions: 0", "divisions: must be at least 1, not 0"),
@@ -302,7 +304,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("right", list(WRONG))
-def test_a_mistake_is_refused_at_the_line_of_the_structure(tmp_path: Path, right: str) -> None:
+def test_an_error_is_refused_at_the_line_of_the_structure(tmp_path: Path, right: str) -> None:
     wrong, message = WRONG[right]
     text = FRAME.replace("DESCRIPTION", "hinges")
     assert right in text

@@ -103,10 +103,10 @@ def test_the_bound_of_the_step_grows_with_tension_and_bow(
     text = DECK.replace("DAMPING", "0").replace(SECTIONS["stocky"], SECTIONS[section])
     law = Bench(tmp_path, "", text).law("parts", "s_1")
     nodes = law.bench.nodes
-    way = nodes.r[2] - nodes.r[1]
-    law.bench.move(2, r=nodes.r[1] + (1.0 + stretch) * way)
-    turns = np.random.default_rng(3).uniform(-bend, bend, 12)
-    shift(law, law.bench.state(), turns, np.zeros(12), 1.0)
+    direction = nodes.r[2] - nodes.r[1]
+    law.bench.move(2, r=nodes.r[1] + (1.0 + stretch) * direction)
+    rotations = np.random.default_rng(3).uniform(-bend, bend, 12)
+    shift(law, law.bench.state(), rotations, np.zeros(12), 1.0)
     load(law)
     bound = 2.0 * nodes.stiffness[1:].max()
     start, columns = law.bench.state(), []

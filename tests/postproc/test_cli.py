@@ -167,10 +167,10 @@ def test_numbers_of_a_run_that_did_not_end_say_so(
     # of another machine, on which the process may live
     write_status(cars, state, host="elsewhere")
     for ask in asks:
-        code, out, told = crashpost(*ask)
+        code, out, reported = crashpost(*ask)
         assert code == 0
         assert out.strip()
-        assert f"not finished ({state} at t = 0.140496 s)" in told
+        assert f"not finished ({state} at t = 0.140496 s)" in reported
 
 
 @pytest.mark.parametrize("arguments", [("-o", "no/such/folder/x.csv"), ("nothing*", "-o", "x.csv")])
@@ -285,14 +285,16 @@ def test_a_statistic_may_stand_behind_its_channel(
     words = (f"{SPEED_A}:max", f"{SPEED_A}:argmin", f"{SPEED_A}:integral", f"{SPEED_A}:mean")
     assert crashpost("plot", cars, *words, "-o", picture)[0] == 0
     drawn = picture.read_text()
-    for told in ("max 15 m/s", "argmin 140.5 ms", "integral ", "mean "):
-        assert told in drawn
+    for reported in ("max 15 m/s", "argmin 140.5 ms", "integral ", "mean "):
+        assert reported in drawn
     assert "say which number" in crashpost("value", cars, SPEED_A)[2]
     assert "did you mean 'max'?" in crashpost("plot", cars, f"{SPEED_A}:mx")[2]
     assert "whole histories" in crashpost("export", cars, f"{SPEED_A}:max", "-o", picture)[2]
 
 
-def test_a_time_without_a_sample_is_told(cars: Path, crashpost: Command, tmp_path: Path) -> None:
+def test_a_time_without_a_sample_is_reported(
+    cars: Path, crashpost: Command, tmp_path: Path
+) -> None:
     between, sampled = float(TIME[100] + TIME[101]) / 2, float(TIME[100])
     code, out, err = crashpost("value", cars, f"{SPEED_A}:at:{between!r}")
     exact = SPEED * (2 + np.cos(np.pi * between / TIME[-1])) / 3

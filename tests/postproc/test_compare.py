@@ -31,7 +31,7 @@ def shifted(folder: Path, share: float) -> Path:
     return folder
 
 
-def test_a_difference_is_told_over_the_range_with_its_time(tmp_path: Path) -> None:
+def test_a_difference_is_reported_over_the_range_with_its_time(tmp_path: Path) -> None:
     runs = [Result(shifted(tmp_path / f"{k}", share)) for k, share in enumerate((0.0, 0.02))]
     found = compare(runs)
     worst = found.differences[0]
@@ -42,7 +42,7 @@ def test_a_difference_is_told_over_the_range_with_its_time(tmp_path: Path) -> No
     assert all(one.largest == 0.0 for one in found.differences[1:])
 
 
-def test_the_exit_code_tells_whether_results_differ(
+def test_the_exit_code_states_whether_results_differ(
     tmp_path: Path, cars: Path, crashpost: Command
 ) -> None:
     near, far = shifted(tmp_path / "n", 0.005), shifted(tmp_path / "f", 0.02)
@@ -188,7 +188,7 @@ def test_iso_mme_of_uneven_samples_refers_to_their_times(
     [
         ("nodout.head.acceleration.x", "m/s^2", "1???????????ACX0"),
         ("glstat.model.energy.kinetic", "J", "1???????????" + "??" + "00"),
-        ("deforc.turn.moment", "N m", "1???????????MO00"),
+        ("deforc.rotation.moment", "N m", "1???????????MO00"),
         ("rbdout.a.velocity.resultant", "m/s", "1???????????VER0"),
         ("hinge.a.angle", "rad", "1???????????AN00"),
         ("rcforc.a.onsets", "1", "1???????????" + "??" + "00"),

@@ -78,9 +78,9 @@ def test_compare_says_how_a_result_keeps_to_the_corridor_of_a_test(
     folder = sine_result(tmp_path / "run.results")
     test = tmp_path / "sled.csv"
     test.write_text("time [ms], lower [kN], upper [kN]\n0, -0.5, 2\n1000, -0.5, 2\n", "utf-8")
-    code, told, _ = crashpost("compare", folder, "rcforc.wall.normal", "--test", test)
+    code, reported, _ = crashpost("compare", folder, "rcforc.wall.normal", "--test", test)
     assert code == 1
-    assert "66.67 %" in told
+    assert "66.67 %" in reported
     test.write_text("time [ms], lower [kN], upper [kN]\n0, -2, 2\n1000, -2, 2\n", "utf-8")
-    code, told, _ = crashpost("compare", folder, "rcforc.wall.normal", "--test", test)
-    assert (code, "100 %" in told) == (0, True)
+    code, reported, _ = crashpost("compare", folder, "rcforc.wall.normal", "--test", test)
+    assert (code, "100 %" in reported) == (0, True)

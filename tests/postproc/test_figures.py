@@ -100,7 +100,7 @@ def test_lines_of_a_figure_differ_and_neighbours_in_dashes() -> None:
     assert all(a[1] != b[1] for a, b in itertools.pairwise(looks))
 
 
-def test_legends_tell_what_differs(tmp_path: Path) -> None:
+def test_legends_state_what_differs(tmp_path: Path) -> None:
     runs = [
         run(tmp_path / f"{k}.results", parameters=f'{{"speed": {v}, "mass": 3.0}}')
         for k, v in enumerate((10.0, 12.5))
@@ -115,7 +115,7 @@ def test_legends_tell_what_differs(tmp_path: Path) -> None:
         run(tmp_path / f"d{k}", deck=f"springs: {{s: {{stiffness: {k + 1}.0}}}}") for k in (0, 1)
     ]
     assert names(decks) == ["springs.s.stiffness 1", "springs.s.stiffness 2"]
-    # parameters that do not tell all apart tell nothing
+    # parameters that do not distinguish all tell nothing
     three = [
         run(tmp_path / f"t{k}", parameters=f'{{"v": {v}}}', deck=f"a: {{b: {k}}}")
         for k, v in enumerate((1.0, 1.0, 2.0))
@@ -308,7 +308,7 @@ def test_gap_crush_and_injury_come_by_default(tmp_path: Path) -> None:
     ):
         assert title in titles
     # the role says what is a head, not its name
-    assert [one.name for one in injury.places(result)] == ["Driver head"]
+    assert [one.name for one in injury.positions(result)] == ["Driver head"]
     rows = {row[1]: row[2:] for row in injury.measures(result)}
     # closed forms of a half sine, as in decks/tutorial/head_form.yaml
     assert rows["largest acceleration"] == ["50 g", "", "", "at 15 ms"]
@@ -342,10 +342,10 @@ def test_advice_is_not_what_was_done_already(tmp_path: Path) -> None:
     time = np.concatenate([np.arange(0, 200) * 1e-4, 0.0219 + np.arange(0, 200) * 1e-4])
     axes = {"acceleration/x": ("m/s^2", "", np.sin(200 * time)[:, None])}
     write_result(tmp_path, {"nodout": (["dummy"], axes)}, time)
-    with pytest.raises(PostError) as told:
+    with pytest.raises(PostError) as reported:
         Result(tmp_path).series("cfc(nodout.dummy.acceleration.x, 1000)")
-    assert "give output.history.interval" not in str(told.value)
-    assert "none for 2 ms from 19.9 ms on" in str(told.value)
+    assert "give output.history.interval" not in str(reported.value)
+    assert "none for 2 ms from 19.9 ms on" in str(reported.value)
 
 
 def test_the_load_criterion_of_a_constant_deceleration() -> None:
@@ -380,7 +380,7 @@ def test_too_many_curves_are_refused(tmp_path: Path) -> None:
     )
     result = Result(tmp_path)
     (figure,) = panels([result], ["r"], Wish(["rbdout.*"]))
-    with pytest.raises(PostError, match="can be told apart"):
+    with pytest.raises(PostError, match="can be determined apart"):
         draw.svg(result, figure, "f")
 
 

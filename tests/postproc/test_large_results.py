@@ -17,11 +17,11 @@ def test_extremes_in_slabs_are_those_of_the_histories(
 ) -> None:
     """Slabs of one sample, of some and of all; also the first sample where a value comes twice."""
     whole = [peak for peak in peaks(Result(cars))]
-    told = events(Result(cars))
+    reported = events(Result(cars))
     monkeypatch.setattr(extremes, "SLAB", size)
     result = Result(cars)
     assert [peak for peak in peaks(result)] == whole
-    assert events(result) == told
+    assert events(result) == reported
     for channel in result.channels():
         values = result.series(channel.name).values
         assert result.span(channel.name) == (values.min(), values.max())

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crashpost.reports.sights import look, scenes_of
+from crashpost.reports.views import look, scenes_of
 from crashpost.results.result import Result
 from crashpost.values.figure import figures_of
 

@@ -136,12 +136,12 @@ def test_magnified_displacements_are_so_many_times_as_large_and_said(
         np.testing.assert_allclose(
             large - CUBE, np.outer(np.ones(8), [0.5 * number, 0, 0]), atol=1e-7
         )
-    assert Look(magnify=5.0).told == "displacements x 5"
-    assert Look().told == ""
+    assert Look(magnify=5.0).note == "displacements x 5"
+    assert Look().note == ""
     picture = tmp_path / "strip.svg"
     code, _, _ = crashpost("render", run, "--magnify", "5", "-o", picture)
     assert code == 0
-    # forces act where bodies are, and have no place beside magnified ones
+    # forces act where bodies are, and have no position beside magnified ones
     with pytest.raises(PostError, match="magnified"):
         Scene(states, Look(arrows="rcforc", magnify=5.0))
     for wrong in ("0", "-2", "nan", "inf"):
@@ -261,9 +261,9 @@ def test_everything_is_within_the_picture_and_the_scale_bar_is_true() -> None:
 
 def test_sections_turn_with_their_nodes() -> None:
     """Rodrigues against a quarter turn, and no turn at all."""
-    turned = rotated(np.array([[0, 0, np.pi / 2], [0, 0, 0]]))
-    np.testing.assert_allclose(turned[0] @ [1, 0, 0], [0, 1, 0], atol=1e-15)
-    np.testing.assert_array_equal(turned[1], np.eye(3))
+    rotated_sections = rotated(np.array([[0, 0, np.pi / 2], [0, 0, 0]]))
+    np.testing.assert_allclose(rotated_sections[0] @ [1, 0, 0], [0, 1, 0], atol=1e-15)
+    np.testing.assert_array_equal(rotated_sections[1], np.eye(3))
 
 
 def test_times_have_a_unit_that_suits_the_run() -> None:
@@ -280,7 +280,7 @@ def pixels(path: Path) -> np.ndarray:
     return imread(path)[:, :, :3]
 
 
-def test_whose_vtk_dies_gets_a_plain_picture_and_is_told_what_helps(
+def test_whose_vtk_dies_gets_a_plain_picture_and_is_reported_what_helps(
     run: Path, crashpost: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     broken = tmp_path / "broken"
@@ -395,8 +395,8 @@ def test_the_packed_file_says_what_the_states_say(run: Path, crashpost: Command)
         reader.Update()
         assert reader.GetTimeValue() == TIMES[k]
         grid = pyvista.wrap(reader.GetOutput())
-        places = np.concatenate([states.positions(k, name) for name in blocks])
-        np.testing.assert_allclose(grid.points, places, atol=1e-6)
+        positions = np.concatenate([states.positions(k, name) for name in blocks])
+        np.testing.assert_allclose(grid.points, positions, atol=1e-6)
         sheet = grid.cell_data["block"] == blocks.index("part_sheet")
         wanted = states.read(k, "part_sheet", "von_mises")["von_mises"]
         np.testing.assert_allclose(grid.cell_data["von_mises"][sheet], wanted)

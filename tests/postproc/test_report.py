@@ -339,7 +339,7 @@ def test_an_impossible_plot_exits_with_2(
     assert words in err
 
 
-def test_the_page_tells_errors_and_cost(tmp_path: Path) -> None:
+def test_the_page_says_errors_and_cost(tmp_path: Path) -> None:
     write_result(tmp_path, two_cars(), title="Cars")
     entry = {"channel": FORCE, "statistic": "max", "during": [0.0, 0.1], "value": 6.7e6}
     entry |= {"unit": "N", "error": 670.0, "scale": 6.7e6, "how": "2 coarser runs, order <2>"}
@@ -370,7 +370,7 @@ def test_without_estimates_there_is_no_table_of_them(tmp_path: Path) -> None:
     assert 'id="errors"' not in text
 
 
-def test_states_of_a_newer_format_are_told_of(cars: Path, crashpost: Command) -> None:
+def test_states_of_a_newer_format_are_reported(cars: Path, crashpost: Command) -> None:
     (cars / "states").mkdir()
     for path in (cars / "mesh.h5", cars / "states" / "000000.h5"):
         with h5py.File(path, "w") as file:

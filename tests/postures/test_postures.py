@@ -83,7 +83,7 @@ WRONG = {
     "joints.joint: 'far' is given in the world": (
         "{root: trunk, joints: [{joint: hip}, {joint: far}]}"
     ),
-    "joints.angle: 'hip' has no axis to turn about": (
+    "joints.angle: 'hip' has no axis to rotate about": (
         "{root: trunk, joints: [{joint: knee}, {joint: hip, angle: 1}]}"
     ),
     "root: the ground cannot be placed": "{root: ground, joints: [{joint: hip}]}",
@@ -101,7 +101,9 @@ def test_a_posture_that_cannot_be_taken_is_refused(tmp_path: Path, message: str)
 
 
 def test_an_angle_past_the_range_is_refused_with_how_far(tmp_path: Path) -> None:
-    stop = "\nsprings: {s: {type: turn_limit, joint: knee, lower: 0, upper: 0.5, stiffness: 9}}\n"
+    stop = (
+        "\nsprings: {s: {type: rotation_stop, joint: knee, lower: 0, upper: 0.5, stiffness: 9}}\n"
+    )
     posture = "{root: thigh, joints: [{joint: knee, angle: 0.9}]}"
     text = CHAIN.replace("POSTURE", posture) + stop
     assert "turns 'knee' to 0.9 rad, 0.4 rad past the range" in refusal(tmp_path, text)

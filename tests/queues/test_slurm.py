@@ -20,7 +20,8 @@ ROOT = Path(__file__).resolve().parents[2]
 NODE = Path(__file__).parent / "one_node_slurm.sh"
 WAGON = ROOT / "decks" / "queue" / "wagon.yaml"
 CRASHSOLVE = f"{sys.executable} -m crashsolve"
-# [s] of CPU that a run takes: its job is told to stop after half of it, or sooner where others run
+# [s] of CPU that a run takes: its job is reported to stop after half of it, or sooner where others
+# run
 LASTS = 60.0
 
 pytestmark = [pytest.mark.queue, pytest.mark.xdist_group("slurm")]
@@ -124,7 +125,7 @@ def test_a_time_limit_is_outlived_by_going_back_to_the_queue(slurm: Path) -> Non
     assert (end["JobState"], end["ExitCode"]) == ("COMPLETED", "0:0")
     assert int(end["Restarts"]) >= 1
     log = (out / "log.txt").read_text("utf-8")
-    # Slurm may tell a job that its time is up before there is a dump to go on from
+    # Slurm may report a job that its time is up before there is a dump to go on from
     assert 1 <= log.count("going on from t = ") <= int(end["Restarts"])
     assert log.endswith("N o r m a l    t e r m i n a t i o n\n")
     assert crashsolve(deck, "-o", whole).returncode == 0
@@ -162,7 +163,7 @@ def test_a_sweep_outlives_time_limits_task_by_task(slurm: Path) -> None:
     done = crashsolve("sweep", plan, "-o", out, *words)
     assert done.returncode == 0, done.stderr
     wait_for_end(done.stdout.split("Submitted batch job ")[1].split()[0])
-    told = [path.read_text("utf-8") for path in sorted((out / "queue").glob("*.txt"))]
-    assert all("stopped, exit code 3" in text and "finished" in text for text in told)
+    reported = [path.read_text("utf-8") for path in sorted((out / "queue").glob("*.txt"))]
+    assert all("stopped, exit code 3" in text and "finished" in text for text in reported)
     again = crashsolve("sweep", plan, "-o", out)
     assert (again.returncode, "2 finished already" in again.stdout) == (0, True)

@@ -10,7 +10,7 @@ from command import arguments, crashsolve, environment
 
 WAGON = Path(__file__).resolve().parents[2] / "decks" / "queue" / "wagon.yaml"
 TOGETHER = 16
-# in every process of Python: the compiler's tell which file they are to make
+# in every process of Python: the compiler's state which file they are to make
 TELL = """
 import os, sys
 if "crashsolve.compiler.process" in sys.orig_argv:
@@ -23,11 +23,11 @@ pytestmark = pytest.mark.long
 
 
 def counting(folder: Path) -> dict[str, str]:
-    """What makes runs use a cache of their own, and tell of every compilation."""
+    """What makes runs use a cache of their own, and report every compilation."""
     (folder / "sitecustomize.py").write_text(TELL, "utf-8")
     search = os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH", ""))))
-    cache, told = folder / "cache", folder / "compiled.txt"
-    return {"PYTHONPATH": search, "CRASHSOLVE_CACHE": str(cache), "COMPILED": str(told)}
+    cache, reported = folder / "cache", folder / "compiled.txt"
+    return {"PYTHONPATH": search, "CRASHSOLVE_CACHE": str(cache), "COMPILED": str(reported)}
 
 
 def compilations(folder: Path) -> Counter[str]:

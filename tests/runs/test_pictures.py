@@ -38,8 +38,8 @@ def test_bodies_and_forces_are_drawn_as_the_histories_say(
     mesh, state = datasets(folder / "mesh.h5"), state_at(folder, time)
     centres = mesh["mass_centres/points"] + state["mass_centres/displacement"]
     for k, body in enumerate(("hammer", "bob")):
-        place = [channel(folder, f"rbdout.{body}.position.{axis}", time) for axis in "xyz"]
-        np.testing.assert_allclose(centres[k], place, atol=1e-6)
+        position = [channel(folder, f"rbdout.{body}.position.{axis}", time) for axis in "xyz"]
+        np.testing.assert_allclose(centres[k], position, atol=1e-6)
     force = state["contacts/force"].sum(axis=0)
     asked = [channel(folder, f"rcforc.blow.force.{axis}", time) for axis in "xyz"]
     np.testing.assert_allclose(force, asked, rtol=1e-6, atol=1e-3)
@@ -78,13 +78,13 @@ def test_forces_on_nodes_of_shells_are_drawn_where_they_act(tmp_path: Path) -> N
         np.testing.assert_allclose(drawn.sum(axis=0), asked, rtol=1e-6, atol=1e-7)
         assert len(drawn) == channel(folder, f"rcforc.{name}.touching", 2.5e-3) == (4, 1, 4)[card]
         # on the skin, half a thickness of 10 mm from the nodes; what bends under its load is deeper
-        places = state["contacts/points"][own]
+        positions = state["contacts/points"][own]
         depth = channel(folder, f"rcforc.{name}.depth", 2.5e-3)
         if name == "rests":
             along = np.arctan(0.2)
-            height = places @ [np.sin(along), 0.0, np.cos(along)]
+            height = positions @ [np.sin(along), 0.0, np.cos(along)]
         else:
-            height = places[:, 2] - 5e-3
+            height = positions[:, 2] - 5e-3
         assert np.all((-1.01 * depth <= height) & (height < 0.0)), (name, height, depth)
     assert mesh["contacts/displacement"].shape == state["contacts/points"].shape
 
@@ -266,8 +266,8 @@ def test_paraview_itself_reads_and_shows_what_was_written(
                 )
         # bodies are where the history says, single precision of some metres of travel
         centres = blocks["mass_centres"]
-        places = np.array(centres["points"]) + np.array(centres["displacement"])
-        for row, body in zip(places, names["bodies"][1:], strict=True):
+        positions = np.array(centres["points"]) + np.array(centres["displacement"])
+        for row, body in zip(positions, names["bodies"][1:], strict=True):
             if body in Result(folder).families["rbdout"].ids:
                 asked = [channel(folder, f"rbdout.{body}.position.{axis}", time) for axis in "xyz"]
                 np.testing.assert_allclose(row, asked, atol=2e-6, err_msg=f"{body} at {time}")

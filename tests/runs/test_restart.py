@@ -239,8 +239,8 @@ def test_what_says_only_how_to_go_on_may_differ() -> None:
     assert differing(old, old) == []
     on = "parameters: {end: 2}\ncontrol: {end_time: 2, safety: 0.1}\nbodies: {b: {mass: 1}}\n"
     assert differing(old, on) == [("control.end_time", False)]
-    told = on + "output: {log: {interval: 1}}\n"
-    assert differing(on, told) == [("output", False)]
+    reported = on + "output: {log: {interval: 1}}\n"
+    assert differing(on, reported) == [("output", False)]
     for word, other in (("mass: 1", "mass: 2"), ("b: {mass", "c: {mass"), ("safety", "start_time")):
         assert any(bound for _, bound in differing(old, old.replace(word, other))), word
 

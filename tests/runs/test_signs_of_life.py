@@ -1,4 +1,6 @@
-"""Claim: a run tells where it is, who sets its step and why, and at the end what never happened."""
+"""Claim: a run states where it is, who sets its step and why, and at the end what never
+happened.
+"""
 
 import json
 import subprocess
@@ -10,7 +12,7 @@ import numpy as np
 import pytest
 from command import crashsolve, differences, environment
 
-from crashsolve.model.checks.gyration import misfit
+from crashsolve.model.checks.gyration import inconsistency
 from crashsolve.simulation import heartbeat
 from crashsolve.simulation.heartbeat import Pulse
 from crashsolve.simulation.remarks import STEPS, StepWatch
@@ -42,7 +44,7 @@ PLAIN = {
     "k": "1e4",
     "c": "0",
 }
-# what differs from PLAIN, and what is told
+# what differs from PLAIN, and what is reported
 CAUSES = {
     "a stiff spring": ({}, "body 'block', stiffness of spring 'tie'"),
     "a damper": ({"c": "1e3"}, "body 'block', damping of spring 'tie'"),
@@ -74,17 +76,17 @@ CAUSES = {
 
 @pytest.mark.parametrize("name", CAUSES)
 def test_who_sets_the_step_is_named_with_the_reason(name: str, tmp_path: Path) -> None:
-    changes, told = CAUSES[name]
+    changes, reported = CAUSES[name]
     deck, folder = tmp_path / "deck.yaml", tmp_path / "out"
     deck.write_text(SCENE.format(**PLAIN | changes), "utf-8")
     done = crashsolve(deck, "-o", folder, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stderr
-    assert json.loads((folder / "status.json").read_text("utf-8"))["step_set_by"] == told
+    assert json.loads((folder / "status.json").read_text("utf-8"))["step_set_by"] == reported
     lines = (folder / "log.txt").read_text("utf-8").splitlines()
-    assert any(line.endswith(f"  {told}") for line in lines)
+    assert any(line.endswith(f"  {reported}") for line in lines)
 
 
-def test_telling_leaves_no_trace_in_the_results(
+def test_Reporting_leaves_no_trace_in_the_results(
     uninterrupted: dict[Path, Path], tmp_path: Path
 ) -> None:
     # pairs come and go
@@ -102,32 +104,34 @@ def test_telling_leaves_no_trace_in_the_results(
     assert differences(tmp_path, uninterrupted[deck]) == []
 
 
-def test_what_lasts_long_is_told_from_the_first_second_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_lasts_long_is_distinguished_from_the_first_second_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(heartbeat, "FIRST", 0.05)
     monkeypatch.setattr(heartbeat, "AT_LATEST", 0.2)
     monkeypatch.setattr(heartbeat, "LOOK", 0.01)
-    told: list[tuple[float, str]] = []
+    reported: list[tuple[float, str]] = []
     begun = time.monotonic()
-    with Pulse("reading", lambda text: told.append((time.monotonic() - begun, text))) as beat:
+    with Pulse("reading", lambda text: reported.append((time.monotonic() - begun, text))) as beat:
         time.sleep(0.3)
         beat.does("compiling")
         time.sleep(0.3)
-        count = len(told)
+        count = len(reported)
         for _ in range(6):
-            # who tells something is not interrupted
-            beat.told()
+            # who states something is not interrupted
+            beat.reported()
             time.sleep(0.05)
-        assert len(told) == count
+        assert len(reported) == count
     # a busy machine may be late, and never early
-    assert told[0][0] >= 0.05 and told[0][1] == "reading: 0 s"
-    assert told[-1][1].startswith("compiling: ")
+    assert reported[0][0] >= 0.05 and reported[0][1] == "reading: 0 s"
+    assert reported[-1][1].startswith("compiling: ")
     assert count >= 3
     time.sleep(0.3)
-    assert len(told) == count
+    assert len(reported) == count
 
 
 @pytest.mark.long
-def test_a_first_run_tells_that_it_compiles(tmp_path: Path) -> None:
+def test_a_first_run_states_that_it_compiles(tmp_path: Path) -> None:
     # the scene that compiles longest, some four seconds of a fast core
     deck = Path(__file__).parents[2] / "decks/verification/parts/shell_radau.yaml"
     words = ("--set", "control.end_time=1e-4", "--set", "control.estimate=off")
@@ -135,7 +139,7 @@ def test_a_first_run_tells_that_it_compiles(tmp_path: Path) -> None:
     assert "compiling the step: " in done.stdout, done.stdout + done.stderr
 
 
-def test_a_collapse_of_the_step_is_told_once() -> None:
+def test_a_collapse_of_the_step_is_reported_once() -> None:
     watch, now, cycle = StepWatch(), 0.0, 0
     said = []
     for step in (1e-3, 1e-3, 1.1e-6, 0.9e-6, 0.9e-6):
@@ -165,7 +169,7 @@ parts:
 """
 
 
-def test_a_run_tells_of_a_collapse_and_of_what_never_happened(tmp_path: Path) -> None:
+def test_a_run_reports_a_collapse_and_of_what_never_happened(tmp_path: Path) -> None:
     deck, folder = tmp_path / "deck.yaml", tmp_path / "out"
     deck.write_text(LANDING, "utf-8")
     done = crashsolve(deck, "-o", folder, CRASHSOLVE_PLAIN="1")
@@ -184,8 +188,8 @@ def test_a_run_tells_of_a_collapse_and_of_what_never_happened(tmp_path: Path) ->
 
 def cube(point: tuple[float, float, float], half: float) -> list[tuple[np.ndarray, float]]:
     """Middles of the faces of a cube."""
-    ways = [sign * half * axis for axis in np.eye(3) for sign in (-1.0, 1.0)]
-    return [(np.add(point, way), 0.0) for way in ways]
+    directions = [sign * half * axis for axis in np.eye(3) for sign in (-1.0, 1.0)]
+    return [(np.add(point, direction), 0.0) for direction in directions]
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 100.0])
@@ -193,8 +197,11 @@ def cube(point: tuple[float, float, float], half: float) -> list[tuple[np.ndarra
 def test_an_inertia_in_another_unit_is_noticed(size: float, factor: float, unit: str) -> None:
     # a solid cube
     J, own = np.diag([1.0, 1.0, 1.0]) * 7.0 * (2.0 * size) ** 2 / 6.0, cube((0, 0, 0), size)
-    assert misfit(7.0, J, own, own) == ""
-    small, large = misfit(7.0, J / factor, own, own), misfit(7.0, J * factor, own, own)
+    assert inconsistency(7.0, J, own, own) == ""
+    small, large = (
+        inconsistency(7.0, J / factor, own, own),
+        inconsistency(7.0, J * factor, own, own),
+    )
     assert f"looks too small: {J[0, 0] / factor:.3g} kg m^2" in small
     assert f"were these numbers in kg m^2, and read as {unit}?" in small
     assert f"were these numbers in {unit}, and read as kg m^2?" in large
@@ -203,14 +210,14 @@ def test_an_inertia_in_another_unit_is_noticed(size: float, factor: float, unit:
 def test_slender_flat_and_hollow_bodies_are_left_alone() -> None:
     # a rod of 10 m and 20 mm, a sheet of 2 m and 2 mm, a ring at its rim
     rod = [(np.array([0.0, 0.0, z]), 0.01) for z in (-5.0, 5.0)]
-    assert misfit(24.0, np.diag([200.0, 200.0, 24.0 * 0.01**2 / 2]), rod, rod) == ""
+    assert inconsistency(24.0, np.diag([200.0, 200.0, 24.0 * 0.01**2 / 2]), rod, rod) == ""
     sheet = [(np.array([x, y, 0.0]), 1e-3) for x in (-1.0, 1.0) for y in (-1.0, 1.0)]
-    assert misfit(60.0, np.diag([20.0, 20.0, 40.0]), sheet, sheet) == ""
-    assert misfit(1.0, np.diag([0.5, 0.5, 1.0]), sheet, sheet) == ""
+    assert inconsistency(60.0, np.diag([20.0, 20.0, 40.0]), sheet, sheet) == ""
+    assert inconsistency(1.0, np.diag([0.5, 0.5, 1.0]), sheet, sheet) == ""
     # joints in its middle say nothing of how large a body is
     middle = [(np.zeros(3), 0.0)]
-    assert misfit(1.0, np.eye(3), [], middle) == ""
-    assert misfit(1.0, np.eye(3), [], []) == ""
+    assert inconsistency(1.0, np.eye(3), [], middle) == ""
+    assert inconsistency(1.0, np.eye(3), [], []) == ""
 
 
 def test_check_warns_of_a_light_car_and_refuses_what_is_no_solid(tmp_path: Path) -> None:

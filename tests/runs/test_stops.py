@@ -129,8 +129,8 @@ def test_a_motion_that_is_not_finite_stops_the_run_and_reaches_no_file(tmp_path:
     assert_finite(tmp_path)
 
 
-def test_joints_that_do_not_fit_are_a_mistake_of_the_deck(tmp_path: Path) -> None:
-    deck = HERE / "stops" / "misfit.yaml"
+def test_joints_that_do_not_fit_are_an_error_of_the_deck(tmp_path: Path) -> None:
+    deck = HERE / "stops" / "inconsistency.yaml"
     done = crashsolve(deck, "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 2
     message = f"{deck}:7:3: error: joint 'pin': is broken by the initial velocities: 1 (SI); "

@@ -1,4 +1,4 @@
-"""Claim: a study tells of every setting how wrong it is and what it costs, whatever fails."""
+"""Claim: a study reports every setting how wrong it is and what it costs, whatever fails."""
 
 import csv
 from collections.abc import Iterator
@@ -177,7 +177,7 @@ def test_three_steps_of_any_ratio_give_order_and_limit() -> None:
     assert found.stalls is None
 
 
-def test_differences_that_do_not_shrink_are_told() -> None:
+def test_differences_that_do_not_shrink_are_reported() -> None:
     time = np.linspace(0.0, 1.0, 101)
     steps = [0.1 / 2**k for k in range(5)]
     # smooth until 0.6 s, then another branch with every run
@@ -198,17 +198,17 @@ def test_differences_that_stay_small_are_a_floor() -> None:
     assert found.error == pytest.approx(2e-6, rel=0.3)
 
 
-def test_errors_that_grow_as_steps_shrink_are_told_and_not_extrapolated() -> None:
+def test_errors_that_grow_as_steps_shrink_are_reported_and_not_extrapolated() -> None:
     # what a study found where the iteration of a step was not as short as the step
     errors = {4e-3: 3.5e-6, 2e-3: 1.0e-6, 1e-3: 4.5e-4, 5e-4: 4.1e-4}
     trials = [trial(1, h, 1.0 + error) for h, error in errors.items()]
     found = find(Watch("x", ("x",), "final"), 0, trials, None)
     assert found.diverges
     assert "errors grow as the steps shrink, from step 0.002 s on" in found.notes[-1]
-    told = [found.error(t) for t in trials]
-    # no error is told too small, and the good runs are not the last
-    assert all(e >= abs(wrong) for e, wrong in zip(told, errors.values(), strict=True))
-    assert max(told[:2]) < min(told[2:])
+    reported = [found.error(t) for t in trials]
+    # no error is reported too small, and the good runs are not the last
+    assert all(e >= abs(wrong) for e, wrong in zip(reported, errors.values(), strict=True))
+    assert max(reported[:2]) < min(reported[2:])
     assert cheapest([found], trials, 4e-4) is None
     # runs that agree better and better, about a value that is not the exact one
     trials = [trial(1, h, 1.0 + h**2 - 4e-6) for h in (4e-3, 2e-3, 1e-3, 5e-4)]

@@ -63,15 +63,15 @@ def test_the_difference_from_the_exact_answer_falls_with_the_duration(tmp_path: 
 def test_at_asin_1_over_sqrt_3_the_bar_stops_spins_and_leaves_straight(tmp_path: Path) -> None:
     angle = degrees(asin(1.0 / sqrt(3.0)))
     result = run(tmp_path, K="1.2e12", angle=f"{angle!r} deg")
-    turn = 0.5 * 6.928203 * duration(1.2e12)
-    assert abs(number(result, "rbdout.bar.velocity.x", "at:0.7")) < SPEED * turn
+    rotation = 0.5 * 6.928203 * duration(1.2e12)
+    assert abs(number(result, "rbdout.bar.velocity.x", "at:0.7")) < SPEED * rotation
     spin = -number(result, "rbdout.bar.angular_velocity.z", "at:0.7")
     assert spin == pytest.approx(6.928203, rel=1e-4)
     again = number(result, "rcforc.node_2.onsets", "argmax")
     assert again == pytest.approx(0.775776, abs=SAMPLE + duration(1.2e12))
     assert number(result, "rcforc.node_2.impact_speed", "max") == pytest.approx(2.0, rel=1e-3)
     assert number(result, "rbdout.bar.velocity.x", "final") == pytest.approx(-2.0, rel=1e-4)
-    assert abs(number(result, "rbdout.bar.angular_velocity.z", "final")) < 2.0 * 6.928203 * turn
+    assert abs(number(result, "rbdout.bar.angular_velocity.z", "final")) < 2.0 * 6.928203 * rotation
 
 
 def test_rounded_to_a_tenth_of_a_minute_the_angle_gives_the_published_times(tmp_path: Path) -> None:
@@ -113,5 +113,5 @@ def test_the_peak_force_is_that_of_hertz(tmp_path: Path) -> None:
         depth = (1.25 * seen * SPEED**2 / stiffness) ** 0.4
         peak = number(result, "rcforc.node_1.peak_normal", "max")
         # the bar turns while it is pressed against the wall
-        turn = 0.5 * 6.928194 * duration(stiffness)
-        assert peak == pytest.approx(stiffness * depth**1.5, rel=turn)
+        rotation = 0.5 * 6.928194 * duration(stiffness)
+        assert peak == pytest.approx(stiffness * depth**1.5, rel=rotation)

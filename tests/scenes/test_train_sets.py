@@ -16,9 +16,9 @@ SHARED = SCENES / "shared"
 MASS, LENGTH, MU, GRAVITY = 34e3, 26.0, 0.15, 9.81
 
 
-def car(name: str, place: str, train: str, dimension: str) -> dict[str, Any]:
+def car(name: str, position: str, train: str, dimension: str) -> dict[str, Any]:
     """An include of the one car that all decks share."""
-    words = {"car": name, "x": place, "mass": "mass_1", "length": "length_1"}
+    words = {"car": name, "x": position, "mass": "mass_1", "length": "length_1"}
     words |= {"train": train, "left": "LE", "right": "LE", "dimension": dimension}
     return {"file": str(SHARED / "rail_car.yaml"), "with": words}
 
@@ -76,8 +76,8 @@ def test_brakes_stop_a_car_and_no_more(tmp_path: Path) -> None:
     # then bristles, 4 * 1e7 N/m, and pivots, 2 * 5e6 N/m, swing by what mu m g stretches them
     give = MU * MASS * GRAVITY * (1.0 / 4e7 + 1.0 / 1e7)
     stop = speed**2 / (2.0 * MU * GRAVITY)
-    place = values(result, "rbdout.car.position.x")
-    assert stop - 2.0 * give < place[-1] < stop + 0.5 * give
+    position = values(result, "rbdout.car.position.x")
+    assert stop - 2.0 * give < position[-1] < stop + 0.5 * give
     assert speeds.min() > -np.sqrt(MU * GRAVITY * give)
     limit = MU * values(result, "rcforc.car_rails.normal") * (1.0 + 1e-9)
     assert (np.abs(values(result, "rcforc.car_rails.tangential")) <= limit + 1e-3).all()
@@ -102,9 +102,9 @@ def test_a_coupler_pulls_until_it_breaks_and_nothing_else_pulls(tmp_path: Path) 
             {"file": str(SHARED / "rail_coupler.yaml"), "with": names | lengths},
         ]
     }
-    places = {"x_a": -LENGTH / 2 - 0.005, "x_b": LENGTH / 2 + 0.005}
+    positions = {"x_a": -LENGTH / 2 - 0.005, "x_b": LENGTH / 2 + 0.005}
     moving = {"v_moving": speed, "mu_moving": 0.0, "lift_moving": 0.0, "aside_moving": 0.0}
-    scene["parameters"] |= places | moving
+    scene["parameters"] |= positions | moving
     del scene["parameters"]["x_1"]
     result = run(tmp_path, scene, 0.04, 5e-4)
     pull = values(result, "deforc.coupler_1_2.force")

@@ -64,17 +64,17 @@ def nearest(x: np.ndarray, quads: np.ndarray, own: list[list[int]]) -> float:
     middle = x[quads].mean(axis=1)
     reach = 2.0 * GAP + np.linalg.norm(x[quads] - middle[:, None], axis=2).max()
     least = np.inf
-    for node, place in enumerate(x):
-        near = np.linalg.norm(middle - place, axis=1) < reach
+    for node, position in enumerate(x):
+        near = np.linalg.norm(middle - position, axis=1) < reach
         near[near] = ~np.isin(quads[near], own[node]).any(axis=1)
         for k in range(4):
             ends = (x[quads[near, k]], x[quads[near, (k + 1) % 4]], middle[near])
-            least = min(least, to_triangles(place, *ends).min(initial=np.inf))
+            least = min(least, to_triangles(position, *ends).min(initial=np.inf))
     return float(least)
 
 
 def to_triangles(x: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Distances of a place from triangles: of their planes inside, of their sides elsewhere."""
+    """Distances of a position from triangles: of their planes inside, of their sides elsewhere."""
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     inside, sides = np.ones(len(a), bool), []

@@ -16,7 +16,7 @@ SENSORS = {
     "real": "type: accelerometer, body: b, at: [0.4, -0.2, 0.1], gravity: true",
     "apart": "type: displacement, a: a, b: b, at_a: [0.1, 0.2, 0], at_b: [0, 0.3, 0]",
     "seen": "type: displacement, a: a, b: b, at_a: [0.1, 0.2, 0], at_b: [0, 0.3, 0], axes: a",
-    "turned": "type: angle, a: a, b: b, axis: [1, -1, 2]",
+    "rotated": "type: angle, a: a, b: b, axis: [1, -1, 2]",
     "cut": "type: section_force, joint: pin",
     "cut_at": "type: section_force, joint: pin, axes: a, at: [1, 1, 1]",
 }
@@ -47,9 +47,9 @@ def motion(bench: Bench, node: int) -> Motion:
 
     def at(t: float) -> None:
         # fourth order in t; the term in t^3 is that of the commutator of w and w_dot
-        turn = w * t + w_dot * t**2 / 2 + np.cross(w_dot, w) * t**3 / 12
+        rotation = w * t + w_dot * t**2 / 2 + np.cross(w_dot, w) * t**3 / 12
         position = r + v * t + v_dot * t**2 / 2
-        bench.move(node, position, product(exponential(turn), q), v + v_dot * t, w + w_dot * t)
+        bench.move(node, position, product(exponential(rotation), q), v + v_dot * t, w + w_dot * t)
 
     return at
 
@@ -74,21 +74,21 @@ def test_every_output_is_written(bench: Bench, name: str) -> None:
     assert written(sensor.measure(), sensor.module.OUTPUT)
 
 
-def test_accelerometer_shows_the_second_derivative_of_its_place(bench: Bench) -> None:
+def test_accelerometer_shows_the_second_derivative_of_its_position(bench: Bench) -> None:
     sensor, at = bench.law("sensors", "chip"), motion(bench, 2)
     b, h = bench.nodes[2], 1e-3
     point = np.array([0.4, -0.2, 0.1]) - [0, -0.1, 0]
-    places = []
+    positions = []
     for t in (-h, 0.0, h):
         at(t)
-        places.append(b.r + b.A.reshape(3, 3) @ point)
+        positions.append(b.r + b.A.reshape(3, 3) @ point)
     at(0.0)
     A = b.A.reshape(3, 3)
     out = sensor.measure()
-    second = (places[0] - 2 * places[1] + places[2]) / h**2
+    second = (positions[0] - 2 * positions[1] + positions[2]) / h**2
     # h^2 / 12 of a fourth derivative of some 10 m/s^4, round-off 1e-16 / h^2
     np.testing.assert_allclose(A @ out.acceleration, second, atol=1e-5)
-    np.testing.assert_allclose(A @ out.velocity, (places[2] - places[0]) / (2 * h), atol=1e-5)
+    np.testing.assert_allclose(A @ out.velocity, (positions[2] - positions[0]) / (2 * h), atol=1e-5)
     np.testing.assert_allclose(A @ out.angular_velocity, b.w, atol=1e-14)
     assert float(out.resultant) == pytest.approx(np.linalg.norm(out.acceleration))
 
@@ -124,14 +124,14 @@ def test_change_of_a_displacement_is_from_the_start(tmp_path: Path) -> None:
 
 
 def test_angle_is_the_integral_of_its_rate_over_many_turns(bench: Bench) -> None:
-    sensor = bench.law("sensors", "turned")
+    sensor = bench.law("sensors", "rotated")
     for node in (1, 2):
         # about its start, so that the angle begins near zero
         bench.move(node, v=[0, 0, 0], w=[0, 0, 0])
     axis = bench.nodes[1].A.reshape(3, 3) @ np.array([1, -1, 2]) / np.sqrt(6)
     start = float(sensor.measure().angle)
     for _ in range(100):
-        bench.turn(2, 0.5 * axis)
+        bench.rotation(2, 0.5 * axis)
         out = sensor.measure()
         sensor.accept()
     # 50 rad in 100 steps, each to round-off

@@ -35,7 +35,8 @@ REVERSIBLE = {
     "linear": f"{{type: linear, {POINTS}, stiffness: 50, damping: 3, length: 0.7}}",
     "torsional": f"{{type: torsional, {AXIS}, stiffness: 40, damping: 2, angle: 0.3}}",
     "bushing": f"{{type: bushing, {POINTS}, stiffness: [50, 90, 20], damping: [1, 2, 3],"
-    " turning_stiffness: [30, 10, 20], turning_damping: [0.5, 1, 0.2], offset: [0.5, 0.1, 0]}",
+    " rotational_stiffness: [30, 10, 20], rotational_damping: [0.5, 1, 0.2],"
+    " offset: [0.5, 0.1, 0]}",
     "segment": f"{{type: segment, {CUT}, {BEAM}, material: cork, damping: 0.02}}",
     "curve": f"{{type: curve, {POINTS}, curve: smooth, damping: 2, length: 0.6}}",
     "curve_torsional": f"{{type: curve_torsional, {AXIS}, curve: smooth, damping: 2, angle: -0.6}}",
@@ -69,9 +70,9 @@ Make = Callable[..., Law]
 
 @pytest.fixture
 def make(tmp_path: Path) -> Make:
-    def spring(way: str, seed: int | None = None, **motion: float) -> Law:
+    def spring(case: str, seed: int | None = None, **motion: float) -> Law:
         """A spring, its bodies somewhere and in motion where there is a seed."""
-        law = Bench(tmp_path, f"{CURVES}springs:\n  s: {ALL[way]}\n").law("springs", "s")
+        law = Bench(tmp_path, f"{CURVES}springs:\n  s: {ALL[case]}\n").law("springs", "s")
         if seed is not None:
             law.bench.shake(seed, **motion)
         return law
@@ -79,8 +80,8 @@ def make(tmp_path: Path) -> Make:
     return spring
 
 
-def each(ways: dict[str, str]) -> pytest.MarkDecorator:
-    return pytest.mark.parametrize("way", list(ways))
+def each(cases: dict[str, str]) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("case", list(cases))
 
 
 def test_every_spring_is_under_this_contract() -> None:
@@ -92,16 +93,16 @@ def test_every_spring_is_under_this_contract() -> None:
 
 @each(ALL)
 @pytest.mark.parametrize("seed", range(4))
-def test_action_equals_reaction_also_in_moment(make: Make, way: str, seed: int) -> None:
-    law = make(way, seed)
+def test_action_equals_reaction_also_in_moment(make: Make, case: str, seed: int) -> None:
+    law = make(case, seed)
     law.force()
     assert_balanced(law.bench.nodes)
 
 
 @each(ALL)
 @pytest.mark.parametrize("seed", range(4))
-def test_every_column_is_written_and_the_past_is_kept(make: Make, way: str, seed: int) -> None:
-    law = make(way, seed)
+def test_every_column_is_written_and_the_past_is_kept(make: Make, case: str, seed: int) -> None:
+    law = make(case, seed)
     before = law.old.tobytes()
     law.force()
     module: ModuleType = law.module
@@ -113,8 +114,8 @@ def test_every_column_is_written_and_the_past_is_kept(make: Make, way: str, seed
 
 @each(REVERSIBLE)
 @pytest.mark.parametrize("seed", range(4))
-def test_power_on_the_bodies_is_what_is_no_longer_stored(make: Make, way: str, seed: int) -> None:
-    law = make(way, seed)
+def test_power_on_the_bodies_is_what_is_no_longer_stored(make: Make, case: str, seed: int) -> None:
+    law = make(case, seed)
     out = law.force()
     given, lost = law.power_on_bodies(), float(out.power)
     # central difference: relative error h^2 = 1e-10 times speeds and curvatures of a few units,
@@ -126,9 +127,9 @@ def test_power_on_the_bodies_is_what_is_no_longer_stored(make: Make, way: str, s
 @each(REVERSIBLE)
 @pytest.mark.parametrize("seed", range(3))
 def test_without_speed_the_force_is_the_gradient_of_the_energy(
-    make: Make, way: str, seed: int
+    make: Make, case: str, seed: int
 ) -> None:
-    law = make(way, seed, speed=0.0)
+    law = make(case, seed, speed=0.0)
     law.force()
     force, torque = law.bench.nodes.force.copy(), law.bench.nodes.torque.copy()
     start = law.bench.state()
@@ -140,7 +141,7 @@ def test_without_speed_the_force_is_the_gradient_of_the_energy(
                 if len(stored) < 2:
                     law.bench.move(node, r=law.bench.nodes[node].r + step * axis)
                 else:
-                    law.bench.turn(node, step * axis)
+                    law.bench.rotation(node, step * axis)
                 stored.append(float(law.force().stored))
             # central differences as above; third derivatives of the energy are below 1e3
             assert (stored[0] - stored[1]) / 2e-5 == pytest.approx(force[node] @ axis, abs=1e-6)
@@ -149,8 +150,8 @@ def test_without_speed_the_force_is_the_gradient_of_the_energy(
 
 @each(ALL)
 @pytest.mark.parametrize("seed", range(3))
-def test_moving_both_bodies_together_changes_nothing(make: Make, way: str, seed: int) -> None:
-    law = make(way, seed)
+def test_moving_both_bodies_together_changes_nothing(make: Make, case: str, seed: int) -> None:
+    law = make(case, seed)
     out = law.force()
     before = [float(out.stored), float(out.power), float(out.loss)]
     force = law.bench.nodes.force[2].copy()
@@ -165,11 +166,11 @@ def test_moving_both_bodies_together_changes_nothing(make: Make, way: str, seed:
 @each(REVERSIBLE)
 @pytest.mark.parametrize("seed", range(4))
 def test_stiffness_for_the_step_bounds_the_highest_frequency(
-    make: Make, way: str, seed: int
+    make: Make, case: str, seed: int
 ) -> None:
     """2 max_i stiffness_i is not below the largest eigenvalue of M^-1 K (system.timestep)."""
-    law = make(way)
-    law.bench.shake(seed, speed=0.0, turn=0.3)
+    law = make(case)
+    law.bench.shake(seed, speed=0.0, rotation=0.3)
     law.force()
     bound = 2.0 * law.bench.nodes.stiffness[1:].max()
     start = law.bench.state()
@@ -180,7 +181,7 @@ def test_stiffness_for_the_step_bounds_the_highest_frequency(
         if k % 6 < 3:
             law.bench.move(node, r=law.bench.nodes[node].r + step * axis)
         else:
-            law.bench.turn(node, step * axis)
+            law.bench.rotation(node, step * axis)
         law.force()
         n = law.bench.nodes
         W = n.W[1:].reshape(2, 3, 3)

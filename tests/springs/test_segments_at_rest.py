@@ -7,11 +7,11 @@ import pytest
 from bench import Bench, Law
 from test_contract import ALL, CURVES
 
-WAYS = ("segment", "segment that yields")
+CASES = ("segment", "segment that yields")
 
 
-def law_of(folder: Path, way: str) -> Law:
-    law = Bench(folder, f"{CURVES}springs:\n  s: {ALL[way]}\n").law("springs", "s")
+def law_of(folder: Path, case: str) -> Law:
+    law = Bench(folder, f"{CURVES}springs:\n  s: {ALL[case]}\n").law("springs", "s")
     law.p.at_rest = 1
     return law
 
@@ -23,13 +23,13 @@ def load(law: Law) -> np.ndarray:
     return np.concatenate([n.force[1], n.torque[1], n.force[2], n.torque[2]])
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("seed", range(3))
-def test_forces_by_motions_are_their_derivatives(tmp_path: Path, way: str, seed: int) -> None:
-    law = law_of(tmp_path, way)
+def test_forces_by_motions_are_their_derivatives(tmp_path: Path, case: str, seed: int) -> None:
+    law = law_of(tmp_path, case)
     law.bench.shake(seed, speed=0.0)
     law.force(0.0)
-    assert (law.new.strain > 0.0) == (way != "segment")
+    assert (law.new.strain > 0.0) == (case != "segment")
     args = (law.p.reshape(1), law.old.reshape(1), law.bench.nodes, law.bench.curves)
     found = law.module.forces_by_motions(*args)[0]
     start, wanted, step = law.bench.state(), np.zeros((12, 12)), 1e-5
@@ -38,7 +38,7 @@ def test_forces_by_motions_are_their_derivatives(tmp_path: Path, way: str, seed:
             law.bench.nodes[:] = start
             for node in (1, 2):
                 part = side * step * way_of[6 * node - 6 : 6 * node]
-                law.bench.turn(node, part[3:])
+                law.bench.rotation(node, part[3:])
                 law.bench.move(node, r=law.bench.nodes[node].r + part[:3])
             wanted[:, k] += side * load(law) / (2.0 * step)
     # third derivatives of some times the stiffness over the step, and round-off over it

@@ -21,7 +21,7 @@ curves:
   softening: {points: [[0, 50], [0.2, 200], [2, 20]]}
 """
 POINTS = "at_a: [-5, 0, 0], b: b"
-WAYS = {
+CASES = {
     "set": f"{{type: curve, {POINTS}, curve: force, unloading_stiffness: 1000}}",
     "set, cubic": f"{{type: curve, {POINTS}, curve: wavy, unloading_stiffness: 1000}}",
     "set, plateau": f"{{type: curve, {POINTS}, curve: plateau, unloading_stiffness: 1000,"
@@ -76,10 +76,10 @@ def random_turns(seed: int) -> Sequence[float]:
     return np.random.default_rng(seed).uniform(-1.6, 1.6, 8).tolist()
 
 
-@pytest.mark.parametrize("way", list(WAYS))
+@pytest.mark.parametrize("case", list(CASES))
 @pytest.mark.parametrize("seed", range(2))
-def test_energy_absorbed_is_stored_or_lost(make: Make, way: str, seed: int) -> None:
-    law = make(WAYS[way])
+def test_energy_absorbed_is_stored_or_lost(make: Make, case: str, seed: int) -> None:
+    law = make(CASES[case])
     absorbed = lost = 0.0
     for to in random_turns(seed)[:4]:
         work, _, loss = stroke(law, to, steps=200)
@@ -92,23 +92,23 @@ def test_energy_absorbed_is_stored_or_lost(make: Make, way: str, seed: int) -> N
         assert absorbed == pytest.approx(float(law.out.stored) + lost, abs=0.25)
 
 
-@pytest.mark.parametrize("way", list(WAYS))
+@pytest.mark.parametrize("case", list(CASES))
 @pytest.mark.parametrize("seed", range(3))
-def test_loss_and_state_do_not_depend_on_the_step(make: Make, way: str, seed: int) -> None:
-    fine, coarse = make(WAYS[way]), make(WAYS[way])
+def test_loss_and_state_do_not_depend_on_the_step(make: Make, case: str, seed: int) -> None:
+    fine, coarse = make(CASES[case]), make(CASES[case])
     for to in random_turns(seed):
         _, force_fine, lost_fine = stroke(fine, to, steps=37)
         _, force_coarse, lost_coarse = stroke(coarse, to, steps=1)
         # the laws integrate exactly, but for the brake: round-off of energies up to 1e3 J
-        if way != "brake":
+        if case != "brake":
             assert lost_fine == pytest.approx(lost_coarse, abs=1e-9)
         assert force_fine == pytest.approx(force_coarse, abs=1e-9)
         assert float(fine.out.stored) == pytest.approx(float(coarse.out.stored), abs=1e-9)
 
 
-@pytest.mark.parametrize("way", list(WAYS))
-def test_a_sample_loses_nothing_and_repeats_the_force(make: Make, way: str) -> None:
-    law = make(WAYS[way])
+@pytest.mark.parametrize("case", list(CASES))
+def test_a_sample_loses_nothing_and_repeats_the_force(make: Make, case: str) -> None:
+    law = make(CASES[case])
     for to in random_turns(5):
         _, force, _ = stroke(law, to)
         stored = float(law.out.stored)
@@ -129,7 +129,7 @@ def test_a_spring_built_under_load_has_lost_nothing_yet(make: Make) -> None:
 
 def test_permanent_set_and_energies_of_one_stroke(make: Make) -> None:
     """To x = 1: f = 200, absorbed 125 J, of which f^2 / 2k = 20 J return; s = 1 - f / k = 0.8."""
-    law = make(WAYS["set"])
+    law = make(CASES["set"])
     _, force, lost = stroke(law, 1.0)
     assert force == pytest.approx(200.0)
     assert float(law.out.stored) == pytest.approx(20.0)
@@ -143,7 +143,7 @@ def test_permanent_set_and_energies_of_one_stroke(make: Make) -> None:
 
 
 def test_each_direction_has_its_own_set(make: Make) -> None:
-    law = make(WAYS["set"])
+    law = make(CASES["set"])
     stroke(law, 1.0)
     stroke(law, -1.0)
     np.testing.assert_allclose(law.old.set, [0.8, 0.8])
@@ -153,7 +153,7 @@ def test_each_direction_has_its_own_set(make: Make) -> None:
 
 def test_force_between_two_curves_falls_to_the_lower_one(make: Make) -> None:
     """From f(1) = 200 down the line of 1000 N/m to u(e) = 20 e: e = 800 / 980 = 0.81632653."""
-    law = make(WAYS["between"])
+    law = make(CASES["between"])
     stroke(law, 1.0)
     assert stroke(law, 0.9)[1] == pytest.approx(100.0)
     assert stroke(law, 0.8)[1] == pytest.approx(16.0)
@@ -168,7 +168,7 @@ def test_force_between_two_curves_falls_to_the_lower_one(make: Make) -> None:
 
 def test_whole_cycle_between_two_curves_loses_the_area_between_them(make: Make) -> None:
     """Slope to slope the corners cost f_y^2 and f_u^2 over 2k less: here by direct integration."""
-    law = make(WAYS["between"])
+    law = make(CASES["between"])
     _, _, up = stroke(law, 1.0)
     _, _, down = stroke(law, 0.0)
     # absorbed 125 J; returned: the line from 200 N to u = 16.326531 N, then u from 0.81632653 m
@@ -178,8 +178,8 @@ def test_whole_cycle_between_two_curves_loses_the_area_between_them(make: Make) 
     assert down == 0.0
 
 
-def test_rigid_plastic_plateau_loses_force_times_way(make: Make) -> None:
-    law = make(WAYS["set, plateau"])
+def test_rigid_plastic_plateau_loses_force_times_displacement(make: Make) -> None:
+    law = make(CASES["set, plateau"])
     _, force, lost = stroke(law, -1.0, steps=7)
     assert force == pytest.approx(-100.0)
     # the first 0.1 m is elastic
@@ -188,7 +188,7 @@ def test_rigid_plastic_plateau_loses_force_times_way(make: Make) -> None:
 
 
 def test_gap_carries_nothing(make: Make) -> None:
-    law = make(WAYS["set, gap"])
+    law = make(CASES["set, gap"])
     assert stroke(law, 0.05)[1] == 0.0
     assert stroke(law, -0.05)[1] == 0.0
     assert stroke(law, 0.55)[1] == pytest.approx(150.0)
@@ -212,15 +212,15 @@ def test_kinematic_and_isotropic_hardening_differ_on_the_way_back(make: Make) ->
     Reverse yield at F = -370 (isotropic) or 370 - 2 * 100 = 170 (kinematic).
     """
     back = {}
-    for way, reverse in (("isotropic", -370.0), ("kinematic", 170.0)):
-        law = make(WAYS[way])
+    for direction, reverse in (("isotropic", -370.0), ("kinematic", 170.0)):
+        law = make(CASES[direction])
         assert stroke(law, 1.0)[1] == pytest.approx(370.0)
         at = 1.0 - (370.0 - reverse) / 1000.0
         _, force, lost = stroke(law, at)
         assert force == pytest.approx(reverse)
         assert lost == pytest.approx(0.0, abs=1e-12)
-        back[way] = stroke(law, at - 0.1)[1]
-        assert back[way] == pytest.approx(reverse - 30.0)
+        back[direction] = stroke(law, at - 0.1)[1]
+        assert back[direction] == pytest.approx(reverse - 30.0)
 
 
 def test_growth_with_rate_acts_only_while_the_force_grows(make: Make) -> None:
@@ -240,7 +240,7 @@ def test_growth_with_rate_acts_only_while_the_force_grows(make: Make) -> None:
 
 
 def test_brake_holds_slides_and_turns_back(make: Make) -> None:
-    law = make(WAYS["brake"])
+    law = make(CASES["brake"])
     assert stroke(law, 0.05)[1:] == (pytest.approx(50.0), 0.0)
     # the bristle takes 0.1 m, the slider the rest
     assert stroke(law, 0.1)[1:] == (pytest.approx(100.0), pytest.approx(0.0, abs=1e-12))
@@ -253,7 +253,7 @@ def test_brake_holds_slides_and_turns_back(make: Make) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_brake_loses_what_its_force_has_taken_and_does_not_store(make: Make, seed: int) -> None:
-    law = make(WAYS["brake"].removesuffix("}") + ", damping: 50}")
+    law = make(CASES["brake"].removesuffix("}") + ", damping: 50}")
     absorbed = lost = at = before = 0.0
     for to in random_turns(seed):
         # one step, longer than the bristle gives, with a damper as strong as the limit
@@ -270,7 +270,7 @@ def test_brake_loses_what_its_force_has_taken_and_does_not_store(make: Make, see
 
 @pytest.mark.parametrize("steps", [1, 10])
 def test_brake_that_is_released_loses_what_its_bristle_held(make: Make, steps: int) -> None:
-    law = make(WAYS["brake"].removesuffix("}") + ", force_curve: release}")
+    law = make(CASES["brake"].removesuffix("}") + ", force_curve: release}")
     stroke(law, 0.08)
     assert float(law.out.stored) == pytest.approx(3.2)
     lost = 0.0

@@ -1,6 +1,6 @@
 """Claim: the tangents that implicit integrators get are the derivatives of the forces.
 
-A law acts through rows: its force on the bodies is D^T f. Along any change of place and velocity
+A law acts through rows: its force on the bodies is D^T f. Along any change of position and velocity
 
     dF = dD^T f - D^T (k D dq + c (D dv + G dq))
 
@@ -22,7 +22,7 @@ from crashsolve.model.nodes import COMPLIANT
 
 STEP = 1e-6
 # stops act on a joint; their rows are those of other laws, and stop_tangent has a test below
-SMOOTH = [way for way in ALL if not way.startswith("brake")]
+SMOOTH = [direction for direction in ALL if not direction.startswith("brake")]
 # directions turn with both points, or with one body: dv/dq is in closed form
 POINTS = ["linear", "curve", "bushing along"]
 LAWS = ALL | {
@@ -31,18 +31,22 @@ LAWS = ALL | {
 }
 # forces along a line between two points
 ALONG = ("linear", "curve", "elastoplastic")
-LINES = [way for way in SMOOTH if ALL[way].split("type: ")[1].split(",")[0] in ALONG]
+LINES = [
+    direction for direction in SMOOTH if ALL[direction].split("type: ")[1].split(",")[0] in ALONG
+]
 Make = Callable[[str], Law]
 
 
 @pytest.fixture
 def make(tmp_path: Path) -> Make:
-    return lambda way: Bench(tmp_path, f"{CURVES}springs:\n  s: {LAWS[way]}\n").law("springs", "s")
+    return lambda case: Bench(tmp_path, f"{CURVES}springs:\n  s: {LAWS[case]}\n").law(
+        "springs", "s"
+    )
 
 
-def stepped(make: Make, way: str, seed: int, **motion: float) -> Law:
+def stepped(make: Make, case: str, seed: int, **motion: float) -> Law:
     """A spring in motion, a step behind it."""
-    law = make(way)
+    law = make(case)
     law.bench.shake(seed, **motion)
     law.force()
     law.accept()
@@ -57,7 +61,7 @@ def load(law: Law) -> np.ndarray:
 
 
 def rows(law: Law) -> np.recarray:
-    """The law's compliant rows at the present place."""
+    """The law's compliant rows at the present position."""
     found = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
     law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
     return found
@@ -73,31 +77,35 @@ def turning(law: Law) -> np.ndarray:
     return D
 
 
-def shift(law: Law, start: np.ndarray, way: np.ndarray, rate: np.ndarray, step: float) -> None:
+def shift(
+    law: Law, start: np.ndarray, direction: np.ndarray, rate: np.ndarray, step: float
+) -> None:
     """Both bodies from `start` by step times a change of place and of velocity (12,) each."""
     bench = law.bench
     bench.nodes[:] = start
     for node in (1, 2):
         part = slice(6 * node - 6, 6 * node)
-        dq, dv = step * way[part], step * rate[part]
+        dq, dv = step * direction[part], step * rate[part]
         b = bench.nodes[node]
-        bench.turn(node, dq[3:])
+        bench.rotation(node, dq[3:])
         bench.move(node, r=b.r + dq[:3], v=b.v + dv[:3], w=b.w + dv[3:])
 
 
-def compare(law: Law, way: np.ndarray, rate: np.ndarray, sides: tuple[float, float]) -> None:
+def compare(law: Law, direction: np.ndarray, rate: np.ndarray, sides: tuple[float, float]) -> None:
     """Differences over `sides` steps against the rows in the middle."""
     start = law.bench.state()
     here = rows(law)
     force = np.linalg.lstsq(turning(law).T, load(law), rcond=None)[0]
     ends = []
     for side in sides:
-        shift(law, start, way, rate, side * STEP)
+        shift(law, start, direction, rate, side * STEP)
         ends.append((load(law), turning(law)))
     law.bench.nodes[:] = start
     span = (sides[1] - sides[0]) * STEP
     change = (ends[1][0] - ends[0][0]) / span - ((ends[1][1] - ends[0][1]) / span).T @ force
-    given = here.stiffness * (here.D @ way) + here.damping * (here.D @ rate + here.G @ way)
+    given = here.stiffness * (here.D @ direction) + here.damping * (
+        here.D @ rate + here.G @ direction
+    )
     scale = 1.0 + np.abs(change).max()
     # round-off of forces of 1e3 over the step; on one side, second derivatives of some 1e3 times it
     bound = 1e-6 * scale + (5e-3 if sides[0] == 0.0 else 0.0)
@@ -113,23 +121,23 @@ def test_every_spring_that_implicit_methods_take_has_a_tangent() -> None:
 
 
 @pytest.mark.parametrize("flips", [0, 1])
-@pytest.mark.parametrize("way", LINES)
+@pytest.mark.parametrize("case", LINES)
 @pytest.mark.parametrize("seed", range(3))
 def test_rows_and_blocks_are_the_whole_derivative(
-    make: Make, way: str, seed: int, flips: int
+    make: Make, case: str, seed: int, flips: int
 ) -> None:
     """dF = -(K + D^T (k D + c G)) dq, where the force has turned the line and the arms."""
-    law = make(way)
+    law = make(case)
     law.bench.shake(seed)
     tension = float(law.force().force)
     law.accept()
     law.force()
-    place, blocks = pair_of_blocks(flips)
-    law.module.turn_force(law.p, law.out, law.bench.nodes, place, blocks)
+    position, blocks = pair_of_blocks(flips)
+    law.module.geometric_stiffness(law.p, law.out, law.bench.nodes, position, blocks)
     K, here, start = matrix_of_pair(blocks, flips), rows(law), law.bench.state()
-    told = K + here.D.T @ (here.stiffness[:, None] * here.D + here.damping[:, None] * here.G)
+    reported = K + here.D.T @ (here.stiffness[:, None] * here.D + here.damping[:, None] * here.G)
     wanted, motions = np.zeros((12, 12)), np.eye(12)
-    if way not in REVERSIBLE:
+    if case not in REVERSIBLE:
         # what slides stands at a corner of its law: move it at the same length
         motions -= here.D.T @ here.D / (here.D @ here.D.T)
     for k, motion in enumerate(motions):
@@ -138,7 +146,7 @@ def test_rows_and_blocks_are_the_whole_derivative(
             wanted[:, k] -= side * load(law) / (2.0 * STEP)
     # round-off of forces of 1e3 over the step
     np.testing.assert_allclose(
-        told @ motions, wanted, rtol=0, atol=1e-6 * (1.0 + np.abs(wanted).max())
+        reported @ motions, wanted, rtol=0, atol=1e-6 * (1.0 + np.abs(wanted).max())
     )
     assert np.abs(K).max() > 0.1 * abs(tension)
 
@@ -150,47 +158,47 @@ def test_an_end_on_the_ground_has_no_blocks(make: Make, at: int) -> None:
     law.force()
     found = []
     for free in (False, True):
-        place, blocks = pair_of_blocks(0)
+        position, blocks = pair_of_blocks(0)
         if not free:
-            place["a" if at == 1 else "b"] = place["across"] = -1
-        law.module.turn_force(law.p, law.out, law.bench.nodes, place, blocks)
+            position["a" if at == 1 else "b"] = position["across"] = -1
+        law.module.geometric_stiffness(law.p, law.out, law.bench.nodes, position, blocks)
         found.append(matrix_of_pair(blocks, 0))
     # all that is left is what the other end does to itself
     found[1][6 * at - 6 : 6 * at] = found[1][:, 6 * at - 6 : 6 * at] = 0.0
     np.testing.assert_array_equal(found[0], found[1])
 
 
-@pytest.mark.parametrize("way", list(REVERSIBLE))
+@pytest.mark.parametrize("case", list(REVERSIBLE))
 @pytest.mark.parametrize("seed", range(3))
-def test_stiffness_is_the_derivative_by_the_place(make: Make, way: str, seed: int) -> None:
-    law = stepped(make, way, seed, speed=0.0)
+def test_stiffness_is_the_derivative_by_the_position(make: Make, case: str, seed: int) -> None:
+    law = stepped(make, case, seed, speed=0.0)
     direction = np.random.default_rng(seed).normal(size=12)
     compare(law, direction, np.zeros(12), (-1.0, 1.0))
 
 
-@pytest.mark.parametrize("way", SMOOTH)
+@pytest.mark.parametrize("case", SMOOTH)
 @pytest.mark.parametrize("seed", range(3))
-def test_damping_is_the_derivative_by_the_velocity(make: Make, way: str, seed: int) -> None:
-    law = stepped(make, way, seed)
+def test_damping_is_the_derivative_by_the_velocity(make: Make, case: str, seed: int) -> None:
+    law = stepped(make, case, seed)
     direction = np.random.default_rng(seed).normal(size=12)
     compare(law, np.zeros(12), direction, (-1.0, 1.0))
 
 
-@pytest.mark.parametrize("way", POINTS)
+@pytest.mark.parametrize("case", POINTS)
 @pytest.mark.parametrize("seed", range(3))
-def test_damping_turns_with_the_bodies(make: Make, way: str, seed: int) -> None:
-    law = stepped(make, way, seed)
+def test_damping_turns_with_the_bodies(make: Make, case: str, seed: int) -> None:
+    law = stepped(make, case, seed)
     rng = np.random.default_rng(seed)
     compare(law, rng.normal(size=12), rng.normal(size=12), (-1.0, 1.0))
 
 
-SLIDING = [way for way in SMOOTH if way not in REVERSIBLE]
+SLIDING = [direction for direction in SMOOTH if direction not in REVERSIBLE]
 
 
-@pytest.mark.parametrize("way", SLIDING)
+@pytest.mark.parametrize("case", SLIDING)
 @pytest.mark.parametrize("seed", range(3))
-def test_a_sliding_spring_is_as_stiff_as_the_way_it_goes(make: Make, way: str, seed: int) -> None:
-    law = stepped(make, way, seed)
+def test_a_sliding_spring_is_as_stiff_as_the_way_it_goes(make: Make, case: str, seed: int) -> None:
+    law = stepped(make, case, seed)
     # a little on its way, so that what slides or flows does so
     law.bench.drift(1e-5)
     n = law.bench.nodes

@@ -24,14 +24,14 @@ def scene(damping: float) -> dict[str, Any]:
     moving = {"velocity": [SPEED, 0, 0]}
     along = {"type": "brake", "axis": [1, 0, 0], "force": LIMIT} | hold
     across = {"type": "brake", "axis": [1, 0, 0], "motion": "across", "force": LIMIT} | hold
-    rub = {"type": "bristle", "stiffness": STIFF, "static": 0.3, "dynamic": 0.3}
-    rub["damping_ratio"] = damping / 200.0
+    friction_force = {"type": "bristle", "stiffness": STIFF, "static": 0.3, "dynamic": 0.3}
+    friction_force["damping_ratio"] = damping / 200.0
     return {
         "bodies": {
             "along": BODY | moving,
             "across": BODY | {"position": [0, 10, 0], "velocity": [0, 3, 4]},
             "slide": BODY | moving | {"position": [0, 20, 0]},
-            "turn": BODY | {"position": [0, 30, 0], "angular_velocity": [0, 0, SPEED]},
+            "rotation": BODY | {"position": [0, 30, 0], "angular_velocity": [0, 0, SPEED]},
             # at its depth of rest, and too inert to roll
             "ball": {
                 "mass": 1,
@@ -42,13 +42,13 @@ def scene(damping: float) -> dict[str, Any]:
         },
         "joints": {
             "rail": {"type": "prismatic", "b": "slide", "at": [0, 20, 0], "axis": [1, 0, 0]},
-            "axle": {"type": "revolute", "b": "turn", "at": [0, 30, 0], "axis": [0, 0, 1]},
+            "axle": {"type": "revolute", "b": "rotation", "at": [0, 30, 0], "axis": [0, 0, 1]},
         },
         "springs": {
             "along": along | {"b": "along"},
             "across": across | {"b": "across", "at_a": [0, 10, 0]},
-            "slide": {"type": "slide_friction", "joint": "rail", "force": LIMIT} | hold,
-            "turn": {"type": "turn_friction", "joint": "axle", "torque": LIMIT} | hold,
+            "slide": {"type": "translation_friction", "joint": "rail", "force": LIMIT} | hold,
+            "rotation": {"type": "rotation_friction", "joint": "axle", "torque": LIMIT} | hold,
         },
         "surfaces": {
             "ball": {"type": "sphere", "body": "ball", "radius": 0.1},
@@ -59,7 +59,7 @@ def scene(damping: float) -> dict[str, Any]:
                 "a": ["ball"],
                 "b": ["floor"],
                 "normal": {"type": "kelvin_voigt", "stiffness": STIFF, "damping": 100},
-                "friction": rub,
+                "friction": friction_force,
             }
         },
         "loads": {"weight": {"type": "force", "body": "ball", "force": [0, 0, -9.81]}},
@@ -77,11 +77,11 @@ def test_the_balance_closes_to_second_order(tmp_path: Path, damping: float) -> N
     assert np.all(slopes(imbalance) >= 1.8)
     # F s, s = v t - F t^2 / 2m; without a damper the forces of two blocks are half a step late
     late = 2.0 * LIMIT * SPEED * STEPS[-1]
-    way = [v * END - 0.5 * LIMIT * END**2 for v in (SPEED, 5.0)]
+    direction = [v * END - 0.5 * LIMIT * END**2 for v in (SPEED, 5.0)]
     grip = 0.3 * 9.81
     taken = {
-        "brake_dissipated": LIMIT * sum(way),
-        "joint_dissipated": 2.0 * LIMIT * way[0],
+        "brake_dissipated": LIMIT * sum(direction),
+        "joint_dissipated": 2.0 * LIMIT * direction[0],
         "friction_dissipated": grip * (3.0 * END - 0.5 * grip * END**2),
     }
     for entry, energy in taken.items():

@@ -1,4 +1,4 @@
-"""The stability matrix: what matrix.yaml says, and what no channel can tell of its cases."""
+"""The stability matrix: what matrix.yaml says, and what no channel can say of its cases."""
 
 from collections.abc import Iterator
 from math import exp

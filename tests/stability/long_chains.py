@@ -13,7 +13,7 @@ END = 0.5
 
 
 def chain(count: int) -> Table:
-    """A straight chain turns about its first end as one."""
+    """A straight chain rotates about its first end as one."""
     bodies = {f"rod_{i}": _rod(i + 0.5, 0.0, 0.0) for i in range(count)}
     joints = {
         f"hinge_{i}": _hinge(f"rod_{i - 1}" if i else "ground", f"rod_{i}", [float(i), 0.0, 0.0])
@@ -31,7 +31,7 @@ def chain(count: int) -> Table:
 
 
 def loop(count: int) -> Table:
-    """A regular polygon turns about its middle as one."""
+    """A regular polygon rotates about its middle as one."""
     inner = 0.5 / tan(pi / count)
     outer = 0.5 / sin(pi / count)
     bodies, joints = {}, {}
@@ -48,14 +48,16 @@ def loop(count: int) -> Table:
     return _deck(f"A loop of {count} rods", bodies, joints, known)
 
 
-def _rod(radius: float, angle: float, turn: float) -> Table:
-    """A rod whose middle lies at `radius` and `angle`, itself turned by `turn`, in steady spin."""
+def _rod(radius: float, angle: float, rotation: float) -> Table:
+    """A rod whose middle lies at `radius` and `angle`, itself turned by `rotation`, in steady
+    spin.
+    """
     x, y = radius * cos(angle), radius * sin(angle)
     return {
         "mass": 1.0,
         "inertia": INERTIA,
         "position": [x, y, 0.0],
-        "rotation": {"axis": [0, 0, 1], "angle": turn},
+        "rotation": {"axis": [0, 0, 1], "angle": rotation},
         "velocity": [-SPIN * y, SPIN * x, 0.0],
         "angular_velocity": [0.0, 0.0, SPIN],
     }

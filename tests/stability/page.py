@@ -33,7 +33,7 @@ range with one method: the figures are those of the worst run of the range.
 | share | largest deviation from what is known over the bound that the deck states: 1 is the bound |
 | of | what deviates by that share |
 | steps, CPU | of the longest run: steps taken, seconds in them |
-| verdict | **within bounds**: every run ended normally, every number is finite and no deviation exceeds its bound; **refused**: every run was refused before its first step; **stopped**: every run, or as many as are told, stopped itself, with nothing wrong on file; the others kept their bounds |
+| verdict | **within bounds**: every run ended normally, every number is finite and no deviation exceeds its bound; **refused**: every run was refused before its first step; **stopped**: every run, or as many as are reported, stopped itself, with nothing wrong on file; the others kept their bounds |
 
 What cannot be solved is refused or stopped with a message that names place, cause and advice; the
 verdict then shows the first of them. `tests/stability` asserts all this, and the same of models drawn at random.

@@ -44,7 +44,7 @@ class _Draw:
         self.mass = dict(zip(self.names, self.decades(-4, 4, self.count), strict=True))
         self.radius = {name: float(self.rng.uniform(0.05, 0.3)) for name in self.names}
         # two rows, mostly clear of each other; now and then anywhere
-        self.place = {
+        self.position = {
             name: self.vector(1.0) if self.rarely() else self.row(i)
             for i, name in enumerate(self.names)
         }
@@ -95,9 +95,9 @@ class _Draw:
             "loads": {"weight": {"type": "gravity"}},
         }
         end = min(0.5, STEPS * 0.1 / self.fastest)
-        way = 0.1 * end * float(self.rng.integers(0, 2))
-        points = [[0, 0], [0.1 * end, 0], [end, way]]
-        parts["curves"] = {"way": {"points": points, "interpolation": "smooth"}}
+        direction = 0.1 * end * float(self.rng.integers(0, 2))
+        points = [[0, 0], [0.1 * end, 0], [end, direction]]
+        parts["curves"] = {"displacement": {"points": points, "interpolation": "smooth"}}
         # a run of more steps than this is stopped, and has to say so
         control = {"end_time": end, "integrator": integrator, "step_min": 1e-7 * end}
         output = {"history": {"interval": end / 20}, "states": {"interval": end}}
@@ -107,9 +107,9 @@ class _Draw:
         """A straight beam above the bodies, from rubber to steel; notes its nodes' masses."""
         count = int(self.rng.integers(1, 5))
         (young,), (density,), (width,) = (self.decades(*x) for x in ((6, 12), (2.5, 4), (-2.5, -1)))
-        way = self.vector(0.5)
-        way[0] += 1.0
-        length = float(np.linalg.norm(way)) / count
+        direction = self.vector(0.5)
+        direction[0] += 1.0
+        length = float(np.linalg.norm(direction)) / count
         section = {"type": "rectangle", "width": width, "height": width * self.rng.uniform(0.5, 2)}
         section = {k: v if k == "type" else float(v) for k, v in section.items()}
         share = density * section["width"] * section["height"] * length
@@ -123,7 +123,7 @@ class _Draw:
         mesh = {
             "shape": "line",
             "from": begin,
-            "to": [a + b for a, b in zip(begin, way, strict=True)],
+            "to": [a + b for a, b in zip(begin, direction, strict=True)],
             "elements": count,
         }
         return {"stuff": stuff, "section": section, "mesh": mesh}
@@ -154,7 +154,7 @@ class _Draw:
         return {
             "mass": self.mass[name],
             "inertia": moments,
-            "position": self.place[name],
+            "position": self.position[name],
             "velocity": self.vector(speed) if is_free else [0.0, 0.0, 0.0],
         }
 
@@ -175,7 +175,7 @@ class _Draw:
             "type": "point_driver",
             "body": driven,
             "axis": self.vector(1.0),
-            "curve": "way",
+            "curve": "displacement",
         }
         return found
 

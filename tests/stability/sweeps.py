@@ -28,7 +28,8 @@ EXPLICIT = ("rattle", "dormand_prince_5", "dormand_prince_8")
 # The error of a step counts over the largest speed in the model, and decks ask for 0.1 % of every
 # body's own: where that is 1e-6 of the largest, as in grazing, a step may err by 1e-10 at most.
 TOLERANCES = {"generalized_alpha": "1e-10", "radau_iia_5": "1e-7"}
-# what the two kinds of honest failure look like: place and advice, or time, place, cause and advice
+# what the two kinds of honest failure look like: place and advice, or time, location, cause and
+# advice
 REFUSED = re.compile(r"^[^\n]*\.yaml:\d+:\d+: error: .+: .+", re.MULTILINE)
 STOPPED = re.compile(r"^t = \S+ s, cycle \d+, .+: .+; .+", re.MULTILINE)
 ENDS = {"ends": (0, re.compile("")), "is refused": (2, REFUSED), "stops": (4, STOPPED)}
@@ -37,7 +38,7 @@ EITHER = "ends or stops"
 # a run of a few thousand steps costs less as plain Python than its compiler
 PLAIN = "CRASHSOLVE_PLAIN"
 
-# deviations that no channel can tell: (what, measured, bound)
+# deviations that no channel can state: (what, measured, bound)
 Look = Callable[[Result, dict[str, str]], Iterator[tuple[str, float, float]]]
 
 

@@ -44,7 +44,9 @@ def test_a_range_stays_within_its_bounds(sweep: Sweep, method: str, tmp_path: Pa
 
 @pytest.mark.long
 def test_a_step_too_long_for_the_tension_of_a_chain_is_reported(tmp_path: Path) -> None:
-    """No law tells the automatic step of it, and the energy does not: the pull is wrong by 22 %."""
+    """No law states the automatic step of it, and the energy does not: the pull is wrong by 22
+    %.
+    """
     deck = tmp_path / "chain.yaml"
     deck.write_text(yaml.safe_dump(chain(300), sort_keys=False), "utf-8")
     done = crashsolve(deck, "-o", tmp_path / "out", "--set", "control.step=auto")

@@ -65,7 +65,7 @@ def status(folder: Path, number: int) -> dict[str, Any]:
 
 
 def begun(folder: Path) -> dict[str, str]:
-    """When each run began, as its results tell: what is kept keeps it."""
+    """When each run began, as its results state: what is kept keeps it."""
     found = {}
     for path in sorted((folder / "runs").glob("*/log.txt")):
         found[path.parent.name] = str(path.stat().st_mtime_ns)

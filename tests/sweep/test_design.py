@@ -121,7 +121,7 @@ def test_sobol_indices_of_a_known_function() -> None:
     assert np.abs(np.subtract(values, known) / errors).max() < 3.0
 
 
-def test_indices_are_not_told_of_too_little() -> None:
+def test_indices_are_not_reported_too_little() -> None:
     assert "the measure does not vary" in str(indices_of(np.ones(5 * 16), 3))
     y = np.arange(80.0)
     y[:: 5 * 2] = np.nan

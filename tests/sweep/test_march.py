@@ -1,4 +1,4 @@
-"""Claim: one line tells how far all runs are; a run that another process holds is waited for."""
+"""Claim: one line states how far all runs are; a run that another process holds is waited for."""
 
 import threading
 import time
@@ -22,7 +22,7 @@ def march(folder: Path) -> March:
     return March(Path("deck.yaml"), folder, 2, lambda run: ())
 
 
-def test_one_line_tells_of_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_line_reports_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = march(tmp_path)
     found.go([])
     found.states = {1: Look("finished"), 2: Look("finished"), 3: Look("failed", "why")}
@@ -30,8 +30,8 @@ def test_one_line_tells_of_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     workers = [Worker(run(4), nobody, share=0.5), Worker(run(5), nobody, share=0.25)]
     # 3.75 of 10 runs in 15 s
     found._count, found._ended, found._begun = 10, 3, time.monotonic() - 15.0
-    told = found._progress(workers, 5)
-    assert told == "1 failed, 2 finished; running 0004 50 %, 0005 25 %; 5 waiting; 25 s left"
+    reported = found._progress(workers, 5)
+    assert reported == "1 failed, 2 finished; running 0004 50 %, 0005 25 %; 5 waiting; 25 s left"
 
 
 def test_a_lock_is_shared_or_alone(tmp_path: Path) -> None:

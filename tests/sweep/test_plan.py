@@ -1,12 +1,12 @@
-"""Claim: a wrong plan is refused before anything runs, each mistake at its place."""
+"""Claim: a wrong plan is refused before anything runs, each error at its location."""
 
 from pathlib import Path
 
 import pytest
 
 from crashsolve.foundation.errors import CrashsolveError
-from crashsolve.sweep.conduct import prepared
 from crashsolve.sweep.plan import read_plan
+from crashsolve.sweep.runner import prepared
 
 WAGON = Path(__file__).resolve().parents[2] / "decks" / "queue" / "wagon.yaml"
 MEASURE = "measure: [{channel: rcforc.buffer.normal, statistic: max}]"
@@ -81,18 +81,18 @@ def written(folder: Path, text: str) -> Path:
 
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_plan_is_refused_with_place_and_reason(name: str, tmp_path: Path) -> None:
-    old, new, told = WRONG[name]
+    old, new, reported = WRONG[name]
     assert old in RIGHT
     path = written(tmp_path, RIGHT.replace(old, new))
     with pytest.raises(CrashsolveError) as refused:
         prepared(read_plan(path))
     assert refused.value.exit_code == 2
     first = str(refused.value).splitlines()
-    assert any(told in line for line in first), refused.value
+    assert any(reported in line for line in first), refused.value
     assert any(line.startswith(str(tmp_path)) for line in first)
 
 
-def test_all_mistakes_are_told_at_once(tmp_path: Path) -> None:
+def test_all_errors_are_reported_at_once(tmp_path: Path) -> None:
     text = RIGHT.replace("runs: 4", "runs: 5").replace("statistic: max", "statistic: mx")
     with pytest.raises(CrashsolveError) as refused:
         read_plan(written(tmp_path, text.replace('"15 km/h"', "3")))

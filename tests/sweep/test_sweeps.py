@@ -99,7 +99,7 @@ def test_a_run_that_fails_has_a_message_and_no_number(tmp_path: Path) -> None:
     assert float(good["x [m]"]) > 0.0
     assert (bad["x [m]"], bad["state"]) == ("", "failed")
     assert "the energy balance is off by 104 %" in bad["message"]
-    # told again, not run again; on demand it is
+    # reported again, not run again; on demand it is
     before = begun(out)
     again = crashsolve(*words, CRASHSOLVE_PLAIN="1")
     assert (again.returncode, begun(out)) == (4, before)
@@ -110,7 +110,7 @@ def test_a_run_that_fails_has_a_message_and_no_number(tmp_path: Path) -> None:
     assert begun(out)["0002"] != before["0002"]
 
 
-def test_a_measure_that_no_run_has_is_told_and_corrected_at_no_cost(tmp_path: Path) -> None:
+def test_a_measure_that_no_run_has_is_reported_and_corrected_at_no_cost(tmp_path: Path) -> None:
     plan, out = written(tmp_path, 2), tmp_path / "out"
     text = plan.read_text("utf-8")
     plan.write_text(text.replace("buffer.normal, statistic: max", "bufer.normal, statistic: max"))
@@ -140,13 +140,13 @@ def test_the_mark_of_a_run_covers_the_files_that_its_deck_reads(tmp_path: Path) 
     other = mark_of(read_deck(deck))
     assert (other.deck, other.version) == (first.deck, first.version)
     assert other.files != first.files
-    told = {"deck": first.deck, "files": first.files, "version": "0.0.9-abc"}
-    assert other.differs_in(told) == (
+    reported = {"deck": first.deck, "files": first.files, "version": "0.0.9-abc"}
+    assert other.differs_in(reported) == (
         "other files that the deck reads, another version of crashsolve"
     )
 
 
-def test_the_mark_tells_methods_apart_but_for_the_one_that_auto_chooses(tmp_path: Path) -> None:
+def test_the_mark_distinguishes_methods_but_for_the_one_that_auto_chooses(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text("control: {end_time: 1}\nbodies: {b: {mass: 1, inertia: [1, 1, 1]}}\n")
     words = ("rattle", "radau_iia_5", "auto")
@@ -175,9 +175,9 @@ def test_a_sweep_that_is_stopped_goes_on_to_the_same_table(tmp_path: Path, whole
     other = swept(plan)
     assert (other.returncode, "another run writes to this folder" in other.stderr) == (5, True)
     sweep.send_signal(signal.SIGTERM)
-    told, _ = sweep.communicate(timeout=120)
+    reported, _ = sweep.communicate(timeout=120)
     assert sweep.returncode == 3
-    assert "each with a dump" in told
+    assert "each with a dump" in reported
     rows = table(out)
     assert {row["state"] for row in rows} <= {"finished", "stopped", "new"}
     assert "stopped" in {row["state"] for row in rows}
@@ -217,14 +217,14 @@ def test_a_sweep_killed_at_any_moment_goes_on_to_the_same_table(tmp_path: Path, 
 
 
 @pytest.mark.long
-def test_a_worker_that_crashes_is_told_and_goes_on(tmp_path: Path, whole: str) -> None:
+def test_a_worker_that_crashes_is_reported_and_goes_on(tmp_path: Path, whole: str) -> None:
     plan, out = written(tmp_path, 3, LONG), tmp_path / "out"
     sweep = start(*words_of(plan))
     wait_for(out, 1)
     os.kill(status(out, 1)["pid"], signal.SIGKILL)
-    told, _ = sweep.communicate(timeout=300)
+    reported, _ = sweep.communicate(timeout=300)
     assert sweep.returncode == 1
-    assert "0001 killed, exit code -9: killed by signal 9" in told
+    assert "0001 killed, exit code -9: killed by signal 9" in reported
     row = table(out)[0]
     assert (row["state"], row["message"], row["peak [kN]"]) == (
         *("killed", "killed by signal 9"),

@@ -129,7 +129,7 @@ def test_wheel_and_road_bear_opposite_forces_also_in_moment(tmp_path: Path, name
     start, touched = law.bench.state(), 0
     for seed in range(24):
         law.bench.nodes[:] = start
-        law.bench.shake(seed, turn=0.4)
+        law.bench.shake(seed, rotation=0.4)
         before = law.old.tobytes()
         out = act(law)
         assert written(law.new, law.module.HISTORY) and written(law.out, law.module.OUTPUT)
@@ -150,7 +150,7 @@ def test_power_is_what_is_stored_and_lost(tmp_path: Path, name: str) -> None:
     start, touched = law.bench.state(), 0
     for seed in range(24):
         law.bench.nodes[:] = start
-        law.bench.shake(seed, turn=0.4)
+        law.bench.shake(seed, rotation=0.4)
         out = act(law, 0.0)
         # within half a radius of an edge its normal turns too fast for this
         if out.normal == 0.0 or out.depth > 0.35:

@@ -34,7 +34,7 @@ MASS, LENGTH, OVERHANG = 68e3, 20.0, 3.75
 
 
 def estimate(n: Numbers) -> tuple[float, float, float, float, float]:
-    """Lever e [m], moment M [N m], stiffness K [N m/rad], end's way z [m], force T [N]."""
+    """Lever e [m], moment M [N m], stiffness K [N m/rad], end's deflection z [m], force T [N]."""
     lever = n.body_height - n.buffer_height
     lever -= 2.0 * n.bogie_share * (n.body_height - n.pivot_height)
     moment = (n.plateau_HE - n.plateau_LE) * lever
@@ -53,9 +53,9 @@ def table() -> str:
     middle = (0.5 * (float(ranges[x].low) + float(ranges[x].high)) for x in Numbers._fields)
     deck = (float(sweeps.deck_value(x)) for x in Numbers._fields)
     for name, n in (("middle of the ranges", Numbers(*middle)), ("the deck's", Numbers(*deck))):
-        lever, moment, stiffness, way, force = estimate(n)
+        lever, moment, stiffness, z, force = estimate(n)
         lines.append(
             f"| {name} | {lever:.2f} | {1e-6 * (n.plateau_HE - n.plateau_LE):.1f} | "
-            f"{1e-6 * moment:.2f} | {1e-6 * stiffness:.0f} | {1e3 * way:.0f} | {1e-3 * force:.0f} |"
+            f"{1e-6 * moment:.2f} | {1e-6 * stiffness:.0f} | {1e3 * z:.0f} | {1e-3 * force:.0f} |"
         )
     return "\n".join(lines)

@@ -88,8 +88,13 @@ def _measures() -> list[dict[str, str]]:
             ("force", f"rcforc.plates_{n}.tangential", "abs_max"),
         ):
             unit = "N" if name == "force" else "m"
-            told = {"name": f"{name} {n}", "channel": channel, "statistic": statistic, "unit": unit}
-            measures.append(told)
+            cells = {
+                "name": f"{name} {n}",
+                "channel": channel,
+                "statistic": statistic,
+                "unit": unit,
+            }
+            measures.append(cells)
     return measures
 
 

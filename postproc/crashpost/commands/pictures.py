@@ -109,7 +109,7 @@ def _render(options: argparse.Namespace) -> int:
     if not at and look == UNSAID | {"ghost": look["ghost"]}:
         at, look = _scene(result, look)
     task = strip_task(result, output, at, _title(result, options), **look)
-    make(result.folder, [task], _bar(output.name), _tell)
+    make(result.folder, [task], _bar(output.name), _report)
     print(printable(str(output)))
     return 0
 
@@ -143,7 +143,7 @@ def _film(options: argparse.Namespace) -> int:
                 "pip install 'crashsolve[render]', or name a .gif"
             )
         output = output.with_suffix(".gif")
-        _tell("a gif, for imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
+        _report("a gif, for imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
     task = film_task(
         result,
         output,
@@ -154,23 +154,23 @@ def _film(options: argparse.Namespace) -> int:
         size=_size(options.size),
         **look,
     )
-    make(result.folder, [task], _bar(output.name), _tell)
+    make(result.folder, [task], _bar(output.name), _report)
     print(printable(str(output)))
     return 0
 
 
 def _scene(result: "Result", look: dict[str, Any]) -> tuple[list[str], dict[str, Any]]:
     """Moments and look of the deck's first scene, or of the default one."""
-    from crashpost.reports import sights
+    from crashpost.reports import views
     from crashpost.results.states import States
 
-    asked = sights.scenes_of(result.stored_json("report", dict))
-    scene = asked[0] if asked else sights.default_scene(result, States(result.folder))
-    return [str(word) for word in scene.get("at", [])], look | sights.look(scene)
+    asked = views.scenes_of(result.stored_json("report", dict))
+    scene = asked[0] if asked else views.default_scene(result, States(result.folder))
+    return [str(word) for word in scene.get("at", [])], look | views.look(scene)
 
 
 def _look(options: argparse.Namespace) -> dict[str, Any]:
-    from crashpost.reports.sights import check_magnify
+    from crashpost.reports.views import check_magnify
 
     check_magnify(options.magnify)
     return {
@@ -208,7 +208,7 @@ def _known_ending(path: Path, endings: tuple[str, ...]) -> None:
         raise PostError(f"{path}: no such folder")
 
 
-def _tell(text: str) -> None:
+def _report(text: str) -> None:
     print(printable(f"crashpost: {text}"), file=sys.stderr)
 
 

@@ -78,8 +78,8 @@ def corridor_rows(
                     continue
                 history = series.time, series.values * factor(series.unit, unit)
                 lower, upper = ((time, border.values) for border in test.corridor)
-                told = stay(history, lower, upper, during)
-                leaves = leaves or told.excess > 0.0
-                sizes = [f"{100 * told.inside:.4g} %", number(told.excess), unit or "-"]
-                found.append([name, choice.channel, test.name, *sizes, number(told.at)])
+                rated = stay(history, lower, upper, during)
+                leaves = leaves or rated.excess > 0.0
+                sizes = [f"{100 * rated.inside:.4g} %", number(rated.excess), unit or "-"]
+                found.append([name, choice.channel, test.name, *sizes, number(rated.at)])
     return found, leaves

@@ -19,7 +19,7 @@ from crashsolve.channels.series import Series
 
 # of the largest value of its dimension in the results, and in SI: less is round-off
 FLOOR, NOTHING = 1e-6, 1e-12
-# what tells of the computation, not of what was computed
+# what describes the computation, not of what was computed
 NUMERICS = (
     *("glstat.model.step", "glstat.model.cycle", "glstat.model.residual", "glstat.model.balance"),
     *("glstat.model.energy.imbalance", "glstat.model.momentum_error"),
@@ -91,11 +91,11 @@ def _times(first: Result, other: Result) -> list[str]:
     span = max(last - begin for begin, last in ends)
     if max(abs(a - b) for a, b in zip(*ends, strict=True)) <= 1e-9 * span:
         return []
-    told = [
+    cells = [
         f"{start:g} s to {end:g} s in {folder}"
         for folder, (start, end) in zip((first.folder, other.folder), ends, strict=True)
     ]
-    return [f"compared in the time of both: {' and '.join(told)}"]
+    return [f"compared in the time of both: {' and '.join(cells)}"]
 
 
 def _floors(first: Result, other: Result, names: Sequence[str]) -> dict[object, float]:

@@ -89,10 +89,10 @@ def rating_rows(
                 series = result.series(choice.channel)
                 for curve in test.curves:
                     if is_convertible(series.unit, curve.unit):
-                        told = rating(series, test, curve, during)
-                        numbers = [f"{value:.3f}" for value in told[1:5]]
-                        place = [name, choice.channel, f"{test.name}: {curve.name}"]
-                        found.append([*place, f"{told.overall:.3f}", told.grade, *numbers])
+                        rated = rating(series, test, curve, during)
+                        numbers = [f"{value:.3f}" for value in rated[1:5]]
+                        row = [name, choice.channel, f"{test.name}: {curve.name}"]
+                        found.append([*row, f"{rated.overall:.3f}", rated.grade, *numbers])
                         fitting += 1
         if not fitting and test.corridor is None:
             raise PostError(f"test '{test.name}' has no curve in the unit of {' '.join(words)}")

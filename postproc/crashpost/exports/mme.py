@@ -2,9 +2,9 @@
 
     NAME.mme    Channel/NAME.chn    Channel/NAME.001 ...
 
-Channels of a simulation have no place in the standard's list of codes: those that are not known are
-written `?`, and the names of crashpost stand beside them. Histories of unequal intervals refer to a
-channel of their times.
+Channels of a simulation have no position in the standard's list of codes: those that are not known
+are written `?`, and the names of crashpost stand beside them. Histories of unequal intervals refer
+to a channel of their times.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from crashsolve.channels.series import Series
 EDITION = "1.6"
 NO_VALUE = "NOVALUE"
 # letters of a channel code before its dimension
-PLACE = 12
+SLOT = 12
 # the standard counts files with three digits
 MOST = 999
 # [of the mean interval] samples are as even as this, or their times are written
@@ -48,13 +48,13 @@ def write_mme(result: Result, path: Path, series: dict[str, Series]) -> None:
     channels = {**times, **series}
     if len(channels) > MOST:
         raise PostError(f"{len(channels)} channels; ISO-MME counts to {MOST}: name fewer")
-    places = _places(result)
+    positions = _positions(result)
     folder = path.parent / "Channel"
     try:
         folder.mkdir(exist_ok=True)
         rows = [("Number of channels", str(len(channels)))]
         for serial, (name, one) in enumerate(channels.items(), start=1):
-            own = code(name, one.unit, places.get(name.split(".")[1] if "." in name else "", ""))
+            own = code(name, one.unit, positions.get(name.split(".")[1] if "." in name else "", ""))
             rows.append((f"Name of channel {serial:03d}", f"{own} / {name}"))
             lines = [*_head(name, one, own, is_even=not times), *map(repr, one.values.tolist())]
             _write(folder / f"{path.stem}.{serial:03d}", lines)
@@ -67,22 +67,22 @@ def write_mme(result: Result, path: Path, series: dict[str, Series]) -> None:
         raise PostError(f"{error.filename or path}: {error.strerror}") from error
 
 
-def code(name: str, unit: str, place: str = "") -> str:
+def code(name: str, unit: str, position: str = "") -> str:
     """The channel code of 16 characters: test object 1, dimension, direction, no filter.
 
-    `place` are the first 12 letters, test object to fine location 3, where the deck gives them.
+    `position` are the first 12 letters, test object to fine location 3, where the deck gives them.
     """
     dimension = next((d for u, d in DIMENSIONS.items() if _is_of(unit, u)), "??")
     last = name.rsplit(".", 1)[-1]
-    return f"{place or '1' + '?' * 11}{dimension}{DIRECTIONS.get(last, '0')}0"
+    return f"{position or '1' + '?' * 11}{dimension}{DIRECTIONS.get(last, '0')}0"
 
 
-def _places(result: Result) -> dict[str, str]:
-    """The codes of places that sensors have in the deck, by the sensors' names."""
+def _positions(result: Result) -> dict[str, str]:
+    """The codes of positions that sensors have in the deck, by the sensors' names."""
     return {
         name: str(card["mme"])
         for name, card in injury.sensors(result).items()
-        if len(str(card.get("mme") or "")) == PLACE
+        if len(str(card.get("mme") or "")) == SLOT
     }
 
 

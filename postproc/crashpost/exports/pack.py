@@ -1,8 +1,8 @@
 """Merges the states of a run into one VTKHDF file, which ParaView 5.12 and later and pyvista play.
 
-All blocks are one unstructured grid, in place at each time; `block` tells them apart. What a block
-does not have is not a number there. Geometry that never changes is written once. The format is
-that of the VTK file formats, VTKHDF 2.0, with steps; states are read one by one.
+All blocks are one unstructured grid, in place at each time; `block` distinguishes them. What a
+block does not have is not a number there. Geometry that never changes is written once. The format
+is that of the VTK file formats, VTKHDF 2.0, with steps; states are read one by one.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ PIECE = 1 << 16
 
 
 def pack(states: States, path: Path, progress: Callable[[int, int], None]) -> str:
-    """Write the file and tell what is in it; raises PostError."""
+    """Write the file and state what is in it; raises PostError."""
     partial = path.with_name(f".{path.name}.partial")
     try:
         with h5py.File(partial, "w") as file:
@@ -53,20 +53,20 @@ class _Packing:
         count = len(self.states.times)
         fields = self._fields()
         self._topology(count)
-        for (name, place), width in fields.items():
-            size = self.n_points if place == "PointData" else self.n_cells
+        for (name, association), width in fields.items():
+            size = self.n_points if association == "PointData" else self.n_cells
             shape = (size * count,) if width == 1 else (size * count, width)
             kind = "u1" if name == GHOST else "f4"
-            self.root.create_dataset(f"{place}/{name}", shape, kind, chunks=_chunk(shape))
+            self.root.create_dataset(f"{association}/{name}", shape, kind, chunks=_chunk(shape))
         shape = (self.n_points * count, 3)
         points = self.root.create_dataset("Points", shape, "f8", chunks=_chunk(shape))
         for k in range(count):
             points[k * self.n_points : (k + 1) * self.n_points] = np.concatenate(
                 [self.states.positions(k, block.name) for block in self.blocks]
             )
-            for (name, place), width in fields.items():
-                values = self._values(k, name, place, width)
-                self.root[f"{place}/{name}"][k * len(values) : (k + 1) * len(values)] = values
+            for (name, association), width in fields.items():
+                values = self._values(k, name, association, width)
+                self.root[f"{association}/{name}"][k * len(values) : (k + 1) * len(values)] = values
             progress(k + 1, count)
         self._steps(count, list(fields))
         return len(fields)
@@ -78,21 +78,25 @@ class _Packing:
             for name in self.states.fields(block.name):
                 if name not in SKIPPED:
                     values = self.states.read(0, block.name, name)[name]
-                    found[name, _place(block, name, values)] = 1 if values.ndim == 1 else 3
+                    found[name, _position(block, name, values)] = 1 if values.ndim == 1 else 3
         found["displacement", "PointData"] = 3
         found["block", "CellData"] = 1
         return found
 
-    def _values(self, k: int, name: str, place: str, width: int) -> np.ndarray:
+    def _values(self, k: int, name: str, association: str, width: int) -> np.ndarray:
         """A field of all blocks at a state."""
         parts = []
         for number, block in enumerate(self.blocks):
-            size = len(block.points) if place == "PointData" else block.n_cells
+            size = len(block.points) if association == "PointData" else block.n_cells
             shape = (size,) if width == 1 else (size, width)
             found = self.states.read(k, block.name, name).get(name)
             if name == "block":
                 parts.append(np.full(shape, float(number)))
-            elif found is not None and found.shape == shape and _place(block, name, found) == place:
+            elif (
+                found is not None
+                and found.shape == shape
+                and _position(block, name, found) == association
+            ):
                 parts.append(found)
             else:
                 parts.append(np.full(shape, 0.0 if name in (GHOST, "displacement") else np.nan))
@@ -130,12 +134,12 @@ class _Packing:
         steps["PointOffsets"] = k * self.n_points
         steps["CellOffsets"] = zero[:, None]
         steps["ConnectivityIdOffsets"] = zero[:, None]
-        for name, place in fields:
-            size = self.n_points if place == "PointData" else self.n_cells
-            steps[f"{place}Offsets/{name}"] = k * size
+        for name, association in fields:
+            size = self.n_points if association == "PointData" else self.n_cells
+            steps[f"{association}Offsets/{name}"] = k * size
 
 
-def _place(block: Block, name: str, values: np.ndarray) -> str:
+def _position(block: Block, name: str, values: np.ndarray) -> str:
     """Whether a field is one of points or of cells; vectors in space are those of points."""
     if name == GHOST or (values.ndim == 1 and len(values) == block.n_cells) or name == "side":
         return "CellData"

@@ -160,7 +160,9 @@ class Powers(LogFormatter):
 def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     """Draw references, then curves, then the axes; returns the legend."""
     if len(figure.y) > MOST_LINES:
-        raise PostError(f"{len(figure.y)} curves in one figure; {MOST_LINES} can be told apart")
+        raise PostError(
+            f"{len(figure.y)} curves in one figure; {MOST_LINES} can be determined apart"
+        )
     scaled = _scaled(_runs(results), figure)
     keys = []
     for number, line in enumerate(scaled.lines):
@@ -281,7 +283,7 @@ def _scaled(results: Sequence[Result], figure: Figure) -> _Scaled:
         literal = [_Line(curve.label, *np.array(curve.points).T) for curve in figure.y]
         return _Scaled(literal, figure.x_unit, figure.y_unit)
     abscissas = [results[curve.run].series(curve.x or figure.x) for curve in figure.y]
-    ordinates = [_told(results[curve.run], curve.channel) for curve in figure.y]
+    ordinates = [_reported(results[curve.run], curve.channel) for curve in figure.y]
     x_unit = axis_unit(abscissas, figure.x_unit)
     y_unit = axis_unit(ordinates, figure.y_unit)
     lines = []
@@ -295,7 +297,7 @@ def _scaled(results: Sequence[Result], figure: Figure) -> _Scaled:
     return _Scaled(lines, x_unit, y_unit)
 
 
-def _told(result: Result, channel: str) -> Series:
+def _reported(result: Result, channel: str) -> Series:
     """A channel, without the times of contacts that have not been: these lie before the run."""
     series = result.series(channel)
     is_moment = channel.startswith("rcforc.") and channel.rsplit(".", 1)[-1] in MOMENTS

@@ -161,20 +161,20 @@ def _part_figures(result: Result) -> list[Figure]:
     plastic = [f"matsum.{e}.plastic" for f in _families(result, "matsum") for e in f.ids]
     known = [name for name in plastic if result.has(name)]
     forces = _largest(result, _contacts(result, "normal"))
-    ways = [
+    candidates = [
         name
         for f in _families(result, "rbdout")
         if "position.x" in {column.name for column in f.columns}
         for e in f.ids
         for name in (f"rbdout.{e}.position.{axis}" for axis in "xyz")
     ]
-    if not _largest(result, known) or not forces or not ways:
+    if not _largest(result, known) or not forces or not candidates:
         return []
-    way = max(ways, key=lambda name: _range(result, name))
-    start = float(result.series(way).values[0])
-    stroke = f"abs({plain(way)} - '{start!r} m')"
+    channel = max(candidates, key=lambda name: _range(result, name))
+    start = float(result.series(channel).values[0])
+    stroke = f"abs({plain(channel)} - '{start!r} m')"
     labels = words.labels(forces) if len(forces) > 1 else [words.entity(forces[0])]
-    body = words.entity(way)
+    body = words.entity(channel)
     return [
         Figure(
             f"Contact force over travel of {body}",
@@ -182,7 +182,7 @@ def _part_figures(result: Result) -> list[Figure]:
             x=stroke,
             x_unit=AUTO,
             y_unit=AUTO,
-            x_label=f"travel of {body} along {way[-1]}",
+            x_label=f"travel of {body} along {channel[-1]}",
             y_label="contact force",
         )
     ]

@@ -1,6 +1,6 @@
 """Names of results laid over each other: what differs between their decks.
 
-The values of `--set` and of sweeps are parameters, which results keep; where these do not tell two
+The values of `--set` and of sweeps are parameters, which results keep; where these do not state two
 apart, other numbers and words of their decks do, and else the names of their folders.
 """
 
@@ -41,7 +41,7 @@ def _parameters(result: Result) -> dict[str, Any]:
 
 
 def _decks(results: Sequence[Result]) -> list[dict[str, Any]]:
-    """Every number and word of the decks by its place; raises PostError for a broken deck."""
+    """Every number and word of the decks by its position; raises PostError for a broken deck."""
     import yaml
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -58,10 +58,10 @@ def _decks(results: Sequence[Result]) -> list[dict[str, Any]]:
     return found
 
 
-def _collect(part: Any, place: str, leaves: dict[str, Any]) -> None:
+def _collect(part: Any, path: str, leaves: dict[str, Any]) -> None:
     pairs = part.items() if isinstance(part, dict) else enumerate(part, start=1)
     for key, inner in pairs:
-        where = f"{place}.{key}" if place else str(key)
+        where = f"{path}.{key}" if path else str(key)
         if isinstance(inner, dict | list):
             _collect(inner, where, leaves)
         else:
@@ -70,19 +70,19 @@ def _collect(part: Any, place: str, leaves: dict[str, Any]) -> None:
 
 def _differing(values: Sequence[dict[str, Any]]) -> list[str]:
     """The places where not all have the same."""
-    places = dict.fromkeys(place for own in values for place in own)
-    return [p for p in places if any(own.get(p) != values[0].get(p) for own in values)]
+    positions = dict.fromkeys(path for own in values for path in own)
+    return [p for p in positions if any(own.get(p) != values[0].get(p) for own in values)]
 
 
-def _said(own: dict[str, Any], places: Sequence[str], values: Sequence[dict[str, Any]]) -> str:
+def _said(own: dict[str, Any], positions: Sequence[str], values: Sequence[dict[str, Any]]) -> str:
     return ", ".join(
-        f"{printable(place)} {_shown(own.get(place), [other.get(place) for other in values])}"
-        for place in places
+        f"{printable(path)} {_shown(own.get(path), [other.get(path) for other in values])}"
+        for path in positions
     )
 
 
 def _shown(value: Any, among: Sequence[Any]) -> str:
-    """A value with as many digits as tell it from the others; - where a deck has none."""
+    """A value with as many digits as distinguish it from the others; - where a deck has none."""
     if isinstance(value, float):
         for digits in (5, 9, 17):
             if len({f"{v:.{digits}g}" for v in set(among) if isinstance(v, float)}) == len(

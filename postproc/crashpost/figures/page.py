@@ -44,7 +44,7 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[
         for words, look in zip(header, looks, strict=True)
     ]
     lines = ["".join(map(_cell, row, looks)) for row in rows]
-    # a row that tells of a miss is coloured as one
+    # a row that reports a miss is coloured as one
     body = "\n".join(
         f'<tr class="missed">{line}</tr>' if BAD & set(row) else f"<tr>{line}</tr>"
         for row, line in zip(rows, lines, strict=True)

@@ -79,8 +79,8 @@ def _chosen(results: Sequence[Result], asked: Sequence[str]) -> dict[Choice, lis
             except PostError as error:
                 # a pattern may fit in some results only, a name must be in all
                 if not PATTERN & set(word) or len(results) == 1:
-                    place = f"{result.folder}: " if len(results) > 1 else ""
-                    raise PostError(f"{place}{error}") from error
+                    prefix = f"{result.folder}: " if len(results) > 1 else ""
+                    raise PostError(f"{prefix}{error}") from error
                 problems.append(error)
         if not fitting:
             raise problems[-1]
@@ -183,14 +183,14 @@ def _mark(
         found = answer(result, channel, word, None, units[1])
     elif is_a_time(word) and against == "time":
         found = answer(result, channel, word, None, units[0])
-    told = f"{word} {found.value:.5g} {found.unit}".rstrip() + (f", {name}" if name else "")
+    message = f"{word} {found.value:.5g} {found.unit}".rstrip() + (f", {name}" if name else "")
     if is_value and not is_of_a_moment(word):
-        return Reference(told, value=found.value)
+        return Reference(message, value=found.value)
     moment = result.value(channel, word) if is_a_time(word) else moment_asked(word)
     moment = float(series.time[-1]) if moment is None else moment
     at = f"at:{moment!r}"
     x, y = answer(result, against, at, None, units[0]), answer(result, channel, at, None, units[1])
-    return Reference(told, "point", points=((x.value, y.value),))
+    return Reference(message, "point", points=((x.value, y.value),))
 
 
 def _limited(figure: Figure, wish: Wish) -> Figure:

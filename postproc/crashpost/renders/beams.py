@@ -31,12 +31,12 @@ def rings(
 ) -> np.ndarray:
     """Outlines (n, 2, k, 3) of a section at both ends of elements, each turned with its node.
 
-    `own` are the numbers of the elements, `ends` (m, 2, 3) the places of the ends of all;
+    `own` are the numbers of the elements, `ends` (m, 2, 3) the positions of the ends of all;
     rotations are drawn `magnify` times as large.
     """
     block = states.blocks["beams"]
     vectors = states.read(number, "beams", "rotation")["rotation"].astype(float)
-    turned = rotated(magnify * vectors).reshape(-1, 2, 3, 3)
+    rotated_corners = rotated(magnify * vectors).reshape(-1, 2, 3, 3)
     start = block.points.reshape(-1, 2, 3)
     axis = start[:, 1] - start[:, 0]
     y = block.fixed["side"].astype(float)
@@ -44,7 +44,7 @@ def rings(
     outline = states.sections[kind]
     flat = y[own, None] * outline[:, :1] + z[own, None] * outline[:, 1:]
     both = [
-        ends[own, end][:, None] + np.einsum("nij,nkj->nki", turned[own, end], flat)
+        ends[own, end][:, None] + np.einsum("nij,nkj->nki", rotated_corners[own, end], flat)
         for end in (0, 1)
     ]
     found: np.ndarray = np.stack(both, axis=1)

@@ -126,7 +126,7 @@ class Scene:
             points[row] = cut(points[row], self.reach)
         return points
 
-    def place(self, number: float, name: str) -> np.ndarray:
+    def position(self, number: float, name: str) -> np.ndarray:
         """Where a body or part is at a state: its mass centre, or the mean of its points."""
         states = self.states
         if name in states.names["bodies"][1:]:
@@ -215,7 +215,7 @@ class Scene:
     def legend(self) -> list[tuple[str, str]]:
         """Names of what is drawn in colours of its own, with the colours; none by a field.
 
-        None either where colours come again: they only tell neighbours apart then.
+        None either where colours come again: they only distinguish neighbours then.
         """
         if self.look.color:
             return []
@@ -287,8 +287,8 @@ class Scene:
 
     def _body_colour(self, body: int) -> str:
         whole = self.groups[body]
-        place = self.wholes.index(whole) if whole in self.wholes else body
-        return COLOURS[place % len(COLOURS)]
+        position = self.wholes.index(whole) if whole in self.wholes else body
+        return COLOURS[position % len(COLOURS)]
 
     def _part_colour(self, number: int) -> str:
         # colours of parts come after those of bodies

@@ -8,10 +8,10 @@ def is_node(name: str, parts: list[str]) -> bool:
 
 def groups(names: list[str]) -> list[int]:
     """For each body the shortest other whose name it begins with: A_bogie_1 belongs to A."""
-    places = {name: k for k, name in enumerate(names)}
+    positions = {name: k for k, name in enumerate(names)}
     found = []
     for k, name in enumerate(names):
         words = name.split("_")
         heads = ("_".join(words[:n]) for n in range(1, len(words)))
-        found.append(next((places[head] for head in heads if places.get(head)), k))
+        found.append(next((positions[head] for head in heads if positions.get(head)), k))
     return found

@@ -15,6 +15,6 @@ class Look:
     magnify: float = 1.0
 
     @property
-    def told(self) -> str:
+    def note(self) -> str:
         """What a picture must say, for lengths in it are not true."""
         return "" if self.magnify == 1.0 else f"displacements x {self.magnify:g}"

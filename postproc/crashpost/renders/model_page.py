@@ -91,7 +91,7 @@ WIDTH, COLOURS = 0.004, 16
 
 
 def write_page(result: Result, path: Path, **look: Any) -> str:
-    """Write the page and tell what is on it; raises PostError."""
+    """Write the page and state what is on it; raises PostError."""
     text, words = page(result, **look)
     try:
         path.write_text(text, "utf-8")
@@ -155,21 +155,21 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
     )
     text = shown.get_snapshot(9, additional_js_code=script)
     words = f"{len(numbers)} of {len(states.times)} states"
-    return _titled(text, result.title), ", ".join(filter(None, [words, scene.look.told]))
+    return _titled(text, result.title), ", ".join(filter(None, [words, scene.look.note]))
 
 
 def _key(shades: Shades, scene: Scene) -> list[tuple[str, str]]:
     """Colours of the picture and what they stand for."""
-    told = [("", scene.look.told)] if scene.look.told else []
+    note = [("", scene.look.note)] if scene.look.note else []
     if not shades.name:
-        return told + [(colour, name) for name, colour in scene.legend()[:MOST_NAMES]]
+        return note + [(colour, name) for name, colour in scene.legend()[:MOST_NAMES]]
     unit = f" {shades.shown_unit}" if shades.shown_unit not in ("", "1") else ""
     found = []
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
         red, green, blue = shades.table[int(255 * share)].astype(int)
         value = (shades.low + share * (shades.high - shades.low)) * shades.scale
         found.append((f"#{red:02x}{green:02x}{blue:02x}", f"{value:.3g}{unit}"))
-    return [*told, ("", shades.name.replace("_", " ")), *found]
+    return [*note, ("", shades.name.replace("_", " ")), *found]
 
 
 def _thinned(scene: Scene, count: int) -> list[int]:
@@ -220,9 +220,9 @@ def _put(
     for number, dots in enumerate(first.dots):
         if not len(dots.points):
             continue
-        places = {key: one.dots[number].points.astype(np.float32) for key, one in frames.items()}
+        positions = {key: one.dots[number].points.astype(np.float32) for key, one in frames.items()}
         size = 2.0 * seen.dot
-        shown += k3d.points(places, point_size=size, shader="mesh", color=_code(dots.colour))
+        shown += k3d.points(positions, point_size=size, shader="mesh", color=_code(dots.colour))
     if arrow:
         shown += _segments(k3d, _arrow_ends(frames, arrow), ARROW, 2.0 * width)
 
@@ -264,7 +264,7 @@ def _field_mesh(k3d: Any, first: Surface, same: dict[str, Surface], shades: Shad
         for key, surface in same.items():
             vertices[key] = _torn(first, surface, everything)
             whole = np.zeros(len(first.corners))
-            whole[_places(first, surface)] = surface.values
+            whole[_positions(first, surface)] = surface.values
             values[key] = np.repeat(whole, 3 * per_cell).astype(np.float32)
     table = shades.table[:: len(shades.table) // COLOURS] / 255.0
     shares = np.linspace(0.0, 1.0, len(table))
@@ -290,16 +290,16 @@ def _at_vertices(values: Any, corners: np.ndarray, count: int) -> np.ndarray:
 
 def _torn(first: Surface, surface: Surface, of: np.ndarray) -> np.ndarray:
     """Vertices (n, 3) of triangles that share none; of those deleted since, all in one point."""
-    places = _places(first, surface)
+    positions = _positions(first, surface)
     corners = first.corners.copy()
     gone = np.ones(len(corners), bool)
-    gone[places] = False
+    gone[positions] = False
     corners[gone] = corners[gone][:, :1]
     found: np.ndarray = surface.points[_fan(corners[of]).ravel()].astype(np.float32)
     return found
 
 
-def _places(first: Surface, surface: Surface) -> np.ndarray:
+def _positions(first: Surface, surface: Surface) -> np.ndarray:
     """Where the polygons of a surface are among those of the first."""
     return np.searchsorted(first.rows, surface.rows)
 

@@ -58,7 +58,7 @@ class Key:
     arrow: float = 0.0  # metres for each unit
     arrow_unit: str = ""
     arrow_size: float = 0.0  # the largest, in its unit
-    told: str = ""  # what is not as long as it was
+    note: str = ""  # what is not as long as it was
 
     @property
     def scale_bar(self) -> tuple[float, str]:
@@ -96,7 +96,7 @@ class Key:
     def between(self, width: float, panel: float) -> tuple[float, float]:
         """Where colours or names begin and end, right of the scale bar, left of arrows."""
         bar = self.scale_bar[0] / self.camera.width * panel
-        start = max(PAD + 0.02 + bar, 1.7 if self.told else 1.2) + 0.3
+        start = max(PAD + 0.02 + bar, 1.7 if self.note else 1.2) + 0.3
         return start, width - (ARROWS_ROOM if self.arrow_size else 0.1)
 
 
@@ -188,10 +188,10 @@ class Sheet:
     """The sheet of a film (height, width, 3): a window for the picture, a line for the time."""
 
     def __init__(
-        self, title: str, key: Key, size: tuple[int, int], speed: str, place: "Place"
+        self, title: str, key: Key, size: tuple[int, int], speed: str, position: "Place"
     ) -> None:
         width, height = size
-        self.window = film_window(size, place.below)
+        self.window = film_window(size, position.below)
         with mpl.rc_context(MATPLOTLIB):
             figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
             most = round(width * LETTERS)
@@ -208,7 +208,7 @@ class Sheet:
                 fontsize=7,
                 color=MUTED,
             )
-            _footer(figure, key, width / DPI, place.below - place.lift, place.lift)
+            _footer(figure, key, width / DPI, position.below - position.lift, position.lift)
             canvas = FigureCanvasAgg(figure)
             canvas.draw()
             self.blank = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -221,8 +221,8 @@ class Sheet:
         found = self.blank.copy()
         found[top : top + height, left : left + width] = picture
         image = Image.fromarray(found)
-        place = (0.02 * found.shape[1], 0.40 * DPI)
-        ImageDraw.Draw(image).text(place, time, fill=INK, font=_font(), anchor="lm")
+        position = (0.02 * found.shape[1], 0.40 * DPI)
+        ImageDraw.Draw(image).text(position, time, fill=INK, font=_font(), anchor="lm")
         return np.asarray(image)
 
 
@@ -272,13 +272,13 @@ def _head(figure: Figure, title: str) -> None:
 def _panel(
     figure: Figure,
     picture: np.ndarray,
-    place: tuple[float, float, float, float],
+    position: tuple[float, float, float, float],
     caption: str,
     *,
     is_tall: bool,
 ) -> None:
     width, height = figure.get_size_inches()
-    left, bottom, w, h = place
+    left, bottom, w, h = position
     axes = figure.add_axes((left / width, bottom / height, w / width, h / height))
     axes.imshow(picture, interpolation="antialiased", aspect="auto")
     axes.set_xticks([])
@@ -312,7 +312,7 @@ def _footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0
     for end in (left, left + bar):
         axes.plot([end, end], [0.31, 0.41], color=INK, linewidth=1)
     axes.text(left, 0.24, label, fontsize=8, va="top", color=INK)
-    axes.text(left, 0.11, key.told, fontsize=8, va="top", color=ARROW)
+    axes.text(left, 0.11, key.note, fontsize=8, va="top", color=ARROW)
     start, stop = key.between(width, panel)
     if key.shades.name:
         _colour_bar(figure, key.shades, (start, stop), lift - low)
@@ -336,8 +336,8 @@ def _arrow(axes: Any, key: Key, left: float, panel: float) -> None:
 def _colour_bar(figure: Figure, shades: Shades, ends: tuple[float, float], lift: float) -> None:
     width, height = figure.get_size_inches()
     start, stop = ends[0], min(max(ends[1] - 0.25, ends[0] + LEAST_BAR), ends[0] + 3.2)
-    place = (start / width, (lift + 0.34) / height, (stop - start) / width, 0.11 / height)
-    axes = figure.add_axes(place)
+    position = (start / width, (lift + 0.34) / height, (stop - start) / width, 0.11 / height)
+    axes = figure.add_axes(position)
     scale = shades.scale
     norm = Normalize(shades.low * scale, shades.high * scale)
     bar = figure.colorbar(ScalarMappable(norm, shades.cmap), cax=axes, orientation="horizontal")

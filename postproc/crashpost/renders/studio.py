@@ -75,7 +75,7 @@ def make(
     for task in tasks:
         scene = Scene(states, look_of(task))
         if task.follow:
-            scene.place(0, task.follow)
+            scene.position(0, task.follow)
         cameras.camera(task.view, states.up, np.zeros(3), np.ones(3))
     why = _in_child(folder, tasks, progress)
     if not why:
@@ -109,27 +109,27 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
         arrow,
         scene.arrow_unit,
         view.largest if arrow else 0.0,
-        scene.look.told,
+        scene.look.note,
     )
     captions = [caption for _, caption in task.frames]
     if task.is_film:
-        size, place = _film_size(task, key)
-        window = compose.film_window(size, place.below)
+        size, position = _film_size(task, key)
+        window = compose.film_window(size, position.below)
         aspect = window[2] / window[3]
         seen, arrow = view.camera((aspect, aspect))
         key = replace(key, camera=seen, arrow=arrow)
     sizes = compose.with_footer(compose.layout(captions, seen.aspect, task.title), key)
     width, height = window[2:] if task.is_film else sizes.pixels
-    easel = painter(width, height)
+    plotter = painter(width, height)
     start = scene.ghost() if task.ghost else Drawing()
-    sheet = compose.Sheet(task.title, key, size, task.speed, place) if task.is_film else None
+    sheet = compose.Sheet(task.title, key, size, task.speed, position) if task.is_film else None
 
     def pictures() -> Any:
         for k, (number, _) in enumerate(task.frames):
             placed = _moved(seen, shift[k])
             drawing = scene.at(number)
             layers = [start, drawing, arrows_of(drawing, placed, key.arrow)]
-            yield easel.paint(layers, placed, key.shades)
+            yield plotter.paint(layers, placed, key.shades)
             progress(k + 1, len(task.frames))
 
     if sheet is None:
@@ -139,7 +139,7 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
         from crashpost.renders.film_file import write_film
 
         write_film(Path(task.output), frames, task.fps, size)
-    easel.close()
+    plotter.close()
 
 
 def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Place"]:
@@ -159,20 +159,20 @@ def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Place"]:
     is_played = task.output.endswith(".mp4") and not 0 < task.size[1] < SMALL
     lift = compose.CONTROLS if is_played else 0.0
     below = key.footer(inches, inches) + lift
-    place = compose.Place(below, lift)
+    position = compose.Place(below, lift)
     if not task.size[1]:
-        return compose.film_size(key.camera.aspect, task.size[0], least, below), place
+        return compose.film_size(key.camera.aspect, task.size[0], least, below), position
     if task.size[1] < (compose.FILM_HEAD + below) * compose.DPI + LOWEST:
         raise PostError(f"--size: {task.size[1]} pixels of height leave none for the picture")
-    return task.size, place
+    return task.size, position
 
 
 def _shifts(scene: Scene, task: Task) -> list[np.ndarray]:
     """How far what the camera follows has moved since the first picture [m]."""
     if not task.follow:
         return [np.zeros(3)] * len(task.frames)
-    places = [scene.place(number, task.follow) for number, _ in task.frames]
-    return [place - places[0] for place in places]
+    positions = [scene.position(number, task.follow) for number, _ in task.frames]
+    return [position - positions[0] for position in positions]
 
 
 def _moved(seen: cameras.Camera, shift: np.ndarray) -> cameras.Camera:
@@ -295,7 +295,7 @@ def clock(time: float, span: float) -> str:
 
 
 def main() -> int:
-    """The child: paint what standard input asks for, tell the progress on standard output."""
+    """The child: paint what standard input asks for, state the progress on standard output."""
     job = json.loads(sys.stdin.read())
     from crashpost.renders.paint_vtk import Painter
 

@@ -21,7 +21,7 @@ from crashpost.figures.page import (
     table,
     tiles,
 )
-from crashpost.reports.sights import sights
+from crashpost.reports.views import views
 from crashpost.results import ledger, logbook
 from crashpost.results.result import Result
 from crashpost.results.table import number
@@ -63,7 +63,7 @@ class _Report:
     def page(self) -> tuple[str, list[str]]:
         result = self.result
         sections = [
-            block("pictures", "Pictures", self.sights()),
+            block("pictures", "Pictures", self.views()),
             block("events", "What happened", _events(result, self.time_unit)),
             block("curves", "Curves", self.figures(self.chosen)),
             block("injury", "Injury", _injury(result)),
@@ -83,10 +83,10 @@ class _Report:
         body = [self.heading(sections), *sections, _footer(result)]
         return page(result.title, body), self.problems
 
-    def sights(self) -> str:
+    def views(self) -> str:
         """Pictures and films of the run."""
         try:
-            return sights(self.result, self.described, self.pictures)
+            return views(self.result, self.described, self.pictures)
         except PostError as error:
             self.problems.append(f"pictures: {error}")
             return f'<p class="problem">{escape(str(error))}</p>'

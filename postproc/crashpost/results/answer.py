@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Answer(NamedTuple):
-    """A number with its unit; `remark` tells what it rests on, where not on samples alone."""
+    """A number with its unit; `remark` states what it rests on, where not on samples alone."""
 
     value: float
     unit: str

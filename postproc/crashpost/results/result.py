@@ -161,14 +161,14 @@ class Result:
 
     def span(self, name: str) -> tuple[float, float]:
         """Least and greatest value of a channel; raises PostError for one that does not exist."""
-        family, at, column = self._place(name)
+        family, at, column = self._position(name)
         found = self.extremes(family, column)
         return float(found.least[at]), float(found.greatest[at])
 
     def has(self, name: str) -> bool:
         """Whether there is a channel of this name."""
         try:
-            self._place(name)
+            self._position(name)
         except PostError:
             return False
         return True
@@ -268,10 +268,10 @@ class Result:
         """The samples of one channel by its exact name."""
         if name == "time":
             return Series(self.time, self.time, "s")
-        family, at, column = self._place(name)
+        family, at, column = self._position(name)
         return Series(self.time, self._read(f"{family.name}/{column.path}", at), column.unit)
 
-    def _place(self, name: str) -> tuple[Family, int, Column]:
+    def _position(self, name: str) -> tuple[Family, int, Column]:
         """Where a channel stands: family, number of the entity, column. Raises PostError."""
         word, entity, path = _words(name)
         for family in self.families.values():

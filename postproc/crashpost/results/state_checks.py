@@ -21,7 +21,9 @@ class Damaged(ValueError):
 
 @dataclass(frozen=True)
 class Block:
-    """A mesh drawn as one thing; `rows` of each array of corners are its places among all cells."""
+    """A mesh drawn as one thing; `rows` of each array of corners are its positions among all
+    cells.
+    """
 
     name: str
     points: np.ndarray

@@ -139,16 +139,16 @@ class States:
 def _unmixed(flat: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Cells of one kind each, from the list in which each begins with its number."""
     runs: list[tuple[int, list[int], list[int]]] = []
-    place = row = 0
-    while place < len(flat):
-        code = int(flat[place])
+    index = row = 0
+    while index < len(flat):
+        code = int(flat[index])
         # points and lines are followed by how many corners they have
-        first, corners = place + (2 if code <= LINE else 1), MIXED[code]
+        first, corners = index + (2 if code <= LINE else 1), MIXED[code]
         if not runs or runs[-1][0] != corners:
             runs.append((corners, [], []))
         runs[-1][1].append(row)
         runs[-1][2].append(first)
-        place, row = first + corners, row + 1
+        index, row = first + corners, row + 1
     return [
         (np.array(rows), flat[np.array(firsts)[:, None] + np.arange(corners)])
         for corners, rows, firsts in runs

@@ -44,7 +44,7 @@ def unfinished(status: dict[str, Any]) -> str:
 
 
 def _alive(pid: object) -> bool:
-    """Whether a process with this number exists; true when that cannot be told."""
+    """Whether a process with this number exists; true when that cannot be determined."""
     if not isinstance(pid, int) or not 0 < pid <= MOST_PID:
         return True
     try:

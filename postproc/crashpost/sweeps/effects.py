@@ -20,7 +20,7 @@ from crashpost.sweeps.table import Sweep
 
 # values of a parameter that are classes of their own, and classes of more values than these
 MOST_VALUES, CLASSES = 12, 8
-# blocks of Saltelli's design of which indices can be told
+# blocks of Saltelli's design of which indices can be determined
 LEAST_BLOCKS = 8
 
 

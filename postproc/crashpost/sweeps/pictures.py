@@ -81,7 +81,7 @@ def _panels(sweep: Sweep, panel: Panel, note: str, path: Path) -> None:
 def _scatter(axes: Axes, sweep: Sweep, i: int, j: int) -> None:
     """Every finished run, with its estimated error; the others as marks on the lower edge."""
     good = [row for row in sweep.finished if isfinite(row.measured[i])]
-    x = _places(sweep, j, good)
+    x = _coordinates(sweep, j, good)
     y = [row.measured[i] for row in good]
     bars = [row.errors[i] for row in good] if sweep.has_errors(i) else None
     axes.errorbar(
@@ -99,12 +99,12 @@ def _scatter(axes: Axes, sweep: Sweep, i: int, j: int) -> None:
     bad = [row for row in sweep.rows if row.state not in ("finished", "new")]
     if bad:
         under = axes.get_xaxis_transform()
-        at = _places(sweep, j, bad)
+        at = _coordinates(sweep, j, bad)
         axes.plot(at, [0.02] * len(bad), "x", color=FAILED, ms=5, transform=under, zorder=4)
         if (i, j) == (0, 0):
-            told = f"x  {len(bad)} without an answer"
+            message = f"x  {len(bad)} without an answer"
             axes.text(
-                0.02, 0.98, told, transform=axes.transAxes, va="top", fontsize=8, color=FAILED
+                0.02, 0.98, message, transform=axes.transAxes, va="top", fontsize=8, color=FAILED
             )
     _name_words(axes, sweep, j)
 
@@ -112,7 +112,7 @@ def _scatter(axes: Axes, sweep: Sweep, i: int, j: int) -> None:
 def _effect(axes: Axes, sweep: Sweep, i: int, j: int) -> None:
     """Means by value or class of values, over the runs in a faint colour."""
     good = [row for row in sweep.finished if isfinite(row.measured[i])]
-    x, y = _places(sweep, j, good), [row.measured[i] for row in good]
+    x, y = _coordinates(sweep, j, good), [row.measured[i] for row in good]
     axes.plot(x, y, "o", ms=2.5, color=MUTED, alpha=0.35, mec="none", zorder=2)
     effect = main_effect([row.values[j] for row in good], y)
     at = _positions(sweep, j, effect.at)
@@ -129,12 +129,12 @@ def _effect(axes: Axes, sweep: Sweep, i: int, j: int) -> None:
     _name_words(axes, sweep, j)
 
 
-def _places(sweep: Sweep, j: int, rows: Sequence[Row]) -> list[float]:
+def _coordinates(sweep: Sweep, j: int, rows: Sequence[Row]) -> list[float]:
     return _positions(sweep, j, [row.values[j] for row in rows])
 
 
 def _positions(sweep: Sweep, j: int, values: Sequence[Any]) -> list[float]:
-    """Numbers as they are, words by their places in the order of the plan."""
+    """Numbers as they are, words by their positions in the order of the plan."""
     if sweep.axes[j].is_of_numbers:
         return [float(value) for value in values]
     words = _words(sweep, j)

@@ -259,7 +259,7 @@ def unanswered(sweep: Sweep) -> list[str]:
     return [m.name for at, m in measures if not any(isfinite(row.measured[at]) for row in rows)]
 
 
-def told(sweep: Sweep, paths: list[Path]) -> str:
+def summary(sweep: Sweep, paths: list[Path]) -> str:
     """What the table holds, in a few lines: states, and each problem of a measure once."""
     counts = Counter(row.state for row in sweep.rows)
     states = ", ".join(f"{n} {state}" for state, n in sorted(counts.items()))

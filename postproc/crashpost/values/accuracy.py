@@ -58,11 +58,13 @@ def worst_error(result: Result) -> float | None:
 def cost_rows(result: Result) -> list[list[str]]:
     """Steps, errors of the constraints and CPU time, each with its name; what is there of them."""
     status = result.status
-    rows = [[label, _told(status.get(key), unit)] for key, label, unit in COSTS]
+    rows = [[label, _reported(status.get(key), unit)] for key, label, unit in COSTS]
     steps = status.get("average_step") or {}
-    rows += [[f"average step {phase} contact", _told(step, "s")] for phase, step in steps.items()]
+    rows += [
+        [f"average step {phase} contact", _reported(step, "s")] for phase, step in steps.items()
+    ]
     stages = status.get("cpu_stages") or {}
-    rows += [[f"CPU time, {stage}", _told(seconds, "s")] for stage, seconds in stages.items()]
+    rows += [[f"CPU time, {stage}", _reported(seconds, "s")] for stage, seconds in stages.items()]
     return [row for row in rows if row[1]]
 
 
@@ -88,7 +90,7 @@ def _relative(entry: dict[str, Any]) -> float | None:
     return None if error is None or not scale else float(error) / float(scale)
 
 
-def _told(value: Any, unit: str) -> str:
+def _reported(value: Any, unit: str) -> str:
     """A number with its unit, empty for what the run did not say."""
     if not isinstance(value, int | float):
         return ""

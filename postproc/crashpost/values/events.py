@@ -11,7 +11,7 @@ from crashpost.values import words
 from crashsolve.channels.display import factor, readable
 
 MOST = 40
-# quantities of which the first sample that is not zero is an event, and how it is told
+# quantities of which the first sample that is not zero is an event, and how it is reported
 STARTS = {
     "plastic": "begins to yield",
     "plastic_angle": "begins to yield",
@@ -21,7 +21,7 @@ STARTS = {
 }
 # [of the largest value] less is round-off
 LEAST = 1e-9
-# [of a touch] a force that ends so much before its surfaces part is told by itself
+# [of a touch] a force that ends so much before its surfaces part is reported by itself
 LATE = 0.05
 
 
@@ -44,10 +44,10 @@ def events(result: Result) -> list[Event]:
             if column.name in STARTS:
                 found += _starts(result, family, column)
     deleted = result.status.get("deleted") or {}
-    for part, told in deleted.items() if isinstance(deleted, dict) else ():
-        if isinstance(told, dict) and isinstance(told.get("last"), int | float):
+    for part, entry in deleted.items() if isinstance(deleted, dict) else ():
+        if isinstance(entry, dict) and isinstance(entry.get("last"), int | float):
             found.append(
-                Event(told["last"], f"{_name(part)} has lost {told.get('count')} elements")
+                Event(entry["last"], f"{_name(part)} has lost {entry.get('count')} elements")
             )
     return sorted(found)[:MOST]
 
@@ -70,8 +70,8 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
         if forces is not None and forces.greatest[at] > 0:
             force, top = float(forces.greatest[at]), int(forces.greatest_row[at])
             unit = readable("N", force)
-            told = f"{number(force * factor('N', unit))} {unit}"
-            yield Event(float(result.time[top]), f"{_name(entity)}: largest contact force, {told}")
+            entry = f"{number(force * factor('N', unit))} {unit}"
+            yield Event(float(result.time[top]), f"{_name(entity)}: largest contact force, {entry}")
         if touch >= start and touch < release < end:
             # surfaces may stay together, or part late, where no force is left between them
             ended = float(ends[at])

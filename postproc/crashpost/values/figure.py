@@ -47,7 +47,7 @@ class Curve:
     x: str = ""
     # which of several results it is of; no word of a deck
     run: int = field(default=0, metadata={"inner": True})
-    # points in the units of the axes, in the place of a history; no word of a deck
+    # points in the units of the axes, in place of a history; no word of a deck
     points: tuple[Pair, ...] = field(default=(), metadata={"inner": True})
 
 
@@ -98,30 +98,32 @@ def figures_of(report: Any) -> list[Figure]:
     return [_figure(entry, f"figure {n}") for n, entry in enumerate(report["figures"], start=1)]
 
 
-def _figure(entry: Any, place: str) -> Figure:
-    known = _fields(Figure, entry, place)
-    place = f"{place} '{known['title']}'"
+def _figure(entry: Any, location: str) -> Figure:
+    known = _fields(Figure, entry, location)
+    location = f"{location} '{known['title']}'"
     if not isinstance(known["y"], list) or not known["y"]:
-        raise PostError(f"{place}: y must list channels")
-    known["y"] = tuple(_curve(curve, place) for curve in known["y"])
+        raise PostError(f"{location}: y must list channels")
+    known["y"] = tuple(_curve(curve, location) for curve in known["y"])
     if not isinstance(known.get("reference", []), list):
-        raise PostError(f"{place}: reference must be a list")
-    known["reference"] = tuple(_reference(r, place) for r in known.get("reference", ()))
+        raise PostError(f"{location}: reference must be a list")
+    known["reference"] = tuple(_reference(r, location) for r in known.get("reference", ()))
     for scale in ("x_scale", "y_scale"):
         if known.get(scale, "linear") not in SCALES:
-            raise PostError(f"{place}: {scale} is linear or log, not '{known[scale]}'")
+            raise PostError(f"{location}: {scale} is linear or log, not '{known[scale]}'")
     return Figure(**known)
 
 
-def _curve(entry: Any, place: str) -> Curve:
-    return Curve(**_fields(Curve, {"channel": entry} if isinstance(entry, str) else entry, place))
+def _curve(entry: Any, location: str) -> Curve:
+    return Curve(
+        **_fields(Curve, {"channel": entry} if isinstance(entry, str) else entry, location)
+    )
 
 
-def _reference(entry: Any, place: str) -> Reference:
+def _reference(entry: Any, location: str) -> Reference:
     if isinstance(entry, dict):
         # `from` is a word of the deck but no name in Python
         entry = {"from_" if key == "from" else key: value for key, value in entry.items()}
-    reference = Reference(**_fields(Reference, entry, f"{place}, reference"))
+    reference = Reference(**_fields(Reference, entry, f"{location}, reference"))
     needs = {
         "level": reference.value is not None,
         "band": reference.from_ is not None and reference.to is not None,
@@ -133,35 +135,39 @@ def _reference(entry: Any, place: str) -> Reference:
         raise unknown("kind of reference", reference.kind, KINDS)
     if not needs[reference.kind]:
         raise PostError(
-            f"{place}: reference '{reference.label}': a level needs value, a band from and to, "
+            f"{location}: reference '{reference.label}': a level needs value, a band from and to, "
             "a point or curve needs points, a corridor points and upper"
         )
     if reference.tolerance is not None and not reference.tolerance >= 0:
-        raise PostError(f"{place}: reference '{reference.label}': tolerance is negative")
+        raise PostError(f"{location}: reference '{reference.label}': tolerance is negative")
     if reference.kind == "corridor" and reference.statistic:
-        raise PostError(f"{place}: reference '{reference.label}': a corridor takes no statistic")
+        raise PostError(f"{location}: reference '{reference.label}': a corridor takes no statistic")
     if reference.kind != "corridor" and bool(reference.channel) != bool(reference.statistic):
-        raise PostError(f"{place}: reference '{reference.label}': channel goes with statistic")
+        raise PostError(f"{location}: reference '{reference.label}': channel goes with statistic")
     if reference.statistic and is_a_time(reference.statistic) and not reference.points:
-        raise PostError(f"{place}: reference '{reference.label}': a time is compared with points")
+        raise PostError(
+            f"{location}: reference '{reference.label}': a time is compared with points"
+        )
     return reference
 
 
-def _fields(record: type, entry: Any, place: str) -> dict[str, Any]:
+def _fields(record: type, entry: Any, location: str) -> dict[str, Any]:
     """The entry's fields, none unknown, none required missing, lists of numbers as tuples."""
     if not isinstance(entry, dict):
-        raise PostError(f"{place}: expected fields, found '{entry}'")
+        raise PostError(f"{location}: expected fields, found '{entry}'")
     known = {one.name: one for one in fields(record) if not one.metadata.get("inner")}
     for name in entry:
         if name not in known:
-            raise unknown("field", str(name), known, whole=place)
+            raise unknown("field", str(name), known, whole=location)
     for name, one in known.items():
         if one.default is MISSING and name not in entry:
-            raise PostError(f"{place}: '{name}' is missing")
-    return {name: _typed(value, name, place) for name, value in entry.items() if value is not None}
+            raise PostError(f"{location}: '{name}' is missing")
+    return {
+        name: _typed(value, name, location) for name, value in entry.items() if value is not None
+    }
 
 
-def _typed(value: Any, name: str, place: str) -> Any:
+def _typed(value: Any, name: str, location: str) -> Any:
     try:
         if name in ("x_range", "y_range", "during", "over"):
             return _pair(value)
@@ -172,7 +178,7 @@ def _typed(value: Any, name: str, place: str) -> Any:
         if name not in ("y", "reference") and not isinstance(value, str):
             raise TypeError("no text")
     except (TypeError, ValueError, OverflowError) as error:
-        raise PostError(f"{place}: '{name}' cannot be {value!r}") from error
+        raise PostError(f"{location}: '{name}' cannot be {value!r}") from error
     return value
 
 

@@ -56,7 +56,7 @@ class Place:
         return "" if self.plain_because else f"CFC {CLASSES[self.role]}"
 
 
-def places(result: Result) -> list[Place]:
+def positions(result: Result) -> list[Place]:
     """All accelerometers to which the deck gives a role."""
     known = {
         entity
@@ -65,76 +65,76 @@ def places(result: Result) -> list[Place]:
         for entity in family.ids
     }
     return [
-        _place(result, name, card["role"], has_gravity=card.get("gravity") is True)
+        _position(result, name, card["role"], has_gravity=card.get("gravity") is True)
         for name, card in sensors(result).items()
         if name in known and card.get("role") in CLASSES
     ]
 
 
 def measures(result: Result) -> list[list[str]]:
-    """A row for each measure of each place: name, measure, value, limit, verdict, when."""
+    """A row for each measure of each position: name, measure, value, limit, verdict, when."""
     rows = []
-    for place in places(result):
-        told = place.plain_because or "axis by axis"
-        rows.append([place.name, place.filter or "not filtered", "", "", "", told])
-        held = "as instruments show it" if place.has_gravity else "left out"
-        rows.append([place.name, "gravity", "", "", "", held])
-        rows += [_judged(place, *row) for row in _measures(result, place)]
+    for position in positions(result):
+        message = position.plain_because or "axis by axis"
+        rows.append([position.name, position.filter or "not filtered", "", "", "", message])
+        held = "as instruments show it" if position.has_gravity else "left out"
+        rows.append([position.name, "gravity", "", "", "", held])
+        rows += [_judged(position, *row) for row in _measures(result, position)]
     return rows
 
 
 def injury_figures(result: Result) -> list[Figure]:
     """The acceleration of every place, with the window of HIC of 15 ms of heads, 3 ms clip."""
     figures = []
-    for place in places(result):
-        peak = result.value(place.channel, "max", unit="g0")
+    for position in positions(result):
+        peak = result.value(position.channel, "max", unit="g0")
         if not peak > 0:
             continue
-        curve = Curve(place.channel, place.filter or "resultant, not filtered")
-        title = f"{place.name}: acceleration"
-        marks = _marks(result, place, peak)
+        curve = Curve(position.channel, position.filter or "resultant, not filtered")
+        title = f"{position.name}: acceleration"
+        marks = _marks(result, position, peak)
         figure = Figure(title, (curve,), x_unit="s", y_unit="g0", reference=marks)
         figures.append(replace(figure, y_label="acceleration"))
     return figures
 
 
-def _measures(result: Result, place: Place) -> list[tuple[str, str, str]]:
+def _measures(result: Result, position: Place) -> list[tuple[str, str, str]]:
     """Measure, value and when."""
-    told = partial(_told, result)
-    rows = [("largest acceleration", *_peak(result, place.channel))]
-    rows.append(("3 ms clip", *told(f"clip({place.channel}, '{CLIP}')", "max", "g")))
-    if place.role == "head":
-        rows += [(f"HIC, {window}", *_hic(result, place.channel, window)) for window in HIC]
-        rows.append(("Severity Index", *told(f"si({place.channel})", "final")))
-    if place.role == "vehicle":
-        rows += pulse_rows(result, place.sensor)
+    message = partial(_reported, result)
+    rows = [("largest acceleration", *_peak(result, position.channel))]
+    rows.append(("3 ms clip", *message(f"clip({position.channel}, '{CLIP}')", "max", "g")))
+    if position.role == "head":
+        rows += [(f"HIC, {window}", *_hic(result, position.channel, window)) for window in HIC]
+        rows.append(("Severity Index", *message(f"si({position.channel})", "final")))
+    if position.role == "vehicle":
+        rows += pulse_rows(result, position.sensor)
     return rows
 
 
-def _judged(place: Place, measure: str, value: str, when: str) -> list[str]:
+def _judged(position: Place, measure: str, value: str, when: str) -> list[str]:
     """The row of a measure with its limit; what was not filtered is not judged."""
-    limit = LIMITS.get(place.role, {}).get(measure)
+    limit = LIMITS.get(position.role, {}).get(measure)
     if limit is None or value == "-":
-        return [place.name, measure, value, "", "", when]
+        return [position.name, measure, value, "", "", when]
     unit = " g" if value.endswith(" g") else ""
     verdict = "within" if float(value.removesuffix(" g")) <= limit else "beyond"
-    if place.plain_because:
+    if position.plain_because:
         verdict = "not judged: not filtered"
-    return [place.name, measure, value, f"{limit:g}{unit}", verdict, when]
+    return [position.name, measure, value, f"{limit:g}{unit}", verdict, when]
 
 
-def _marks(result: Result, place: Place, peak: float) -> tuple[Reference, ...]:
+def _marks(result: Result, position: Place, peak: float) -> tuple[Reference, ...]:
     marks = []
     try:
-        if place.role == "head":
-            hic = f"({place.channel}, '{HIC[0]}')"
+        if position.role == "head":
+            hic = f"({position.channel}, '{HIC[0]}')"
             value, start, end = (
                 result.value(f"{name}{hic}", "final") for name in ("hic", "hic_start", "hic_end")
             )
             if end > start:
                 label = f"HIC {HIC[0]}: {number(value)}"
                 marks.append(Reference(label, "band", from_=0.0, to=peak, over=(start, end)))
-        clip = result.value(f"clip({place.channel}, '{CLIP}')", "max", unit="g0")
+        clip = result.value(f"clip({position.channel}, '{CLIP}')", "max", unit="g0")
         marks.append(Reference(f"3 ms clip: {number(clip)} g", value=clip))
     except TooShort:
         pass
@@ -147,7 +147,7 @@ def _peak(result: Result, channel: str) -> tuple[str, str]:
 
 
 def _hic(result: Result, channel: str, window: str) -> tuple[str, str]:
-    value, _ = _told(result, f"hic({channel}, '{window}')", "final")
+    value, _ = _reported(result, f"hic({channel}, '{window}')", "final")
     try:
         start, end = (
             1e3 * result.value(f"hic_{edge}({channel}, '{window}')", "final")
@@ -158,7 +158,7 @@ def _hic(result: Result, channel: str, window: str) -> tuple[str, str]:
     return value, f"{start:.5g} to {end:.5g} ms"
 
 
-def _told(result: Result, channel: str, statistic: str, unit: str = "") -> tuple[str, str]:
+def _reported(result: Result, channel: str, statistic: str, unit: str = "") -> tuple[str, str]:
     """The number with its unit, or why there is none."""
     try:
         found = answer(result, channel, statistic, None, unit.replace("g", "g0"))
@@ -167,8 +167,8 @@ def _told(result: Result, channel: str, statistic: str, unit: str = "") -> tuple
     return f"{number(found.value)} {unit}".rstrip(), ""
 
 
-def _place(result: Result, sensor: str, role: str, *, has_gravity: bool) -> Place:
-    """A place, filtered where that can be."""
+def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> Place:
+    """A position, filtered where that can be."""
     name = capital(sensor.replace("_", " "))
     axes = [plain(f"nodout.{sensor}.acceleration.{axis}") for axis in "xyz"]
     filtered = f"resultant({', '.join(f'cfc({axis}, {CLASSES[role]})' for axis in axes)})"
@@ -181,7 +181,7 @@ def _place(result: Result, sensor: str, role: str, *, has_gravity: bool) -> Plac
 
 
 def sensors(result: Result) -> dict[str, dict[str, Any]]:
-    """The cards of accelerometers, as the stored deck tells; none where it cannot be read."""
+    """The cards of accelerometers, as the stored deck states; none where it cannot be read."""
     import yaml
 
     try:

@@ -62,9 +62,9 @@ def fits(name: str, channel: str) -> bool:
 def page_time_unit(result: Result, figures: Sequence[Figure], units: Units) -> str:
     """The page's unit of time: the reader's, else that of its first figure, else a fitting one."""
     asked = units.wanted("time", "s")
-    told = [f.x_unit for f in figures if f.x == "time" and f.x_unit not in ("", AUTO)]
+    stated = [f.x_unit for f in figures if f.x == "time" and f.x_unit not in ("", AUTO)]
     longest = float(np.max(np.abs(result.time), initial=0.0))
-    return asked or (told[0] if told else readable("s", longest))
+    return asked or (stated[0] if stated else readable("s", longest))
 
 
 def on_page(result: Result, figure: Figure, units: Units, time_unit: str) -> Figure:

@@ -27,7 +27,7 @@ QUANTITIES = {
     "matsum plastic": "plastic work",
     "matsum deleted": "deleted elements",
 }
-# quantities of which energies are told by their last word
+# quantities of which energies are reported by their last word
 ENERGIES = {"stored": "energy stored in", "dissipated": "energy dissipated in"}
 TURNING = ("moment", "angular", "torque", "angle", "rotation")
 FUNCTIONS = {
@@ -59,10 +59,10 @@ def quantity(channel: str) -> str:
 
 
 def _energy(word: str) -> str:
-    """Of energies by their place: spring_stored is the energy stored in springs."""
-    place, _, kind = word.rpartition("_")
-    if kind in ENERGIES and place:
-        return f"{ENERGIES[kind]} {place.replace('_', ' ')}s".replace("frictions", "friction")
+    """Of energies by their position: spring_stored is the energy stored in springs."""
+    prefix, _, kind = word.rpartition("_")
+    if kind in ENERGIES and prefix:
+        return f"{ENERGIES[kind]} {prefix.replace('_', ' ')}s".replace("frictions", "friction")
     words = word.replace("_", " ")
     return words if words.endswith(("work", "energy")) else f"{words} energy"
 
@@ -165,7 +165,7 @@ def _is_closed(inside: str) -> bool:
 
 
 def labels(channels: Sequence[str]) -> list[str]:
-    """Short names that tell the channels apart: the words in which they differ."""
+    """Short names that distinguish the channels: the words in which they differ."""
     words = [channel.split(".") for channel in channels]
     if len(words) < 2 or len({len(w) for w in words}) > 1 or not all(map(is_name, channels)):
         return list(channels)

@@ -18,5 +18,5 @@ def unknown(kind: str, word: str, known: Iterable[str], whole: str = "") -> Chan
     near = get_close_matches(word, names, n=1, cutoff=0.5)
     advice = f"; did you mean '{near[0]}'?" if near else ""
     shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
-    place = f"'{whole}': " if whole and whole != word else ""
-    return ChannelError(f"{place}unknown {kind} '{word}'{advice} (known: {shown or 'none'})")
+    location = f"'{whole}': " if whole and whole != word else ""
+    return ChannelError(f"{location}unknown {kind} '{word}'{advice} (known: {shown or 'none'})")

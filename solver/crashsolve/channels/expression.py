@@ -69,7 +69,7 @@ def is_sampled(expression: str) -> bool:
     return _calls_any(expression, "SAMPLED")
 
 
-def tells_sample_times(expression: str) -> bool:
+def gives_sample_times(expression: str) -> bool:
     """Whether values are times of samples, known to an interval and no better."""
     return _calls_any(expression, "IS_SAMPLE_TIME")
 
@@ -149,7 +149,7 @@ class _Evaluation:
         with np.errstate(all="ignore"):
             term = self.term(tree)
         values = np.array(term.over(self.time))
-        # who asks for a moment that has no value is told (statistic.py)
+        # who asks for a moment that has no value is reported (statistic.py)
         values[~np.isfinite(values)] = np.nan
         return Series(self.time, values, str(term.product))
 
@@ -181,7 +181,7 @@ class _Evaluation:
     def binary(self, op: ast.operator, a: Term, b: Term) -> Term:
         if isinstance(op, ast.Add | ast.Sub):
             values = a.values + b.values if isinstance(op, ast.Add) else a.values - b.values
-            return Term(values, self.told(common_unit, a, b))
+            return Term(values, self.reported(common_unit, a, b))
         if isinstance(op, ast.Mult):
             return Term(a.values * b.values, _product(a, b, 1))
         quotient = np.divide(a.values, b.values)
@@ -191,16 +191,16 @@ class _Evaluation:
         return Term(quotient, _product(a, b, -1))
 
     def call(self, function: str, terms: list[Term]) -> Term:
-        result: Term = self.told(module_of(FOLDER, function).apply, self.time, *terms)
+        result: Term = self.reported(module_of(FOLDER, function).apply, self.time, *terms)
         return result
 
-    def told(self, act: Callable[..., Any], *arguments: object) -> Any:
+    def reported(self, act: Callable[..., Any], *arguments: object) -> Any:
         """The result of a step; raises its ChannelError with the expression in it."""
         try:
             return act(*arguments)
         except ChannelError as error:
-            place = f" in '{self.expression}'" if len(self.expression) <= SHOWN else ""
-            raise type(error)(f"{error}{place}") from None
+            location = f" in '{self.expression}'" if len(self.expression) <= SHOWN else ""
+            raise type(error)(f"{error}{location}") from None
 
 
 def _product(a: Term, b: Term, power: int) -> Product | None:

@@ -4,7 +4,7 @@ A word is a file of the folder `statistics`. What such a file may hold:
 
     value(series)        the number of the samples as they are
     refined(series)      the number of the smooth history behind them; value where absent
-    unresolved(series)   what the samples cannot tell of it; 0 where absent
+    unresolved(series)   what the samples cannot say of it; 0 where absent
     unit(unit)           unit of the number; that of the values where absent
     scale(series, size)  what errors of the number are compared with, `size` being the largest
                          magnitude of the history; `size` where absent
@@ -79,7 +79,7 @@ def refined(series: Series, text: str) -> float:
 
 
 def unresolved(series: Series, text: str) -> float:
-    """What the samples cannot tell of the number, in its unit; 0 where they can."""
+    """What the samples cannot say of the number, in its unit; 0 where they can."""
     module, arguments = _read(text)
     found = getattr(module, "unresolved", None)
     return float(found(series, *arguments)) if found else 0.0

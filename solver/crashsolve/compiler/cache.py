@@ -23,7 +23,7 @@ from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
 CHOSEN = "CRASHSOLVE_CACHE"
 PACKAGE = Path(__file__).resolve().parent.parent
-# what was told on the way to the folder, for the log
+# what was reported on the way to the folder, for the log
 notes: list[str] = []
 
 
@@ -81,7 +81,7 @@ def make_private(folder: Path) -> None:
 
 def refuse_foreign(folder: Path) -> None:
     """Raise CacheError where another user could change what the folder holds."""
-    for path in _on_the_way(folder):
+    for path in _between_marks(folder):
         try:
             info = os.lstat(path)
         except OSError:
@@ -94,7 +94,7 @@ def refuse_foreign(folder: Path) -> None:
             raise CacheError(f"compiled code cannot be in {folder}: others write {path}; {advice}")
 
 
-def _on_the_way(folder: Path) -> Iterator[Path]:
+def _between_marks(folder: Path) -> Iterator[Path]:
     """The folder and all above it, links as they are written and where they lead."""
     for path in dict.fromkeys((folder, Path(os.path.realpath(folder)))):
         yield path

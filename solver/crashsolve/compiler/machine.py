@@ -116,18 +116,18 @@ def _compile_apart(
     words = [sys.executable, "-m", "crashsolve.compiler.process", source, path, *names]
     done = subprocess.run(
         [str(word) for word in words],
-        input=pickle.dumps(tables.places),
+        input=pickle.dumps(tables.slots),
         stderr=subprocess.PIPE,
         start_new_session=True,
         pass_fds=() if lock is None else (lock,),
     )
-    told = done.stderr.decode(errors="replace")[-4000:]
+    message = done.stderr.decode(errors="replace")[-4000:]
     if done.returncode == ExitCode.OUTPUT:
-        raise CacheError(told.strip())
+        raise CacheError(message.strip())
     if done.returncode < 0:
         raise CacheError(f"the compiler was killed by signal {-done.returncode}: out of memory?")
     if done.returncode:
-        raise CompileError(f"cannot compile {source}: {told.strip()}")
+        raise CompileError(f"cannot compile {source}: {message.strip()}")
     code = read_sealed(path)
     if code is None:
         raise CacheError(f"the compiled code {path} cannot be read back; is the disk sound?")

@@ -43,8 +43,8 @@ def main(source: Path, path: Path, names: list[str]) -> None:
     """Compile functions of a file for given tables."""
     # the compiler's garbage goes with the process: a tenth of the time
     gc.disable()
-    places = pickle.load(sys.stdin.buffer)
-    functions, kernels = machine.import_file(source), Module(places)
+    slots = pickle.load(sys.stdin.buffer)
+    functions, kernels = machine.import_file(source), Module(slots)
     for name in names:
         kernels.entry(getattr(functions, name), name)
     text = kernels.text()

@@ -1,7 +1,7 @@
 """Program: the functions that some entry points reach, specialised, as one module.
 
 Modules of some packages are copied, function by function, others are imported; every name has one
-meaning. What stands in the place of placeholders is said in compiler/specialise.py.
+meaning. What stands in place of placeholders is said in compiler/specialise.py.
 """
 
 import ast
@@ -33,7 +33,7 @@ class Program:
     ) -> None:
         """`placeholders`: values by name, of the names that loops import from module `home`;
         `is_copied`: whether the functions of a module are copied, others are imported;
-        `replaced`: modules that stand in the place of others.
+        `replaced`: modules that stand in place of others.
         """
         self.placeholders, self.home = placeholders, home
         self.is_copied, self.replaced = is_copied, replaced

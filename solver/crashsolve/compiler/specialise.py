@@ -117,8 +117,8 @@ class Copy(ast.NodeTransformer):
         try:
             found = getattr(value, name)
         except AttributeError:
-            told = f"{self.where}: group {word_of(value)} has no '{name}'"
-            raise SpecialiseError(told) from None
+            message = f"{self.where}: group {word_of(value)} has no '{name}'"
+            raise SpecialiseError(message) from None
         if found is None or name not in value.TABLES:
             return found
         word = f"{value.word}_{name}"

@@ -11,7 +11,7 @@ import numpy as np
 from crashsolve.foundation.rows import as_rows
 
 WORDS = 3  # of a table in memory: address, and lengths of two dimensions
-Place = tuple[np.dtype, int]  # layout of a row, and dimensions
+Slot = tuple[np.dtype, int]  # layout of a row, and dimensions
 
 
 class Tables:
@@ -23,7 +23,7 @@ class Tables:
 
     def __init__(self, arrays: dict[str, np.ndarray]) -> None:
         self.addresses = np.zeros((len(arrays), WORDS), np.int64)
-        self.places: dict[str, Place] = {}
+        self.slots: dict[str, Slot] = {}
         # the address of all of them, and the tables of other threads, which have some of their own
         self.pointer = self.addresses.ctypes.data
         self.of_threads: list[Tables] = []
@@ -34,11 +34,11 @@ class Tables:
                 raise ValueError(f"no table may be called {name}")
             address[0] = array.ctypes.data
             address[1 : 1 + array.ndim] = array.shape
-            self.places[name] = (array.dtype, array.ndim)
+            self.slots[name] = (array.dtype, array.ndim)
             setattr(self, name, as_rows(array))
 
     @property
     def layout(self) -> str:
         """Names and columns of all tables, in a word: equal for scenes that share compiled code."""
-        text = repr([(name, t.descr, ndim) for name, (t, ndim) in self.places.items()])
+        text = repr([(name, t.descr, ndim) for name, (t, ndim) in self.slots.items()])
         return hashlib.sha1(text.encode()).hexdigest()[:16]

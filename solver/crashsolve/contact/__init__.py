@@ -1,4 +1,4 @@
-"""Contact between surfaces: shapes, gaps between them, and normal force laws."""
+"""Laws of contact: shapes, gaps, normal forces; neither search nor bookkeeping."""
 
 from typing import Protocol
 

@@ -117,8 +117,8 @@ def visit(margin, same, tables):
                 if is_own and keys[k - 1].key == middle and j <= i:
                     continue
                 near = s.radius + others[j].radius + margin
-                way = sub(vec(s.centre), vec(others[j].centre))
-                if dot(way, way) < near * near:
+                offset = sub(vec(s.centre), vec(others[j].centre))
+                if dot(offset, offset) < near * near:
                     if count < pairs.shape[0]:
                         pairs[count].first = min(i, j) if same else i
                         pairs[count].second = max(i, j) if same else j

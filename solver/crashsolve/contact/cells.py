@@ -33,14 +33,14 @@ def corner_points(p, f, corners):
 
 
 @kernel
-def along(way):
+def along(offset):
     """Number of a cube along an axis: neighbours stay neighbours, and the column can hold it."""
-    return int(floor(min(max(way, -FARTHEST), FARTHEST)))
+    return int(floor(min(max(offset, -FARTHEST), FARTHEST)))
 
 
 @kernel
 def cube_of(x, width):
-    """Cube in which a place lies; all that is very far away lies in the outermost ones."""
+    """Cube in which a position lies; all that is very far away lies in the outermost ones."""
     return along(x[0] / width), along(x[1] / width), along(x[2] / width)
 
 
@@ -61,8 +61,8 @@ def measure(p, points, corners, cells):
             middle = add(middle, vec(points[at[k]].r))
         middle = scale(0.25, middle)
         for k in range(4):
-            way = sub(vec(points[at[k]].r), middle)
-            square = max(square, dot(way, way))
+            offset = sub(vec(points[at[k]].r), middle)
+            square = max(square, dot(offset, offset))
         put(cells[f].middle, middle)
         cells[f].radius = sqrt(square)
         largest = max(largest, cells[f].radius)
@@ -103,7 +103,7 @@ class Near(NamedTuple):
 
 
 @kernel
-def list_near(i, x, p, way, reach, width, near_faces, total):
+def list_near(i, x, p, offset, reach, width, near_faces, total):
     """List the faces whose bounding sphere comes within `reach` [m] of x, but those spared.
 
     Returns the length of all lists, which may be more than there is room for.
@@ -126,7 +126,7 @@ def list_near(i, x, p, way, reach, width, near_faces, total):
             if total < p.room:
                 near[total] = f
                 # not touched before both have gone what is between their bounds and the gap
-                wait[total] = way + max(sqrt(square) - cell.radius - p.gap, 0.0)
+                wait[total] = offset + max(sqrt(square) - cell.radius - p.gap, 0.0)
             total += 1
     return total
 

@@ -20,7 +20,7 @@ class Force(Card):
     torsion_radius: float | None = quantity(
         "m",
         "radius at which friction resists a spin about the normal, 2/3 of that of an evenly "
-        "pressed disc; of boxes and cylinders on each other the least, they tell their own",
+        "pressed disc; of boxes and cylinders on each other the least, they state their own",
         default=None,
         gt=0,
     )
@@ -34,7 +34,7 @@ class Force(Card):
     )
 
     @model_validator(mode="after")
-    def _rubs(self) -> "Force":
+    def _has_friction(self) -> "Force":
         if self.torsion_radius is not None and self.friction is None:
             raise ValueError("torsion_radius: needs a law of friction")
         return self

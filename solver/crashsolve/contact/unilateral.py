@@ -30,7 +30,9 @@ class Unilateral(Card):
 
     a: tuple[SurfaceName, ...] = word("surfaces on nodes of flexible parts")
     b: tuple[SurfaceName, ...] = word("surfaces that hold them; the normal points out of them")
-    friction: float = quantity("1", "mu; sticks below mu times the reaction", default=0.0, ge=0)
+    friction_coefficient: float = quantity(
+        "1", "mu; sticks below mu times the reaction", default=0.0, ge=0
+    )
 
 
 PARAMETERS = Record("friction_coefficient  1  mu")
@@ -40,7 +42,7 @@ HISTORY = Record("""
     arm_b          m    3  the same of side b
     opening        N s  3  impulse on side a in the first half of the step
     closing        N s  3  in the second half
-    blow           N s  3  of unilateral impulses, at the end of the step
+    impulse        N s  3  of unilateral impulses, at the end of the step
     lift           m/s     normal velocity that keeps the gap closed on a curved surface
     friction_loss  J       lost by friction in the step
     met            m/s  3  velocity over b before a capture
@@ -49,7 +51,7 @@ HISTORY = Record("""
 
 
 def build(card: Unilateral, scene: Any, pair: Any) -> dict[str, Any]:
-    return {"friction_coefficient": card.friction}
+    return {"friction_coefficient": card.friction_coefficient}
 
 
 def check(card: Unilateral, scene: Any, nodes_a: set[int], nodes_b: set[int]) -> None:
@@ -76,8 +78,8 @@ def unilateral_impulse(p, P, u, n, lift, mobility, mobility_along):
     P_n, u_n = dot(P, n), dot(u, n)
     push = max(P_n - (u_n - lift) / mobility, 0.0)
     held = add_scaled(P, -P_n, n)
-    rub = add_scaled(held, -1.0 / mobility_along, add_scaled(u, -u_n, n))
-    most, size = p.friction_coefficient * push, norm(rub)
+    friction_force = add_scaled(held, -1.0 / mobility_along, add_scaled(u, -u_n, n))
+    most, size = p.friction_coefficient * push, norm(friction_force)
     if size > most:
-        rub = scale(most / size, rub)
-    return add_scaled(rub, push, n)
+        friction_force = scale(most / size, friction_force)
+    return add_scaled(friction_force, push, n)

@@ -6,7 +6,7 @@ from typing import Literal
 
 from crashsolve.channels.units import Unit, describe, parse_unit
 from crashsolve.deck.card import Card, word
-from crashsolve.deck.mistakes import refuse
+from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context
 
 # as foundation/curve.py counts them

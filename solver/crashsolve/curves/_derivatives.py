@@ -43,7 +43,7 @@ _PLAIN: dict[str, tuple[Callable[[Array], Array], Callable[[Array], Array]]] = {
 
 
 def with_derivative(formula: Expression, x: Array) -> Jet:
-    """Values and slopes of a formula of x at places (n,); raises ExpressionError.
+    """Values and slopes of a formula of x at positions (n,); raises ExpressionError.
 
     A slope is not finite where the formula has none.
     """

@@ -20,7 +20,7 @@ from crashsolve.channels.units import PURE, SI
 from crashsolve.curves._card import EXTRAPOLATE, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
 from crashsolve.deck.card import FileName, word
-from crashsolve.deck.mistakes import refuse
+from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, unit_named
 
 
@@ -33,7 +33,7 @@ class File(PointsCard):
     @model_validator(mode="before")
     @classmethod
     def _units_by_use(cls, given: Any, info: ValidationInfo) -> Any:
-        """Units that are not given are those of the deck's file, where the use tells which."""
+        """Units that are not given are those of the deck's file, where the use states which."""
         if not isinstance(given, Mapping):
             return given
         context = info.context or Context()

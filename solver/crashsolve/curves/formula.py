@@ -22,7 +22,7 @@ from crashsolve.curves._card import EXTRAPOLATE, CurveCard
 from crashsolve.curves._derivatives import Jet, with_derivative
 from crashsolve.curves._piecewise import Array, hermite
 from crashsolve.deck.card import word
-from crashsolve.deck.mistakes import refuse
+from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, number_in
 from crashsolve.deck.reading.expressions import Expression, ExpressionError
 
@@ -83,7 +83,7 @@ def _sample(
 ) -> tuple[Array, Array, Array, float]:
     """The same, once for the check of the card and its build."""
     formula = Expression(expression)
-    # what cannot be evaluated at all is told by the plain evaluation
+    # what cannot be evaluated at all is reported by the plain evaluation
     formula.value({"x": start})
     x = np.linspace(start, end, segments + 1)
     looks = max(math.ceil(LOOKS / segments), LEAST)
@@ -98,8 +98,8 @@ def _sample(
         inside = np.linspace(0.0, 1.0, looks + 2)[1:-1]
         # of even places a fast sine could be a multiple
         inside = inside + 0.3 / (looks + 1) * np.sin(17.0 * inside)
-        places = left[:, None] + (right - left)[:, None] * inside
-        y = with_derivative(formula, places.ravel()).y.reshape(places.shape)
+        positions = left[:, None] + (right - left)[:, None] * inside
+        y = with_derivative(formula, positions.ravel()).y.reshape(positions.shape)
         here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
         largest = max(largest, float(here.max()))
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
@@ -137,7 +137,7 @@ def _sample(
 
 
 def _known(formula: Expression, x: Array) -> Jet:
-    """Values and slopes at places; by a difference where the formula has no slope."""
+    """Values and slopes at positions; by a difference where the formula has no slope."""
     found = with_derivative(formula, x)
     slope = found.slope.copy()
     slope[~np.isfinite(slope)] = 0.0
@@ -156,7 +156,7 @@ def _cubic(h: Array, a: Jet, b: Jet, part: Array) -> Array:
 def _refuse_jump(
     left: Array, right: Array, before: Array, after: Array, least: float, largest: float
 ) -> None:
-    """Raises ExpressionError where the formula jumps: no slope tells how it goes on."""
+    """Raises ExpressionError where the formula jumps: no slope states how it goes on."""
     jumps = (right - left <= least) & (np.abs(after - before) > JUMP * largest)
     for at in left[jumps][:1]:
         raise ExpressionError(

@@ -16,7 +16,7 @@ from crashsolve.channels.units import Unit, describe
 from crashsolve.curves._card import EXTRAPOLATE, Points, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
 from crashsolve.deck.card import word
-from crashsolve.deck.mistakes import refuse
+from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, SiFloat, number_in, unit_named
 
 
@@ -59,7 +59,7 @@ def _column(
 ) -> tuple[list[float], Unit | None]:
     """A column in SI, and its unit: the one named, else that of the first value which has one.
 
-    Bare numbers of a file with units of its own are in these, where the use tells the dimension.
+    Bare numbers of a file with units of its own are in these, where the use states the dimension.
     """
     column, unit = [], named
     by_use = context.unit_of_axis(j) if named is None else None

@@ -1,1 +1,1 @@
-"""Deck layer: from a text file to checked cards, with every mistake reported at its place."""
+"""Deck layer: from a text file to checked cards, with every error reported at its location."""

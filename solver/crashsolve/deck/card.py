@@ -28,17 +28,17 @@ from pydantic import (
 )
 
 from crashsolve.channels.units import UnitError
+from crashsolve.deck.diagnostics import (
+    Diagnostic,
+    already_reported,
+    diagnostics_of,
+    explained,
+    refuse,
+    reported,
+    shown,
+)
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
 from crashsolve.deck.laws import UnknownType, law_class, types_in
-from crashsolve.deck.mistakes import (
-    Mistake,
-    already_reported,
-    explained,
-    mistakes_of,
-    refuse,
-    shown,
-    told,
-)
 from crashsolve.deck.numbers import Context, number, number_in
 from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE
 
@@ -126,7 +126,7 @@ SetName = Annotated[str, BeforeValidator(number_as_name)]
 
 
 class Card(BaseModel):
-    """What a user may write in one place of a deck. A trailing "_" of a field is not written.
+    """What a user may write in one location of a deck. A trailing "_" of a field is not written.
 
     A bare text stands for the field named by `shorthand`, if any. `curve_axes` has the units of x
     and y of the curves that fields name.
@@ -150,8 +150,8 @@ class Card(BaseModel):
         """Raises TypeError for fields without a declaration: manual and reader ask it for all."""
         plain = [name for name, info in cls.model_fields.items() if not info.json_schema_extra]
         if plain:
-            told = f"{', '.join(plain)} of {cls.__name__} must be declared"
-            raise TypeError(f"{told}: quantity(unit, meaning), word(meaning) or Law(folder)")
+            reported = f"{', '.join(plain)} of {cls.__name__} must be declared"
+            raise TypeError(f"{reported}: quantity(unit, meaning), word(meaning) or Law(folder)")
 
     @field_validator("*", mode="wrap")
     @classmethod
@@ -199,14 +199,16 @@ def _open_law(value: Any, folder: str, context: Context) -> Any:
     try:
         law = law_class(folder, value["type"])
     except UnknownType as error:
-        first = Mistake(("type",), error.message, error.advice)
-        raise told([first, *_further_mistakes(folder, error.near, fields, context)]) from None
+        first = Diagnostic(("type",), error.message, error.advice)
+        raise reported(
+            [first, *_further_diagnostics(folder, error.near, fields, context)]
+        ) from None
     return law.model_validate(fields, context=context)
 
 
-def _further_mistakes(
+def _further_diagnostics(
     folder: str, near: str, fields: Mapping[str, Any], context: Context
-) -> list[Mistake]:
+) -> list[Diagnostic]:
     """What is wrong beside a mistyped type, if the one most like it is meant."""
     if not near:
         return []
@@ -214,7 +216,9 @@ def _further_mistakes(
     try:
         law.model_validate(fields, context=context)
     except ValidationError as error:
-        return [mistake for mistake in mistakes_of(law, error) if not mistake.is_missing]
+        return [
+            diagnostic for diagnostic in diagnostics_of(law, error) if not diagnostic.is_missing
+        ]
     return []
 
 
@@ -277,9 +281,9 @@ class Rotation(Card):
     sequence: str = word("axes of the Euler angles, in order", "xyz")
 
     @model_validator(mode="after")
-    def _one_way(self) -> "Rotation":
-        ways = [self.axis is not None, self.quaternion_ is not None, self.euler is not None]
-        if sum(ways) > 1:
+    def _one_direction(self) -> "Rotation":
+        given = [self.axis is not None, self.quaternion_ is not None, self.euler is not None]
+        if sum(given) > 1:
             raise ValueError("give only one of: axis and angle, quaternion, euler")
         if (self.axis is None) != (self.angle is None):
             raise ValueError("axis and angle belong together")

@@ -2,7 +2,7 @@
 
 The module of such a type has `expand(name, card, laws, control)`: a pure function from the card,
 the sections and materials of the deck and the words of its control to other cards. These have their
-place, and the mistakes in them, where the card stands that they are made of; their numbers are in
+place, and the errors in them, where the card stands that they are made of; their numbers are in
 SI.
 """
 
@@ -11,9 +11,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from crashsolve.deck.diagnostics import Diagnostic
 from crashsolve.deck.keywords import SECTIONS
 from crashsolve.deck.laws import law_class, types_in
-from crashsolve.deck.mistakes import Mistake
 from crashsolve.deck.reading.items import Item, Items
 from crashsolve.deck.source import locate
 
@@ -62,7 +62,7 @@ def expand(
     laws: Mapping[str, Mapping[str, Any]],
     control: Any,
     items: Items,
-    refuse: Callable[[Item, Mistake], None],
+    refuse: Callable[[Item, Diagnostic], None],
 ) -> bool:
     """Write an entry out in cards of its own; returns whether all went well.
 
@@ -79,7 +79,7 @@ def expand(
     try:
         made = import_module(entry.module_name).expand(entry.name, entry.card, known, words)
     except Problem as problem:
-        refuse(entry.item, Mistake(problem.path, problem.message, problem.advice))
+        refuse(entry.item, Diagnostic(problem.path, problem.message, problem.advice))
         return False
     is_well, owner = True, entry.item.title
     for card in made:
@@ -87,7 +87,7 @@ def expand(
         item = Item(card.keyword, card.name, card.fields, where, where, MADE, owner=owner)
         if card.name in items[card.keyword]:
             message = f"its {item.what} has the name of another"
-            refuse(entry.item, Mistake(card.path, message, "rename one of them"))
+            refuse(entry.item, Diagnostic(card.path, message, "rename one of them"))
             is_well = False
         else:
             items[card.keyword][card.name] = item

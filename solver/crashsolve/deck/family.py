@@ -173,10 +173,12 @@ def check_law(module: Any) -> None:
     wanted = {name: getattr(law, name) for name in provided(law)}
     if family.has_rows and _has_own_rows(module):
         wanted |= {name: getattr(OwnRows, name) for name in provided(OwnRows)}
-    told = [f"{name} ({_first_line(wanted[name])})" for name in wanted if not hasattr(module, name)]
-    told += [name for name in constants(law) if not hasattr(module, name)]
-    if told:
-        raise FamilyError(f"{module.__name__} must provide {', '.join(told)}")
+    missing = [
+        f"{name} ({_first_line(wanted[name])})" for name in wanted if not hasattr(module, name)
+    ]
+    missing += [name for name in constants(law) if not hasattr(module, name)]
+    if missing:
+        raise FamilyError(f"{module.__name__} must provide {', '.join(missing)}")
     for constant, known in (("LEDGER", family.energy), ("FAMILY", family.channels or ())):
         if getattr(module, constant, next(iter(known), "")) not in (*known, ""):
             message = f"{constant} of {module.__name__} must be one of {', '.join(known)}"
@@ -206,9 +208,9 @@ def check_arguments(module: Any, wanted: dict[str, Any]) -> None:
 def _check_records(module: Any) -> None:
     """Raises FamilyError for columns that a law of the step lacks, or names and has not."""
     needed = ("PARAMETERS", "OUTPUT") if hasattr(module, "force") else ("PARAMETERS",)
-    told = [name for name in needed if not hasattr(module, name)]
-    if told:
-        raise FamilyError(f"{module.__name__} must provide {', '.join(told)}: Record(...)")
+    missing = [name for name in needed if not hasattr(module, name)]
+    if missing:
+        raise FamilyError(f"{module.__name__} must provide {', '.join(missing)}: Record(...)")
     for name in ("PARAMETERS", "HISTORY", "OUTPUT"):
         if not isinstance(getattr(module, name, Record()), Record):
             raise FamilyError(f"{module.__name__}: {name} must be Record(...)")
@@ -229,9 +231,9 @@ def _has_own_rows(module: Any) -> bool:
     Raises FamilyError where their number is not that of all its rows.
     """
     basic = sum(len(part.ANGULAR) for part in getattr(module, "CONSTRAINTS", ()))
-    rows, told = getattr(module, "ROWS", basic), len(getattr(module, "ANGULAR", ()))
-    if rows != told or rows < basic:
-        count = f"{basic} of CONSTRAINTS, {told} of ANGULAR"
+    rows, missing = getattr(module, "ROWS", basic), len(getattr(module, "ANGULAR", ()))
+    if rows != missing or rows < basic:
+        count = f"{basic} of CONSTRAINTS, {missing} of ANGULAR"
         raise FamilyError(f"{module.__name__}: ROWS is {rows}, beside {count}")
     return bool(rows > basic)
 
@@ -285,42 +287,42 @@ def imported(name: str, path: Path) -> Any:
 
     Raises FamilyError with file and line for whatever keeps Python from importing it.
     """
-    place = name.replace(".", "/") + ("/__init__.py" if path.stem == "__init__" else ".py")
+    location = name.replace(".", "/") + ("/__init__.py" if path.stem == "__init__" else ".py")
     try:
         return import_module(name)
     except FamilyError as error:
         if str(error).startswith(f"{PACKAGE}/"):
             raise
-        raise FamilyError(f"{place}: {error}") from None
+        raise FamilyError(f"{location}: {error}") from None
     except CrashsolveError:
         raise
     except Exception as error:
-        raise FamilyError(_what_python_says(error, place, path)) from error
+        raise FamilyError(_what_python_says(error, location, path)) from error
 
 
-def _what_python_says(error: Exception, place: str, path: Path) -> str:
+def _what_python_says(error: Exception, location: str, path: Path) -> str:
     """File, line and reason of an error of an import, in one line."""
     trace = traceback.extract_tb(error.__traceback__)
     lines = [step.lineno for step in trace if step.filename == str(path)]
-    # pydantic tells behind its first line where to read of it
+    # pydantic states behind its first line where to read of it
     reason = str(error).partition("\n")[0]
     if isinstance(error, SyntaxError) and error.filename == str(path):
         lines, reason = [error.lineno], error.msg
     line = f"{lines[-1]}:" if lines else ""
-    return f"{place}:{line} {type(error).__name__}: {reason}"
+    return f"{location}:{line} {type(error).__name__}: {reason}"
 
 
 def _refuse_clashes(found: list[Family]) -> None:
     """Raises FamilyError for names that two families have, and for those that nothing has."""
     owners: dict[tuple[str, str], str] = {("channels", "glstat"): "the whole model"}
     for family in found:
-        place = f"{PACKAGE}/{family.folder}/__init__.py"
+        location = f"{PACKAGE}/{family.folder}/__init__.py"
         names = [("section", family.name)] if family.entry is not None else []
         names += [("energy", word) for word in family.energy]
         names += [("channels", word) for word in family.channels or ()]
         for name in names:
             if name in owners:
-                raise FamilyError(f"{place}: {name[0]} '{name[1]}' is that of {owners[name]}")
+                raise FamilyError(f"{location}: {name[0]} '{name[1]}' is that of {owners[name]}")
             owners[name] = f"{PACKAGE}/{family.folder}"
         known = {f.name for f in found}
         for what, words, right in (
@@ -329,10 +331,10 @@ def _refuse_clashes(found: list[Family]) -> None:
         ):
             unknown = [word for word in words if word not in right]
             if unknown:
-                told = f"{place}: {what} names '{unknown[0]}', which is none of "
-                raise FamilyError(told + ", ".join(sorted(right)))
+                missing = f"{location}: {what} names '{unknown[0]}', which is none of "
+                raise FamilyError(missing + ", ".join(sorted(right)))
         if family.default and not (_root() / family.folder / f"{family.default}.py").is_file():
-            raise FamilyError(f"{place}: default '{family.default}' has no file in its folder")
+            raise FamilyError(f"{location}: default '{family.default}' has no file in its folder")
 
 
 def _in_order(waiting: dict[str, Family]) -> dict[str, Family]:

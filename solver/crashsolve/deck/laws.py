@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crashsolve.deck.family import FamilyError, check_law, imported
+from crashsolve.deck.renamed import RENAMED
 
 if TYPE_CHECKING:
     from crashsolve.deck.card import Card
@@ -70,8 +71,8 @@ def law_class(folder: str, word: object) -> "type[Card]":
             file = Path(folder) / f"{word}.py"
             # asked of the system, a name longer than it allows would be an error
             if isfile(package_folder() / file):
-                place = f"{PACKAGE}/{file.as_posix()}"
-                advice = f"{place} has no `class {class_name(word)}(...)`, its card"
+                location = f"{PACKAGE}/{file.as_posix()}"
+                advice = f"{location} has no `class {class_name(word)}(...)`, its card"
         raise UnknownType(f"unknown type '{shortened(str(word))}'", advice, "".join(near))
     module = imported(f"{PACKAGE}.{folder.replace('/', '.')}.{word}", types[word])
     check_law(module)
@@ -94,7 +95,9 @@ SYMBOLS = {
     **dict.fromkeys(("rho", "ro", "rho0"), ("density", "density_a")),
     **dict.fromkeys(("yield", "sigma_y", "sigy", "fy", "Y", "sy"), ("yield_stress", "yield_force")),
     **dict.fromkeys(("etan", "Et", "tangent_modulus"), ("tangent", "hardening")),
-    **dict.fromkeys(("mu", "friction_coefficient"), ("coefficient", "dynamic", "friction")),
+    **dict.fromkeys(
+        ("mu", "friction_coefficient"), ("coefficient", "dynamic", "friction_coefficient")
+    ),
     **dict.fromkeys(("mu_s", "mu_static"), ("static",)),
     **dict.fromkeys(("mu_k", "mu_d", "mu_dynamic"), ("dynamic",)),
     **dict.fromkeys(("e", "cor", "epsilon"), ("restitution", "exponent")),
@@ -129,7 +132,10 @@ SYMBOLS = {
 
 def nearest(word: object, known: Iterable[str]) -> str:
     """Question about a wrong word: the right one most like it, if any is."""
-    near = get_close_matches(str(word), list(known), n=1)
+    names = list(known)
+    if RENAMED.get(str(word)) in names:
+        return f"it is called '{RENAMED[str(word)]}' now"
+    near = get_close_matches(str(word), names, n=1)
     return f"did you mean '{near[0]}'?" if near else ""
 
 

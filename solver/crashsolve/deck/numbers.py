@@ -19,7 +19,7 @@ from crashsolve.channels.units import (
     split_quantity,
     to_si,
 )
-from crashsolve.deck.mistakes import already_reported, refuse, shown
+from crashsolve.deck.diagnostics import already_reported, refuse, shown
 from crashsolve.deck.source import BROKEN
 
 
@@ -40,7 +40,7 @@ class Context:
     axes: tuple[str, str] | None = None
 
     def unit_of_axis(self, j: int) -> str | None:
-        """Unit of the bare numbers of x or y of a curve in this file, where its use tells it."""
+        """Unit of the bare numbers of x or y of a curve in this file, where its use states it."""
         if self.axes is None or self.units is SI:
             return None
         return product_of(self.symbols, parse_unit(self.axes[j]))
@@ -72,7 +72,7 @@ def number(value: str | float, wanted: str, bases: Mapping[str, Unit]) -> float:
 def number_in(
     value: Any, unit: Unit | None, context: Context, within: tuple[str | int, ...]
 ) -> tuple[float, Unit | None]:
-    """A number whose unit is told beside it, or in its own text; in SI, with its unit.
+    """A number whose unit is reported beside it, or in its own text; in SI, with its unit.
 
     A bare number without any unit is in SI, and refused where the file has units of its own,
     unless it is zero.

@@ -67,7 +67,7 @@ class OwnRows(Protocol):
 class Releasing(Protocol):
     """A constraint that comes apart."""
 
-    def let_go(self, p, old, rows, count):
+    def release_rows(self, p, old, rows, count):
         """Rows that hold nothing, where it has. Writes: rows.phi, D, nu, gamma."""
 
 
@@ -98,7 +98,7 @@ class Following(Protocol):
 
 
 class Tangent(Protocol):
-    """A law of force that tells implicit methods its slopes, in TANGENTS rows an entry."""
+    """A law of force that states implicit methods its slopes, in TANGENTS rows an entry."""
 
     TANGENTS: int
 
@@ -106,10 +106,10 @@ class Tangent(Protocol):
         """Directions, stiffness and damping, from row `first` on. Writes: rows."""
 
 
-class TurningForce(Protocol):
-    """A law whose force turns with its bodies, told where elements have blocks of nodes."""
+class RotationalForce(Protocol):
+    """A law whose force turns with its bodies, reported where elements have blocks of nodes."""
 
-    def turn_force(self, p, out, nodes, place, blocks):
+    def geometric_stiffness(self, p, out, nodes, slot, blocks):
         """What turns the present force. Writes: blocks."""
 
 
@@ -124,7 +124,7 @@ class NormalLaw(Protocol):
     """A law of the normal force of contact."""
 
     def build(self, card: Any, scene: Any, pair: Any) -> Any:
-        """Words into symbols; `pair` tells the radii of both surfaces."""
+        """Words into symbols; `pair` states the radii of both surfaces."""
 
     def normal_force(self, p, old, new, h, depth, rate, mass, curves):
         """Force >= 0 [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.
@@ -209,8 +209,8 @@ class ElementLoad(Protocol):
 class Bending(Protocol):
     """Elements whose tangent goes to the blocks of their nodes, beside the rows of `tangent`."""
 
-    def bend(self, p, state, nodes, curves, place, blocks):
-        """Tangent by places. Writes: blocks."""
+    def bend(self, p, state, nodes, curves, slot, blocks):
+        """Tangent by positions. Writes: blocks."""
 
 
 class ElementEnergies(Protocol):
@@ -229,8 +229,8 @@ class FibreLaw(Protocol):
     def tangent(self, p, state, nodes, curves, rows, first, material):
         """Compliant rows from row `first` on. Writes: rows."""
 
-    def bend(self, p, state, nodes, curves, place, blocks, material):
-        """Slopes of its forces by the places of its nodes. Writes: blocks."""
+    def bend(self, p, state, nodes, curves, slot, blocks, material):
+        """Slopes of its forces by the positions of its nodes. Writes: blocks."""
 
 
 class TableForce(Protocol):
@@ -251,7 +251,7 @@ class StepLaw(
     Reading,
     Following,
     Tangent,
-    TurningForce,
+    RotationalForce,
     Branches,
     PointForce,
     ElementLoad,

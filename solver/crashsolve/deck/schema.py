@@ -1,6 +1,6 @@
 """The deck language as a JSON Schema for editors, and as two manuals, all from the cards.
 
-KEYWORDS.md lists what may be written; EQUATIONS.md tells which file holds which equation.
+KEYWORDS.md lists what may be written; EQUATIONS.md says which file holds which equation.
 """
 
 import ast
@@ -90,7 +90,7 @@ class _Definitions:
         words = list(types_in(folder))
         if not words:
             return {"not": {}}
-        # one branch is looked at, so that a mistake is told of the field it is in
+        # one branch is looked at, so that an error is reported the field it is in
         branches = []
         for word in words:
             is_it: dict[str, Any] = {"properties": {"type": {"const": word}}}
@@ -165,7 +165,7 @@ class _Definitions:
 
 
 def _or_empty(schema: dict[str, Any]) -> dict[str, Any]:
-    """The schema of a value that may be left empty, without a choice that would hide mistakes."""
+    """The schema of a value that may be left empty, without a choice that would hide errors."""
     if "type" in schema:
         kinds = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
         return schema | {"type": [*kinds, "null"]}
@@ -246,9 +246,9 @@ def _points_of_pair(pair: str) -> str:
     """POINTS of the pair's file or of the file of its kernel, else what the first line says."""
     module = import_module(f"{PACKAGE}.contact.narrow.{pair}")
     home = import_module(module.gap.__module__)
-    told = getattr(module, "POINTS", getattr(home, "POINTS", ""))
+    stated = getattr(module, "POINTS", getattr(home, "POINTS", ""))
     first = (module.__doc__ or "").splitlines()[0]
-    return str(told) or first.partition(", ")[2].strip(".") or "one"
+    return str(stated) or first.partition(", ")[2].strip(".") or "one"
 
 
 def _section(

@@ -44,7 +44,7 @@ NAME_ADVICE = "begin with a letter, go on with letters, digits, _ and -"
 
 
 class _Broken:
-    """Stands for a value whose mistake is already reported."""
+    """Stands for a value whose error is already reported."""
 
 
 BROKEN = _Broken()
@@ -59,7 +59,7 @@ class Position(NamedTuple):
 
 
 class Table(dict[str, Any]):
-    """A mapping, with the places of each key and of its value."""
+    """A mapping, with the positions of each key and of its value."""
 
     __slots__ = ("file", "keys_at", "values_at")
 
@@ -70,23 +70,23 @@ class Table(dict[str, Any]):
         self.values_at: dict[str, tuple[int, int]] = {}
 
     def put(self, key: str, value: Any, key_at: tuple[int, int], at: tuple[int, int]) -> None:
-        """Add a value and its places."""
+        """Add a value and its positions."""
         self[key] = value
         self.keys_at[key] = key_at
         self.values_at[key] = at
 
-    def key_place(self, key: str) -> Position:
+    def key_location(self, key: str) -> Position:
         """Where a key stands."""
         return Position(self.file, *self.keys_at[key])
 
-    def value_place(self, key: str) -> Position:
+    def value_location(self, key: str) -> Position:
         """Where the value of a key stands; that of the key for a table or list below it."""
         is_block = isinstance(self[key], Table | Rows)
-        return self.key_place(key) if is_block else Position(self.file, *self.values_at[key])
+        return self.key_location(key) if is_block else Position(self.file, *self.values_at[key])
 
 
 class Rows(list[Any]):
-    """A sequence, with the place of each value."""
+    """A sequence, with the position of each value."""
 
     __slots__ = ("file", "values_at")
 
@@ -95,7 +95,7 @@ class Rows(list[Any]):
         self.file = file
         self.values_at: list[tuple[int, int]] = []
 
-    def place(self, i: int) -> Position:
+    def location(self, i: int) -> Position:
         """Where a value stands."""
         return Position(self.file, *self.values_at[i])
 
@@ -104,52 +104,52 @@ def locate(start: Position, value: object, path: tuple[str | int, ...], key: boo
     """Place of the value at a path, or of its key; as far as the path can be followed."""
     for step in path:
         if isinstance(value, Table) and isinstance(step, str) and step in value:
-            start = value.key_place(step) if key else value.value_place(step)
+            start = value.key_location(step) if key else value.value_location(step)
             value = value[step]
         elif isinstance(value, Rows) and isinstance(step, int) and step < len(value):
-            start, value = value.place(step), value[step]
+            start, value = value.location(step), value[step]
         else:
             break
     return start
 
 
-def read_yaml(path: Path, mistakes: list[DeckError]) -> Table | None:
-    """The table a file holds, None when it cannot be read; appends what is wrong to `mistakes`."""
+def read_yaml(path: Path, diagnostics: list[DeckError]) -> Table | None:
+    """The table a file holds, None when it cannot be read; appends what is wrong to `errors`."""
     name = str(path)
     try:
         name.encode()
     except UnicodeEncodeError:
         message = "the name of the file is not UTF-8"
-        mistakes.append(DeckError(name, None, None, "", message, "rename it"))
+        diagnostics.append(DeckError(name, None, None, "", message, "rename it"))
         return None
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object.count(b"\n", 0, error.start) + 1
         advice = "save the file as UTF-8"
-        mistakes.append(DeckError(name, line, None, "", "this is not UTF-8 text", advice))
+        diagnostics.append(DeckError(name, line, None, "", "this is not UTF-8 text", advice))
         return None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        mistakes.append(DeckError(name, None, None, "", f"the file cannot be read: {reason}"))
+        diagnostics.append(DeckError(name, None, None, "", f"the file cannot be read: {reason}"))
         return None
-    return parse_yaml(text, name, mistakes)
+    return parse_yaml(text, name, diagnostics)
 
 
-def parse_yaml(text: str, name: str, mistakes: list[DeckError]) -> Table | None:
+def parse_yaml(text: str, name: str, diagnostics: list[DeckError]) -> Table | None:
     """The table a YAML text holds; `name` is the file in messages."""
     bad = _FORBIDDEN.search(text)
     if bad is not None:
         line = text.count("\n", 0, bad.start()) + 1
         column = bad.start() - text.rfind("\n", 0, bad.start())
         message = f"the character U+{ord(bad[0]):04X} is not allowed"
-        mistakes.append(DeckError(name, line, column, "", message))
+        diagnostics.append(DeckError(name, line, column, "", message))
         return None
-    parser = _Parser(name, text, mistakes)
+    parser = _Parser(name, text, diagnostics)
     try:
         return parser.deck()
     except yaml.MarkedYAMLError as error:
-        mistakes.append(_syntax_error(name, text, error))
+        diagnostics.append(_syntax_error(name, text, error))
     except _Abandoned:
         pass
     return None
@@ -172,22 +172,22 @@ def _syntax_error(name: str, text: str, error: yaml.MarkedYAMLError) -> DeckErro
 
 
 class _Abandoned(Exception):
-    """The rest of the file cannot be made sense of; the reason is among the mistakes."""
+    """The rest of the file cannot be made sense of; the reason is among the errors."""
 
 
 class _Parser:
     """Builds tables and lists from the events of the YAML parser."""
 
-    def __init__(self, name: str, text: str, mistakes: list[DeckError]) -> None:
+    def __init__(self, name: str, text: str, diagnostics: list[DeckError]) -> None:
         self.name = name
         self.loader = _LOADER(text)
-        self.mistakes = mistakes
+        self.diagnostics = diagnostics
         self.anchors: dict[str, tuple[Any, int]] = {}
         self.count = 0
 
     def refuse(self, event: Any, message: str, advice: str = "") -> Any:
-        line, column = _place(event)
-        self.mistakes.append(DeckError(self.name, line, column, "", message, advice))
+        line, column = _position(event)
+        self.diagnostics.append(DeckError(self.name, line, column, "", message, advice))
         return BROKEN
 
     def refuse_tag(self, event: Any) -> Any:
@@ -245,7 +245,7 @@ class _Parser:
     def rows(self, depth: int) -> Rows:
         rows = Rows(self.name)
         while not isinstance(event := self.loader.get_event(), yaml.SequenceEndEvent):
-            rows.values_at.append(_place(event))
+            rows.values_at.append(_position(event))
             rows.append(self.node(event, depth + 1))
         return rows
 
@@ -262,7 +262,7 @@ class _Parser:
                 line = table.keys_at[key][0]
                 self.refuse(event, f"'{key}' is given twice", f"first in line {line}")
             elif key is not None:
-                table.put(key, value, _place(event), _place(inner))
+                table.put(key, value, _position(event), _position(inner))
         for other in merged:
             for key in [key for key in other if key not in table]:
                 table.put(key, other[key], other.keys_at[key], other.values_at[key])
@@ -305,7 +305,7 @@ class _Parser:
         return value
 
 
-def _place(event: Any) -> tuple[int, int]:
+def _position(event: Any) -> tuple[int, int]:
     mark = event.start_mark
     return mark.line + 1, mark.column + 1
 

@@ -1,1 +1,1 @@
-"""How wrong the watched numbers of a run are, by comparison with cheaper runs of the same model."""
+"""Errors of the watched numbers of one run, from cheaper runs in memory; no new deck."""

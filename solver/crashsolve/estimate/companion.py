@@ -53,7 +53,7 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
     c["step_max"] = min(c["step_max"], interval) * coarseness
     c["curve_share"] *= coarseness
     c["safety"] *= coarseness
-    c["turn"] *= coarseness
+    c["rotation"] *= coarseness
 
 
 class Companions:

@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from crashsolve.channels.expression import is_sampled, tells_sample_times
+from crashsolve.channels.expression import gives_sample_times, is_sampled
 from crashsolve.channels.series import Series, within
 from crashsolve.channels.statistic import (
     is_a_time,
@@ -38,14 +38,14 @@ from crashsolve.study.watch import Watch
 SAME = 1.15
 # a lucky small last difference does not make the error smaller than this share of what the
 # difference before it says
-LUCK = 0.25
+CHANCE_MARGIN = 0.25
 # errors of opposite sign never cancel to less than this share of the two
 REST = 0.1
 EXTREMES = ("argmax", "argmin")
 # statistics of a largest value so far that are that value at the end
 LATCHED = ("final", "max", "abs_max")
 # a step that stands this little out of the samples is one of them
-SAME_PLACE = 1e-9
+SAME_POSITION = 1e-9
 # a sum that is smaller than this share of its parts is nothing
 CANCELS = 1e-6
 # numbers below this share of their scale are round-off
@@ -98,7 +98,7 @@ class Judge:
         return replace(self._estimate(resolved, main, rest), watch=watch)
 
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
-        """What tells a largest value of any step: the course where a sample has caught it.
+        """What states a largest value of any step: the course where a sample has caught it.
 
         Otherwise the last sample, for the greatest of its samples has no gaps beside it. Other
         numbers are what they are.
@@ -109,7 +109,7 @@ class Judge:
         if course is None or not is_plain or watch.statistic not in LATCHED or watch.during:
             return watch
         value, top = main.values[channel.name][-1], np.max(main.values[course.name])
-        if value > top * (1.0 + SAME_PLACE):
+        if value > top * (1.0 + SAME_POSITION):
             return replace(watch, statistic="final")
         self.channels.setdefault(course.name, [course])
         return replace(watch, channels=(course.name,), statistic="max")
@@ -188,11 +188,11 @@ class Judge:
         found = examine(steps, values, self.order)
         # an order near nothing makes an error of any size: no more than runs have differed
         apart = [distance(a, b) for a, b in pairwise(values)]
-        size, how = min(found.error, max(apart)), _told(found, self.order)
+        size, how = min(found.error, max(apart)), _reported(found, self.order)
         signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
         if found.stalls is None and self.order:
             a, b, c = (step**self.order for step in steps)
-            least = LUCK * apart[0] * c / (a - b)
+            least = CHANCE_MARGIN * apart[0] * c / (a - b)
             if least > size:
                 size, signed = least, None
         return _Steps(size, signed if found.is_extrapolated else None, how)
@@ -242,7 +242,7 @@ def _sum(found: _Steps, gap: float) -> float:
     return abs(found.signed + gap) + REST * (abs(found.signed) + abs(gap))
 
 
-def _told(found: Convergence, order: float | None) -> str:
+def _reported(found: Convergence, order: float | None) -> str:
     """How the error was found, in words."""
     if found.stalls is not None:
         return "2 coarser runs: differences do not shrink, the larger one is taken"
@@ -279,7 +279,7 @@ def _gap_inside(watch: Watch, main: Samples) -> float:
     """Error by samples of an expression that integrates or differentiates; 0 for others."""
     if not is_sampled(watch.channels[0]):
         return 0.0
-    if tells_sample_times(watch.channels[0]):
+    if gives_sample_times(watch.channels[0]):
         return float(np.max(np.diff(main.time)))
     half = main.at(main.time[::2])
     if watch.statistic == PATH:

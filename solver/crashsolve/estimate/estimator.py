@@ -66,7 +66,7 @@ class Estimator:
 
     @property
     def compares_with_coarser(self) -> bool:
-        """Whether coarser runs tell the error."""
+        """Whether coarser runs state the error."""
         return not is_static(self.deck) and not chooses_its_step(self.deck.control.integrator)
 
     def companion_runs(

@@ -1,4 +1,4 @@
-"""Words of memory by which threads tell each other how far they are.
+"""Words of memory by which threads notify each other how far they are.
 
     store_release(words, k, n) after writing  ...  load_acquire(words, k) == n before reading
 

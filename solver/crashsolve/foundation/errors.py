@@ -24,7 +24,7 @@ class CrashsolveError(Exception):
 
 
 class DeckError(CrashsolveError):
-    """One mistake in a deck: where it stands, what is wrong and what would be right."""
+    """One error in a deck: where it stands, what is wrong and what would be right."""
 
     exit_code = ExitCode.DECK
 
@@ -46,14 +46,14 @@ class DeckError(CrashsolveError):
         super().__init__(file, line, column, card, message, advice)
 
     def __str__(self) -> str:
-        place = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
+        location = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
         card = f"{self.card}: " if self.card else ""
         advice = f"; {self.advice}" if self.advice else ""
-        return printable(f"{place}: error: {card}{self.message}{advice}")
+        return printable(f"{location}: error: {card}{self.message}{advice}")
 
 
 class DeckErrors(CrashsolveError):
-    """All mistakes of a deck, in the order in which they stand in it."""
+    """All errors of a deck, in the order in which they stand in it."""
 
     exit_code = ExitCode.DECK
 
@@ -70,18 +70,22 @@ class SolverError(CrashsolveError):
 
     exit_code = ExitCode.SOLVER
 
-    def __init__(self, time: float, cycle: int, place: str, cause: str, advice: str = "") -> None:
+    def __init__(
+        self, time: float, cycle: int, location: str, cause: str, advice: str = ""
+    ) -> None:
         self.time = time
         self.cycle = cycle
-        self.place = place
+        self.location = location
         self.cause = cause
         self.advice = advice
-        super().__init__(time, cycle, place, cause, advice)
+        super().__init__(time, cycle, location, cause, advice)
 
     def __str__(self) -> str:
         advice = f"; {self.advice}" if self.advice else ""
-        told = f"t = {self.time:.6g} s, cycle {self.cycle}, {self.place}: {self.cause}{advice}"
-        return printable(told)
+        message = (
+            f"t = {self.time:.6g} s, cycle {self.cycle}, {self.location}: {self.cause}{advice}"
+        )
+        return printable(message)
 
 
 class RunStopped(CrashsolveError):

@@ -24,7 +24,7 @@ def point_at(body, d):
 
 
 @kernel
-def place(body, point):
+def world_position(body, point):
     """World position of a point given in body axes from the mass centre."""
     return add(vec(body.r), matvec(body.A, point))
 
@@ -50,10 +50,10 @@ def apply_force(body, f, d):
 
 
 @kernel
-def note_late(body, f, d):
+def add_deferred(body, f, d):
     """Part of an applied force that the step now ending has not felt. Writes: body."""
-    add_to(body.late_force, f)
-    add_to(body.late_torque, cross(d, f))
+    add_to(body.deferred_force, f)
+    add_to(body.deferred_torque, cross(d, f))
 
 
 @kernel
@@ -76,8 +76,8 @@ def spin_mobility(body, u):
 
 
 @kernel
-def stiffen(body, mobility, stiffness, damping):
-    """Tell the step control of a spring on this body. Writes: body."""
+def add_stiffness_bound(body, mobility, stiffness, damping):
+    """Report a spring on this body to the step control. Writes: body."""
     body.stiffness += stiffness * mobility
     body.damping += damping * mobility
 
@@ -89,18 +89,18 @@ def pull(p, nodes, tension, u, d_a, d_b, stiffness, damping):
     f = scale(tension, u)
     apply_force(a, f, d_a)
     apply_force(b, scale(-1.0, f), d_b)
-    stiffen(a, mobility(a, d_a, u), stiffness, damping)
-    stiffen(b, mobility(b, d_b, u), stiffness, damping)
+    add_stiffness_bound(a, mobility(a, d_a, u), stiffness, damping)
+    add_stiffness_bound(b, mobility(b, d_b, u), stiffness, damping)
 
 
 @kernel
 def twist(p, nodes, torque, g, stiffness, damping):
-    """Torque along g that turns b back towards a, and its stiffness. Writes: nodes."""
+    """Torque along g that rotates b back towards a, and its stiffness. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     apply_torque(a, scale(torque, g))
     apply_torque(b, scale(-torque, g))
-    stiffen(a, spin_mobility(a, g), stiffness, damping)
-    stiffen(b, spin_mobility(b, g), stiffness, damping)
+    add_stiffness_bound(a, spin_mobility(a, g), stiffness, damping)
+    add_stiffness_bound(b, spin_mobility(b, g), stiffness, damping)
 
 
 class Line(NamedTuple):
@@ -132,34 +132,34 @@ def axis_tangent(row, a, b, u, d_a, d_b, stiffness, damping):
     point_tangent(row, u, d_a, d_b, stiffness, damping)
     swing(row.G, 0, -1.0, at_a, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     swing(row.G, 6, 1.0, at_a, scale(-1.0, at_b), d_b)
-    turn = cross(v, u)
+    rotation = cross(v, u)
     for k in range(3):
-        row.G[3 + k] = turn[k]
+        row.G[3 + k] = rotation[k]
 
 
 @kernel
-def turn_tangent(row, a, b, g, stiffness, damping):
+def rotation_tangent(row, a, b, g, stiffness, damping):
     """Tangent of a torque along g, fixed in a, on a and against it on b. Writes: row."""
     D, G = row.D, row.G
-    turn = cross(g, sub(vec(a.w), vec(b.w)))
+    rotation = cross(g, sub(vec(a.w), vec(b.w)))
     for k in range(3):
         D[k] = D[6 + k] = G[k] = G[6 + k] = G[9 + k] = 0.0
         D[3 + k] = g[k]
         D[9 + k] = -g[k]
-        G[3 + k] = turn[k]
+        G[3 + k] = rotation[k]
     row.stiffness = stiffness
     row.damping = damping
 
 
 @kernel
 def point_tangent(row, u, d_a, d_b, stiffness, damping):
-    """Tangent of a force along u, but for the turn of u, that pulls d_a to d_b. Writes: row."""
-    turn_a, turn_b, D = cross(d_a, u), cross(d_b, u), row.D
+    """Tangent of a force along u, but for the rotation of u, that pulls d_a to d_b. Writes: row."""
+    rotation_a, rotation_b, D = cross(d_a, u), cross(d_b, u), row.D
     for k in range(3):
         D[k] = u[k]
-        D[3 + k] = turn_a[k]
+        D[3 + k] = rotation_a[k]
         D[6 + k] = -u[k]
-        D[9 + k] = -turn_b[k]
+        D[9 + k] = -rotation_b[k]
     for k in range(12):
         row.G[k] = 0.0
     row.stiffness = stiffness
@@ -169,10 +169,10 @@ def point_tangent(row, u, d_a, d_b, stiffness, damping):
 @kernel
 def swing(G, c, sign, turning, carried, d):
     """Columns c to c + 5 of G: `turning` is du/dt, `carried` is u x w of the body. Writes: G."""
-    turn = cross(d, add(turning, carried))
+    rotation = cross(d, add(turning, carried))
     for k in range(3):
         G[c + k] = sign * turning[k]
-        G[c + 3 + k] = sign * turn[k]
+        G[c + 3 + k] = sign * rotation[k]
 
 
 @kernel

@@ -51,15 +51,15 @@ def crosses(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return found
 
 
-def turned_by(q: np.ndarray, q_0: np.ndarray) -> np.ndarray:
+def rotated_by(q: np.ndarray, q_0: np.ndarray) -> np.ndarray:
     """Rotation vectors (n, 3) [rad], at most pi long, from q_0 to q (n, 4), in world axes."""
-    turn = products(q, q_0 * [1.0, -1.0, -1.0, -1.0])
-    turn *= np.where(turn[:, :1] < 0.0, -1.0, 1.0)
-    sine = np.linalg.norm(turn[:, 1:], axis=1)
-    angle = 2.0 * np.arctan2(sine, turn[:, 0])
+    rotation = products(q, q_0 * [1.0, -1.0, -1.0, -1.0])
+    rotation *= np.where(rotation[:, :1] < 0.0, -1.0, 1.0)
+    sine = np.linalg.norm(rotation[:, 1:], axis=1)
+    angle = 2.0 * np.arctan2(sine, rotation[:, 0])
     # of a small turn the vector is twice its sine
     factor = np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0.0)
-    return factor[:, None] * turn[:, 1:]
+    return factor[:, None] * rotation[:, 1:]
 
 
 def perpendicular(axis: np.ndarray) -> np.ndarray:

@@ -83,8 +83,8 @@ def rows_of(record: Record, first: int = 0) -> Any:
 
     Kernels read `ROWS.name`; SIZE is that of all columns, RECORD what they mean.
     """
-    places, at = {}, first
+    positions, at = {}, first
     for column in record.columns:
-        places[column.name] = at
+        positions[column.name] = at
         at += column.size
-    return type("Rows", (), {**places, "SIZE": at - first, "RECORD": record})
+    return type("Rows", (), {**positions, "SIZE": at - first, "RECORD": record})

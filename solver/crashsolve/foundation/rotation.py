@@ -29,11 +29,11 @@ def rotate_by_cayley(q, half_angle, out):
 
 
 @kernel
-def rotate_by_vector(q, turn, out):
+def rotate_by_vector(q, rotation, out):
     """Turn quaternion q by a rotation vector in body axes [rad]. Writes: out."""
-    angle = sqrt(dot(turn, turn))
+    angle = sqrt(dot(rotation, rotation))
     half = tan(0.5 * angle) / angle if angle > 1e-8 else 0.5
-    rotate_by_cayley(q, scale(half, turn), out)
+    rotate_by_cayley(q, scale(half, rotation), out)
 
 
 @kernel

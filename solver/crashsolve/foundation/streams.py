@@ -45,7 +45,7 @@ def give_up(stream: TextIO) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def tell_error(text: str) -> None:
+def report_error(text: str) -> None:
     """Write to standard error, if anybody listens."""
     try:
         print(text, file=sys.stderr, flush=True)
@@ -56,7 +56,7 @@ def tell_error(text: str) -> None:
 def say(text: str = "") -> None:
     """Write to standard output, if anybody listens: for work that goes on in any case."""
     try:
-        # in one piece: several threads may tell
+        # in one piece: several threads may report
         sys.stdout.write(f"{text}\n")
         sys.stdout.flush()
     except OSError:

@@ -27,24 +27,27 @@ def speed(slip):
 
 
 @kernel
-def without_friction(slide, rub):
-    """Slip [m/s] as without friction, where it counts on that of the last step, `rub` [N]."""
+def without_friction(slide, friction_force):
+    """Slip [m/s] as without friction, where it counts on that of the last step, `friction_force`
+    [N].
+    """
     if slide.ease == 0.0:
         return slide.slip
-    free = add_scaled(slide.slip, -slide.ease, rub)
+    free = add_scaled(slide.slip, -slide.ease, friction_force)
     return add_scaled(free, -dot(free, slide.n), slide.n)
 
 
 @kernel
-def against(slip, v, friction, slope, rub, way):
+def against(slip, v, friction, slope, friction_force, displacement):
     """Friction on side a and its record, for a friction force at sliding speed v.
 
     Returns force, stored energy, dissipated power, loss, stiffness, damping; slope bounds the
-    rise of the friction force over the sliding speed [N s/m]. With `way`, the slip over a whole
-    step, its loss is its work, `rub` being the friction at the start, and it sets no step.
+    rise of the friction force over the sliding speed [N s/m]. With `displacement`, the slip over a
+    whole step, its loss is its work, `friction_force` being the friction at the start, and it sets
+    no step.
     """
     share = -friction / v if v > 0.0 else 0.0
     force = scale(share, slip)
-    if way is None:
+    if displacement is None:
         return force, 0.0, friction * v, 0.0, 0.0, slope
-    return force, 0.0, 0.0, -0.5 * dot(add(rub, force), way), 0.0, 0.0
+    return force, 0.0, 0.0, -0.5 * dot(add(friction_force, force), displacement), 0.0, 0.0

@@ -59,7 +59,7 @@ build = columns
 @kernel
 def friction_force(p, old, new, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
-    k, slip, way = p.friction_stiffness, slide.slip, slide.way
+    k, slip, displacement = p.friction_stiffness, slide.slip, slide.displacement
     c = 2.0 * p.friction_damping_ratio * sqrt(k * slide.mass)
     fall = exp(-dot(slip, slip) / p.friction_stribeck_speed**2)
     mu = p.friction_dynamic + (p.friction_static - p.friction_dynamic) * fall
@@ -67,20 +67,20 @@ def friction_force(p, old, new, slide, curves):
     # at the onset there is no step behind: the bristle starts straight
     start, trial = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     if old.active == 1:
-        start = turned(vec(old.bristle), slide.n)
-        trial = add(start, way)
+        start = rotated(vec(old.bristle), slide.n)
+        trial = add(start, displacement)
     z = cut(trial, limit / k)
     put(new.bristle, z)
     spring = scale(k, z)
     pull = cut(add_scaled(spring, c, slip), limit)
     # of the damper, at the start of the step and at its end
-    damped = sub(sub(pull, spring), add_scaled(vec(old.rub), k, vec(old.bristle)))
-    loss = 0.5 * (k * dot(add(start, z), sub(trial, z)) + dot(damped, way))
+    damped = sub(sub(pull, spring), add_scaled(vec(old.friction_force), k, vec(old.bristle)))
+    loss = 0.5 * (k * dot(add(start, z), sub(trial, z)) + dot(damped, displacement))
     return scale(-1.0, pull), 0.5 * k * dot(z, z), 0.0, loss, k, c
 
 
 @kernel
-def turned(x, n):
+def rotated(x, n):
     """Vector x (3) laid into the plane normal to n, its length kept."""
     flat = add_scaled(x, -dot(x, n), n)
     length = norm(flat)

@@ -47,8 +47,8 @@ build = columns
 @kernel
 def friction_force(p, old, new, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
-    rub = vec(old.rub)
-    free = without_friction(slide, rub)
+    friction_force = vec(old.friction_force)
+    free = without_friction(slide, friction_force)
     v, full = speed(free), p.friction_coefficient * slide.normal_force
     new.friction_regime = (1 if v >= p.friction_none_below else 0) + (
         1 if v >= p.friction_full_above else 0
@@ -56,7 +56,7 @@ def friction_force(p, old, new, slide, curves):
     taken = slide.ease * full
     rise = max(p.friction_full_above - p.friction_none_below, taken)
     share = min(max((v - p.friction_none_below) / (rise + taken), 0.0), 1.0)
-    return against(free, v, full * share, full / rise, rub, slide.way)
+    return against(free, v, full * share, full / rise, friction_force, slide.displacement)
 
 
 @kernel

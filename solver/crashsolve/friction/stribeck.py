@@ -21,7 +21,7 @@ from crashsolve.foundation.vec3 import vec
 from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import against, speed, without_friction
 
-# of the slip without friction, that which is left; a dozen passes find it
+# of the slip without friction, that which is left; a dozen iterations find it
 CLOSED, PASSES = 1e-13, 60
 
 
@@ -55,11 +55,13 @@ build = columns
 @kernel
 def friction_force(p, old, new, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness and damping [N s/m]."""
-    rub = vec(old.rub)
-    free, normal_force = without_friction(slide, rub), slide.normal_force
+    friction_force = vec(old.friction_force)
+    free, normal_force = without_friction(slide, friction_force), slide.normal_force
     v, taken = speed(free), slide.ease * normal_force
     mu = coefficient(p, slip_left(p, v, taken), taken)
-    return against(free, v, mu * normal_force, steepest(p) * normal_force, rub, slide.way)
+    return against(
+        free, v, mu * normal_force, steepest(p) * normal_force, friction_force, slide.displacement
+    )
 
 
 @kernel

@@ -14,7 +14,7 @@ from crashsolve.joints._card import AxisJointCard
 CYCLIC = {"isotropic": ISOTROPIC, "kinematic": KINEMATIC, "peak_oriented": PEAK_ORIENTED}
 
 
-class TurnCurve(Card):
+class MomentCurve(Card):
     """Moment over angle: a curve of the deck, or the collapse of a section; a name is enough."""
 
     shorthand: ClassVar = "name"
@@ -47,7 +47,7 @@ class TurnCurve(Card):
     )
 
     @model_validator(mode="after")
-    def _one_source(self) -> "TurnCurve":
+    def _one_source(self) -> "MomentCurve":
         if (self.model == "given") != (self.plastic_curve is not None):
             raise ValueError("model given and plastic_curve belong together")
         if self.model == "given" and self.until is not None:
@@ -144,11 +144,11 @@ class RateFactor(Card):
 
 
 class HingeCard(AxisJointCard):
-    """What every hinge has: two bodies, a place, an axis, and how it behaves in cycles."""
+    """What every hinge has: two bodies, a position, an axis, and how it behaves in cycles."""
 
     cyclic: Literal["isotropic", "kinematic", "peak_oriented"] = word(
-        "isotropic: yield in both directions follows the curve along the plastic way; kinematic: "
-        "its range moves; peak_oriented: reloads towards the largest deformation so far",
+        "isotropic: yield in both directions follows the curve along the plastic displacement; "
+        "kinematic: its range moves; peak_oriented: reloads towards the largest deformation so far",
         default="isotropic",
     )
     rate: RateFactor | None = word("growth of the yield moment with the speed", default=None)
@@ -165,18 +165,18 @@ class HingeCard(AxisJointCard):
         return fails and self.after_failure == "apart"
 
 
-class TurningCard(HingeCard):
-    """A hinge that turns about one axis."""
+class RotationalCard(HingeCard):
+    """A hinge that rotates about one axis."""
 
-    curve: TurnCurve = word("moment over angle as it grows, from [0, 0]")
-    curve_negative: TurnCurve | None = word(
+    curve: MomentCurve = word("moment over angle as it grows, from [0, 0]")
+    curve_negative: MomentCurve | None = word(
         "the same for negative angles, both counted positive; as curve when absent", default=None
     )
     stiffness: float | None = quantity(
         "N m/rad", "elastic, also of unloading; the first slope when absent", default=None, gt=0
     )
     initial_angle: float = quantity(
-        "rad", "turn of b from the start in which the hinge has no moment", default=0.0
+        "rad", "rotation of b from the start in which the hinge has no moment", default=0.0
     )
     failure_angle: float | None = quantity(
         "rad", "angle in either direction at which the hinge fails", default=None, gt=0
@@ -247,7 +247,7 @@ def _points(source: Any, field: str, built: dict[str, Any], scene: Any) -> Any:
         if source.name not in built:
             raise scene.fail(f"curve '{source.name}' cannot be built", field)
         return built[source.name]
-    if isinstance(source, TurnCurve):
+    if isinstance(source, MomentCurve):
         return bending_curve(source, field, built, scene)
     return axial_curve(source, field, built, scene)
 
@@ -318,8 +318,8 @@ def _refuse_start(
             field,
         )
     # two turns of one hinge fail together
-    is_turn = field == "initial_angles"
-    sizes = np.array([np.hypot(*initial), 0.0]) if is_turn else np.abs(initial)
+    is_rotation = field == "initial_angles"
+    sizes = np.array([np.hypot(*initial), 0.0]) if is_rotation else np.abs(initial)
     if (sizes >= failure).any():
         raise scene.fail("the hinge would have failed at the start", field)
 

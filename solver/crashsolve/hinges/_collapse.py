@@ -19,8 +19,8 @@ The web does not stretch: g = (b^2 - y_B^2) / 2 b (1 - y_B / C_y), and A travels
 and the lines AC sweep h (b - g) of each web, bent and straightened at the radius
 r = (0.07 - theta / 70) h.
 M(theta) is the slope of the energy of all lines, at most M_max; the fold closes where C_x = t / 2.
-The places of the lines follow here from the lengths of the walls, in closed form; the radius, the
-length of the fold and M_max are Kecman's.
+The positions of the lines follow here from the lengths of the walls, in closed form; the radius,
+the length of the fold and M_max are Kecman's.
 
 Axial crush of a square tube of width c (Abramowicz and Jones 1984):
 

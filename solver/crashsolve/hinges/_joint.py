@@ -9,7 +9,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.joints._card import direction
 
 LEDGER = "hinge"
-# directions typed with six digits are square to this; a worse one is a mistake
+# directions typed with six digits are square to this; a worse one is an error
 SQUARE = 1e-5
 COMMON = Record("""
     rate_factor  1     phi, on the static moment or force at yield
@@ -50,7 +50,7 @@ def is_open(p, old):
 
 
 @kernel
-def let_go(p, old, rows, count):
+def release_rows(p, old, rows, count):
     """Rows that hold nothing, where failure has freed the joint. Writes: rows.phi, D, nu, gamma."""
     if not is_open(p, old):
         return
@@ -72,14 +72,14 @@ def keep_old(old, new):
     for c in range(2):
         new.x[c], new.plastic[c], new.flow[c] = old.x[c], old.plastic[c], old.flow[c]
         new.origin[c] = old.origin[c]
-        new.flowing[c], new.corner[c] = 0, 0.0
+        new.plastic_flow[c], new.corner[c] = 0, 0.0
     for j in range(4):
         new.reached[j] = old.reached[j]
 
 
 @kernel
 def close_outputs(p, old, new, out, stored, loss):
-    """What all hinges tell; one that has failed gives up what it stored. Writes: out, new."""
+    """What all hinges state; one that has failed gives up what it stored. Writes: out, new."""
     out.failed, out.rate_factor = new.failed, new.factor
     out.stored, out.power, out.loss = stored, 0.0, loss
     if new.failed == 1:

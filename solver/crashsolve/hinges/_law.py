@@ -12,7 +12,7 @@ y(x_p) is the backbone of _backbone.py. A step goes straight from the old angle 
 new M is where the elastic line of that angle meets R, found to round-off, so that the answer
 depends on the turning points of the angle and not on the steps between them. Work on the slider is
 the area under R, exactly; stored is M^2 / 2k, and with kinematic hardening the area under X. What
-phi adds is a trapezoid of it over the plastic way.
+phi adds is a trapezoid of it over the plastic displacement.
 
 Consequence to test: over any path and any step, work = stored + lost; a closed loop loses its area.
 
@@ -52,8 +52,8 @@ PATH = Record("""
     flow     rad or m      2  alpha
     reached  rad or m      4  largest x_p in positive and in negative direction of both motions
     origin   rad or m      2  x_0
-    flowing  flag          2  1 or -1: x_p grows or falls; 0: it rests
-    corner   rad or m      2  plastic way to the end of the segment of y
+    plastic_flow  flag          2  1 or -1: x_p grows or falls; 0: it rests
+    corner   rad or m      2  plastic displacement to the end of the segment of y
     factor   1                phi
     latch    m/s or rad/s     V at first yield; -1 before
     failed   flag             1: there is no hinge any more
@@ -65,18 +65,20 @@ class Flow(NamedTuple):
 
     c: int  # which motion, 0 or 1
     side: float  # its direction
-    way: float  # of the slider [rad or m]
+    displacement: float  # of the slider [rad or m]
     origin: float  # x_0 [rad or m]
 
 
 @kernel
-def resistance(p, old, c, side, way, origin, curves):
-    """R [N m or N] after a plastic way in one direction, and its slope; `c`: motion 0 or 1."""
+def resistance(p, old, c, side, displacement, origin, curves):
+    """R [N m or N] after a plastic displacement in one direction, and its slope; `c`: motion 0 or
+    1.
+    """
     own = 2 * c if side > 0.0 else 2 * c + 1
     if p.cyclic == ISOTROPIC:
-        y, slope, _ = curve_value(curves, p.backbone[own], old.flow[c] + way)
+        y, slope, _ = curve_value(curves, p.backbone[own], old.flow[c] + displacement)
         return y, slope
-    at = side * old.plastic[c] + way
+    at = side * old.plastic[c] + displacement
     if p.cyclic == KINEMATIC:
         if at >= 0.0:
             y, slope, _ = curve_value(curves, p.backbone[own], at)
@@ -123,31 +125,31 @@ def direction(p, old, c, x, phi, curves):
 
 
 @kernel
-def plastic_way(p, old, c, side, x, phi, curves):
+def plastic_displacement(p, old, c, side, x, phi, curves):
     """Way [rad or m] of the slider: k (x - x_p) = phi R by Newton's method, kept in its bracket."""
     k, origin = p.stiffness[c], line_origin(p, old, c, side)
     trial = side * k * (x - old.plastic[c])
     R, _ = resistance(p, old, c, side, 0.0, origin, curves)
     low, high = 0.0, (trial - min(dynamic(R, phi), 0.0)) / k
     # trials may lead past the end of a curve, which only the answer must not
-    way, fault = 0.0, curves[0].fault
+    displacement, fault = 0.0, curves[0].fault
     for _ in range(PASSES):
-        R, slope = resistance(p, old, c, side, way, origin, curves)
-        excess = trial - k * way - dynamic(R, phi)
+        R, slope = resistance(p, old, c, side, displacement, origin, curves)
+        excess = trial - k * displacement - dynamic(R, phi)
         if excess > 0.0:
-            low = way
+            low = displacement
         else:
-            high = way
+            high = displacement
         steep = k + (phi * slope if R > 0.0 else slope)
-        following = way + excess / steep if steep > 0.0 else -1.0
+        following = displacement + excess / steep if steep > 0.0 else -1.0
         if not low <= following <= high:
             following = 0.5 * (low + high)
-        if abs(following - way) <= 1e-16 * high:
+        if abs(following - displacement) <= 1e-16 * high:
             break
-        way = following
+        displacement = following
     curves[0].fault = fault
-    resistance(p, old, c, side, way, origin, curves)
-    return way
+    resistance(p, old, c, side, displacement, origin, curves)
+    return displacement
 
 
 @kernel
@@ -161,17 +163,17 @@ def hardened(p, c, x_p, curves):
 
 @kernel
 def static_loss(p, old, flow, curves):
-    """Area under R over the plastic way, less what is stored of it [J]."""
-    c, side, way, origin = flow
+    """Area under R over the plastic displacement, less what is stored of it [J]."""
+    c, side, displacement, origin = flow
     own = 2 * c if side > 0.0 else 2 * c + 1
     here = p.backbone[own]
     if p.cyclic == ISOTROPIC:
         done = old.flow[c]
-        return curve_area(curves, here, done + way) - curve_area(curves, here, done)
+        return curve_area(curves, here, done + displacement) - curve_area(curves, here, done)
     if p.cyclic == KINEMATIC:
-        return curves[here].c[0] * way
+        return curves[here].c[0] * displacement
     at, top = side * old.plastic[c], old.reached[own]
-    end, loss = at + way, 0.0
+    end, loss = at + displacement, 0.0
     if at < top:
         y = curve_value(curves, here, top)[0]
         slope, start, stop = y / (top - side * origin), at - side * origin, min(end, top)
@@ -194,20 +196,20 @@ def advance_motion(p, old, new, c, x, phi, curves):
     new.reached[2 * c], new.reached[2 * c + 1] = old.reached[2 * c], old.reached[2 * c + 1]
     loss = 0.0
     if side != 0.0:
-        way = plastic_way(p, old, c, side, x, phi, curves)
+        displacement = plastic_displacement(p, old, c, side, x, phi, curves)
         origin = line_origin(p, old, c, side)
-        flow = Flow(c, side, way, origin)
+        flow = Flow(c, side, displacement, origin)
         loss = static_loss(p, old, flow, curves)
         if phi > 1.0:
             loss += added_loss(p, old, flow, loss, phi, curves)
         own = 2 * c if side > 0.0 else 2 * c + 1
-        new.plastic[c] += side * way
-        new.flow[c] += way
+        new.plastic[c] += side * displacement
+        new.flow[c] += displacement
         new.reached[own] = max(new.reached[own], side * new.plastic[c])
     moment = k * (x - new.plastic[c])
     now = 1.0 if moment > 0.0 else -1.0
     new.origin[c] = line_origin(p, old, c, now)
-    new.flowing[c] = int(side)
+    new.plastic_flow[c] = int(side)
     new.corner[c] = to_corner(p, new, c, side, curves) if side != 0.0 else 0.0
     stored = 0.5 * k * (x - new.plastic[c]) ** 2 + hardened(p, c, new.plastic[c], curves)
     return moment, stored, loss
@@ -216,18 +218,18 @@ def advance_motion(p, old, new, c, x, phi, curves):
 @kernel
 def added_loss(p, old, flow, static, phi, curves):
     """What the factor adds to the work on the slider, with its mean over the way [J]."""
-    c, side, way, origin = flow
-    mean = 0.5 * (phi + old.factor) if old.flowing[c] == int(side) else phi
+    c, side, displacement, origin = flow
+    mean = 0.5 * (phi + old.factor) if old.plastic_flow[c] == int(side) else phi
     if p.cyclic != KINEMATIC:
         return (mean - 1.0) * static
     first, _ = resistance(p, old, c, side, 0.0, origin, curves)
-    last, _ = resistance(p, old, c, side, way, origin, curves)
-    return (mean - 1.0) * 0.5 * (max(first, 0.0) + max(last, 0.0)) * way
+    last, _ = resistance(p, old, c, side, displacement, origin, curves)
+    return (mean - 1.0) * 0.5 * (max(first, 0.0) + max(last, 0.0)) * displacement
 
 
 @kernel
 def to_corner(p, new, c, side, curves):
-    """Plastic way from here to the next corner of R [rad or m]."""
+    """Plastic displacement from here to the next corner of R [rad or m]."""
     own = 2 * c if side > 0.0 else 2 * c + 1
     if p.cyclic == ISOTROPIC:
         return next_point(curves, p.backbone[own], new.flow[c])
@@ -259,8 +261,8 @@ def motion_tangent(p, state, c, x, rate, phi, phi_slope, curves):
     if side == 0.0:
         return k, 0.0, 0.0
     origin = line_origin(p, state, c, side)
-    way = plastic_way(p, state, c, side, x, phi, curves)
-    R, slope = resistance(p, state, c, side, way, origin, curves)
+    displacement = plastic_displacement(p, state, c, side, x, phi, curves)
+    R, slope = resistance(p, state, c, side, displacement, origin, curves)
     lifted = phi if R > 0.0 else 1.0
     share = k / (k + lifted * slope)
     return share * lifted * slope, share * max(R, 0.0) * phi_slope, side
@@ -271,7 +273,7 @@ def at_yield(p, state, c, x, rate, phi, curves):
     """Direction, 1 or -1, in which it flows on at yield, but for round-off; 0 for none."""
     k = p.stiffness[c]
     side = 1.0 if rate > 0.0 else -1.0
-    if rate == 0.0 or state.flowing[c] != int(side):
+    if rate == 0.0 or state.plastic_flow[c] != int(side):
         return 0.0
     trial = side * k * (x - state.plastic[c])
     R, _ = resistance(p, state, c, side, 0.0, line_origin(p, state, c, side), curves)
@@ -285,17 +287,17 @@ def beyond_motion(p, old, h, c, x, rate, phi, curves):
 
     A load step (h = 0) has no rates: one that turns back does so from its start on.
     """
-    side = 1.0 * old.flowing[c]
+    side = 1.0 * old.plastic_flow[c]
     if side == 0.0:
         return max(
             beyond_yield(p, old, c, 1.0, x, phi, curves),
             beyond_yield(p, old, c, -1.0, x, phi, curves),
         )
-    way = plastic_way(p, old, c, side, x, phi, curves)
+    displacement = plastic_displacement(p, old, c, side, x, phi, curves)
     if h > 0.0:
-        return max(-side * rate * h, way - old.corner[c])
-    if way > 0.0:
-        return way - old.corner[c]
+        return max(-side * rate * h, displacement - old.corner[c])
+    if displacement > 0.0:
+        return displacement - old.corner[c]
     return beyond_yield(p, old, c, -side, x, phi, curves)
 
 
@@ -304,8 +306,8 @@ def beyond_yield(p, old, c, side, x, phi, curves):
     """How far a motion is past the elastic line in one direction [rad or m]."""
     R, _ = resistance(p, old, c, side, 0.0, line_origin(p, old, c, side), curves)
     # without resistance there is nothing to meet, but the line to a peak where M turns
-    turns = p.cyclic == PEAK_ORIENTED and side * (old.x[c] - old.plastic[c]) < 0.0
-    if p.cyclic == KINEMATIC or R > 0.0 or turns:
+    is_rising = p.cyclic == PEAK_ORIENTED and side * (old.x[c] - old.plastic[c]) < 0.0
+    if p.cyclic == KINEMATIC or R > 0.0 or is_rising:
         return side * (x - old.plastic[c]) - dynamic(R, phi) / p.stiffness[c]
     return -1e300
 

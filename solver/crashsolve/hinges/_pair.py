@@ -8,7 +8,7 @@ On the ellipse dl is plastic work. Both curves are read at the work done, W: y_i
 straight lines over it, as dW = y dx. One motion alone thus follows its own curve, and equal curves
 of both make one that is the same in every direction. A step is cut into pieces of a tenth of the
 elastic range and what is left, each of which returns to the ellipse at its end (backward Euler,
-order 1); the loss is the trapezoid of the moments over the plastic way.
+order 1); the loss is the trapezoid of the moments over the plastic displacement.
 
 Consequence to test: under a load that turns, the moments stay on the ellipse and the loss is the
 work less what is stored.
@@ -98,9 +98,9 @@ def advance_ellipse(p, old, new, x, y, phi, curves):
     u, v, work = old.plastic[0], old.plastic[1], old.flow_work
     a, b, _, _ = limits(p, work, phi, curves)
     dx, dy = x - old.x[0], y - old.x[1]
-    way = sqrt((k * dx) ** 2 / a + (j * dy) ** 2 / b)
+    increment = sqrt((k * dx) ** 2 / a + (j * dy) ** 2 / b)
     # a last piece that grows from nothing: their number makes no jumps, which iterations would meet
-    piece = max(PIECE / max(way, PIECE), 1.0 / MOST_PIECES)
+    piece = max(PIECE / max(increment, PIECE), 1.0 / MOST_PIECES)
     loss, done = 0.0, 0.0
     before, across = k * (old.x[0] - u), j * (old.x[1] - v)
     for i in range(int(ceil(1.0 / piece))):
@@ -117,7 +117,7 @@ def advance_ellipse(p, old, new, x, y, phi, curves):
             new.flow[0], new.flow[1] = new.flow[0] + abs(du), new.flow[1] + abs(dv)
         before, across = f, g
     new.x[0], new.x[1], new.plastic[0], new.plastic[1], new.flow_work = x, y, u, v, work
-    new.flowing[0] = new.flowing[1] = 1 if done > 0.0 else 0
+    new.plastic_flow[0] = new.plastic_flow[1] = 1 if done > 0.0 else 0
     first, second = k * (x - u), j * (y - v)
     return first, second, 0.5 * (first * (x - u) + second * (y - v)), loss
 
@@ -200,7 +200,7 @@ def tangent(p, state, seen, curves):
     f, g = f * a / (a + flow * k), g * b / (b + flow * j)
     at_yield = f * f / a + g * g / b > 1.0 - 1e-12
     onward = f / a * k * rate + g / b * j * across > 0.0
-    if done == 0.0 and not (at_yield and onward and state.flowing[0] == 1):
+    if done == 0.0 and not (at_yield and onward and state.plastic_flow[0] == 1):
         return (1.0, 0.0, k), (0.0, 1.0, j)
     n, m = f / a, g / b
     stiff = k * n * n + j * m * m
@@ -232,7 +232,7 @@ def beyond_yield(p, old, h, seen, curves):
     a, b, _, _ = limits(p, old.flow_work, phi, curves)
     elastic = sqrt(a) / k
     f, g = k * (x - old.plastic[0]), j * (y - old.plastic[1])
-    if old.flowing[0] == 1:
+    if old.plastic_flow[0] == 1:
         return -1e300 if h == 0.0 else -h * (f / a * k * rate + g / b * j * across) * elastic
     return (sqrt(f * f / a + g * g / b) - 1.0) * elastic
 

@@ -21,13 +21,13 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, dot, sub, vec
 from crashsolve.hinges import _single
 from crashsolve.hinges._card import AxialCurve, HingeCard, Motion, backbones, law
-from crashsolve.hinges._joint import COMMON, LEDGER, at_start, let_go, motion_of
+from crashsolve.hinges._joint import COMMON, LEDGER, at_start, motion_of, release_rows
 from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.joints import prismatic
 from crashsolve.joints._card import FRAME
 from crashsolve.joints.basic import rows_of
 
-__all__ = ["LEDGER", "let_go"]
+__all__ = ["LEDGER", "release_rows"]
 CONSTRAINTS, FREE = prismatic.CONSTRAINTS, prismatic.FREE
 ROWS, ANGULAR = rows_of(CONSTRAINTS)
 TANGENTS = 1
@@ -46,7 +46,7 @@ class Axial(HingeCard):
         "N/m", "elastic, also of unloading; the first slope when absent", default=None, gt=0
     )
     initial_stroke: float = quantity(
-        "m", "way of b from the start at which the hinge has no force", default=0.0
+        "m", "displacement of b from the start at which the hinge has no force", default=0.0
     )
     failure_stroke: float | None = quantity(
         "m", "change of length in either direction at which the hinge fails", default=None, gt=0
@@ -59,7 +59,7 @@ OUTPUT = COMMON + Record("""
     force            N    pull is positive
     stroke           m    of b along the axis from the undeformed hinge
     rate             m/s  of the stroke
-    plastic_stroke   m    sum of plastic ways in both directions
+    plastic_stroke   m    sum of plastic displacements in both directions
     residual_stroke  m    that would be left without force
 """)
 
@@ -89,8 +89,8 @@ def stroke_along(p, nodes, axis):
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    way, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
-    x = way - p.initial[0]
+    length_change, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
+    x = length_change - p.initial[0]
     pulled, phi = _single.resist(p, old, new, out, x, abs(rate), curves)
     out.force, out.stroke, out.rate = pulled, x, rate
     out.plastic_stroke, out.residual_stroke = new.flow[0], new.plastic[0]
@@ -102,8 +102,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
-    way, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
-    x = way - p.initial[0]
+    length_change, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
+    x = length_change - p.initial[0]
     stiffness, damping = _single.slopes(p, state, x, rate, abs(rate), curves)
     axis_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], u, d_a, d_b, stiffness, damping)
 
@@ -111,5 +111,5 @@ def tangent(p, state, nodes, curves, rows, first):
 @kernel
 def event(p, old, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [m]."""
-    way, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)
-    return _single.beyond(p, old, h, way - p.initial[0], rate, abs(rate), curves)
+    length_change, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)
+    return _single.beyond(p, old, h, length_change - p.initial[0], rate, abs(rate), curves)

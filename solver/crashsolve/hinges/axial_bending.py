@@ -1,4 +1,4 @@
-"""Hinge of axial force and moment: b slides along the beam and turns about one axis across it.
+"""Hinge of axial force and moment: b slides along the beam and rotates about one axis across it.
 
     F(delta), M(theta) by _pair.py,   delta = beam . (x_b - x_a) - delta_0
 
@@ -18,24 +18,24 @@ import numpy as np
 
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import axis_tangent, pull, turn_tangent, twist
+from crashsolve.foundation.motion import axis_tangent, pull, rotation_tangent, twist
 from crashsolve.foundation.record import Record
 from crashsolve.hinges import _pair
-from crashsolve.hinges._card import AxialCurve, Motion, PairCard, TurnCurve, law, pair_backbones
-from crashsolve.hinges._joint import COMMON, LEDGER, across, at_start, let_go, motion_of
+from crashsolve.hinges._card import AxialCurve, MomentCurve, Motion, PairCard, law, pair_backbones
+from crashsolve.hinges._joint import COMMON, LEDGER, across, at_start, motion_of, release_rows
 from crashsolve.hinges._law import LAW, PATH, growth_bound
+from crashsolve.hinges._one_axis import rotated
 from crashsolve.hinges._pair import PAIR, WORK, Motions
-from crashsolve.hinges._turn import turned
 from crashsolve.hinges.axial import stroke_along
 from crashsolve.joints._card import FRAME, direction
-from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
+from crashsolve.joints._rows import slide_along, slide_jacobian, slide_jacobian_rate
 from crashsolve.joints.basic import parallel
 
-__all__ = ["LEDGER", "let_go"]
+__all__ = ["LEDGER", "release_rows"]
 # the axes of its rows are not those of a line
 CONSTRAINTS = ()
 ROWS = 4
-COUNTS_TURNS = True
+COUNTS_ROTATIONS = True
 ANGULAR = (False, False, True, True)
 TANGENTS = 2
 MOTIONS = (
@@ -46,11 +46,11 @@ curves = partial(pair_backbones, MOTIONS)
 
 
 class AxialBending(PairCard):
-    """Hinge of axial force and moment: b slides along the beam and turns about one axis."""
+    """Hinge of axial force and moment: b slides along the beam and rotates about one axis."""
 
     beam: Vec3 = word("direction of the beam at the start, at right angles to `axis`")
-    curve: TurnCurve = word("moment over angle, from [0, 0]")
-    curve_negative: TurnCurve | None = word(
+    curve: MomentCurve = word("moment over angle, from [0, 0]")
+    curve_negative: MomentCurve | None = word(
         "the same for negative angles; as curve when absent", default=None
     )
     axial_curve: AxialCurve = word("force over change of length, from [0, 0]")
@@ -63,8 +63,12 @@ class AxialBending(PairCard):
     axial_stiffness: float | None = quantity(
         "N/m", "elastic, of axial_curve; its first slope when absent", default=None, gt=0
     )
-    initial_angle: float = quantity("rad", "turn of b from the start without moment", default=0.0)
-    initial_stroke: float = quantity("m", "way of b from the start without force", default=0.0)
+    initial_angle: float = quantity(
+        "rad", "rotation of b from the start without moment", default=0.0
+    )
+    initial_stroke: float = quantity(
+        "m", "displacement of b from the start without force", default=0.0
+    )
     failure_angle: float | None = quantity(
         "rad", "angle in either direction at which the hinge fails", default=None, gt=0
     )
@@ -85,7 +89,7 @@ PARAMETERS = (
 )
 HISTORY = PATH + WORK
 OUTPUT = COMMON + Record("""
-    moment           N m    positive turns b back
+    moment           N m    positive rotates b back
     force            N      pull is positive
     angle            rad    of b from the undeformed hinge
     stroke           m      of b along the beam from the undeformed hinge
@@ -93,7 +97,7 @@ OUTPUT = COMMON + Record("""
     stroke_rate      m/s    of the stroke
     plastic_angle    rad    sum of plastic turns in both directions
     residual_angle   rad    that would be left without moment and force
-    plastic_stroke   m      sum of plastic ways in both directions
+    plastic_stroke   m      sum of plastic displacements in both directions
     residual_stroke  m      that would be left without moment and force
 """)
 
@@ -109,8 +113,8 @@ def build(card: AxialBending, scene: Any) -> dict[str, Any]:
         | law(card, MOTIONS, scene)
         | {
             "is_elliptic": card.interaction == "elliptic",
-            "beam_a": scene.turn_to_body(a, beam),
-            "across_a": scene.turn_to_body(a, np.cross(axis, beam)),
+            "beam_a": scene.rotation_to_body(a, beam),
+            "across_a": scene.rotation_to_body(a, np.cross(axis, beam)),
             "tip": card.rate.arm if card.rate else 1.0,
         }
     )
@@ -145,17 +149,17 @@ def jacobian(p, old, t, nodes, rows, curves):
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
-    rows[r].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.axis_a)
-    rows[r + 1].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.across_a)
+    rows[r].gamma = -slide_jacobian_rate(a, b, p.point_a, p.point_b, p.axis_a)
+    rows[r + 1].gamma = -slide_jacobian_rate(a, b, p.point_a, p.point_b, p.across_a)
     parallel.convective(p, nodes, rows, r + 2)
 
 
 @kernel
 def seen_by(p, state, nodes):
     """Both motions, the gradient of the angle, the axis and the arms of the force [m]."""
-    angle, rate, g = turned(p, state.x[0], nodes)
-    way, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
-    stroke, speed = way - p.initial[1], sqrt(along * along + (p.tip * rate) ** 2)
+    angle, rate, g = rotated(p, state.x[0], nodes)
+    length_change, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
+    stroke, speed = length_change - p.initial[1], sqrt(along * along + (p.tip * rate) ** 2)
     seen = Motions(angle, stroke, rate, along, speed, (abs(angle), abs(stroke)))
     return seen, g, u, d_a, d_b
 
@@ -181,15 +185,15 @@ def tangent(p, state, nodes, curves, rows, first):
     seen, g, u, d_a, d_b = seen_by(p, state, nodes)
     one, other = _pair.tangent(p, state, seen, curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
-    turn_tangent(rows[first], a, b, g, one[2], 0.0)
+    rotation_tangent(rows[first], a, b, g, one[2], 0.0)
     axis_tangent(rows[first + 1], a, b, u, d_a, d_b, other[2], 0.0)
     for k in range(12):
-        turn, slide = rows[first].D[k], rows[first + 1].D[k]
-        rows[first].D[k] = one[0] * turn + one[1] * slide
-        rows[first + 1].D[k] = other[0] * turn + other[1] * slide
-        turn, slide = rows[first].G[k], rows[first + 1].G[k]
-        rows[first].G[k] = one[0] * turn + one[1] * slide
-        rows[first + 1].G[k] = other[0] * turn + other[1] * slide
+        rotation, slide = rows[first].D[k], rows[first + 1].D[k]
+        rows[first].D[k] = one[0] * rotation + one[1] * slide
+        rows[first + 1].D[k] = other[0] * rotation + other[1] * slide
+        rotation, slide = rows[first].G[k], rows[first + 1].G[k]
+        rows[first].G[k] = one[0] * rotation + one[1] * slide
+        rows[first + 1].G[k] = other[0] * rotation + other[1] * slide
 
 
 @kernel

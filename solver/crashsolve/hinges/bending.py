@@ -8,11 +8,11 @@ rotor J at w_0 in a rigid-plastic hinge M_0 stops after J w_0^2 / 2 M_0.
 References: Ambrosio (2003), Eq. 6-7, Fig. 3 and 4.
 """
 
-from crashsolve.hinges._card import TurningCard
+from crashsolve.hinges._card import RotationalCard
 
-# all else is that of every hinge that turns about one axis
-from crashsolve.hinges._turn import *  # noqa: F403
+# all else is that of every hinge that rotates about one axis
+from crashsolve.hinges._one_axis import *  # noqa: F403
 
 
-class Bending(TurningCard):
-    """Bending hinge: b turns about one axis of a against an elastic-plastic moment."""
+class Bending(RotationalCard):
+    """Bending hinge: b rotates about one axis of a against an elastic-plastic moment."""

@@ -1,4 +1,4 @@
-"""Bending hinge in two directions: b turns about every axis across the beam, not about the beam.
+"""Bending hinge in two directions: b rotates about every axis across the beam, not about the beam.
 
     theta = log(A_a^T A_b A_b0^T A_a0),   theta . beam = 0,   M_i(theta_i) by _pair.py
     torque on b = -T^T M,   theta_dot = T w      (Ambrosio (2003), Fig. 3b)
@@ -22,27 +22,33 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Vec3, quantity, word
+from crashsolve.foundation.angles import FOLDED, rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import apply_torque, arm, spin_mobility, stiffen, turn_tangent
+from crashsolve.foundation.motion import (
+    add_stiffness_bound,
+    apply_torque,
+    arm,
+    rotation_tangent,
+    spin_mobility,
+)
 from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import FOLDED, rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 from crashsolve.hinges import _pair
-from crashsolve.hinges._card import Motion, PairCard, TurnCurve, law, pair_backbones, tip
-from crashsolve.hinges._joint import COMMON, LEDGER, across, at_start, let_go, motion_of
+from crashsolve.hinges._card import MomentCurve, Motion, PairCard, law, pair_backbones, tip
+from crashsolve.hinges._joint import COMMON, LEDGER, across, at_start, motion_of, release_rows
 from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.hinges._pair import PAIR, WORK, Motions
 from crashsolve.joints._card import FRAME, direction
 from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
 from crashsolve.joints.basic import point, rows_of
 
-__all__ = ["LEDGER", "let_go"]
+__all__ = ["LEDGER", "release_rows"]
 CONSTRAINTS = (point,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
 TANGENTS = 2
-COUNTS_TURNS = True
+COUNTS_ROTATIONS = True
 MOTIONS = (
     Motion("curve", "", "stiffness", "initial_angles", "failure_angle"),
     Motion("second_curve", "", "second_stiffness", "initial_angles", ""),
@@ -51,11 +57,11 @@ curves = partial(pair_backbones, MOTIONS)
 
 
 class Biaxial(PairCard):
-    """Bending hinge in two directions: b turns about every axis across the beam."""
+    """Bending hinge in two directions: b rotates about every axis across the beam."""
 
     side: Vec3 = word("direction of the first axis of bending, at right angles to `axis`")
-    curve: TurnCurve = word("moment over angle about `side`, from [0, 0]")
-    second_curve: TurnCurve | None = word(
+    curve: MomentCurve = word("moment over angle about `side`, from [0, 0]")
+    second_curve: MomentCurve | None = word(
         "the same about the axis x side direction; as curve when absent", default=None
     )
     stiffness: float | None = quantity(
@@ -65,7 +71,7 @@ class Biaxial(PairCard):
         "N m/rad", "elastic, of second_curve; its first slope when absent", default=None, gt=0
     )
     initial_angles: tuple[float, float] = quantity(
-        "rad", "turn of b from the start without moment, about both axes", default=(0.0, 0.0)
+        "rad", "rotation of b from the start without moment, about both axes", default=(0.0, 0.0)
     )
     failure_angle: float | None = quantity(
         "rad", "angle in any direction at which the hinge fails", default=None, gt=0, lt=FOLDED
@@ -89,7 +95,7 @@ PARAMETERS = (
 )
 HISTORY = PATH + WORK
 OUTPUT = COMMON + Record("""
-    moment          N m    2  about side and about axis x side, positive turns b back
+    moment          N m    2  about side and about axis x side, positive rotates b back
     angle           rad    2  theta
     rate            rad/s  2  of the angle
     plastic_angle   rad    2  sum of plastic turns in both directions
@@ -102,8 +108,8 @@ def build(card: Biaxial, scene: Any) -> dict[str, Any]:
     beam, side = direction(card, scene, "axis"), across(card, "side", scene)
     for end in "ab":
         node = frame[f"node_{end}"]
-        frame[f"side_{end}"] = scene.turn_to_body(node, side)
-        frame[f"third_{end}"] = scene.turn_to_body(node, np.cross(beam, side))
+        frame[f"side_{end}"] = scene.rotation_to_body(node, side)
+        frame[f"third_{end}"] = scene.rotation_to_body(node, np.cross(beam, side))
     return (
         frame
         | law(card, MOTIONS, scene)
@@ -186,8 +192,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
         drag = stretch * p.tip * growth_bound(p, new.speed) * moment / phi
         for c in range(2):
             u = arm(a, vec(p.side_a if c == 0 else p.third_a))
-            stiffen(a, spin_mobility(a, u), stretch * p.stiffness[c], drag)
-            stiffen(b, spin_mobility(b, u), stretch * p.stiffness[c], drag)
+            add_stiffness_bound(a, spin_mobility(a, u), stretch * p.stiffness[c], drag)
+            add_stiffness_bound(b, spin_mobility(b, u), stretch * p.stiffness[c], drag)
 
 
 @kernel
@@ -196,8 +202,10 @@ def tangent(p, state, nodes, curves, rows, first):
     seen, g, q, _, _ = seen_by(p, nodes)
     one, other = _pair.tangent(p, state, seen, curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
-    turn_tangent(rows[first], a, b, add_scaled(scale(one[0], g), one[1], q), one[2], 0.0)
-    turn_tangent(rows[first + 1], a, b, add_scaled(scale(other[0], g), other[1], q), other[2], 0.0)
+    rotation_tangent(rows[first], a, b, add_scaled(scale(one[0], g), one[1], q), one[2], 0.0)
+    rotation_tangent(
+        rows[first + 1], a, b, add_scaled(scale(other[0], g), other[1], q), other[2], 0.0
+    )
 
 
 @kernel

@@ -13,12 +13,12 @@ from crashsolve.system.loops.energy import energy
 from crashsolve.system.loops.events import need_rebuild
 from crashsolve.system.placeholders import (
     CONTACTS,
-    COUNTS_TURNS,
+    COUNTS_ROTATIONS,
     KICK_DRIFT_KICK,
     LOOKS_AHEAD,
     NODAL,
 )
-from crashsolve.system.timestep import count_turns
+from crashsolve.system.timestep import count_rotations
 
 
 @entry
@@ -50,8 +50,8 @@ def advance(until, sampling, scene):
                 check_contacts(clock, control, scene)
         if sampling:
             return
-        if COUNTS_TURNS:
-            count_turns(h, clock, control, nodes)
+        if COUNTS_ROTATIONS:
+            count_rotations(h, clock, control, nodes)
         if curves[0].fault != 0:
             clock.status = CURVE_END
         elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:

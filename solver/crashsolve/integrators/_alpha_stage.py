@@ -10,7 +10,7 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.sparse.saddle import Saddle
-from crashsolve.integrators._places import begin_contacts, evaluate, project
+from crashsolve.integrators._positions import begin_contacts, evaluate, project
 from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.constraints import scatter_trial, velocity_residual
@@ -35,13 +35,13 @@ from crashsolve.system.implicit.generalized_alpha import (
 )
 from crashsolve.system.implicit.iteration import (
     PASSES,
+    diverges_early,
     enough_beside,
-    goes_astray,
     is_near,
     note_pass,
 )
 from crashsolve.system.implicit.stages import keep_outside, keep_rates, reference_speed
-from crashsolve.system.kinetics import clear_forces, take_late
+from crashsolve.system.kinetics import clear_forces, take_deferred
 from crashsolve.system.loops.elements import keep_elements
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
@@ -114,7 +114,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
             worst += close_at_end(scene.stages, compliant, factor, control.length)
         share = note_pass(clock, count, worst, previous, SHARE)
         converged = is_near(count, share, worst, previous, enough, control, scene.stages, speed)
-        if converged or goes_astray(count, worst, previous):
+        if converged or diverges_early(count, worst, previous):
             break
         previous = worst
     stand_at_end(nodes, scene.stages, weights, h, ratio)
@@ -136,7 +136,7 @@ def visit_end(h, clock, nodes, rows, scene):
     clear_forces(nodes)
     force_pass(clock, clock.time + h, h, nodes, rows, scene.curves, scene)
     if CONTACTS:
-        take_late(nodes, -1.0)
+        take_deferred(nodes, -1.0)
     if JOINTS:
         residual(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
         jacobian(clock.current, clock.time + h, nodes, rows, scene.curves, scene)

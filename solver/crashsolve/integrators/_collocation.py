@@ -1,7 +1,7 @@
 """Stages of an implicit Runge-Kutta step: stages of the stepper `_implicit`.
 
-    k_i = rates at the place to which sum_j a_ij k_j leads, with the reactions of that place, for
-    all stages at once, by iteration with the tangents of springs and contacts
+    k_i = rates at the position to which sum_j a_ij k_j leads, with the reactions of that position,
+    for all stages at once, by iteration with the tangents of springs and contacts
 
 The end of the step is its last stage. Consequence to test: the step of a stiff deck is that of its
 motion, whatever the stiffness.
@@ -11,7 +11,7 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.sparse.saddle import Saddle
-from crashsolve.integrators._places import begin_contacts, evaluate, project
+from crashsolve.integrators._positions import begin_contacts, evaluate, project
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.implicit.collocation import (
@@ -27,8 +27,8 @@ from crashsolve.system.implicit.collocation import (
 from crashsolve.system.implicit.compliance import factor_compliant, linearise, solve_stage
 from crashsolve.system.implicit.iteration import (
     PASSES,
+    diverges_early,
     enough_beside,
-    goes_astray,
     is_near,
     note_pass,
 )
@@ -73,7 +73,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
         worst = correct_stages(h, speed, nodes, rows, scene)
         share = note_pass(clock, count, worst, previous, SHARE)
         converged = is_near(count, share, worst, previous, enough, control, scene.stages, speed)
-        if converged or goes_astray(count, worst, previous):
+        if converged or diverges_early(count, worst, previous):
             break
         previous = worst
         # beams bend far within a step: tangents of a guess do not serve

@@ -11,7 +11,7 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.integrators._collocation import arrive, estimate, open_step, pass_stages
-from crashsolve.integrators._places import accept, begin, evaluate, onset_gap
+from crashsolve.integrators._positions import accept, begin, evaluate, onset_gap
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES
 from crashsolve.model.clock import (
     RUNNING,
@@ -33,7 +33,7 @@ from crashsolve.system.placeholders import CONTACTS, EVENTS, JOINTS, ONSETS
 from crashsolve.system.timestep import fit
 
 MANY = 8  # passes for the stages of a step, after which the next is no longer
-# the factors of a step serve the next, of hardly another length, where few passes were enough
+# the factors of a step serve the next, of hardly another length, where few iterations were enough
 FEW, CLOSE = 4, 0.02
 ATTEMPTS = 300  # at one step: what takes more will not end
 ONSET = 1e-4  # of the way in the step, by which what begins may be passed
@@ -137,7 +137,7 @@ def take(h, clock, nodes, rows, saddle, scene):
 @kernel
 def serves(h, clock):
     """Whether the factors at hand do for a step of h."""
-    return clock.passes <= FEW and abs(h - clock.factored) <= CLOSE * h
+    return clock.last_iterations <= FEW and abs(h - clock.factored) <= CLOSE * h
 
 
 @kernel
@@ -172,7 +172,7 @@ def judge(h, clock, nodes, scene):
     if h < clock.next_step:
         wanted = max(wanted, clock.next_step)
     # at the end of what the iteration can do
-    if clock.passes > MANY:
+    if clock.last_iterations > MANY:
         wanted = min(wanted, h)
     clock.next_step = min(wanted, control.step_max, control.curve_step)
     return 0.0

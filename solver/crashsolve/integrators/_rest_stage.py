@@ -14,7 +14,7 @@ from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.rotation import rotate_by_vector, write_matrix, write_world_tensor
 from crashsolve.foundation.vec3 import add_scaled, norm, put, scale, vec
 from crashsolve.integrators._alpha_stage import end_factor
-from crashsolve.integrators._places import evaluate
+from crashsolve.integrators._positions import evaluate
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.constraints import scatter_trial, worst_residual
 from crashsolve.system.implicit.compliance import factor_compliant, linearise
@@ -30,9 +30,9 @@ from crashsolve.system.placeholders import JOINTS
 
 PASSES = 40
 # largest turn [rad] and way (over the model's size) of a correction
-LARGEST_TURN, LARGEST_WAY = 0.3, 0.2
+LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
 # a correction that falls no more is round-off below this, in the model's size or rad
-AS_GOOD_AS_IT_GETS = 1e-9
+STAGNATION_TOLERANCE = 1e-9
 # the foreseen error of the pass over what the run may leave of the way
 CARE = 0.03
 
@@ -70,7 +70,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
         for k in range(rows.shape[0]):
             compliant[k].right = -rows[k].phi / tt
         answer_rows(nodes, rows, scene.stages, compliant, factor)
-        worst, whole = correct_places(scene.stages, tt, control.length)
+        worst, whole = correct_positions(scene.stages, tt, control.length)
         clock.iterations += 1
         clock.value = worst
         share = min(worst / previous, 1.0) if count > 0 else 1.0
@@ -79,7 +79,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
             break
         if not worst < 1e6:
             break
-        if worst <= AS_GOOD_AS_IT_GETS and not worst < 0.5 * previous:
+        if worst <= STAGNATION_TOLERANCE and not worst < 0.5 * previous:
             converged = True
             break
         previous = worst
@@ -87,7 +87,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
     if JOINTS:
         for k in range(rows.shape[0]):
             rows[k].multiplier = rows[k].trial
-        open_by, clock.place = worst_residual(rows)
+        open_by, clock.index = worst_residual(rows)
         clock.residual = max(clock.residual, open_by) if converged else clock.residual
         converged = converged and open_by <= control.constraint_tolerance
     if not converged:
@@ -96,7 +96,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
 
 
 @kernel
-def correct_places(stages, tt, size):
+def correct_positions(stages, tt, size):
     """Add the corrections, cut where they lead too far. Returns the largest, and the largest way.
 
     Both in the model's size and rad. Writes: stages.
@@ -104,11 +104,11 @@ def correct_places(stages, tt, size):
     worst, whole, far = 0.0, 0.0, 1.0
     for n in range(1, stages.shape[1]):
         end = stages[1, n]
-        x, turn = tt * norm(vec(end.right_v)) / size, tt * norm(vec(end.right_w))
+        x, rotation = tt * norm(vec(end.right_v)) / size, tt * norm(vec(end.right_w))
         # a NaN must win the comparison
-        if not x + turn <= worst:
-            worst = x + turn
-        far = max(far, x / LARGEST_WAY, turn / LARGEST_TURN)
+        if not x + rotation <= worst:
+            worst = x + rotation
+        far = max(far, x / LARGEST_DISPLACEMENT, rotation / LARGEST_ROTATION)
     for n in range(1, stages.shape[1]):
         end = stages[1, n]
         add_to(end.rate_v, scale(1.0 / far, vec(end.right_v)))

@@ -1,6 +1,6 @@
 """Explicit Runge-Kutta step for constrained rigid bodies, its length chosen by its own error.
 
-    k_i = rates at the place to which sum_j a_ij k_j leads, with the reactions of that place
+    k_i = rates at the position to which sum_j a_ij k_j leads, with the reactions of that position
     end of step: sum_j b_j k_j, then positions onto Phi = 0 and velocities onto D v = nu,
     both by the least change that the inertia allows (D^T along M^-1)
 
@@ -15,7 +15,7 @@ Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projection).
 from math import sqrt
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.integrators._places import (
+from crashsolve.integrators._positions import (
     accept,
     begin,
     begin_contacts,
@@ -50,7 +50,7 @@ from crashsolve.system.kinetics import (
     clear_forces,
     refresh,
     save,
-    take_late,
+    take_deferred,
 )
 from crashsolve.system.loops.energy import sum_powers
 from crashsolve.system.loops.events import approach_before, event
@@ -64,7 +64,7 @@ from crashsolve.system.timestep import fit
 ONSET = 1e-4  # of the way in the step: by so much what begins may be passed at most
 LOCATIONS = 10  # tries of the dense output, before bisection
 ATTEMPTS = 300  # at one step: what takes more will not end
-SAMPLE = STAGES + EXTRA  # as a stage: the place within a step where a sample is
+SAMPLE = STAGES + EXTRA  # as a stage: the position within a step where a sample is
 
 
 @stage
@@ -196,8 +196,8 @@ def open_search(h):
 def cut(h, search, clock, nodes, rows, saddle, scene):
     """The step to try next, that ends where something begins; h itself when it does so already.
 
-    Where is told by the dense output of a step that went too far; the shorter that is, the better.
-    Returns the step and the search. Writes: nodes, scene.*.
+    Where is reported by the dense output of a step that went too far; the shorter that is, the
+    better. Returns the step and the search. Writes: nodes, scene.*.
     """
     early, late, before, allowed, tries = search
     gap = onset_gap(h, clock, nodes, scene)
@@ -260,7 +260,7 @@ def arrive(h, clock, nodes, rows, saddle, scene):
     force_pass(clock, clock.time + h, h, nodes, rows, scene.curves, scene)
     # a force that begins at the end of the step is no error of the step
     if CONTACTS:
-        take_late(nodes, -1.0)
+        take_deferred(nodes, -1.0)
     if JOINTS:
         # D and its factor are those of the projection
         react(clock.time + h, clock, nodes, rows, saddle, scene)

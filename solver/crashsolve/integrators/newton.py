@@ -1,6 +1,6 @@
 """Newton's method for equilibria of path-dependent laws, a step from rest at a time.
 
-See system/static/pseudo_transient.py.
+See statics/pseudo_transient.py.
 
 No deck names it: `control.solution: quasi_static` does, where a part is path-dependent.
 

@@ -46,7 +46,7 @@ from crashsolve.system.kinetics import (
     predict,
     refresh,
     save,
-    take_late,
+    take_deferred,
 )
 from crashsolve.system.loops.events import approach, approach_before
 from crashsolve.system.loops.forces import force_pass
@@ -102,7 +102,7 @@ def move(h, clock, nodes, rows, saddle, scene):
     control = scene.control[0]
     bracket, trial, found = open_bracket(h), h, False
     while True:
-        place(trial, clock, nodes, rows, saddle, scene)
+        set_positions(trial, clock, nodes, rows, saddle, scene)
         if not CONTACTS or clock.status != RUNNING:
             break
         if RESTING:
@@ -122,7 +122,7 @@ def move(h, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def place(h, clock, nodes, rows, saddle, scene):
+def set_positions(h, clock, nodes, rows, saddle, scene):
     """First kick and drift over h, onto the constraints by a simplified Newton on lambda.
 
     Writes: nodes.*_half, r, q, A, rows.trial.
@@ -149,7 +149,7 @@ def place(h, clock, nodes, rows, saddle, scene):
             clock.residual = max(clock.residual, worst)
             break
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:
-            clock.status, clock.place, clock.value = POSITION, row, worst
+            clock.status, clock.index, clock.value = POSITION, row, worst
             break
         # with hardly any inertia the line through old lambdas misses wildly: begin from zero
         if iteration == 0 and worst > POOR_GUESS:
@@ -193,7 +193,7 @@ def push(time, h, clock, nodes, rows, saddle, scene):
     clock.lead = clock.share = 0.5 * h
     force_pass(clock, time, h, nodes, rows, scene.curves, scene)
     if CONTACTS:
-        take_late(nodes, -1.0)
+        take_deferred(nodes, -1.0)
     if h > 0.0:
         kick_end(nodes, h)
     if JOINTS:
@@ -212,7 +212,7 @@ def push(time, h, clock, nodes, rows, saddle, scene):
         impulses_of_second_half(h, clock, nodes, scene)
     add_impulse(clock, nodes, 0.5 * h)
     if CONTACTS:
-        take_late(nodes, 1.0)
+        take_deferred(nodes, 1.0)
 
 
 @stage

@@ -33,9 +33,9 @@ class DrivenCard(Card):
     """A curve of time that a coordinate, its velocity or its acceleration follows."""
 
     curve: CurveName | None = word("motion over time; smooth, as a corner is an impact", None)
-    velocity: CurveName | None = word("velocity over time, in the place of `curve`", None)
+    velocity: CurveName | None = word("velocity over time, in place of `curve`", None)
     acceleration: CurveName | None = word(
-        "acceleration over time, in the place of `curve`, such as a measured pulse; it is "
+        "acceleration over time, in place of `curve`, such as a measured pulse; it is "
         "integrated exactly, from the velocity that the bodies begin with",
         None,
     )

@@ -6,16 +6,16 @@ u_a, u_b fixed in the bodies, and theta the angle of b about an axis of a:
     point      Phi = u . d  for world axes u
     slide      Phi = u_a . d  (u_a turns with a)
     square     Phi = u_a . u_b
-    turn       Phi = theta  (see foundation/turn.py)
+    angle      Phi = theta  (see foundation/angles.py)
 
 gamma, the right-hand side of D v_dot = gamma, is -Phi_ddot of bodies that move on without
 accelerations (Ambrosio (2003), Eq. 1-3).
 Reference: Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems, ch. 9.
 """
 
+from crashsolve.foundation.angles import angle_gradient
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_at, point_velocity
-from crashsolve.foundation.turn import angle_gradient
 from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
 
 
@@ -61,7 +61,7 @@ def slide_jacobian(a, b, point_a, point_b, axis_a, row):
 
 
 @kernel
-def slide_turning(a, b, point_a, point_b, axis_a):
+def slide_jacobian_rate(a, b, point_a, point_b, axis_a):
     """u_ddot . d + 2 u_dot . d_dot + u . d_ddot of bodies without accelerations [m/s^2]."""
     d, s_a, s_b = separation(a, b, point_a, point_b)
     u = arm(a, vec(axis_a))
@@ -91,12 +91,12 @@ def square_convective(p, axis_a, axis_b, nodes):
     a, b = nodes[p.node_a], nodes[p.node_b]
     u_a, u_b = arm(a, vec(axis_a)), arm(b, vec(axis_b))
     a_dot, b_dot = cross(vec(a.w), u_a), cross(vec(b.w), u_b)
-    turn = dot(cross(vec(a.w), a_dot), u_b) + dot(u_a, cross(vec(b.w), b_dot))
-    return -(turn + 2.0 * dot(a_dot, b_dot))
+    rotation = dot(cross(vec(a.w), a_dot), u_b) + dot(u_a, cross(vec(b.w), b_dot))
+    return -(rotation + 2.0 * dot(a_dot, b_dot))
 
 
 @kernel
-def turn_jacobian(a, b, axis_a, side_b, row):
+def rotation_jacobian(a, b, axis_a, side_b, row):
     """Writes: row."""
     g = angle_gradient(a, b, axis_a, side_b)
     zero = (0.0, 0.0, 0.0)
@@ -104,8 +104,8 @@ def turn_jacobian(a, b, axis_a, side_b, row):
 
 
 @kernel
-def turn_also(row, g):
-    """Add the turn of b against a, with gradient g, to a row. Writes: row.D."""
+def also_rotates(row, g):
+    """Add the rotation of b against a, with gradient g, to a row. Writes: row.D."""
     for k in range(3):
         row.D[3 + k] -= g[k]
         row.D[9 + k] += g[k]

@@ -1,4 +1,4 @@
-"""Cylindrical joint: b turns about and slides along one axis of a.
+"""Cylindrical joint: b rotates about and slides along one axis of a.
 
     Phi = ( side_a . d,  third_a . d,  side_a . axis_b,  third_a . axis_b ) = 0,   d = x_b - x_a
 
@@ -16,4 +16,4 @@ PARAMETERS, build = FRAME, own_frame
 
 
 class Cylindrical(AxisJointCard):
-    """Sleeve on a shaft: b turns about and slides along one axis fixed in a."""
+    """Sleeve on a shaft: b rotates about and slides along one axis fixed in a."""

@@ -10,18 +10,18 @@ theta_1_ddot = T / (J_1 + ratio^2 J_2).
 from typing import Any
 
 from crashsolve.deck.card import Card, JointName, quantity, word
+from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import TURN, angle_about, angle_turning, counted
 from crashsolve.joints._card import named_frame
-from crashsolve.joints._rows import scale_row, turn_jacobian
+from crashsolve.joints._rows import rotation_jacobian, scale_row
 
-COUNTS_TURNS = True
+COUNTS_ROTATIONS = True
 CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (True,)
 FURTHER_NODES = ("node_c", "node_d")
-PARAMETERS = TURN + Record("""
+PARAMETERS = FULL_TURN + Record("""
     node_c  index     body a of the second joint
     node_d  index     body b of the second joint
     axis_c  1      3  axis of the second joint, axes of its a
@@ -52,7 +52,7 @@ def build(card: Gear, scene: Any) -> dict[str, Any]:
         raise scene.fail("must not be 0", "ratio")
     one = named_frame(scene, "first", card.first, "angle")
     two = named_frame(scene, "second", card.second, "angle")
-    columns = TURN.taken_from(one)
+    columns = FULL_TURN.taken_from(one)
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     return columns | {"side_c": two["side_a"], "side_d": two["side_b"], "ratio": card.ratio}
 
@@ -71,14 +71,14 @@ def residual(p, old, new, t, nodes, rows, curves):
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     r = p.first_row
-    turn_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
+    rotation_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
     scale_row(rows[r], -p.ratio)
-    turn_jacobian(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_d, rows[r + 1])
+    rotation_jacobian(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_d, rows[r + 1])
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    first = angle_turning(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
-    second = angle_turning(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_d)
+    first = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
+    second = angle_jacobian_rate(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_d)
     rows[p.first_row].gamma = p.ratio * first - second

@@ -16,7 +16,7 @@ from crashsolve.joints._card import POINTS, direction
 from crashsolve.joints._driven import MOTION, DrivenCard, motion
 
 # a travel along an axis of the ground: the kernels are those of the slide driver
-from crashsolve.joints.slide_driver import (
+from crashsolve.joints.translation_driver import (
     ANGULAR,
     ROWS,
     convective,

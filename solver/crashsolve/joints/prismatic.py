@@ -16,4 +16,4 @@ PARAMETERS, build = FRAME, own_frame
 
 
 class Prismatic(AxisJointCard):
-    """Slider: b moves along one axis fixed in a and does not turn against a."""
+    """Slider: b moves along one axis fixed in a and does not rotate against a."""

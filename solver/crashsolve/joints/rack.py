@@ -9,24 +9,24 @@ turns a pinion of inertia J accelerates with m g / (m + J / R^2).
 from typing import Any
 
 from crashsolve.deck.card import Card, JointName, quantity, word
+from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import TURN, angle_about, angle_turning, counted
 from crashsolve.joints._card import named_frame
 from crashsolve.joints._rows import (
+    rotation_jacobian,
     scale_row,
     slide_along,
     slide_jacobian,
-    slide_turning,
-    turn_jacobian,
+    slide_jacobian_rate,
 )
 
-COUNTS_TURNS = True
+COUNTS_ROTATIONS = True
 CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
 FURTHER_NODES = ("node_c", "node_d")
-PARAMETERS = TURN + Record("""
+PARAMETERS = FULL_TURN + Record("""
     node_c   index     body a of the rack's joint
     node_d   index     body b of the rack's joint
     point_c  m      3  point of the rack's joint from the mass centre of its a, axes of its a
@@ -50,7 +50,7 @@ def build(card: Rack, scene: Any) -> dict[str, Any]:
         raise scene.fail("must not be 0", "radius")
     one = named_frame(scene, "pinion", card.pinion, "angle")
     two = named_frame(scene, "rack", card.rack, "travel")
-    columns = TURN.taken_from(one)
+    columns = FULL_TURN.taken_from(one)
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     columns |= {"point_c": two["point_a"], "point_d": two["point_b"], "radius": card.radius}
     return columns
@@ -69,7 +69,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 def jacobian(p, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     r, c, d = p.first_row, nodes[p.node_c], nodes[p.node_d]
-    turn_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
+    rotation_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
     scale_row(rows[r], -p.radius)
     slide_jacobian(c, d, p.point_c, p.point_d, p.axis_c, rows[r + 1])
 
@@ -77,6 +77,6 @@ def jacobian(p, old, t, nodes, rows, curves):
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    turning = angle_turning(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
-    sliding = slide_turning(nodes[p.node_c], nodes[p.node_d], p.point_c, p.point_d, p.axis_c)
+    turning = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
+    sliding = slide_jacobian_rate(nodes[p.node_c], nodes[p.node_d], p.point_c, p.point_d, p.axis_c)
     rows[p.first_row].gamma = p.radius * turning - sliding

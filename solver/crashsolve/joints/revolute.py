@@ -1,4 +1,4 @@
-"""Revolute joint (hinge): the points coincide and b turns about one axis of a.
+"""Revolute joint (hinge): the points coincide and b rotates about one axis of a.
 
     Phi = ( x_b - x_a,  side_a . axis_b,  third_a . axis_b ) = 0      (Ambrosio (2003), Eq. 1)
 
@@ -16,4 +16,4 @@ PARAMETERS, build = FRAME, own_frame
 
 
 class Revolute(AxisJointCard):
-    """Hinge: b turns about one axis fixed in a."""
+    """Hinge: b rotates about one axis fixed in a."""

@@ -1,4 +1,4 @@
-"""Screw joint: b turns about one axis of a and moves along it in proportion.
+"""Screw joint: b rotates about one axis of a and moves along it in proportion.
 
     Phi = ( side_a . d,  third_a . d,  side_a . axis_b,  third_a . axis_b,  x - h theta ) = 0
 
@@ -11,15 +11,15 @@ from math import pi
 from typing import Any
 
 from crashsolve.deck.card import quantity
+from crashsolve.foundation.angles import angle_about, angle_gradient, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import angle_about, angle_gradient, angle_turning, counted
 from crashsolve.foundation.vec3 import scale
 from crashsolve.joints._card import FRAME, AxisJointCard
-from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning, turn_also
+from crashsolve.joints._rows import also_rotates, slide_along, slide_jacobian, slide_jacobian_rate
 from crashsolve.joints.basic import line, parallel, rows_of
 
-COUNTS_TURNS = True
+COUNTS_ROTATIONS = True
 CONSTRAINTS = (line, parallel)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, False)
 FREE = ("angle", "travel")
@@ -28,7 +28,7 @@ HISTORY = Record("angle  rad  theta, with all turns")
 
 
 class Screw(AxisJointCard):
-    """Screw and nut: b turns about one axis fixed in a, and moves along it in proportion."""
+    """Screw and nut: b rotates about one axis fixed in a, and moves along it in proportion."""
 
     lead: float = quantity("m", "travel along the axis in a whole turn; negative if left-handed")
 
@@ -54,13 +54,13 @@ def jacobian(p, old, t, nodes, rows, curves):
     a, b = nodes[p.node_a], nodes[p.node_b]
     row = rows[p.first_row + 4]
     slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, row)
-    turn_also(row, scale(-p.advance, angle_gradient(a, b, p.axis_a, p.side_b)))
+    also_rotates(row, scale(-p.advance, angle_gradient(a, b, p.axis_a, p.side_b)))
 
 
 @kernel
 def convective(p, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    sliding = slide_turning(a, b, p.point_a, p.point_b, p.axis_a)
-    turning = angle_turning(a, b, p.axis_a, p.side_b)
+    sliding = slide_jacobian_rate(a, b, p.point_a, p.point_b, p.axis_a)
+    turning = angle_jacobian_rate(a, b, p.axis_a, p.side_b)
     rows[p.first_row + 4].gamma = p.advance * turning - sliding

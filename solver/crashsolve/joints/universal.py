@@ -24,12 +24,12 @@ PARAMETERS = POINTS + Record("""
     axis_a  1  3  arm of the cross in a, axes of a
     axis_b  1  3  arm of the cross in b, axes of b
 """)
-# directions typed with six digits are square to this; a worse one is a mistake
+# directions typed with six digits are square to this; a worse one is an error
 SQUARE = 1e-5
 
 
 class Universal(AxisJointCard):
-    """Hooke joint: b turns about two crossed axes, the first fixed in a, the second in b."""
+    """Hooke joint: b rotates about two crossed axes, the first fixed in a, the second in b."""
 
     second_axis: Vec3 = word("direction of the axis fixed in b, at right angles to `axis`")
 
@@ -43,7 +43,7 @@ def build(card: Universal, scene: Any) -> dict[str, Any]:
             f"must be at right angles to axis; their cosine is {cosine:.3g}", "second_axis"
         )
     second = scene.unit(second - cosine * first, "second_axis")
-    frame["axis_b"] = scene.turn_to_body(frame["node_b"], second)
+    frame["axis_b"] = scene.rotation_to_body(frame["node_b"], second)
     return PARAMETERS.taken_from(frame)
 
 

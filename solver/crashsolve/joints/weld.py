@@ -25,6 +25,6 @@ class Weld(JointCard):
 def build(card: Weld, scene: Any) -> dict[str, Any]:
     frame = dict(scene.joint_frame(card))
     for name, u in zip(("axis", "side", "third"), np.eye(3), strict=True):
-        frame[f"{name}_a"] = scene.turn_to_body(frame["node_a"], u)
-        frame[f"{name}_b"] = scene.turn_to_body(frame["node_b"], u)
+        frame[f"{name}_a"] = scene.rotation_to_body(frame["node_a"], u)
+        frame[f"{name}_b"] = scene.rotation_to_body(frame["node_b"], u)
     return frame

@@ -25,7 +25,7 @@ class BodyLoadCard(Card):
 BODY_LOAD = Record("""
     node    index        body
     vector  N or N m  3  load where the factor is 1
-    turns   flag         the vector is fixed in the body
+    rotates  flag         the vector is fixed in the body
     curve   index        factor over time; 0 for none
 """)
 
@@ -37,7 +37,7 @@ def body_load(card: Any, vector: Any, scene: Any) -> dict[str, Any]:
     return {
         "node": scene.node(card.body),
         "vector": vector,
-        "turns": card.axes == "body",
+        "rotates": card.axes == "body",
         "curve": scene.curve(card.curve) if card.curve else 0,
     }
 
@@ -49,4 +49,4 @@ def present_load(p, t, nodes, curves):
     if p.curve > 0:
         factor, _, _ = curve_value(curves, p.curve, t)
     x = scale(factor, vec(p.vector))
-    return arm(nodes[p.node], x) if p.turns == 1 else x
+    return arm(nodes[p.node], x) if p.rotates == 1 else x

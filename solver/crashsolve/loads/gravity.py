@@ -9,7 +9,7 @@ from crashsolve.deck.card import Card, Vec3, quantity
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import act_from_outside, apply_external
-from crashsolve.foundation.point import RIDES
+from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, put, scale, vec
 
@@ -53,13 +53,13 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
     """The same of points that ride on no body. Writes: scene.points, nodes, out."""
     g, points = vec(p.acceleration), scene.points
-    mass, place = 0.0, (0.0, 0.0, 0.0)
+    mass, position = 0.0, (0.0, 0.0, 0.0)
     for i in range(points.shape[0]):
         b = points[i]
-        if b.held < RIDES:
+        if b.held < ATTACHED:
             m = 1.0 / b.mass_inv
-            mass, place = mass + m, add_scaled(place, m, vec(b.r))
+            mass, position = mass + m, add_scaled(position, m, vec(b.r))
             add_to(b.force, scale(m, g))
-    out.stored -= dot(g, place)
+    out.stored -= dot(g, position)
     add_to(out.force, scale(mass, g))
-    act_from_outside(nodes[0], scale(mass, g), cross(place, g))
+    act_from_outside(nodes[0], scale(mass, g), cross(position, g))

@@ -78,15 +78,18 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def force_on_points(p, old, new, out, t, h, nodes, curves, scene, members):
     """The share of every node. Writes: scene.points, nodes, out."""
     f, points = vec(out.force), scene.points
-    place = way = (0.0, 0.0, 0.0)
+    position = velocity = (0.0, 0.0, 0.0)
     for k in range(p.first_member, p.first_member + p.member_count):
         b = points[members[k]]
         share = 1.0 / p.member_count
         if p.mass > 0.0:
             share = 1.0 / (b.mass_inv * p.mass)
         add_to(b.force, scale(share, f))
-        place, way = add_scaled(place, share, vec(b.r)), add_scaled(way, share, vec(b.v))
+        position, velocity = (
+            add_scaled(position, share, vec(b.r)),
+            add_scaled(velocity, share, vec(b.v)),
+        )
     # velocities are those of the step
     mean = scale(0.5 * (old.factor + new.factor), vec(p.vector))
-    out.loss += h * dot(mean, way)
-    act_from_outside(nodes[0], f, cross(place, f))
+    out.loss += h * dot(mean, velocity)
+    act_from_outside(nodes[0], f, cross(position, f))

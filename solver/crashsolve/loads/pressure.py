@@ -169,14 +169,14 @@ def press_block(work, live, sides, h, now, before):
         # velocities are those of the step: before it, the diagonals were shorter by them
         x, y = add_scaled(x, -h, sub(v_c, v_a)), add_scaled(y, -h, sub(v_d, v_b))
         mean = scale(0.5, add_scaled(f, before if e < live else 0.0, cross(x, y)))
-        place = add_scaled(add(add(a, b), c), fourth, d)
-        way = add_scaled(add(add(v_a, v_b), v_c), fourth, v_d)
-        turn = cross(place, f)
+        position = add_scaled(add(add(a, b), c), fourth, d)
+        velocity = add_scaled(add(add(v_a, v_b), v_c), fourth, v_d)
+        rotation = cross(position, f)
         for k in range(3):
             work[LANES * (FORCE + k) + e] = f[k]
             work[LANES * (TOTAL + k) + e] = sides * f[k]
-            work[LANES * (MOMENT + k) + e] = turn[k]
-        work[LANES * WORK + e] = dot(mean, way)
+            work[LANES * (MOMENT + k) + e] = rotation[k]
+        work[LANES * WORK + e] = dot(mean, velocity)
 
 
 @kernel

@@ -55,8 +55,8 @@ class MaterialLaw(Protocol):
 class GeneralLaw(MaterialLaw, Protocol):
     """What a law of its own provides besides."""
 
-    def tangent(self, m, kept, blocks, at, d, way, h, curves):
-        """Changes of the stress (3) and of the strain across for a change `way` of d.
+    def tangent(self, m, kept, blocks, at, d, direction, h, curves):
+        """Changes of the stress (3) and of the strain across for a change `direction` of d.
 
         `kept` holds the layer before the step, blocks the layer after it.
         """

@@ -4,7 +4,7 @@
     T_dot = heating w_p_dot
 
 e is the equivalent plastic strain, w_p the plastic work per volume. A law says Y, f and g; elements
-return stresses to the yield surface (parts/shells/plasticity.py, parts/beams/fibres.py).
+return stresses to the yield surface (elements/shells/plasticity.py, elements/beams/fibres.py).
 """
 
 from typing import Any

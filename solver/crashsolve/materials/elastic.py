@@ -77,10 +77,10 @@ def update(m, blocks, at, d, h, curves):
 
 
 @inlined
-def tangent(m, kept, blocks, at, d, way, h, curves):
-    both = m.young / (1.0 - m.poisson) * (way[0] + way[1])
-    apart = 2.0 * m.shear * (way[0] - way[1])
-    stress = (0.5 * (both + apart), 0.5 * (both - apart), m.shear * way[2])
+def tangent(m, kept, blocks, at, d, direction, h, curves):
+    both = m.young / (1.0 - m.poisson) * (direction[0] + direction[1])
+    apart = 2.0 * m.shear * (direction[0] - direction[1])
+    stress = (0.5 * (both + apart), 0.5 * (both - apart), m.shear * direction[2])
     return stress, -m.poisson / m.young * both
 
 

@@ -114,11 +114,14 @@ def square_of(a, b, c):
 
 
 @inlined
-def tangent(m, kept, blocks, at, d, way, h, curves):
+def tangent(m, kept, blocks, at, d, direction, h, curves):
     row = at + LANES * LAYER.metric
     old = (kept[row], kept[row + LANES], kept[row + 2 * LANES])
     new = (blocks[row], blocks[row + LANES], blocks[row + 2 * LANES])
-    across, more = blocks[at + LANES * LAYER.across], (way[0], way[1], 0.5 * way[2])
+    across, more = (
+        blocks[at + LANES * LAYER.across],
+        (direction[0], direction[1], 0.5 * direction[2]),
+    )
     x, y, s, by = slopes(m, old, new, across, d, more)
     return (x, y, s), by
 

@@ -36,7 +36,9 @@ def net(nu: int, nv: int, closed: bool = False) -> tuple[np.ndarray, np.ndarray,
 
 
 def welded(points: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points (n, 3) [m] without those that lie in one place, quads (m, 4), new number of each."""
+    """Points (n, 3) [m] without those that lie in one position, quads (m, 4), new number of
+    each.
+    """
     grain = 1e-9 * np.ptp(points, axis=0).max()
     _, first, number = np.unique(
         np.round(points / grain).astype(np.int64), axis=0, return_index=True, return_inverse=True

@@ -48,10 +48,10 @@ def build(card: File, scene: Any) -> Mesh:
         scene.warn(f"{path.name}: only nodes, elements and sets are read, not {words}")
     corners = _wanted(found, card, scene)
     used, numbers = np.unique(corners, return_inverse=True)
-    place = np.full(len(found.points), -1)
-    place[used] = np.arange(len(used))
+    index = np.full(len(found.points), -1)
+    index[used] = np.arange(len(used))
     # of a set of nodes, those that belong to these elements
-    sets = {name: place[own][place[own] >= 0] for name, own in found.node_sets.items()}
+    sets = {name: index[own][index[own] >= 0] for name, own in found.node_sets.items()}
     return Mesh(found.points[used] * card.unit, numbers.reshape(corners.shape), sets)
 
 
@@ -71,9 +71,9 @@ def _wanted(found: MeshFile, card: File, scene: Any) -> np.ndarray:
     if len(others):
         kind = str(found.kinds[others[0]])
         count = int((found.kinds[others] == kind).sum())
-        place = f" ({found.firsts[kind]})" if kind in found.firsts else ""
+        index = f" ({found.firsts[kind]})" if kind in found.firsts else ""
         wanted = "shells are of type quad or triangle"
-        raise scene.fail(f"{count} elements are of type {kind}; {wanted}{place}", "mesh.file")
+        raise scene.fail(f"{count} elements are of type {kind}; {wanted}{index}", "mesh.file")
     if not len(own):
         name = f"set '{card.elements}'" if card.elements else "the file"
         raise scene.fail(f"{name} holds no elements", "mesh.elements")

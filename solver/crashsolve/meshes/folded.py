@@ -33,9 +33,9 @@ def build(card: Folded, scene: Any) -> Mesh:
             f"a line of {len(line)} corners has {len(line) - 1} pieces; give a number for each"
         )
         raise scene.fail(f"{message} and one for the vector", "mesh.elements")
-    ways = zip(line[:-1], line[1:], pieces, strict=True)
+    displacements = zip(line[:-1], line[1:], pieces, strict=True)
     row = np.concatenate(
-        [a + np.arange(n)[:, None] / n * (b - a) for a, b, n in ways] + [line[-1:]]
+        [a + np.arange(n)[:, None] / n * (b - a) for a, b, n in displacements] + [line[-1:]]
     )
     n, m = len(row), card.elements[-1]
     v = np.arange(m + 1)[:, None, None] / m
@@ -44,5 +44,5 @@ def build(card: Folded, scene: Any) -> Mesh:
     quads = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1)
     sets = {"u0": number[:, 0], "u1": number[:, -1], "v0": number[0], "v1": number[-1]}
     folds = np.cumsum(pieces)[:-1]
-    sets |= {f"fold_{k + 1}": number[:, place] for k, place in enumerate(folds)}
+    sets |= {f"fold_{k + 1}": number[:, column] for k, column in enumerate(folds)}
     return Mesh(points, quads.reshape(-1, 4), sets)

@@ -39,7 +39,7 @@ def build(card: Grid, scene: Any) -> Mesh:
     u, v = uv[:, :1], uv[:, 1:]
     axis = along / np.linalg.norm(along)
     angle = card.twist * u
-    turned = np.cos(angle) * across + np.sin(angle) * np.cross(axis, across)
-    turned += (1.0 - np.cos(angle)) * float(axis @ across) * axis
-    points = np.asarray(card.at) + u * along + 0.5 * across + (v - 0.5) * turned
+    rotated = np.cos(angle) * across + np.sin(angle) * np.cross(axis, across)
+    rotated += (1.0 - np.cos(angle)) * float(axis @ across) * axis
+    points = np.asarray(card.at) + u * along + 0.5 * across + (v - 0.5) * rotated
     return Mesh(points, quads, sets)

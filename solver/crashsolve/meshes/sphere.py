@@ -30,16 +30,16 @@ class Sphere(Card):
 
 def build(card: Sphere, scene: Any) -> Mesh:
     points, quads = _eighth(card.elements)
-    places: list[np.ndarray] = []
+    positions: list[np.ndarray] = []
     corners: list[np.ndarray] = []
     signs = EIGHTHS[card.part]
-    for way in (np.array([x, y, z]) for x in signs[0] for y in signs[1] for z in signs[2]):
+    for octant in (np.array([x, y, z]) for x in signs[0] for y in signs[1] for z in signs[2]):
         # a mirror turns the corners round
         corners.append(
-            (quads if way.prod() > 0 else quads[:, ::-1]) + sum(len(own) for own in places)
+            (quads if octant.prod() > 0 else quads[:, ::-1]) + sum(len(own) for own in positions)
         )
-        places.append(points * way)
-    unit, four, _ = welded(np.concatenate(places), np.concatenate(corners))
+        positions.append(points * octant)
+    unit, four, _ = welded(np.concatenate(positions), np.concatenate(corners))
     sides = {"eighth": "xyz", "half": "z", "whole": ""}[card.part]
     sets = {f"{axis}0": np.flatnonzero(unit[:, "xyz".index(axis)] == 0.0) for axis in sides}
     return Mesh(np.asarray(card.centre) + card.radius * unit, four, sets)

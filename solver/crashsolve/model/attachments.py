@@ -2,8 +2,8 @@
 
     m = m_0 + sum m_k,   J = J_0 + m_0 [s_0] + sum (J_k + m_k [s_k]),   [s] = s . s I - s s^T
 
-s_k are the places of the nodes, s_0 that of the body's own mass centre, from the common one. It is
-the mass matrix of Ambrosio (2003), Eq. 8, about the common mass centre, where it decouples into
+s_k are the positions of the nodes, s_0 that of the body's own mass centre, from the common one. It
+is the mass matrix of Ambrosio (2003), Eq. 8, about the common mass centre, where it decouples into
 that of a rigid body. Consequence to test: a free body with a beam welded on keeps its momentum and
 its angular momentum, as it would with the joint `weld`.
 """
@@ -18,7 +18,7 @@ ATTACHED_NODE = Record("""
     node  index     the attached node
     body  index     what it is welded to
     arm   m      3  place of the node from the mass centre, body axes
-    turn  1      4  unit quaternion, node to body
+    rotation  1      4  unit quaternion, node to body
 """)
 # mass of an attached node's row of the node table: what it has belongs to the body
 NOTHING = 1e-300
@@ -32,12 +32,12 @@ def lump(body: int, attached_nodes: list[int], scene: Any) -> None:
     centre = mass @ scene.r[some] / mass.sum()
     J = np.zeros((3, 3))
     for i, m in zip(some, mass, strict=True):
-        s, turn = A.T @ (scene.r[i] - centre), A.T @ scene.matrix(i)
-        J += turn @ scene.J[i].reshape(3, 3) @ turn.T
+        s, rotation = A.T @ (scene.r[i] - centre), A.T @ scene.matrix(i)
+        J += rotation @ scene.J[i].reshape(3, 3) @ rotation.T
         J += m * (s @ s * np.eye(3) - np.outer(s, s))
-    way = centre - scene.r[body]
-    scene.v[body] += np.cross(scene.w[body], way)
-    scene.offset[body] += A.T @ way
+    arm = centre - scene.r[body]
+    scene.v[body] += np.cross(scene.w[body], arm)
+    scene.offset[body] += A.T @ arm
     scene.r[body], scene.mass[body], scene.J[body] = centre, mass.sum(), J.ravel()
 
 
@@ -52,19 +52,19 @@ def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene
         # an element holds its node at the mass centre, which must stay on the axis
         centre = scene.r[body]
     moments = scene.J[body].reshape(3, 3) + J.sum() * np.eye(3)
-    places, masses = np.vstack([scene.r[body], x]), np.append(scene.mass[body], mass)
-    for s, m in zip((places - centre) @ A, masses, strict=True):
+    positions, masses = np.vstack([scene.r[body], x]), np.append(scene.mass[body], mass)
+    for s, m in zip((positions - centre) @ A, masses, strict=True):
         moments += m * (s @ s * np.eye(3) - np.outer(s, s))
-    way = centre - scene.r[body]
-    scene.v[body] += np.cross(scene.w[body], way)
-    scene.offset[body] += A.T @ way
+    arm = centre - scene.r[body]
+    scene.v[body] += np.cross(scene.w[body], arm)
+    scene.offset[body] += A.T @ arm
     scene.r[body], scene.mass[body], scene.J[body] = centre, total, moments.ravel()
 
 
-def misfit(body: int, attached_node: int, scene: Any) -> float:
-    """Difference of the velocities of a node and of its place on the body [m/s]."""
-    way = scene.r[attached_node] - scene.r[body]
-    apart = scene.v[attached_node] - scene.v[body] - np.cross(scene.w[body], way)
+def inconsistency(body: int, attached_node: int, scene: Any) -> float:
+    """Difference of the velocities of a node and of its position on the body [m/s]."""
+    arm = scene.r[attached_node] - scene.r[body]
+    apart = scene.v[attached_node] - scene.v[body] - np.cross(scene.w[body], arm)
     return float(np.linalg.norm(apart))
 
 
@@ -74,7 +74,7 @@ def table(scene: Any) -> np.ndarray:
     for row, (node, body) in zip(rows, scene.welded.items(), strict=True):
         row["node"], row["body"] = node, body
         row["arm"] = scene.to_body(body, scene.r[node])
-        row["turn"] = _between(scene.q[body], scene.q[node])
+        row["rotation"] = _between(scene.q[body], scene.q[node])
     return rows
 
 

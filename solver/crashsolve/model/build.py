@@ -11,14 +11,14 @@ import numpy as np
 from crashsolve.deck.family import FamilyError, families
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.foundation.point import BLOCK_SUM, HOLD, RIDES, blocks_of
+from crashsolve.foundation.point import ATTACHED, BLOCK_SUM, HOLD, blocks_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse.saddle import plan
 from crashsolve.model import attachments
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.checks.gyration import gyration_warnings
 from crashsolve.model.checks.methods import refuse_incomplete_method, refuse_methods
-from crashsolve.model.checks.statics import goes_by_steps, refuse_motion
+from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contact import records
@@ -56,7 +56,7 @@ FORCE_OUTPUT = Record("""
     power   W  rate of energy lost, or of work done by a load
     loss    J  energy lost in this step without a rate
 """)
-# columns of loads on points, whose places are known when all entries are
+# columns of loads on points, whose positions are known when all entries are
 FILLED_LATER = ("first_member", "member_count")
 # error of a step where the deck asks for nothing
 TOLERANCE = 1e-6
@@ -128,8 +128,8 @@ def _build(deck: Deck) -> tuple[Model, State]:
 
 def _arranged(model: Model, scene: Scene) -> State:
     """The State, and what of the Model depends on the method. Writes: model."""
-    if scene.deck.control.solution == "quasi_static" and goes_by_steps(model.groups):
-        # by steps from rest (system/static/pseudo_transient.py)
+    if scene.deck.control.solution == "quasi_static" and is_incremental(model.groups):
+        # by steps from rest (statics/pseudo_transient.py)
         model.integrator = "newton"
     state = _state(model, scene)
     if model.nodal_groups:
@@ -160,7 +160,7 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
     if hasattr(_method(model), "T"):
         embody(model, state)
     held = state.points["held"]
-    model.elements.holds = np.flatnonzero((held > 0) & (held < RIDES)).astype(HOLD.dtype)
+    model.elements.holds = np.flatnonzero((held > 0) & (held < ATTACHED)).astype(HOLD.dtype)
     blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
     model.elements.block_sums = np.zeros(blocks, BLOCK_SUM.dtype)
     if scene.threads > 1:
@@ -286,8 +286,8 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
         try:
             history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
         except ValueError as error:
-            told = f"{module.__name__}: {error}; every law of force has these of itself"
-            raise FamilyError(told) from None
+            message = f"{module.__name__}: {error}; every law of force has these of itself"
+            raise FamilyError(message) from None
     table = np.zeros(len(entries), parameters.dtype)
     rest = np.zeros((2, len(entries)), history.dtype)
     for i, entry in enumerate(entries):
@@ -338,7 +338,7 @@ def _build_parts(entries: list[Entry], scene: Scene) -> Group:
         columns = with_constants(module.PARAMETERS, laws)
         history = with_memory(history, laws, module.MOST_FIBRES)
     elif laws:
-        # of a deck with mistakes nothing will run, and the material has no columns
+        # of a deck with errors nothing will run, and the material has no columns
         rows = [{name: row[name] for name in row if name != "material"} for row in rows]
     table = np.zeros(len(rows), columns)
     for record, row in zip(table, rows, strict=True):
@@ -361,7 +361,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["step_min"] = card.step_min or 1e-12 * (span or 1.0)
     c["curve_step"], c["curve_share"] = np.inf, 1.0
     c["safety"] = card.safety
-    c["turn"] = card.safety / 5.0
+    c["rotation"] = card.safety / 5.0
     c["constraint_tolerance"] = card.constraint_tolerance
     c["onset_tolerance"] = card.onset_tolerance or 0.0
     is_free = card.energy_limit == "off" or card.solution == "quasi_static"

@@ -18,7 +18,7 @@ from crashsolve.foundation.record import Record
     UNSOLVED,
     PAUSED,
     UNHELD,
-    TURNED,
+    ROTATED,
     CONTACT_GAIN,
 ) = range(16)
 
@@ -43,12 +43,12 @@ CLOCK = Record("""
     ends             flag      whether it is at the end of the step, where contacts begin
     status           flag      why the loop stopped
     fault            flag      why the last attempt at a step failed, as a status
-    place            index     row, node or curve the status is about
+    index            index     row, node or curve that the status concerns
     value            1         number the status is about
     iterations       count     of positions, and passes over implicit stages
     kinked           flag      whether the last step ended where a contact begins or ends, or 2: at
                                a CORNER
-    passes           count     passes of the last iteration for implicit stages
+    last_iterations  count     iterations of the last stage for implicit stages
     factored         s         step of the factors of an implicit method; 0: out of date
     rejected         count     attempts at a step that were too long
     fastest          m/s       largest speed so far, to which the error of a step is compared
@@ -77,7 +77,7 @@ CONTROL = Record("""
     curve_step            s      largest automatic step in which curves of time are seen, at present
     curve_share           1      by which that is lengthened or shortened
     safety                1      automatic step over the stability limit
-    turn                  rad    largest turn of a body in an automatic step
+    rotation              rad    largest rotation of a body in an automatic step
     constraint_tolerance  1      largest position residual over model size
     onset_tolerance       m      first penetration taken as it falls; 0 to locate every onset
     energy_limit          1      imbalance over largest energy that stops the run; 0 for none

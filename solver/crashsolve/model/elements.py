@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.elements.shells.section_cut import CUT, TAP
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
 from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants
 from crashsolve.model.model import Elements, Group, Model
-from crashsolve.parts.shells.section_cut import CUT, TAP
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck
@@ -42,7 +42,9 @@ def build_elements(entries: list[Entry], scene: Scene) -> Group:
 
 
 def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Elements | None:
-    """Corners, attached points of all parts; their places go to the parts' rows. Writes: groups."""
+    """Corners, attached points of all parts; their positions go to the parts' rows. Writes:
+    groups.
+    """
     corners: list[np.ndarray] = []
     attached_points: list[np.ndarray] = []
     parts: dict[str, Any] = {}
@@ -57,7 +59,7 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
             row["element_count"] = len(meshed.area)
             corners.append((meshed.corners() + points).astype(np.int32).ravel())
             attached_points.append(
-                _riders(meshed, scene.part_nodes[name], scene.rides[name], points, scene)
+                _attached(meshed, scene.part_nodes[name], scene.attached[name], points, scene)
             )
             mass += meshed.mass.sum() - meshed.mass[attached_points[-1]["point"] - points].sum()
             points, first = points + len(meshed.mass), first + meshed.size
@@ -94,11 +96,11 @@ def line_up(count: int) -> np.ndarray:
     return room[first : first + count]
 
 
-def _riders(
-    meshed: Any, named: list[int], rides: list[tuple[int, int]], first: int, scene: Scene
+def _attached(
+    meshed: Any, named: list[int], attached: list[tuple[int, int]], first: int, scene: Scene
 ) -> np.ndarray:
     """Points of a part that ride on bodies: those of its named nodes, and welded ones."""
-    pairs = [*zip(meshed.named, named, strict=True), *rides]
+    pairs = [*zip(meshed.named, named, strict=True), *attached]
     rows = np.zeros(len(pairs), ATTACHED_POINT.dtype)
     for row, (point, node) in zip(rows, pairs, strict=True):
         row["point"], row["node"] = point + first, node

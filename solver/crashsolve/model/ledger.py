@@ -1,6 +1,7 @@
 """The entries of the energy ledger, in the order of State.ledger.
 
-From kinetic to friction they are added up. `internal` is the sum of two of them: told, not added.
+From kinetic to friction they are added up. `internal` is the sum of two of them: reported, not
+added.
 """
 
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 
 from crashsolve.deck.family import families
 
-# words whose entries are told otherwise than NAME_stored and NAME_dissipated
+# words whose entries are reported otherwise than NAME_stored and NAME_dissipated
 OTHERWISE: dict[str, tuple[str, str | None]] = {
     "external": ("potential", "external_work"),
     "potential": ("potential", None),
@@ -36,15 +37,15 @@ ENTRIES = (
     "imbalance",
     "internal",
 )
-PLACE = {name: k for k, name in enumerate(ENTRIES)}
-KINETIC, POTENTIAL = PLACE["kinetic"], PLACE["potential"]
-ELASTIC, HOURGLASS, DRILLING = PLACE["elastic"], PLACE["hourglass"], PLACE["drilling"]
-PLASTIC, PART_DAMPING, ERODED = PLACE["plastic"], PLACE["part_damping"], PLACE["eroded"]
-CONTACT_STORED, CONTACT_DISSIPATED = PLACE["contact_stored"], PLACE["contact_dissipated"]
-FRICTION_STORED, FRICTION_DISSIPATED = PLACE["friction_stored"], PLACE["friction_dissipated"]
-EXTERNAL_WORK, DRIVER_WORK = PLACE["external_work"], PLACE["driver_work"]
-INITIAL, LARGEST, IMBALANCE = PLACE["initial"], PLACE["largest"], PLACE["imbalance"]
-INTERNAL = PLACE["internal"]
+INDEX = {name: k for k, name in enumerate(ENTRIES)}
+KINETIC, POTENTIAL = INDEX["kinetic"], INDEX["potential"]
+ELASTIC, HOURGLASS, DRILLING = INDEX["elastic"], INDEX["hourglass"], INDEX["drilling"]
+PLASTIC, PART_DAMPING, ERODED = INDEX["plastic"], INDEX["part_damping"], INDEX["eroded"]
+CONTACT_STORED, CONTACT_DISSIPATED = INDEX["contact_stored"], INDEX["contact_dissipated"]
+FRICTION_STORED, FRICTION_DISSIPATED = INDEX["friction_stored"], INDEX["friction_dissipated"]
+EXTERNAL_WORK, DRIVER_WORK = INDEX["external_work"], INDEX["driver_work"]
+INITIAL, LARGEST, IMBALANCE = INDEX["initial"], INDEX["largest"], INDEX["imbalance"]
+INTERNAL = INDEX["internal"]
 # what can be had back: the energy at the start is the sum of these
 MECHANICAL = (
     KINETIC,
@@ -52,7 +53,7 @@ MECHANICAL = (
     ELASTIC,
     HOURGLASS,
     DRILLING,
-    *(PLACE[f"{word}_stored"] for word in WORDS),
+    *(INDEX[f"{word}_stored"] for word in WORDS),
 )
 # a step far too long makes so many times the energy there should be, within a few steps
 OUT_OF_NOTHING = 10.0
@@ -69,7 +70,7 @@ def entries_of(group: Any) -> tuple[int, int | None]:
     if word not in words:
         raise KeyError(f"LEDGER of {group.module.__name__} must be one of {', '.join(words)}")
     stored, lost = OTHERWISE.get(word, (f"{word}_stored", f"{word}_dissipated"))
-    return PLACE[stored], None if lost is None else PLACE[lost]
+    return INDEX[stored], None if lost is None else INDEX[lost]
 
 
 def is_broken(ledger: np.ndarray, limit: float) -> bool:

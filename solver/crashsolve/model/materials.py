@@ -40,8 +40,8 @@ def refuse_incomplete(law: Any) -> None:
     wanted = {*provided(kind), *constants(kind)} - needless
     missing = sorted(name for name in wanted if not hasattr(law, name))
     if missing:
-        told = f"{kind.__name__} of materials/__init__.py"
-        raise FamilyError(f"{law.__name__} must provide {', '.join(missing)}, as {told} says")
+        problems = f"{kind.__name__} of materials/__init__.py"
+        raise FamilyError(f"{law.__name__} must provide {', '.join(missing)}, as {problems} says")
     check_arguments(law, {n: getattr(kind, n) for n in provided(kind) if n in wanted})
 
 
@@ -85,11 +85,13 @@ def refuse_unlike(module: Any, record: Record, values: Any, later: tuple[str, ..
     if not isinstance(values, dict):
         raise FamilyError(f"{module.__name__}: build must return a dict of columns, not {values!r}")
     sizes = {column.name: column.size for column in record.columns}
-    told = [f"nothing for '{n}' of PARAMETERS" for n in sizes if n not in {*values, *later}]
-    told += [f"'{n}', which PARAMETERS has not" for n in values if n not in sizes]
+    problems = [f"nothing for '{n}' of PARAMETERS" for n in sizes if n not in {*values, *later}]
+    problems += [f"'{n}', which PARAMETERS has not" for n in values if n not in sizes]
     for name, size in sizes.items():
         numbers = np.asarray(values.get(name, np.zeros(size)))
         if numbers.size != size or numbers.dtype.kind not in "biuf":
-            told.append(f"{values[name]!r} for '{name}', which has {size} number{'s' * (size > 1)}")
-    if told:
-        raise FamilyError(f"{module.__name__}: build returns {'; '.join(told)}")
+            problems.append(
+                f"{values[name]!r} for '{name}', which has {size} number{'s' * (size > 1)}"
+            )
+    if problems:
+        raise FamilyError(f"{module.__name__}: build returns {'; '.join(problems)}")

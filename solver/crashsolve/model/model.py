@@ -60,7 +60,9 @@ class Group:
 
     @property
     def constraints(self) -> tuple[tuple[BasicConstraint, int], ...]:
-        """Basic constraints of a joint, each with the place of its first row among the joint's."""
+        """Basic constraints of a joint, each with the position of its first row among the
+        joint's.
+        """
         basic = self.module.CONSTRAINTS
         first = accumulate((len(b.ANGULAR) for b in basic), initial=0)
         return tuple(zip(basic, first, strict=False))
@@ -73,7 +75,7 @@ class Group:
     @property
     def comes_apart(self) -> bool:
         """Whether a joint may let go of its bodies."""
-        return hasattr(self.module, "let_go")
+        return hasattr(self.module, "release_rows")
 
     @property
     def fibre_law(self) -> FibreLaw:
@@ -88,9 +90,9 @@ class Group:
 
     @property
     def numbered_kinds(self) -> tuple[tuple[int, Any], ...]:
-        """The same with their places among all kinds."""
+        """The same with their positions among all kinds."""
         return tuple(
-            (number, self._beside(f"{self.module.KERNELS}.{name}"))
+            (number, self._within(f"{self.module.KERNELS}.{name}"))
             for number, (column, name) in enumerate(self.module.KINDS.items())
             if self.parameters[column].any()
         )
@@ -99,25 +101,25 @@ class Group:
     def tangent_kinds(self) -> tuple[Any, ...]:
         """Modules with the tangents of those kinds."""
         leaves = (kind.__name__.rpartition(".")[2] for kind in self.kinds)
-        return tuple(self._beside(f"{self.module.SLOPES}.{leaf}") for leaf in leaves)
+        return tuple(self._within(f"{self.module.SLOPES}.{leaf}") for leaf in leaves)
 
     @property
     def blocks(self) -> Any:
         """Module that takes elements of any kind block by block."""
-        return self._beside(f"{self.module.KERNELS}.blocks")
+        return self._within(f"{self.module.KERNELS}.blocks")
 
     @property
     def slopes(self) -> Any:
         """The same for their tangents."""
-        return self._beside(f"{self.module.SLOPES}.blocks")
+        return self._within(f"{self.module.SLOPES}.blocks")
 
-    def _beside(self, name: str) -> Any:
-        """A module in the folder of the group's own."""
-        return import_module(f"{self.module.__name__.rpartition('.')[0]}.{name}")
+    def _within(self, name: str) -> Any:
+        """A module of the solver by its name within the package."""
+        return import_module(f"crashsolve.{name}")
 
     @property
     def has_work(self) -> bool:
-        """Whether plastic work is told apart from what else is lost."""
+        """Whether plastic work is distinguished from what else is lost."""
         return "work" in (self.history.dtype.names or ())
 
     @property
@@ -165,7 +167,7 @@ class Elements:
     work: np.ndarray
     parts: dict[str, Any]  # in place, by name
     point_mass: float  # of the points that ride on no body of the deck
-    taps: np.ndarray  # elements of sections, block by block, see parts/shells/section_cut.py
+    taps: np.ndarray  # elements of sections, block by block, see elements/shells/section_cut.py
     cuts: np.ndarray
     motion: np.ndarray  # momenta of the points at the last sample
     holds: Any = None  # points that are held
@@ -210,10 +212,10 @@ class Model:
         return [g for g in self.groups if hasattr(g.module, "force")]
 
     def branching_groups(self) -> list[Group]:
-        """Laws of several branches, with an event function that tells where one ends."""
+        """Laws of several branches, with an event function that states where one ends."""
         return [g for g in self.groups if hasattr(g.module, "event")]
 
-    def rubbing_groups(self) -> list[ContactGroup]:
+    def groups_with_friction(self) -> list[ContactGroup]:
         """Contacts whose friction can say how far it is past the regime it was in."""
         return [c for c in self.contact_groups if hasattr(c.friction, "regime_left")]
 
@@ -252,9 +254,9 @@ class Model:
                         fastest, words = rate, f"{g.names[i]}, node {self.bodies[node]}"
         return words
 
-    def part_at(self, place: int) -> str:
-        """The part whose point a place behind those of the bodies is."""
-        point = place - len(self.bodies)
+    def part_at(self, index: int) -> str:
+        """The part whose point a position behind those of the bodies is."""
+        point = index - len(self.bodies)
         if self.elements and len(self.elements.embodied):
             point = int(self.elements.embodied[point])
         name, row = self._last_part("first_point", point)

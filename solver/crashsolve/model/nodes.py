@@ -18,8 +18,8 @@ NODE = Record("""
     J_inv         1/(kg m^2)  9  inverse inertia, body axes
     force         N           3  applied force
     torque        N m         3  applied torque about the mass centre
-    late_force    N           3  part of force that began during the step
-    late_torque   N m         3  part of torque that began during the step
+    deferred_force  N           3  part of force that began during the step
+    deferred_torque  N m         3  part of torque that began during the step
     stiffness     1/s^2          sum of k times mobility, for the stable step
     damping       1/s            sum of c times mobility
     pressed       m/s^2          sum of normal force times mobility along the slip, where friction
@@ -38,15 +38,15 @@ NODE = Record("""
     v_half        m/s         3  velocity during the drift
     L_half        kg m^2/s    3  angular momentum during the drift
     moved         m              way of the mass centre in the step, where gaps are bounded by it
-    turned        rad            turn in the step, not below it, where gaps are bounded by it
+    rotated       rad            turn in the step, not below it, where gaps are bounded by it
 """)
 
 STAGE = Record("""
     rate_r     m/s    3  velocity at a stage of a Runge-Kutta step; ground: power of drivers [W]
-    rate_turn  1/s    3  of turn
+    rate_rotation  1/s    3  of turn
     rate_v     m/s^2  3  acceleration; ground: force from outside [N]
     rate_L     N m    3  moment about the mass centre; ground: from outside, about the origin
-    turn       1      3  Cayley vector of the turn since the start of the step
+    rotation   1      3  Cayley vector of the rotation since the start of the step
 """)
 
 # a stage whose equations are solved by iteration
@@ -58,22 +58,22 @@ IMPLICIT_STAGE = STAGE + Record("""
     closing_w   rad      3  turn by which it does
     past_v      m/s^2    3  acceleration at this stage of the step before
     past_w      rad/s^2  3  angular acceleration there
-    way_r       m        3  displacement since the start of the step
-    way_v       m/s      3  change of velocity since then
-    way_w       rad/s    3  change of angular velocity since then
-    right_r     m        3  what is missing in way_r
-    right_turn  1        3  what is missing in turn
-    right_v     m/s      3  what is missing in way_v
-    right_w     rad/s    3  what is missing in way_w
+    displacement_r  m        3  displacement since the start of the step
+    change_v    m/s      3  change of velocity since then
+    change_w    rad/s    3  change of angular velocity since then
+    right_r     m        3  what is missing in displacement_r
+    right_rotation  1        3  what is missing in turn
+    right_v     m/s      3  what is missing in change_v
+    right_w     rad/s    3  what is missing in change_w
     slope_r     m/s      3  change of rate_r by the last correction
-    slope_turn  1/s      3  change of rate_turn
+    slope_rotation  1/s      3  change of rate_rotation
     slope_v     m/s^2    3  change of rate_v
     slope_w     rad/s^2  3  change of rate_w
 """)
 
 ESTIMATE = Record("""
     r     m      3  estimated error of a step: position of the mass centre
-    turn  rad    3  configuration, as a turn
+    rotation  rad    3  configuration, as a turn
     v     m/s    3  velocity of the mass centre
     w     rad/s  3  angular velocity
 """)

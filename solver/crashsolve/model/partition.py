@@ -1,9 +1,9 @@
 """Pieces: parts with points cut into ranges of blocks, which several threads do side by side.
 
-A piece is a row of the part's parameters with fewer points and elements. No two pieces add to one
-place: what acts on a corner at a point that an earlier piece has corners at goes to a point of its
-own, behind all others, that stands for it. It is added afterwards in the order of the elements, so
-every sum has the order that it has without pieces.
+A piece is a row of the part's parameters with fewer points and elements. No two pieces add to the
+same entry: what acts on a corner at a point that an earlier piece has corners at goes to a point of
+its own, behind all others, that stands for it. It is added afterwards in the order of the elements,
+so every sum has the order that it has without pieces.
 """
 
 from __future__ import annotations
@@ -154,9 +154,9 @@ def _lend(
     # of one point block by block and corner by corner, as forces are added
     points = table[shared]
     order = np.argsort(points, kind="stable")
-    place = np.empty_like(points)
-    place[order] = count + lent + np.arange(len(points))
-    table[shared] = place
+    index = np.empty_like(points)
+    index[order] = count + lent + np.arange(len(points))
+    table[shared] = index
     loans = np.zeros(len(points), LOAN.dtype)
     loans["point"], loans["slows"] = points[order], row["slows"]
     cuts = len(loans) * np.arange(1, len(bounds) - 1) // (len(bounds) - 1)

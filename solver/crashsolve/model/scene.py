@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from crashsolve.deck.reading.items import Entry
 
 Vector = np.ndarray
-# velocities of a node and of its place on a body that differ by less than this share are the same
+# velocities of a node and of its position on a body that differ by less than this share are the
+# same
 SAME = 1e-9
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 
@@ -71,7 +72,7 @@ class Scene:
         self.offset = np.zeros((n, 3))  # mass centre from the body's origin, body axes
         for i, entry in enumerate(deck.entries["bodies"].values(), start=1):
             with self.building(entry):
-                self._place_body(i, import_module(entry.module_name).build(entry.card, self))
+                self._set_body(i, import_module(entry.module_name).build(entry.card, self))
         self.welded: dict[int, int] = {}  # nodes that are part of a rigid body
         # [rad] of joints that a posture has turned from the zero posture
         self.angles_at_start: dict[str, float] = {}
@@ -81,14 +82,14 @@ class Scene:
             with self.building(part):
                 nodes = import_module(part.module_name).build(part.card, self)
                 for i, node in zip(self.part_nodes[part.name], nodes, strict=True):
-                    self._place_body(i, node)
+                    self._set_body(i, node)
         for entry in deck.entries["bodies"].values():
             with self.building(entry):
                 self._weld(entry)
-        self.rides: dict[str, list[tuple[int, int]]] = {}  # points of a part, and their bodies
+        self.attached: dict[str, list[tuple[int, int]]] = {}  # points of a part, and their bodies
         for part in deck.entries["parts"].values():
             with self.building(part):
-                self.rides[part.name] = self._ride(part)
+                self.attached[part.name] = self.attach_points(part)
         self.size = self._model_size()
 
     def _pose(self) -> None:
@@ -97,7 +98,7 @@ class Scene:
             with self.building(entry):
                 import_module(entry.module_name).build(entry.card, self)
 
-    def _place_body(self, i: int, body: dict[str, Any]) -> None:
+    def _set_body(self, i: int, body: dict[str, Any]) -> None:
         self.mass[i] = body["mass"]
         self.J[i] = np.asarray(body["inertia"]).ravel()
         self.q[i] = body["quaternion"]
@@ -121,15 +122,15 @@ class Scene:
                 raise self.fail(f"'{name}' is no node of a flexible part", "welded")
             if node in self.welded:
                 raise self.fail(f"'{name}' is welded twice", "welded")
-            apart = welds.misfit(body, node, self)
+            apart = welds.inconsistency(body, node, self)
             if apart > SAME * (np.linalg.norm(self.v[node]) + np.linalg.norm(self.v[body])):
-                message = f"'{name}' begins {apart:.3g} m/s faster than its place on the body"
+                message = f"'{name}' begins {apart:.3g} m/s faster than its position on the body"
                 raise self.fail(f"{message}; give both the same motion", "welded")
             self.welded[node] = body
         if nodes:
             welds.lump(body, nodes, self)
 
-    def _ride(self, part: Entry) -> list[tuple[int, int]]:
+    def attach_points(self, part: Entry) -> list[tuple[int, int]]:
         """Points of a part that are part of bodies, with these; their masses go to the bodies."""
         pairs: list[tuple[int, int]] = []
         if self.errors:
@@ -145,9 +146,9 @@ class Scene:
             nearest = np.asarray(others)[np.argmin(gaps, axis=1)]
             for body in np.unique(nearest):
                 own = points[nearest == body]
-                self._check_ride(meshed, own, int(body), f"welded.{k}")
-                places = meshed.mesh.points[own]
-                welds.lump_points(int(body), places, meshed.mass[own], meshed.J[own], self)
+                self._check_attached(meshed, own, int(body), f"welded.{k}")
+                positions = meshed.mesh.points[own]
+                welds.lump_points(int(body), positions, meshed.mass[own], meshed.J[own], self)
                 pairs += [(int(point), int(body)) for point in own]
         return pairs
 
@@ -155,7 +156,7 @@ class Scene:
         """Bodies among which the nodes of a set find theirs."""
         some = [self._index[weld.to]] if weld.to else self.part_nodes[weld.part]
         if 0 in some:
-            raise self.fail("the ground holds nodes by `hold`", f"{field}.to")
+            raise self.fail("the ground holds nodes by `supports`", f"{field}.to")
         if weld.part == part.name or not some:
             raise self.fail("needs a part whose nodes are bodies, other than itself", field)
         return [self.welded.get(node, node) for node in some]
@@ -174,24 +175,24 @@ class Scene:
         limit = longest if weld.within is None else weld.within
         worst = int(np.argmax(gaps))
         if gaps[worst] > limit * (1.0 + SAME):
-            place = ", ".join(f"{value:.6g}" for value in meshed.mesh.points[points[worst]])
-            told = "the longest side of its elements" if weld.within is None else "within"
+            location = ", ".join(f"{value:.6g}" for value in meshed.mesh.points[points[worst]])
+            reason = "the longest side of its elements" if weld.within is None else "within"
             message = (
-                f"the node at ({place}) m is {gaps[worst]:.3g} m from the nearest node of "
-                f"'{weld.part}' that is a body, more than {limit:.3g} m ({told})"
+                f"the node at ({location}) m is {gaps[worst]:.3g} m from the nearest node of "
+                f"'{weld.part}' that is a body, more than {limit:.3g} m ({reason})"
             )
             advice = "move one of the parts, or allow the distance by within"
             raise self.fail(f"{message}; {advice}", field)
 
-    def _check_ride(self, meshed: Any, points: np.ndarray, body: int, field: str) -> None:
-        """The points must begin with the motion of their places on the body."""
-        way = meshed.mesh.points[points] - self.r[body]
-        there = self.v[body] + np.cross(self.w[body], way)
+    def _check_attached(self, meshed: Any, points: np.ndarray, body: int, field: str) -> None:
+        """The points must begin with the motion of their positions on the body."""
+        arm = meshed.mesh.points[points] - self.r[body]
+        there = self.v[body] + np.cross(self.w[body], arm)
         apart = float(np.linalg.norm(meshed.velocities()[points] - there, axis=1).max(initial=0.0))
         spin = float(np.linalg.norm(meshed.spin[points] - self.w[body], axis=1).max(initial=0.0))
         speed = float(np.linalg.norm(there, axis=1).max(initial=0.0))
         if apart > SAME * (speed + 1.0) or spin > SAME * (1.0 + np.linalg.norm(self.w[body])):
-            message = f"nodes begin {apart:.3g} m/s faster than their places on the body"
+            message = f"nodes begin {apart:.3g} m/s faster than their positions on the body"
             raise self.fail(f"{message}; give both the same motion", field)
 
     def _model_size(self) -> float:
@@ -199,8 +200,8 @@ class Scene:
         # bodies that cannot be built have no size; they are refused before anyone asks for it
         if (len(self.names) < 2 and not self._meshed) or self.errors:
             return 1.0
-        places = [self.r[1:], *(meshed.mesh.points for meshed in self._meshed.values())]
-        spread = np.ptp(np.concatenate(places), axis=0).max()
+        positions = [self.r[1:], *(meshed.mesh.points for meshed in self._meshed.values())]
+        spread = np.ptp(np.concatenate(positions), axis=0).max()
         if len(self.names) < 2:
             return float(spread)
         trace = self.J[1:, 0] + self.J[1:, 4] + self.J[1:, 8]
@@ -208,7 +209,7 @@ class Scene:
 
     @contextmanager
     def building(self, entry: Entry) -> Iterator[None]:
-        """Collect the problems of one card, with its place in the deck."""
+        """Collect the problems of one card, with its position in the deck."""
         try:
             yield
         except CardProblem as problem:
@@ -259,8 +260,8 @@ class Scene:
             for word in types_in(family.folder)
         }
         fit = [word for word in known if set(known[word]) & set(motions)]
-        told = f"'{name}' is of type {entry.type} and has no {' or '.join(motions)}"
-        raise self.fail(f"{told}; name one of type {', '.join(fit)}", field)
+        reason = f"'{name}' is of type {entry.type} and has no {' or '.join(motions)}"
+        raise self.fail(f"{reason}; name one of type {', '.join(fit)}", field)
 
     def warn(self, message: str) -> None:
         if message not in self.warnings:
@@ -370,7 +371,7 @@ class Scene:
         """World point at the start, from the mass centre in body axes."""
         return self.matrix(node).T @ (x - self.r[node])
 
-    def turn_to_body(self, node: int, u: Vector) -> Vector:
+    def rotation_to_body(self, node: int, u: Vector) -> Vector:
         return self.matrix(node).T @ u
 
     def attachments(self, card: Any) -> dict[str, Any]:
@@ -393,13 +394,13 @@ class Scene:
         return float(np.linalg.norm(x_b - x_a))
 
     def turning(self, card: Any) -> dict[str, Any]:
-        """Turn of b about `axis` of a, with sides that meet at the start."""
+        """Rotation of b about `axis` of a, with sides that meet at the start."""
         if card.a == card.b:
             raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
         a, b = self.node(card.a), self.node(card.b)
         axis = self.unit(card.axis, "axis")
         side = perpendicular(axis)
-        side_b = self.turn_to_body(b, self.matrix(a) @ side)
+        side_b = self.rotation_to_body(b, self.matrix(a) @ side)
         return {"node_a": a, "node_b": b, "axis_a": axis, "side_a": side, "side_b": side_b}
 
     def joint_point(self, card: Any) -> tuple[int, int, Vector]:
@@ -427,6 +428,6 @@ class Scene:
             axis = self.matrix(self.node(card.frame)) @ axis
         side = perpendicular(axis)
         for name, u in (("axis", axis), ("side", side), ("third", np.cross(axis, side))):
-            frame[f"{name}_a"] = self.turn_to_body(a, u)
-            frame[f"{name}_b"] = self.turn_to_body(b, u)
+            frame[f"{name}_a"] = self.rotation_to_body(a, u)
+            frame[f"{name}_b"] = self.rotation_to_body(b, u)
         return frame

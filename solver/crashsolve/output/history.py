@@ -22,7 +22,7 @@ from crashsolve.output.files import replacing_hdf5, reported, write_metadata
 from crashsolve.output.peaks import Extremes
 
 FIRST_CAPACITY = 1024
-# reserved at most for what is expected: a run may be told to go on for ever, and be stopped
+# reserved at most for what is expected: a run may be reported to go on for ever, and be stopped
 MOST_RESERVED_BYTES = 1 << 26
 MOST_BUFFERED_ROWS = 1024
 
@@ -145,15 +145,15 @@ class HistoryWriter:
         sound, error = len(times), None
         if len(wrong):
             sound = int(wrong[0])
-            told = f"row at t = {times[sound]:.17g} s follows t = {before[sound]:.17g} s"
-            error = OutputError(self.path, told)
+            message = f"row at t = {times[sound]:.17g} s follows t = {before[sound]:.17g} s"
+            error = OutputError(self.path, message)
         for family, block in zip(self.families, blocks, strict=True):
             if not np.isfinite(block[:sound]).all():
                 row, entity, column = np.argwhere(~np.isfinite(block[:sound]))[0]
                 name, sound = family.channel(entity, column), int(row)
-                told = f"{name} is {block[row, entity, column]} at t = {times[row]:.9g} s"
+                message = f"{name} is {block[row, entity, column]} at t = {times[row]:.9g} s"
                 advice = "look for numbers of the deck that are far too large or too small"
-                error = OutputError(self.path, f"{told}; {advice}")
+                error = OutputError(self.path, f"{message}; {advice}")
         return sound, error
 
     def _read_kept_rows(self, resume_time: float) -> None:

@@ -98,7 +98,7 @@ def rows_until(path: Path, families: tuple[Family, ...], last_time: float) -> in
 def reserve(
     group: "h5py.Group", name: str, shape: tuple[int, ...], kind: str = "<f8", **fill: Any
 ) -> "h5py.Dataset":
-    """Create a contiguous dataset whose place in the file is fixed at once."""
+    """Create a contiguous dataset whose position in the file is fixed at once."""
     from h5py import h5d, h5p
 
     properties = h5p.create(h5p.DATASET_CREATE)

@@ -40,9 +40,9 @@ class Lock:
         except BlockingIOError:
             owner = os.read(self._descriptor, 200).decode(errors="replace").strip()
             os.close(self._descriptor)
-            told = f"another run writes to this folder ({owner})"
+            stated = f"another run writes to this folder ({owner})"
             advice = "stop it, wait for its end, or name another folder with -o"
-            raise OutputError(folder, f"{told}; {advice}") from None
+            raise OutputError(folder, f"{stated}; {advice}") from None
         except OSError as error:
             self.warning = f"{path} cannot be locked ({error.strerror}): start no other run here"
         with suppress(OSError):
@@ -58,7 +58,9 @@ class Lock:
 
 
 def is_held(folder: Path) -> bool:
-    """Whether a run holds this folder, told without waiting; only where none is about to start."""
+    """Whether a run holds this folder, reported without waiting; only where none is about to
+    start.
+    """
     try:
         descriptor = os.open(folder / NAME, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
     except OSError:
@@ -69,7 +71,7 @@ def is_held(folder: Path) -> bool:
     except BlockingIOError:
         return True
     except OSError:
-        # a file system without locks cannot tell
+        # a file system without locks cannot say
         return False
     finally:
         os.close(descriptor)

@@ -45,9 +45,9 @@ def write_peaks(path: Path | str, extremes: Extremes) -> None:
             extremes.greatest_time[number],
         )
         for entity in range(len(family.ids)):
-            for place, column in enumerate(family.columns):
-                cells = [f"{table[place, entity]:.6g}" for table in numbers]
-                rows.append((family.channel(entity, place), column.unit or "-", *cells))
+            for index, column in enumerate(family.columns):
+                cells = [f"{table[index, entity]:.6g}" for table in numbers]
+                rows.append((family.channel(entity, index), column.unit or "-", *cells))
     replace_text(Path(path), "\n".join(_aligned(rows)) + "\n")
 
 

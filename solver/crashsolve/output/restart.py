@@ -1,7 +1,7 @@
 """Restart dumps: two files in turn, so that a whole one exists at every moment.
 
 Each dump carries a serial number and a checksum over all it holds. The newest valid dump is the
-one to go on from; a broken one is passed over and the reason told.
+one to go on from; a broken one is passed over and the reason reported.
 """
 
 import hashlib
@@ -48,10 +48,10 @@ def write_restart(folder: Path | str, arrays: dict[str, np.ndarray], info: dict[
 def newest_restart(folder: Path | str, warn: Callable[[str], None] = warnings.warn) -> Dump | None:
     """Return arrays and info of the newest valid dump, None when no slot was ever written.
 
-    Tells `warn` why a dump is passed over; raises OutputError when all of them are broken.
+    Reports `warn` why a dump is passed over; raises OutputError when all of them are broken.
     """
     slots = [Path(folder) / slot for slot in SLOTS if (Path(folder) / slot).exists()]
-    # an unreadable dump is tried first, so that it is told of
+    # an unreadable dump is tried first, so that it is reported
     for path in sorted(slots, key=lambda slot: _serial(slot, sys.maxsize), reverse=True):
         try:
             return _read(path)
@@ -82,7 +82,7 @@ def _read(path: Path) -> Dump:
             raise ValueError("wrong checksum")
     info = json.loads(text)
     if not isinstance(info, dict):
-        raise ValueError("it tells of no deck")
+        raise ValueError("it reports no deck")
     return arrays, info
 
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from crashsolve.output.files import replace_text
 
-# a thread may tell how long something lasts; a second interrupt, that all is over
+# a thread may report how long something lasts; a second interrupt, that all is over
 _writing = threading.RLock()
 State = Literal["running", "finished", "stopped", "failed"]
 

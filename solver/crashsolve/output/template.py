@@ -25,15 +25,15 @@ class Template:
     """The layout of the state files of some blocks."""
 
     def __init__(self, blocks: tuple[Block, ...]) -> None:
-        image, self._places = _laid_out(blocks)
-        ends = [(0, 0), *((offset, offset + size) for offset, size, _ in self._places)]
-        # what lies before each of the places, and behind the last
+        image, self._positions = _laid_out(blocks)
+        ends = [(0, 0), *((offset, offset + size) for offset, size, _ in self._positions)]
+        # what lies before each of the positions, and behind the last
         self._between = [image[a[1] : b[0]] for a, b in pairwise([*ends, (len(image), 0)])]
 
     def write(self, path: Path, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:
         """Write a state: block name -> field name -> array. Raises OutputError."""
         with replacing(path) as partial, open(partial, "wb") as file:
-            for before, (_, _, what) in zip(self._between, self._places, strict=False):
+            for before, (_, _, what) in zip(self._between, self._positions, strict=False):
                 file.write(before)
                 file.write(struct.pack("<d", time) if what is None else _bytes(*what, values))
             file.write(self._between[-1])
@@ -50,7 +50,7 @@ def _laid_out(blocks: tuple[Block, ...]) -> tuple[bytes, list[Place]]:
     """A file with room for everything, made in memory, and where its numbers are, in order."""
     import h5py
 
-    places: list[Place] = []
+    positions: list[Place] = []
     with h5py.File("state", "w", driver="core", backing_store=False, **HDF5_OPTIONS) as file:
         file.attrs["time"] = MARK
         for block in blocks:
@@ -58,11 +58,11 @@ def _laid_out(blocks: tuple[Block, ...]) -> tuple[bytes, list[Place]]:
                 name, shape = f"{block.name}/{field.name}", block.shape(field)
                 data = reserve(file, name, shape, field.dtype, fill_time="never")
                 data.attrs["unit"] = field.unit
-                places.append((data.id.get_offset(), data.nbytes, (block, field)))
+                positions.append((data.id.get_offset(), data.nbytes, (block, field)))
         file.flush()
         image = file.id.get_file_image()
     mark = struct.pack("<d", MARK)
     if image.count(mark) != 1:
         raise RuntimeError("the time of a state must stand once in the layout of its file")
-    places.append((image.index(mark), SIZE_OF_TIME, None))
-    return image, sorted(places, key=lambda place: place[0])
+    positions.append((image.index(mark), SIZE_OF_TIME, None))
+    return image, sorted(positions, key=lambda position: position[0])

@@ -26,16 +26,10 @@ from typing import Any, Literal
 import numpy as np
 
 from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity, word
-from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.orientation import quaternion_of
-from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import note_fold
-from crashsolve.foundation.vec3 import ZERO
-from crashsolve.parts._damping import Damped, report_added
-from crashsolve.parts.beams import element, static_tangent
-from crashsolve.parts.beams.corotational import mean_frame
-from crashsolve.parts.beams.element import deformation, drag, pull, yield_rows
-from crashsolve.parts.beams.properties import (
+from crashsolve.elements.beams import element, static_tangent
+from crashsolve.elements.beams.corotational import mean_frame
+from crashsolve.elements.beams.element import deformation, drag, pull, yield_rows
+from crashsolve.elements.beams.properties import (
     axes_of,
     damping_row,
     ends_row,
@@ -44,7 +38,13 @@ from crashsolve.parts.beams.properties import (
     scaled,
     stiffness_row,
 )
-from crashsolve.parts.beams.tangent import bend_blocks
+from crashsolve.elements.beams.tangent import bend_blocks
+from crashsolve.elements.damping import Damped, report_added
+from crashsolve.foundation.angles import check_rotation_limit
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.orientation import quaternion_of
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import ZERO
 
 DESCRIPTIONS = ("co-rotational",)
 """How deformation may be described; a study runs over them."""
@@ -111,7 +111,7 @@ PARAMETERS = Record("""
     node_b             index         second node
     length             m             l
     stiffness          N/m        3  diagonal of K
-    turning_stiffness  N m/rad    3  diagonal of K_r
+    rotational_stiffness  N m/rad    3  diagonal of K_r
     bowing             1          2  c_y and c_z
     damping            s             beta
     drag_a             1/s           alpha, times the element's share in its first node
@@ -143,15 +143,15 @@ def build(card: Beam, scene: Any) -> list[dict[str, Any]]:
     report_added(card, *scaled(card, section, material, np.full(n, length), scene), scene)
     nodes = []
     for k in range(n + 1):
-        way, ends = (end - start) * (k / n), 1 if k in (0, n) else 2
+        offset, ends = (end - start) * (k / n), 1 if k in (0, n) else 2
         nodes.append(
             {
                 "mass": mass * ends,
                 "inertia": J * ends,
                 "mass_centre": (0.0, *card.offset),
-                "position": start + way,
+                "position": start + offset,
                 "quaternion": quaternion,
-                "velocity": np.asarray(card.velocity) + np.cross(card.angular_velocity, way),
+                "velocity": np.asarray(card.velocity) + np.cross(card.angular_velocity, offset),
                 "angular_velocity": card.angular_velocity,
             }
         )
@@ -194,23 +194,23 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
-    note_fold(curves, p.node_b, w)
+    check_rotation_limit(curves, p.node_b, w)
     pull(p, out, a, b, R, v, w)
     drag(p, out, nodes)
 
 
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
-    """By the velocities; by the places see bend. Writes: rows."""
+    """By the velocities; by the positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     yield_rows(p, a, b, R, v, w, rows, first)
 
 
 @kernel
-def bend(p, state, nodes, curves, place, blocks):
-    """Tangent by the places. Writes: blocks."""
+def bend(p, state, nodes, curves, slot, blocks):
+    """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     strained = deformation(p, a, b, R, v, w)
-    bend_blocks(p, None, a, b, (R, v, w), strained, place, blocks)
+    bend_blocks(p, None, a, b, (R, v, w), strained, slot, blocks)

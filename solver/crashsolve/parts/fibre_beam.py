@@ -19,20 +19,20 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import word
+from crashsolve.elements.beams import element, fibres, properties
+from crashsolve.elements.beams.corotational import (
+    half_angle_over_sine,
+    mean_frame,
+    rotated_rate,
+    swing_of,
+)
+from crashsolve.elements.beams.tangent import bend_blocks
+from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import note_fold
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub
 from crashsolve.parts import beam
-from crashsolve.parts.beams import element, fibres, properties
-from crashsolve.parts.beams.corotational import (
-    half_angle_over_sine,
-    mean_frame,
-    swing_of,
-    turned_rate,
-)
-from crashsolve.parts.beams.tangent import bend_blocks
 
 STEPWISE = CALLS_MATERIAL = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
@@ -109,12 +109,12 @@ def force(p, old, new, out, t, h, nodes, rows, curves, material):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
-    note_fold(curves, p.node_b, w)
+    check_rotation_limit(curves, p.node_b, w)
     strained = element.deformation(p, a, b, R, v, w)
     _, u, theta, u_dot, theta_dot, _, _ = strained
     strain, rate = at_section(p, strained)
     N, M_y, M_z, stored, lost = fibres.resultants(p, old, new, h, curves, strain, rate, material)
-    k, k_r = p.stiffness, p.turning_stiffness
+    k, k_r = p.stiffness, p.rotational_stiffness
     f, m = (N, k[1] * u[1], k[2] * u[2]), (k_r[0] * theta[0], M_y, M_z)
     elastic = k[1] * u[1] * u[1] + k[2] * u[2] * u[2] + k_r[0] * theta[0] * theta[0]
     slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
@@ -123,12 +123,14 @@ def force(p, old, new, out, t, h, nodes, rows, curves, material):
         p.damping * k[1] * u_dot[1],
         p.damping * k[2] * u_dot[2],
     )
-    turn = scale(p.damping, (k_r[0] * theta_dot[0], k_r[1] * theta_dot[1], k_r[2] * theta_dot[2]))
+    rotation = scale(
+        p.damping, (k_r[0] * theta_dot[0], k_r[1] * theta_dot[1], k_r[2] * theta_dot[2])
+    )
     out.stored = stored * p.length + 0.5 * elastic
-    out.power = dot(lag, u_dot) + dot(turn, theta_dot)
+    out.power = dot(lag, u_dot) + dot(rotation, theta_dot)
     out.loss = lost * p.length
     new.work = old.work + out.loss
-    load = (add(f, lag), add(m, turn), slow)
+    load = (add(f, lag), add(m, rotation), slow)
     growth = element.act(p, out, a, b, (R, v, w), strained, load)
     if not material.VON_MISES:
         growth *= fibres.stiffening(p, old, curves, strain, rate, material)
@@ -143,7 +145,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves, material):
 
 @kernel
 def at_section(p, strained):
-    """Stretch and bending of the section, and their rates; of what element.deformation tells."""
+    """Stretch and bending of the section, and their rates; of what element.deformation states."""
     _, u, theta, u_dot, theta_dot, _, _ = strained
     per = 1.0 / p.length
     strain = (per * u[0], per * theta[1], per * theta[2])
@@ -163,18 +165,18 @@ def yielding(p, old, curves, strained, material):
 
 
 @kernel
-def bend(p, state, nodes, curves, place, blocks, material):
-    """Tangent by the places. Writes: blocks."""
+def bend(p, state, nodes, curves, slot, blocks, material):
+    """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     strained = element.deformation(p, a, b, R, v, w)
     section = yielding(p, state, curves, strained, material)
-    bend_blocks(p, section, a, b, (R, v, w), strained, place, blocks)
+    bend_blocks(p, section, a, b, (R, v, w), strained, slot, blocks)
 
 
 @kernel
 def tangent(p, state, nodes, curves, rows, first, material):
-    """By the velocities; by the places see bend. Writes: rows."""
+    """By the velocities; by the positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     element.yield_rows(p, a, b, R, v, w, rows, first)
@@ -197,5 +199,5 @@ def resist_rate(row, R, v, w, strained, flow, damping):
     bent = strained[5]
     f, m = scale(flow[0], bent[3]), add_scaled((0.0, flow[1], flow[2]), flow[0], bent[4])
     c = scale(0.5, cross(f, strained[0]))
-    m = add(turned_rate(half_angle_over_sine(v, w), v, m), scale(2.0, swing_of(v, w, c)))
+    m = add(rotated_rate(half_angle_over_sine(v, w), v, m), scale(2.0, swing_of(v, w, c)))
     element.damp(row, R, f, sub(m, c), add(m, c), damping)

@@ -15,20 +15,20 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
+from crashsolve.elements.beams import element, properties, releases, static_tangent
+from crashsolve.elements.beams.corotational import mean_frame_of
+from crashsolve.elements.beams.tangent import bend_blocks
+from crashsolve.elements.damping import Damped, report_added
+from crashsolve.foundation.angles import axes_at, check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import products, quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import axes_at, note_fold
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts import beam
-from crashsolve.parts._damping import Damped, report_added
-from crashsolve.parts.beams import element, properties, releases, static_tangent
-from crashsolve.parts.beams.corotational import mean_frame_of
-from crashsolve.parts.beams.tangent import bend_blocks
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, element.TANGENTS
 ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
-PARAMETERS = beam.PARAMETERS + Record("turn  1  4  unit quaternion Q, element to nodes")
+PARAMETERS = beam.PARAMETERS + Record("rotation  1  4  unit quaternion Q, element to nodes")
 
 
 class Frame(Damped):
@@ -72,63 +72,63 @@ def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
     """The nodes as bodies."""
     _check(card, scene)
     section, material = properties.laws(card, scene)
-    places, chains = _mesh(card)
-    mass, J, lengths = np.zeros(len(places)), np.zeros((len(places), 3, 3)), []
+    positions, chains = _mesh(card)
+    mass, J, lengths = np.zeros(len(positions)), np.zeros((len(positions), 3, 3)), []
     for a, b in chains:
-        length = float(np.linalg.norm(places[b] - places[a]))
-        T = properties.axes_of(card, (places[b] - places[a]) / length, section, scene)
+        length = float(np.linalg.norm(positions[b] - positions[a]))
+        T = properties.axes_of(card, (positions[b] - positions[a]) / length, section, scene)
         half, inertia = properties.halves(card, section, material, length, scene)
         lengths.append(length)
         for node in (a, b):
             mass[node] += half
             J[node] += T @ inertia @ T.T
-    heaviness = properties.scaled(card, section, material, np.array(lengths), scene)
-    report_added(card, *heaviness, scene)
+    scaled_mass = properties.scaled(card, section, material, np.array(lengths), scene)
+    report_added(card, *scaled_mass, scene)
     return [
         {
             "mass": mass[i],
             "inertia": J[i],
             "mass_centre": ZERO,
-            "position": place,
+            "position": position,
             "quaternion": (1.0, 0.0, 0.0, 0.0),
-            "velocity": card.velocity + np.cross(card.angular_velocity, place - places[0]),
+            "velocity": card.velocity + np.cross(card.angular_velocity, position - positions[0]),
             "angular_velocity": card.angular_velocity,
         }
-        for i, place in enumerate(places)
+        for i, position in enumerate(positions)
     ]
 
 
 def elements(card: Frame, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
     """The elements, bar after bar."""
     section, material = properties.laws(card, scene)
-    places, chains = _mesh(card)
+    positions, chains = _mesh(card)
     damped, rows = properties.damping_row(card, section, material, scene), []
     for a, b in chains:
-        length = float(np.linalg.norm(places[b] - places[a]))
-        T = properties.axes_of(card, (places[b] - places[a]) / length, section, scene)
+        length = float(np.linalg.norm(positions[b] - positions[a]))
+        T = properties.axes_of(card, (positions[b] - positions[a]) / length, section, scene)
         row = properties.stiffness_row(section, material, length) | damped
         half, _ = properties.halves(card, section, material, length, scene)
         ends = properties.ends_row(card, row, (nodes[a], nodes[b]), scene, T, half)
-        rows.append(row | ends | {"turn": quaternion_of(T)})
+        rows.append(row | ends | {"rotation": quaternion_of(T)})
     return rows
 
 
 def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
     """Places (n, 3) of all nodes, and the two nodes of each element."""
-    places, chains = [np.asarray(point) for point in card.points], []
-    first_end = len(places) + len(card.bars) * (card.elements - 1)
+    positions, chains = [np.asarray(point) for point in card.points], []
+    first_end = len(positions) + len(card.bars) * (card.elements - 1)
     own = {(end.bar, end.point): first_end + k for k, end in enumerate(card.ends)}
     for k, (first, last) in enumerate(card.bars, start=1):
-        way = releases.along(card, k)
+        offset = releases.along(card, k)
         chain = [own.get((k, first), first - 1)]
         start = releases.start(card, k)
         for j in range(1, card.elements):
-            chain.append(len(places))
-            places.append(start + way * (j / card.elements))
+            chain.append(len(positions))
+            positions.append(start + offset * (j / card.elements))
         chain.append(own.get((k, last), last - 1))
         chains += list(zip(chain[:-1], chain[1:], strict=True))
-    places += [releases.place(card, end) for end in card.ends]
-    return np.array(places), chains
+    positions += [releases.position(card, end) for end in card.ends]
+    return np.array(positions), chains
 
 
 def _check(card: Frame, scene: Any) -> None:
@@ -153,7 +153,7 @@ def _check(card: Frame, scene: Any) -> None:
 def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
-    q_a, q_b = products(a["q"], p["turn"]), products(b["q"], p["turn"])
+    q_a, q_b = products(a["q"], p["rotation"]), products(b["q"], p["rotation"])
     return static_tangent.forces_by_motions(p, q_a, q_b, b["r"] - a["r"])
 
 
@@ -161,24 +161,24 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = mean_frame_of(axes_at(a, p.turn), axes_at(b, p.turn))
-    note_fold(curves, p.node_b, w)
+    R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
+    check_rotation_limit(curves, p.node_b, w)
     element.pull(p, out, a, b, R, v, w)
     element.drag(p, out, nodes)
 
 
 @kernel
-def bend(p, state, nodes, curves, place, blocks):
-    """Tangent by the places. Writes: blocks."""
+def bend(p, state, nodes, curves, position, blocks):
+    """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = mean_frame_of(axes_at(a, p.turn), axes_at(b, p.turn))
+    R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
     strained = element.deformation(p, a, b, R, v, w)
-    bend_blocks(p, None, a, b, (R, v, w), strained, place, blocks)
+    bend_blocks(p, None, a, b, (R, v, w), strained, position, blocks)
 
 
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """By the velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = mean_frame_of(axes_at(a, p.turn), axes_at(b, p.turn))
+    R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
     element.yield_rows(p, a, b, R, v, w, rows, first)

@@ -19,22 +19,30 @@ from typing import Any, Literal
 import numpy as np
 
 from crashsolve.deck.card import Card, Law, MaterialName, Vec3, quantity, word
+from crashsolve.elements.damping import Damped, coefficients
+from crashsolve.elements.shells.cards import (
+    Impulse,
+    NamedNode,
+    NodeVelocity,
+    SectionCut,
+    Support,
+    Trace,
+    Weld,
+)
+from crashsolve.elements.shells.energies import moving
+from crashsolve.elements.shells.layout import DiscretisedShell
+from crashsolve.elements.shells.outputs import FIELDS as FIELDS
+from crashsolve.elements.shells.records import MOST_LAYERS, WORK
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
-from crashsolve.parts._damping import Damped, coefficients
-from crashsolve.parts.shells.cards import Blow, Cut, Hold, NamedNode, NodeVelocity, Trace, Weld
-from crashsolve.parts.shells.energies import moving
-from crashsolve.parts.shells.layout import DiscretisedShell
-from crashsolve.parts.shells.outputs import FIELDS as FIELDS
-from crashsolve.parts.shells.records import MOST_LAYERS, WORK
 
 STEPWISE = CALLS_MATERIAL = True
 # but for these, which strain elements from the start of a step to its end, and to its stages
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 # the column that counts elements of a kind, and the file of its kernels and of its tangent
 KINDS = {"one_point": "reduced", "four_points": "full", "triangles": "triangle"}
-KERNELS, SLOPES = "shells.elements", "shells.tangents"
+KERNELS, SLOPES = "elements.shells.forces", "elements.shells.tangents"
 ROWS = WORK.SIZE
 FAMILY = "matsum"
 
@@ -42,7 +50,7 @@ FAMILY = "matsum"
 class Shell(Damped):
     """Thin shell of quadrilaterals."""
 
-    mesh: Card = Law("meshes", "places of the nodes, elements, sets of nodes")
+    mesh: Card = Law("meshes", "positions of the nodes, elements, sets of nodes")
     thickness: float = quantity("m", "t", gt=0)
     element: Literal["reduced", "fully_integrated", "triangles"] = word(
         "quadrilaterals with one point in their plane, or 2 by 2, or each cut into two triangles",
@@ -53,15 +61,17 @@ class Shell(Damped):
     rule: Literal["gauss", "lobatto"] = word("where they lie; lobatto: at the faces too", "gauss")
     thinning: bool = word("the thickness follows the strain", default=False)
     nodes: tuple[NamedNode, ...] = word("nodes that are bodies", default=())
-    hold: tuple[Hold, ...] = word("supports", default=())
+    supports: tuple[Support, ...] = word("supports", default=())
     welded: tuple[Weld, ...] = word("nodes without a motion of their own", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
-    cuts: tuple[Cut, ...] = word("sections with a history: secforc.P_name", default=())
+    section_cuts: tuple[SectionCut, ...] = word(
+        "sections with a history: secforc.P_name", default=()
+    )
     velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
     angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
     velocities: tuple[NodeVelocity, ...] = word("at the start, of sets of nodes", default=())
-    blows: tuple[Blow, ...] = word("impulses at the start, on regions", default=())
+    impulses: tuple[Impulse, ...] = word("impulses at the start, on regions", default=())
 
     def node_names(self, part: str) -> list[str]:
         """Names of those nodes of a part of this name that are bodies."""
@@ -106,8 +116,8 @@ HISTORY = Record("damped  J  energy lost by drag")
 OUTPUT = Record("""
     kinetic         J      of the nodes that are no bodies
     strain          J      elastic energy of the layers and of transverse shear
-    hourglass       J      of what one point does not see
-    drilling        J      of spins of the nodes about the normal against the turn of the plane
+    hourglass       J      of hourglass
+    drilling        J      of spins of the nodes about the normal against the rotation of the plane
     plastic         J      plastic work
     drag            J      energy lost by drag
     damping         J      energy lost by damping of strains and viscosity
@@ -142,7 +152,7 @@ def build(card: Shell, scene: Any) -> list[dict[str, Any]]:
 
 
 def parameters(card: Shell, scene: Any) -> dict[str, Any]:
-    """Columns of PARAMETERS but for the places in the tables."""
+    """Columns of PARAMETERS but for the positions in the tables."""
     part = scene.meshed(card)
     zeta, weight = part.rule
     room = np.zeros(MOST_LAYERS - card.layers)

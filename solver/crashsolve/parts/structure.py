@@ -48,7 +48,7 @@ class Point(Card):
     """Where members meet or end: a rigid body called S_name in structure S."""
 
     name: NewName = word("the body is called S_name in structure S")
-    at: Vec3 = quantity("m", "place")
+    at: Vec3 = quantity("m", "position")
     joint: float | None = quantity(
         "m", "r, of each member that belongs to the rigid joint; from its depth when absent", None
     )

@@ -25,7 +25,7 @@ class Turned(Card):
     rotation: Rotation | None = word("of b against a, in axes of a", default=None)
 
     @model_validator(mode="after")
-    def _one_way(self) -> "Turned":
+    def _one_direction(self) -> "Turned":
         if self.angle is not None and self.rotation is not None:
             raise ValueError("give one of: angle, rotation")
         return self
@@ -53,40 +53,40 @@ def build(card: Angles, scene: Any) -> None:
     placed = {root: (A, origin + A @ scene.offset[root])}
     waiting = list(enumerate(card.joints))
     while waiting:
-        ready = [(i, turned) for i, turned in waiting if _next(turned, i, placed, zero, scene)]
+        ready = [(i, rotated) for i, rotated in waiting if _next(rotated, i, placed, zero, scene)]
         if not ready:
-            i, turned = waiting[0]
+            i, rotated = waiting[0]
             raise scene.fail(
-                f"'{turned.joint}' does not hang on '{card.root}' by the joints of this posture",
+                f"'{rotated.joint}' does not hang on '{card.root}' by the joints of this posture",
                 f"joints.{i}.joint",
             )
         waiting = [one for one in waiting if one not in ready]
     w = np.asarray(card.angular_velocity)
-    for node, (turn, x) in placed.items():
-        scene.A[node], scene.q[node] = turn.ravel(), quaternion_of(turn)
+    for node, (rotation, x) in placed.items():
+        scene.A[node], scene.q[node] = rotation.ravel(), quaternion_of(rotation)
         scene.r[node], scene.w[node] = x, w
         scene.v[node] = np.asarray(card.velocity) + np.cross(w, x - origin)
 
 
-def _next(turned: Turned, i: int, placed: dict[int, Any], zero: Any, scene: Any) -> bool:
+def _next(rotated: Turned, i: int, placed: dict[int, Any], zero: Any, scene: Any) -> bool:
     """Whether one body of a joint is in place, by which the other is put there. Writes: placed."""
-    card = scene.joint_entry(turned.joint).card
+    card = scene.joint_entry(rotated.joint).card
     field = f"joints.{i}"
     if getattr(card, "frame", "world") == "world":
         raise scene.fail(
-            f"'{turned.joint}' is given in the world, where a posture moves its bodies; give its "
+            f"'{rotated.joint}' is given in the world, where a posture moves its bodies; give its "
             "point in the frame of one of them",
             f"{field}.joint",
         )
     a, b, point = scene.joint_point(card)
     if a in placed and b in placed:
-        raise scene.fail(f"'{turned.joint}' closes a loop of this chain", f"{field}.joint")
+        raise scene.fail(f"'{rotated.joint}' closes a loop of this chain", f"{field}.joint")
     if a not in placed and b not in placed:
         return False
     A_a, A_b = zero["A"][a].reshape(3, 3), zero["A"][b].reshape(3, 3)
     s_a, s_b = A_a.T @ (point - zero["r"][a]), A_b.T @ (point - zero["r"][b])
     # axes of b in a, as the joint is turned
-    inner = _turn(turned, card, A_a, field, scene) @ A_a.T @ A_b
+    inner = _rotation(rotated, card, A_a, field, scene) @ A_a.T @ A_b
     if a in placed:
         A, x = placed[a]
         placed[b] = A @ inner, x + A @ s_a - A @ inner @ s_b
@@ -96,16 +96,16 @@ def _next(turned: Turned, i: int, placed: dict[int, Any], zero: Any, scene: Any)
     return True
 
 
-def _turn(turned: Turned, card: Any, A_a: np.ndarray, field: str, scene: Any) -> np.ndarray:
+def _rotation(rotated: Turned, card: Any, A_a: np.ndarray, field: str, scene: Any) -> np.ndarray:
     """Q (3, 3), in axes of a. Writes: the angle that the joint has at the start."""
-    if turned.rotation is not None:
-        return matrix(turned.rotation.quaternion())
-    if turned.angle is None:
+    if rotated.rotation is not None:
+        return matrix(rotated.rotation.quaternion())
+    if rotated.angle is None:
         return np.eye(3)
     if not hasattr(card, "axis"):
-        message = f"'{turned.joint}' has no axis to turn about; give a rotation"
+        message = f"'{rotated.joint}' has no axis to rotate about; give a rotation"
         raise scene.fail(message, f"{field}.angle")
     x, y, z = A_a.T @ scene.matrix(scene.node(card.frame)) @ scene.unit(card.axis, field)
-    scene.angles_at_start[turned.joint] = turned.angle
-    rotation = Rotation(axis=(float(x), float(y), float(z)), angle=turned.angle)
+    scene.angles_at_start[rotated.joint] = rotated.angle
+    rotation = Rotation(axis=(float(x), float(y), float(z)), angle=rotated.angle)
     return matrix(rotation.quaternion())

@@ -1,7 +1,7 @@
 """The engine of a deck: what goes from sample to sample."""
 
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.model.checks.statics import goes_by_steps
+from crashsolve.model.checks.statics import is_incremental
 from crashsolve.model.model import Model, State
 from crashsolve.system.engine import Engine
 
@@ -15,10 +15,10 @@ def engine_of(deck: Deck, model: Model, state: State) -> Engine:
     """Through time, or from equilibrium to equilibrium."""
     if not is_static(deck):
         return Engine(model, state)
-    if goes_by_steps(model.groups):
-        from crashsolve.system.static.pseudo_transient import RestEngine
+    if is_incremental(model.groups):
+        from crashsolve.statics.pseudo_transient import RestEngine
 
         return RestEngine(model, state, deck.control)
-    from crashsolve.system.static.equilibrium import StaticEngine
+    from crashsolve.statics.equilibrium import StaticEngine
 
     return StaticEngine(model, state, deck.control)

@@ -88,7 +88,9 @@ class Histories:
         sources = together(source for _, own, _ in self._parts for source in own)
         self._kept = Kept(list(sources.values()))
         numbers = {key: number for number, key in enumerate(sources)}
-        self._places = [[numbers[identity(source)] for source in own] for _, own, _ in self._parts]
+        self._positions = [
+            [numbers[identity(source)] for source in own] for _, own, _ in self._parts
+        ]
 
     @property
     def families(self) -> tuple[Family, ...]:
@@ -108,8 +110,8 @@ class Histories:
         """Values (samples, n_id, n_column) of every family at the samples taken since the last."""
         tables = self._kept.tables()
         return {
-            family.name: make(*(tables[place] for place in places))
-            for (family, _, make), places in zip(self._parts, self._places, strict=True)
+            family.name: make(*(tables[index] for index in indices))
+            for (family, _, make), indices in zip(self._parts, self._positions, strict=True)
         }
 
     def _model(self) -> Part:
@@ -226,12 +228,14 @@ class Histories:
     def _cuts(self) -> list[Part]:
         """Sections of shells."""
         names = [
-            f"{part}_{cut.name}" for part, meshed, _ in self._meshed() for cut in meshed.card.cuts
+            f"{part}_{cut.name}"
+            for part, meshed, _ in self._meshed()
+            for cut in meshed.card.section_cuts
         ]
         elements = self.engine.model.elements
         if not names or elements is None:
             return []
-        from crashsolve.parts.shells.section_cut import CUT, OUTPUT
+        from crashsolve.elements.shells.section_cut import CUT, OUTPUT
 
         columns = [column for c in CUT.columns if c.name in OUTPUT for column in _spread(c)]
         family = Family("secforc-shell", tuple(names), tuple(columns))
@@ -267,9 +271,9 @@ def _reactions(joints: list[Joint], nodes: np.ndarray, rows: np.ndarray) -> np.n
     values = np.add.reduceat(wrench, firsts, axis=1) + 0.0
     pointed = [k for k, joint in enumerate(joints) if "point_b" in joint.frame]
     if pointed:
-        places = np.array([joints[k].frame["point_b"] for k in pointed])
+        indices = np.array([joints[k].frame["point_b"] for k in pointed])
         bodies = nodes["A"][:, [joints[k].node_b for k in pointed]]
-        arms = bodies.reshape(*bodies.shape[:2], 3, 3) @ places[:, :, None]
+        arms = bodies.reshape(*bodies.shape[:2], 3, 3) @ indices[:, :, None]
         values[:, pointed, 3:] -= crosses(arms[..., 0], values[:, pointed, :3])
     return values
 

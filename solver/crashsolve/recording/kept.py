@@ -75,7 +75,7 @@ def together(sources: Iterable[Source]) -> dict[int, Source]:
 
 
 def identity(source: Source) -> int:
-    """What tells two sources apart."""
+    """What distinguishes two sources."""
     return id(source.table if isinstance(source, Columns) else source)
 
 

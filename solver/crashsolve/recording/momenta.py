@@ -44,9 +44,9 @@ def _moments(nodes: np.ndarray) -> list[np.ndarray]:
     p = v / nodes["mass_inv"]
     (x, y, z), (a, b, c) = r, p
     parts = (_dot(y, c) - _dot(z, b), _dot(z, a) - _dot(x, c), _dot(x, b) - _dot(y, a))
-    turned, size = np.column_stack(parts), _lengths(p)
+    rotated, size = np.column_stack(parts), _lengths(p)
     sizes = [size.sum(1), _dot(_lengths(r), size) + _lengths(L).sum(1)]
-    return [p.sum(2).T, turned + L.sum(2).T, np.column_stack(sizes)]
+    return [p.sum(2).T, rotated + L.sum(2).T, np.column_stack(sizes)]
 
 
 def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:

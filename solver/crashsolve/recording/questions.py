@@ -29,33 +29,39 @@ TRIED = 256
 def look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
     """The channels of every expression of expect and watch. Raises DeckErrors."""
     found: dict[str, list[Channel]] = {}
-    mistakes, interval = [], Schedule.of(deck).interval
+    diagnostics, interval = [], Schedule.of(deck).interval
     sections: list[tuple[str, Sequence[Expect | Watch], list[Position]]] = [
         ("expect", deck.expect, deck.expect_at),
         ("watch", deck.watch, deck.watch_at),
     ]
-    for keyword, cards, places in sections:
-        for number, (card, place) in enumerate(zip(cards, places, strict=True), 1):
+    for keyword, cards, locations in sections:
+        for number, (card, location) in enumerate(zip(cards, locations, strict=True), 1):
             try:
                 found[card.channel] = find(card.channel, families)
                 _try_out(card.channel, found[card.channel], interval)
             except ValueError as problem:
-                mistakes.append(DeckError(*place, f"{keyword} {number}", f"channel: {problem}"))
+                diagnostics.append(
+                    DeckError(*location, f"{keyword} {number}", f"channel: {problem}")
+                )
             moment = None if card.statistic == PATH else moment_asked(card.statistic)
             if moment is not None and moment < deck.control.start_time:
-                told = (
+                message = (
                     f"'{card.statistic}' is before the run, from {deck.control.start_time:g} s on"
                 )
-                mistakes.append(DeckError(*place, f"{keyword} {number}", f"statistic: {told}"))
+                diagnostics.append(
+                    DeckError(*location, f"{keyword} {number}", f"statistic: {message}")
+                )
     for where, expression in _of_report(deck):
         try:
             if not _fits_some(expression, families):
                 _try_out(expression, find(expression, families), interval)
         except ValueError as problem:
-            told = f"output: report: {where}"
-            mistakes.append(DeckError(str(deck.path), None, None, told, f"channel: {problem}"))
-    if mistakes:
-        raise DeckErrors(mistakes)
+            message = f"output: report: {where}"
+            diagnostics.append(
+                DeckError(str(deck.path), None, None, message, f"channel: {problem}")
+            )
+    if diagnostics:
+        raise DeckErrors(diagnostics)
     return found
 
 

@@ -10,7 +10,7 @@ Reference: Neal (1977), The Plastic Methods of Structural Analysis, 1.3.
 
 import numpy as np
 
-# fibres along each side of a wall or plate that tell Z to five digits
+# fibres along each side of a wall or plate that state Z to five digits
 GRID = (400, 400)
 
 

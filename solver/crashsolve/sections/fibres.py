@@ -14,7 +14,7 @@ from pydantic import model_validator
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.record import Record
 
-# of the size: places typed with six digits are central to this; a worse one is a mistake
+# of the size: places typed with six digits are central to this; a worse one is an error
 CENTRAL = 1e-5
 
 

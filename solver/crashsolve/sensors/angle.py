@@ -9,9 +9,9 @@ at w for a time t shows w t, however many turns that is.
 from typing import Any
 
 from crashsolve.deck.card import BodyName, Card, Vec3, word
+from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_rate, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import TURN, angle_about, angle_rate, counted
 
 FAMILY = "disbout"
 
@@ -24,11 +24,11 @@ class Angle(Card):
     axis: Vec3 = word("direction of the axis in the frame of a; any length")
 
 
-COUNTS_TURNS = True
-PARAMETERS = TURN
+COUNTS_ROTATIONS = True
+PARAMETERS = FULL_TURN
 HISTORY = Record("angle  rad  counted turn")
 OUTPUT = Record("""
-    angle  rad    turn of b from the start
+    angle  rad    rotation of b from the start
     rate   rad/s  of the angle
 """)
 

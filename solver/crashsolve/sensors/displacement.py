@@ -32,7 +32,7 @@ PARAMETERS = Record("""
     node_b   index     second body
     point_a  m      3  from the mass centre of a, axes of a
     point_b  m      3  from the mass centre of b, axes of b
-    riding   flag      components in axes of a
+    is_attached  flag      components in axes of a
     start    m         distance at the start
 """)
 OUTPUT = Record("""
@@ -46,7 +46,7 @@ OUTPUT = Record("""
 
 def build(card: Displacement, scene: Any) -> dict[str, Any]:
     ends = scene.attachments(card)
-    return ends | {"riding": card.axes == "a", "start": scene.distance(ends)}
+    return ends | {"is_attached": card.axes == "a", "start": scene.distance(ends)}
 
 
 @kernel
@@ -59,7 +59,7 @@ def measure(p, out, t, nodes, rows, curves):
     out.change = distance - p.start
     # points that coincide have a distance whose rate is not defined
     out.rate = dot(x, x_dot) / distance if distance > 0.0 else 0.0
-    if p.riding == 1:
+    if p.is_attached == 1:
         x, x_dot = matvec_t(a.A, x), matvec_t(a.A, sub(x_dot, cross(vec(a.w), x)))
     put(out.vector, x)
     put(out.velocity, x_dot)

@@ -13,7 +13,7 @@ import numpy as np
 from crashsolve.deck.card import BodyName, Card, JointName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
+from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, put, sub, vec
 
@@ -74,7 +74,7 @@ def measure(p, out, t, nodes, rows, curves):
         D, reaction = rows[k].D, rows[k].reaction
         f = add_scaled(f, reaction, (D[6], D[7], D[8]))
         m = add_scaled(m, reaction, (D[9], D[10], D[11]))
-    x = place(nodes[p.holder], vec(p.point))
+    x = world_position(nodes[p.holder], vec(p.point))
     m = add(m, cross(sub(vec(nodes[p.node_b].r), x), f))
     put(out.force, matvec_t(nodes[p.axes].A, f))
     put(out.moment, matvec_t(nodes[p.axes].A, m))

@@ -22,46 +22,48 @@ class ContactPoints:
 
     def __init__(self, engine: Engine) -> None:
         self.engine, model = engine, engine.model
-        self._pairs = [(g, n) for g in model.contact_groups if (n := _pair_places(g))]
-        self._nodal = [(g, min(g.turns.size, MOST_NODES)) for g in model.nodal_groups]
-        self.count = sum(places for _, places in [*self._pairs, *self._nodal])
+        self._pairs = [(g, n) for g in model.contact_groups if (n := _pair_slots(g))]
+        self._nodal = [(g, min(g.slot_in_use.size, MOST_NODES)) for g in model.nodal_groups]
+        self.count = sum(positions for _, positions in [*self._pairs, *self._nodal])
 
     def found(self) -> Points:
         """Where contacts act at the present sample, with the forces on side a and their cards."""
-        points = [self._of_pairs(g, places) for g, places in self._pairs]
-        points += [self._of_nodes(g, places) for g, places in self._nodal]
-        place, force, card = map(np.concatenate, zip(*points, strict=True))
-        return place, force, card
+        points = [self._of_pairs(g, positions) for g, positions in self._pairs]
+        points += [self._of_nodes(g, positions) for g, positions in self._nodal]
+        position, force, card = map(np.concatenate, zip(*points, strict=True))
+        return position, force, card
 
-    def _of_pairs(self, g: ContactGroup, places: int) -> Points:
+    def _of_pairs(self, g: ContactGroup, positions: int) -> Points:
         """Of a group of pairs; a pair that is apart rests on its body, without a force."""
         strength = np.linalg.norm(g.output["force"], axis=1)
         shown = np.arange(len(strength))
         if g.search is not None:
-            shown = _largest(strength, places)
+            shown = _largest(strength, positions)
         home = self.engine.nodes["r"][g.elements_a["node"][g.parameters["a"][shown]]]
-        place = np.where(strength[shown, None] > 0.0, g.output["point"][shown], home)
-        return self._filled(place, g.output["force"][shown], g.parameters["card"][shown], places)
+        position = np.where(strength[shown, None] > 0.0, g.output["point"][shown], home)
+        return self._filled(
+            position, g.output["force"][shown], g.parameters["card"][shown], positions
+        )
 
-    def _of_nodes(self, g: NodalGroup, places: int) -> Points:
+    def _of_nodes(self, g: NodalGroup, positions: int) -> Points:
         """Of nodes of shells, or of balls on the faces of shells."""
-        p, states, turns = g.p[0], g.probe_states, g.turns
-        slots = np.arange(len(turns))
+        p, states, slot_in_use = g.p[0], g.probe_states, g.slot_in_use
+        slots = np.arange(len(slot_in_use))
         # two records take turns (system/contact/node_contact.py): the last step's, accepted, and
         # what the force pass of the sample has found, which is left as it was of what is apart
-        accepted = np.where(turns > 1, 3 - turns, turns)
+        accepted = np.where(slot_in_use > 1, 3 - slot_in_use, slot_in_use)
         was, now = states["active"][accepted, slots], states["active"][1 - accepted, slots]
         touching = np.flatnonzero(now & (was | (self.engine.clock["cycle"] == 0)))
         record = states[1 - accepted[touching], touching]
         force = record["force"][:, None] * record["normal"]
-        if "rub" in (record.dtype.names or ()):
-            force = force + record["rub"]
-        largest = _largest(np.linalg.norm(force, axis=1), places)
-        slots_per_probe = len(turns) // len(g.probes)
+        if "friction_force" in (record.dtype.names or ()):
+            force = force + record["friction_force"]
+        largest = _largest(np.linalg.norm(force, axis=1), positions)
+        slots_per_probe = len(slot_in_use) // len(g.probes)
         centre = self._centres(g, touching[largest] // slots_per_probe)
-        place = centre - p["gap"] * p["share"] * record["normal"][largest]
+        position = centre - p["gap"] * p["share"] * record["normal"][largest]
         card = np.full(len(largest), p["card"])
-        return self._filled(place, p["order"] * force[largest], card, places)
+        return self._filled(position, p["order"] * force[largest], card, positions)
 
     def _centres(self, g: NodalGroup, chosen: np.ndarray) -> np.ndarray:
         """Places (k, 3) of probes: points of shells, or points of bodies."""
@@ -70,29 +72,29 @@ class ContactPoints:
             found: np.ndarray = self.engine.state.points["r"][probes["point"]]
             return found
         body = self.engine.nodes[probes["node"]]
-        turned = np.einsum("nij,nj->ni", body["A"].reshape(-1, 3, 3), probes["at"])
-        return np.asarray(body["r"] + turned)
+        rotated = np.einsum("nij,nj->ni", body["A"].reshape(-1, 3, 3), probes["at"])
+        return np.asarray(body["r"] + rotated)
 
     def _filled(
-        self, place: np.ndarray, force: np.ndarray, card: np.ndarray, places: int
+        self, position: np.ndarray, force: np.ndarray, card: np.ndarray, positions: int
     ) -> Points:
         """As many points as there are places: what is left over waits at the first body."""
-        rest = places - len(place)
+        rest = positions - len(position)
         nodes = self.engine.nodes["r"]
         waiting = np.tile(nodes[min(1, len(nodes) - 1)], (rest, 1))
         return (
-            np.concatenate([place, waiting]),
+            np.concatenate([position, waiting]),
             np.concatenate([force, np.zeros((rest, 3))]),
             np.concatenate([card, np.zeros(rest)]),
         )
 
 
-def _largest(strength: np.ndarray, places: int) -> np.ndarray:
+def _largest(strength: np.ndarray, positions: int) -> np.ndarray:
     """Numbers of the largest, in their order."""
-    return np.sort(np.argsort(-strength, kind="stable")[:places])
+    return np.sort(np.argsort(-strength, kind="stable")[:positions])
 
 
-def _pair_places(g: ContactGroup) -> int:
+def _pair_slots(g: ContactGroup) -> int:
     """Contact points drawn for a group: all its pairs, or, where these come and go, enough."""
     if g.search is None:
         return len(g.parameters)

@@ -1,8 +1,8 @@
 """Signs of life: at least every ten seconds a run says where it is.
 
 Between samples the run itself does so, whenever the compiled loop pauses. What lasts long beside
-that (reading a large deck, compiling, one long step, estimates of errors) is told from a thread,
-which only looks at the clock.
+that (reading a large deck, compiling, one long step, estimates of errors) is distinguished from a
+thread, which only looks at the clock.
 """
 
 import threading
@@ -19,12 +19,12 @@ LOOK = 0.2
 
 
 class Pulse:
-    """Tells what a run is doing, by `say(text)`, while nothing else is told."""
+    """Reports what a run is doing, by `say(text)`, while nothing else is reported."""
 
     def __init__(self, doing: str, say: Callable[[str], None]) -> None:
         self.say = say
         self._doing, self._since = doing, monotonic()
-        self._told, self._has_told = self._since, False
+        self._reported, self._has_reported = self._since, False
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
@@ -32,13 +32,13 @@ class Pulse:
         """What the run does from now on."""
         self._doing, self._since = doing, monotonic()
 
-    def told(self) -> None:
-        """Something has been told."""
-        self._told, self._has_told = monotonic(), True
+    def reported(self) -> None:
+        """Something has been reported."""
+        self._reported, self._has_reported = monotonic(), True
 
     def is_due(self) -> bool:
         """Whether the run should say something at this pause."""
-        return monotonic() - self._told > AT_PAUSE
+        return monotonic() - self._reported > AT_PAUSE
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -51,8 +51,8 @@ class Pulse:
     def _watch(self) -> None:
         while not self._ended.wait(LOOK):
             now = monotonic()
-            if now - self._told > (AT_LATEST if self._has_told else FIRST):
+            if now - self._reported > (AT_LATEST if self._has_reported else FIRST):
                 # a file that cannot be written stops the run where it writes itself
                 with suppress(Exception):
                     self.say(f"{self._doing}: {now - self._since:.0f} s")
-                self.told()
+                self.reported()

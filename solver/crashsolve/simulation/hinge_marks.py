@@ -2,7 +2,7 @@
 
     plastic_angle = |(alpha_1, alpha_2)|,   plastic_stroke = alpha of the way along the beam
 
-alpha is the sum of plastic ways in both directions, as in the channels of the hinge.
+alpha is the sum of plastic displacements in both directions, as in the channels of the hinge.
 """
 
 from typing import Any
@@ -30,7 +30,7 @@ class HingeMarks:
     def __init__(self, model: Model, nodes: Any) -> None:
         self.groups = [g for g in model.groups if families()[g.keyword].picture == MARK]
         self.ball, self.triangles = shapes.sphere(RADIUS * model.size)
-        self.start = self._places(nodes)
+        self.start = self._positions(nodes)
         # of what the hinges of this model can do
         self.specs = {
             name: spec
@@ -54,14 +54,14 @@ class HingeMarks:
         """Displacements (points, 3) [m] of the balls, and how far their hinges have yielded [1]."""
         if not len(self.start):
             return {}
-        moved = np.repeat(self._places(nodes) - self.start, len(self.ball), axis=0)
+        moved = np.repeat(self._positions(nodes) - self.start, len(self.ball), axis=0)
         found = {"displacement": moved}
         for name in self.specs:
             values = np.concatenate([_yielded(g, name) for g in self.groups])
             found[name] = np.repeat(values, len(self.triangles))
         return {NAME: found}
 
-    def _places(self, nodes: Any) -> np.ndarray:
+    def _positions(self, nodes: Any) -> np.ndarray:
         """Joint points (n, 3), in the bodies that carry the axes."""
         found = [np.empty((0, 3))]
         for g in self.groups:

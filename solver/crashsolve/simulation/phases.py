@@ -49,11 +49,11 @@ class ContactPhases:
         }
 
     def average_steps(self) -> dict[str, str]:
-        """The average step as the log tells it, by phase where anything ever touched."""
+        """The average step as the log says it, by phase where anything ever touched."""
         if not self._steps["during"]:
             return {"average step": f"{self.simulated() / self.cycles():.4g} s"}
-        told = ["-" if step is None else f"{step:.4g} s" for step in self.averages().values()]
-        return {"average step before, during, after contact": ", ".join(told)}
+        texts = ["-" if step is None else f"{step:.4g} s" for step in self.averages().values()]
+        return {"average step before, during, after contact": ", ".join(texts)}
 
     def _look(self) -> tuple[float, int, int, bool]:
         """Time [s], steps, onsets of contact so far, and whether anything touches."""

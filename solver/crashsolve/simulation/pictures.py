@@ -6,7 +6,7 @@ import numpy as np
 
 from crashsolve.deck.family import ELEMENTS, LINE, families
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.foundation.orientation import crosses, matrix, turned_by
+from crashsolve.foundation.orientation import crosses, matrix, rotated_by
 from crashsolve.model.model import Group
 from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.simulation import body_shapes
@@ -205,12 +205,12 @@ class Pictures:
     def _skin_fields(self, name: str, pieces: list[Piece]) -> dict[str, np.ndarray]:
         owners, counts = self._skin_owners[name]
         bodies, old = self.engine.nodes[owners], self._block(name).points
-        turns = bodies["A"].reshape(-1, 3, 3)
-        turned = np.concatenate(
-            [points @ A.T for A, (_, points, _) in zip(turns, pieces, strict=True)]
+        rotations = bodies["A"].reshape(-1, 3, 3)
+        rotated = np.concatenate(
+            [points @ A.T for A, (_, points, _) in zip(rotations, pieces, strict=True)]
         )
         r, v, w = (np.repeat(bodies[column], counts, axis=0) for column in "rvw")
-        return {"displacement": r + turned - old, "velocity": v + crosses(w, turned)}
+        return {"displacement": r + rotated - old, "velocity": v + crosses(w, rotated)}
 
     def _block(self, name: str) -> Block:
         return next(block for block in self.blocks if block.name == name)
@@ -260,7 +260,7 @@ class Pictures:
         fields = {
             "displacement": nodes["r"][ends] - self._r0[ends],
             "velocity": nodes["v"][ends],
-            "rotation": turned_by(nodes["q"][ends], self._q0[ends]),
+            "rotation": rotated_by(nodes["q"][ends], self._q0[ends]),
         }
         for name in BEAM_AXES:
             whole = np.concatenate([g.output[name] for g in self._beams])
@@ -322,8 +322,10 @@ def _elements(entry: Any, part: str) -> list[str]:
 def _side(g: Group, A0: np.ndarray) -> np.ndarray:
     """Section's y axis (n, 3) of the elements of beams at the start."""
     axes = A0[g.parameters["node_a"]].reshape(-1, 3, 3)
-    if "turn" in (g.parameters.dtype.names or ()):
-        axes = np.array([A @ matrix(q) for A, q in zip(axes, g.parameters["turn"], strict=True)])
+    if "rotation" in (g.parameters.dtype.names or ()):
+        axes = np.array(
+            [A @ matrix(q) for A, q in zip(axes, g.parameters["rotation"], strict=True)]
+        )
     return axes[:, :, 1]
 
 

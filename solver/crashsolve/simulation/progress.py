@@ -1,4 +1,4 @@
-"""What a run tells of itself on the way: its banner, lines of progress, and status.json."""
+"""What a run reports itself on the way: its banner, lines of progress, and status.json."""
 
 import os
 import platform
@@ -30,7 +30,7 @@ from crashsolve.system.bounds import StepBound
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
-    from crashsolve.estimate.conduct import Estimating
+    from crashsolve.estimate.runner import Estimating
 
 
 def cpu_time() -> float:
@@ -41,7 +41,7 @@ def cpu_time() -> float:
 
 @contextmanager
 def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[Log]:
-    """The log of a run; log and status.json tell of its preparation and how it ended.
+    """The log of a run; log and status.json report its preparation and how it ended.
 
     From here on status.json speaks of this run, and not of one before it. Raises OutputError.
     """
@@ -94,7 +94,7 @@ class Account:
         self.remarks: dict[str, Any] = {}
         self.bound = ""
         self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
-        # a thread may tell of the run as well
+        # a thread may report of the run as well
         self._writing = threading.RLock()
         self.phases: ContactPhases | None = None
         self.estimating: Estimating | None = None
@@ -132,7 +132,7 @@ class Account:
             self.pace.left,
             self.step_bound(),
         )
-        self.pulse.told()
+        self.pulse.reported()
         self.status("running", None, "")
         span = self.deck.control.end_time - self.deck.control.start_time
         self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
@@ -156,7 +156,7 @@ class Account:
     def step_bound(self) -> str:
         """What sets the step, and why."""
         is_static = self.deck.control.solution == "quasi_static"
-        self.bound = "load steps" if is_static else self._bounds.tell(self.engine)
+        self.bound = "load steps" if is_static else self._bounds.report(self.engine)
         return self.bound
 
     def status(self, state: RunState, code: ExitCode | None, message: str) -> None:
@@ -191,7 +191,7 @@ class Account:
         return self.cpu["steps"] + self.cpu["output"]
 
     def _results(self) -> dict[str, Any]:
-        """What status.json tells of steps, constraints, CPU time and watched channels so far."""
+        """What status.json reports steps, constraints, CPU time and watched channels so far."""
         clock, found = self.engine.clock, dict[str, Any]()
         if self.phases is not None and self.phases.cycles():
             found |= {

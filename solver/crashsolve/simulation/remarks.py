@@ -18,7 +18,7 @@ STRAINED, STORED = 1e-10, 1e-18
 DEEP = 0.25
 # share of internal energy in hourglass modes that is too much
 MUCH_HOURGLASS = 0.05
-# columns of beams that tell strains, or strains over a length
+# columns of beams that state strains, or strains over a length
 OF_BEAMS = ("strain", "curvature")
 # of so many steps the average counts, and by so much shorter is a collapse
 STEPS, COLLAPSED = 20, 1e-3
@@ -144,7 +144,9 @@ class StepWatch:
         self._has_fallen = False
 
     def look(self, time: float, cycle: int) -> str:
-        """What to warn of at this time [s] and cycle; empty where nothing is, or it was told."""
+        """What to warn of at this time [s] and cycle; empty where nothing is, or it was
+        reported.
+        """
         if self._from is None or cycle < self._from[1]:
             self._from = time, cycle
         steps = cycle - self._from[1]

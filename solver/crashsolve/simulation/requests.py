@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from crashsolve.deck.mistakes import shown
+from crashsolve.deck.diagnostics import shown
 from crashsolve.output.files import read_plain, reported
 from crashsolve.output.log import Log
 

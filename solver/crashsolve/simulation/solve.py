@@ -23,7 +23,7 @@ from crashsolve.foundation.errors import (
     ExitCode,
     RunStopped,
 )
-from crashsolve.foundation.streams import say, tell_error
+from crashsolve.foundation.streams import report_error, say
 from crashsolve.model.build import build
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
@@ -39,7 +39,7 @@ from crashsolve.recording.histories import Histories
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.heartbeat import Pulse
-from crashsolve.simulation.misfits import refuse_misfits
+from crashsolve.simulation.inconsistencies import refuse_inconsistencies
 from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
@@ -60,7 +60,7 @@ from crashsolve.system.contact.balance import contact_warnings
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
-    from crashsolve.estimate.conduct import Estimating
+    from crashsolve.estimate.runner import Estimating
 
 # of the steps that an accuracy needs, in a restart dump
 COARSENESS = "run/coarseness"
@@ -177,16 +177,17 @@ class Run:
             raise
 
     def _clear_folder(self) -> None:
-        """Remove what an earlier run left that this one could mistake for its own."""
+        """Remove what an earlier run left that this one could take for its own."""
         for name in (*SLOTS, "control.txt", "peaks.txt"):
             path = self.folder / name
-            # a folder of that name is no word to this run, and is told when words are looked for
+            # a folder of that name is no word to this run, and is reported when words are looked
+            # for
             if name != "control.txt" or not path.is_dir():
                 with reported(path):
                     path.unlink(missing_ok=True)
 
     def _fail(self, error: Exception) -> None:
-        """Tell the error and save what can be saved; the first error is the one that counts."""
+        """Report the error and save what can be saved; the first error is the one that counts."""
         code, message = ExitCode.INTERNAL, f"internal: {error!r}"
         if isinstance(error, CrashsolveError):
             code, message = ExitCode(error.exit_code), str(error)
@@ -209,7 +210,7 @@ class Run:
         self._open(resumed)
 
     def _take_up(self, engine: Engine) -> None:
-        """Make this engine the run's: what is told, written and obeyed is of it."""
+        """Make this engine the run's: what is reported, written and obeyed is of it."""
         self.engine = self.account.engine = engine
         engine.on_pause = self._obey_at_once
         self.histories = Histories(engine)
@@ -220,7 +221,7 @@ class Run:
         cpu = cpu_time()
         if resumed is None:
             self.engine.start()
-            refuse_misfits(self.deck, self.engine)
+            refuse_inconsistencies(self.deck, self.engine)
             self.overlapping = pressed_at_start(self.engine)
             for text in self.overlapping:
                 self.log.line(text)
@@ -253,13 +254,13 @@ class Run:
         is_enough = is_static(self.deck) and not self.deck.watch
         if control.estimate == "off" or not asks or is_enough:
             if asks or self.deck.output.report:
-                # a misspelt channel is told before the run, not after it
+                # a misspelt channel is reported before the run, not after it
                 from crashsolve.recording.questions import look_up
 
                 look_up(self.deck, self.histories.families)
             return None
         # a deck that watches nothing does not pay for what this imports
-        from crashsolve.estimate.conduct import Estimating
+        from crashsolve.estimate.runner import Estimating
 
         families = self.histories.families
         estimating = Estimating(self.deck, families, self._is_to_stop, self.log)
@@ -376,13 +377,15 @@ class Run:
         differ = differing(str(info.get("deck_text")), self.deck.text)
         if any(is_bound for _, is_bound in differ):
             names = ", ".join(name for name, is_bound in differ if is_bound)
-            raise self._misfit(f"another deck, or other values of --set; they differ in {names}")
+            raise self._inconsistency(
+                f"another deck, or other values of --set; they differ in {names}"
+            )
         try:
             restore(self.engine, arrays)
             for name, array in self.histories.memory.items():
                 array[...] = arrays[name]
         except (KeyError, ValueError, TypeError, IndexError) as reason:
-            raise self._misfit("another version of crashsolve") from reason
+            raise self._inconsistency("another version of crashsolve") from reason
         clock, end = self.engine.clock, self.schedule.end
         if end < float(clock["time"]):
             message = (
@@ -394,14 +397,16 @@ class Run:
             longest = float(control["step_max"])
             clock["next_step"] = control["fixed_step"] or min(float(clock["next_step"]), longest)
         if self.deck.control.estimate != "off" and any(name in OF_ERRORS for name, _ in differ):
-            text = "the errors of watched channels are told as if all had run with these settings"
+            text = (
+                "the errors of watched channels are reported as if all had run with these settings"
+            )
             self.log.warning(f"what was before went by others: {text}")
         now = float(clock["sampled"])
         others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
         self.log.line(f"going on from t = {now:.6g} s{others}")
         return now
 
-    def _misfit(self, owner: str) -> DeckError:
+    def _inconsistency(self, owner: str) -> DeckError:
         message = f"the dump in {self.folder} belongs to {owner}"
         advice = f"run without --restart, or into another folder; free to change are {FREE}"
         return DeckError(str(self.deck.path), None, None, "", message, advice)
@@ -412,7 +417,7 @@ class Run:
         for act in (
             lambda: self.log.last_words(text),
             lambda: self.account.status("stopped", ExitCode.STOPPED, text),
-            lambda: tell_error(text),
+            lambda: report_error(text),
         ):
             # whatever the interrupt came upon
             with suppress(Exception):

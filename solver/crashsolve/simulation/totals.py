@@ -6,7 +6,7 @@ from crashsolve.system.engine import Engine
 
 
 def write_totals(account: Account) -> None:
-    """Tell the log what the run has come to. Raises OutputError."""
+    """Report to the log what the run has come to. Raises OutputError."""
     engine, log = account.engine, account.log
     log.line()
     log.facts(_steps(engine) | _constraints(engine) | _cost(account) | _remarks(account))
@@ -17,15 +17,15 @@ def write_totals(account: Account) -> None:
 
 def _steps(engine: Engine) -> dict[str, str]:
     clock = engine.clock
-    told = {
+    lines = {
         "steps accepted, rejected": f"{int(clock['cycle'])}, {int(clock['rejected'])}",
         "onsets located": f"{int(clock['located'])}",
         "energy balance": f"{balance(engine):.3g} %",
     }
     if engine.model.nodal_groups:
         most = float(engine.model.nodal_loads["touched"]["shortened"][0])
-        told["stable step of elements over that with contact"] = f"{most:.3g} at most"
-    return told
+        lines["stable step of elements over that with contact"] = f"{most:.3g} at most"
+    return lines
 
 
 def _constraints(engine: Engine) -> dict[str, str]:

@@ -4,20 +4,20 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.angles import angle_about, angle_gradient, counted
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     Line,
+    add_stiffness_bound,
     apply_force,
     arm,
     mobility,
     point_at,
     point_velocity,
     relative,
-    stiffen,
 )
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import angle_about, angle_gradient, counted
 from crashsolve.foundation.vec3 import add, dot, norm, scale, sub, vec
 
 # below this length a line has no direction; the spring then pulls along x, with its rate zero
@@ -37,7 +37,7 @@ def start_offset(scene: Any, ends: dict[str, Any]) -> np.ndarray:
     a, b = ends["node_a"], ends["node_b"]
     x_a = scene.r[a] + scene.matrix(a) @ ends["point_a"]
     x_b = scene.r[b] + scene.matrix(b) @ ends["point_b"]
-    return np.asarray(scene.turn_to_body(a, x_b - x_a))
+    return np.asarray(scene.rotation_to_body(a, x_b - x_a))
 
 
 def rest_length(card: Any, scene: Any, ends: dict[str, Any]) -> float:
@@ -46,7 +46,7 @@ def rest_length(card: Any, scene: Any, ends: dict[str, Any]) -> float:
     length = start if card.length is None else card.length
     if start < SHORTEST < length:
         raise scene.fail(
-            f"both ends are in one place at the start, so a spring {length:g} m long has no "
+            f"both ends are in one position at the start, so a spring {length:g} m long has no "
             "direction to push in; move an end, or say length: 0",
             "length",
         )
@@ -77,7 +77,7 @@ def spring_and_damper(p, out, x, rate):
 
 
 @kernel
-def turned(p, before, nodes):
+def rotated(p, before, nodes):
     """Angle of b about the axis of a [rad], counted from `before`, its rate, and its gradient g."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), before)
@@ -106,9 +106,9 @@ def push(p, nodes, f, d_a, d_b):
 
 
 @kernel
-def stiffen_along(p, nodes, direction, d_a, d_b, stiffness, damping):
-    """Tell the step control of a spring along a direction of a. Writes: nodes."""
+def add_stiffness_bound_along(p, nodes, direction, d_a, d_b, stiffness, damping):
+    """Report a spring along a direction of a to the step control. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     u = arm(a, vec(direction))
-    stiffen(a, mobility(a, d_a, u), stiffness, damping)
-    stiffen(b, mobility(b, d_b, u), stiffness, damping)
+    add_stiffness_bound(a, mobility(a, d_a, u), stiffness, damping)
+    add_stiffness_bound(b, mobility(b, d_b, u), stiffness, damping)

@@ -62,7 +62,7 @@ def kept_share(stiffness, stretch, limit):
 
 
 @kernel
-def lost(stiffness, z_old, z, f_old, f, way):
+def lost(stiffness, z_old, z, f_old, f, displacement):
     """Energy lost over a way of the step: work of the force less what the bristle stores [J]."""
-    taken = 0.5 * dot(add(f_old, f), way)
+    taken = 0.5 * dot(add(f_old, f), displacement)
     return taken - 0.5 * stiffness * dot(add(z_old, z), sub(z, z_old))

@@ -1,4 +1,4 @@
-"""Force over deformation by a curve, with unloading, free play, damping and growth with the rate.
+"""Force over deformation by a curve, with unloading, free play, damping and rate hardening.
 
     e = |x| - gap (0 within the gap),  f(e) on the curve,  in one of three ways:
     same     f = y(e)                                  stored = int y de

@@ -3,8 +3,8 @@
     F_a = (f, m_a + d_a x f),   dF_a = (df, dm_a + d_a x df + (w_a x d_a) x f)
     dx_a = dr + w_a x d_a
 
-with f, m_a and their derivatives as of beam elements (parts/beams/static_tangent.py) between the
-points d_a and d_b of both bodies. By stretch and turns N, M_y and M_z change as `softened` tells
+with f, m_a and their derivatives as of beam elements (elements/beams/static_tangent.py) between the
+points d_a and d_b of both bodies. By stretch and turns N, M_y and M_z change as `softened` states
 while they flow. Consequence to test: central differences of the forces, elastic and flowing.
 """
 
@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.elements.beams.static_tangent import by_motions, skew, slopes_of_strains, strains
 from crashsolve.foundation.orientation import matrices, products
 from crashsolve.foundation.rows import as_rows
 from crashsolve.materials import elastoplastic
-from crashsolve.parts.beams.static_tangent import by_motions, skew, slopes_of_strains, strains
 from crashsolve.springs._segment_yield import FROZEN, growth, scaled_back, softened
 
 # what yields together, among u and theta
-FLOWING = np.array([0, 4, 5])
+YIELDING_AXES = np.array([0, 4, 5])
 # a load step leads so far beyond the first yield that it meets; square over that of yield of what
 # has begun
 OVER, YIELDING = 0.05, 1.0 - 1e-6
@@ -28,18 +28,18 @@ OVER, YIELDING = 0.05, 1.0 - 1e-6
 def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both bodies of all segments at rest."""
     R, q, d_a, d_b = _seen(p, nodes)
-    k = np.hstack([p["stiffness"], p["turning_stiffness"]])
+    k = np.hstack([p["stiffness"], p["rotational_stiffness"]])
     held, own = k * q, k[:, :, None] * np.eye(6)
-    held[:, FLOWING] -= k[:, FLOWING] * state["plastic"]
+    held[:, YIELDING_AXES] -= k[:, YIELDING_AXES] * state["plastic"]
     named, past = as_rows(p), as_rows(state)
     for i in np.flatnonzero((p["yields"] == 1) & (p["at_rest"] != FROZEN)):
-        flow, share = _flow(named[i], past[i], held[i, FLOWING], curves)
+        flow, share = _flow(named[i], past[i], held[i, YIELDING_AXES], curves)
         if flow > 0.0:
-            args = (named[i], k[i, FLOWING], held[i, FLOWING])
+            args = (named[i], k[i, YIELDING_AXES], held[i, YIELDING_AXES])
             C = np.zeros((3, 3))
             C[np.triu_indices(3)] = softened(*args, flow, share, past[i].strain, 1.0, curves)
-            own[i][np.ix_(FLOWING, FLOWING)] = C + np.triu(C, 1).T
-            held[i, FLOWING] = scaled_back(*args, share)
+            own[i][np.ix_(YIELDING_AXES, YIELDING_AXES)] = C + np.triu(C, 1).T
+            held[i, YIELDING_AXES] = scaled_back(*args, share)
     K = by_motions(R, q[:, :3], q[:, 3:], held[:, :3], held[:, 3:], own)
     to = _from_mass_centres(d_a, d_b)
     found: np.ndarray = to.transpose(0, 2, 1) @ K @ to
@@ -50,12 +50,15 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
     return found
 
 
-def predict(p: Any, state: Any, new: Any, nodes: Any, way: np.ndarray, curves: Any) -> None:
-    """How segments flow over motions `way` (n, 6) of all nodes, to first order. Writes: new.
+def predict(
+    p: Any, state: Any, new: Any, nodes: Any, displacement: np.ndarray, curves: Any
+) -> None:
+    """How segments flow over motions `displacement` (n, 6) of all nodes, to first order. Writes:
+    new.
 
     Bodies that turn stretch what is between them by the square of their turns, which is no flow.
     """
-    k, trial, change = _trials(p, state, nodes, way)
+    k, trial, change = _trials(p, state, nodes, displacement)
     trial += change
     new["plastic"] = state["plastic"]
     named, past = as_rows(p), as_rows(state)
@@ -64,12 +67,14 @@ def predict(p: Any, state: Any, new: Any, nodes: Any, way: np.ndarray, curves: A
         new["plastic"][i] += (trial[i] - scaled_back(named[i], k[i], trial[i], share)) / k[i]
 
 
-def share_to_yield(p: Any, state: Any, nodes: Any, way: np.ndarray, curves: Any) -> float:
-    """Share of motions `way` (n, 6) at which the first segment begins to yield; at most 1.
+def load_factor_to_yield(
+    p: Any, state: Any, nodes: Any, displacement: np.ndarray, curves: Any
+) -> float:
+    """Share of motions `displacement` (n, 6) at which the first segment begins to yield; at most 1.
 
     By OVER more than yield, as the way is not straight; of those that are elastic yet.
     """
-    _, trial, change = _trials(p, state, nodes, way)
+    _, trial, change = _trials(p, state, nodes, displacement)
     named, past, least = as_rows(p), as_rows(state), 1.0
     for i in np.flatnonzero(p["yields"]):
         limit = elastoplastic.flow(named[i], past[i].strain, curves)[0] * named[i].moduli
@@ -82,15 +87,15 @@ def share_to_yield(p: Any, state: Any, nodes: Any, way: np.ndarray, curves: Any)
 
 
 def _trials(
-    p: Any, state: Any, nodes: Any, way: np.ndarray
+    p: Any, state: Any, nodes: Any, displacement: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """k, elastic N, M_y, M_z (n, 3), and how these change over motions, to first order."""
     R, q, d_a, d_b = _seen(p, nodes)
-    ends = np.hstack([way[p["node_a"]], way[p["node_b"]]])
+    ends = np.hstack([displacement[p["node_a"]], displacement[p["node_b"]]])
     by_ends = slopes_of_strains(R, q[:, :3], q[:, 3:]) @ _from_mass_centres(d_a, d_b)
-    k = np.hstack([p["stiffness"], p["turning_stiffness"]])[:, FLOWING]
-    change = np.einsum("nij,nj->ni", by_ends, ends)[:, FLOWING]
-    return k, k * (q[:, FLOWING] - state["plastic"]), k * change
+    k = np.hstack([p["stiffness"], p["rotational_stiffness"]])[:, YIELDING_AXES]
+    change = np.einsum("nij,nj->ni", by_ends, ends)[:, YIELDING_AXES]
+    return k, k * (q[:, YIELDING_AXES] - state["plastic"]), k * change
 
 
 def _seen(p: Any, nodes: Any) -> tuple[np.ndarray, ...]:
@@ -98,14 +103,14 @@ def _seen(p: Any, nodes: Any) -> tuple[np.ndarray, ...]:
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     d_a = np.einsum("nij,nj->ni", matrices(a["q"]), p["point_a"])
     d_b = np.einsum("nij,nj->ni", matrices(b["q"]), p["point_b"])
-    turned = products(a["q"], p["turn_a"]), products(b["q"], p["turn_b"])
-    R, u, theta = strains(*turned, b["r"] + d_b - a["r"] - d_a)
+    rotated = products(a["q"], p["rotation_a"]), products(b["q"], p["rotation_b"])
+    R, u, theta = strains(*rotated, b["r"] + d_b - a["r"] - d_a)
     return R, np.hstack([u, theta]), d_a, d_b
 
 
 def _flow(p: Any, state: Any, trial: np.ndarray, curves: Any) -> tuple[float, float]:
-    """What `growth` tells of trial forces."""
-    k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
+    """What `growth` reports trial forces."""
+    k = (p.stiffness[0], p.rotational_stiffness[1], p.rotational_stiffness[2])
     flow, share = growth(p, k, trial, state.strain, 1.0, curves)
     return float(flow), float(share)
 

@@ -3,7 +3,7 @@
     (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
 
 The return to it is one step of backward Euler; what is lost in a step is the mean of the forces
-over the plastic way, as bodies feel the mean of the forces before and after it.
+over the plastic displacement, as bodies feel the mean of the forces before and after it.
 
 References: Powell and Chen (1986), ASCE J. Eng. Mech. 112, 627-641; Simo and Hughes (1998),
 Computational Inelasticity, 3.
@@ -27,7 +27,7 @@ def resisting(p, old, new, h, q, q_dot, curves):
 
     `q` is the stretch and both bends [m, rad].
     """
-    k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
+    k = (p.stiffness[0], p.rotational_stiffness[1], p.rotational_stiffness[2])
     for i in range(3):
         new.plastic[i] = new.plastic[i] if p.at_rest == FROZEN else old.plastic[i]
     trial = (

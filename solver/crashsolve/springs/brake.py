@@ -22,7 +22,13 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, put, scale, sub, vec
-from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along
+from crashsolve.springs._between import (
+    POINTS,
+    add_stiffness_bound_along,
+    push,
+    seen_from_a,
+    start_offset,
+)
 from crashsolve.springs._bristle import kept_share, lost
 from crashsolve.springs._card import PointSpringCard
 
@@ -65,7 +71,7 @@ HISTORY = Record("""
 OUTPUT = Record("""
     force  N  3  on b, axes of a
     limit  N     level at which it slides
-    slid   m     way slid so far
+    slid   m     distance slid so far
 """)
 
 
@@ -102,16 +108,18 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     new.slid = old.slid + (1.0 - share) * norm(trial)
     out.stored = 0.5 * p.stiffness * dot(z, z)
     out.power = 0.0
-    way = sub(trial, vec(old.bristle))
+    displacement = sub(trial, vec(old.bristle))
     # a sample repeats the last step: what it slides is round-off
-    out.loss = lost(p.stiffness, vec(old.bristle), z, vec(old.force), f, way) if h > 0.0 else 0.0
+    out.loss = (
+        lost(p.stiffness, vec(old.bristle), z, vec(old.force), f, displacement) if h > 0.0 else 0.0
+    )
     put(out.force, scale(-1.0, f))
     out.limit = limit
     out.slid = new.slid
     push(p, nodes, vec(out.force), d_a, d_b)
-    stiffen_along(p, nodes, p.first, d_a, d_b, p.stiffness, p.damping)
+    add_stiffness_bound_along(p, nodes, p.first, d_a, d_b, p.stiffness, p.damping)
     if p.second[0] != 0.0 or p.second[1] != 0.0 or p.second[2] != 0.0:
-        stiffen_along(p, nodes, p.second, d_a, d_b, p.stiffness, p.damping)
+        add_stiffness_bound_along(p, nodes, p.second, d_a, d_b, p.stiffness, p.damping)
 
 
 @kernel

@@ -17,27 +17,33 @@ from math import sqrt
 from typing import Any
 
 from crashsolve.deck.card import Vec3, quantity
-from crashsolve.foundation.columns import matvec_t
-from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import (
-    apply_torque,
-    arm,
-    axis_tangent,
-    spin_mobility,
-    stiffen,
-    turn_tangent,
-)
-from crashsolve.foundation.orientation import relative
-from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import (
-    note_fold,
+from crashsolve.foundation.angles import (
+    check_rotation_limit,
     relative_rotation,
     rotation_vector,
     tangent_factor,
     tangent_map,
 )
+from crashsolve.foundation.columns import matvec_t
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import (
+    add_stiffness_bound,
+    apply_torque,
+    arm,
+    axis_tangent,
+    rotation_tangent,
+    spin_mobility,
+)
+from crashsolve.foundation.orientation import relative
+from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO, dot, scale, sub, vec
-from crashsolve.springs._between import POINTS, push, seen_from_a, start_offset, stiffen_along
+from crashsolve.springs._between import (
+    POINTS,
+    add_stiffness_bound_along,
+    push,
+    seen_from_a,
+    start_offset,
+)
 from crashsolve.springs._card import PointSpringCard
 
 
@@ -46,8 +52,8 @@ class Bushing(PointSpringCard):
 
     stiffness: Vec3 = quantity("N/m", "along x, y, z of a", ge=0)
     damping: Vec3 = quantity("N s/m", "along x, y, z of a", default=ZERO, ge=0)
-    turning_stiffness: Vec3 = quantity("N m/rad", "about x, y, z of a", default=ZERO, ge=0)
-    turning_damping: Vec3 = quantity("N m s/rad", "about x, y, z of a", default=ZERO, ge=0)
+    rotational_stiffness: Vec3 = quantity("N m/rad", "about x, y, z of a", default=ZERO, ge=0)
+    rotational_damping: Vec3 = quantity("N m s/rad", "about x, y, z of a", default=ZERO, ge=0)
     offset: Vec3 | None = quantity(
         "m", "b from a without force, axes of a; that at the start when absent", default=None
     )
@@ -56,11 +62,11 @@ class Bushing(PointSpringCard):
 PARAMETERS = POINTS + Record("""
     stiffness          N/m        3  diagonal of K
     damping            N s/m      3  diagonal of C
-    turning_stiffness  N m/rad    3  diagonal of K_r
-    turning_damping    N m s/rad  3  diagonal of C_r
+    rotational_stiffness  N m/rad    3  diagonal of K_r
+    rotational_damping  N m s/rad  3  diagonal of C_r
     offset             m          3  x_0
     reference          1          4  q_a^-1 q_b at the start
-    turns              flag          whether it resists turns, which end at half a turn
+    rotates            flag          whether it resists turns, which end at half a turn
 """)
 HISTORY = Record()
 TANGENTS = 6
@@ -77,9 +83,9 @@ def build(card: Bushing, scene: Any) -> dict[str, Any]:
     return ends | {
         "stiffness": card.stiffness,
         "damping": card.damping,
-        "turning_stiffness": card.turning_stiffness,
-        "turning_damping": card.turning_damping,
-        "turns": any(card.turning_stiffness),
+        "rotational_stiffness": card.rotational_stiffness,
+        "rotational_damping": card.rotational_damping,
+        "rotates": any(card.rotational_stiffness),
         "offset": start_offset(scene, ends) if card.offset is None else card.offset,
         "reference": relative(scene.q[ends["node_a"]], scene.q[ends["node_b"]]),
     }
@@ -92,8 +98,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     x = sub(x, vec(p.offset))
     a, b = nodes[p.node_a], nodes[p.node_b]
     theta = rotation_vector(a, b, p.reference)
-    if p.turns == 1:
-        note_fold(curves, p.node_b, relative_rotation(a, b, p.reference)[0])
+    if p.rotates == 1:
+        check_rotation_limit(curves, p.node_b, relative_rotation(a, b, p.reference)[0])
     c = tangent_factor(sqrt(dot(theta, theta)))
     spin = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
     theta_dot = tangent_map(theta, c, -0.5, spin)
@@ -102,10 +108,12 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
         out.displacement[k] = x[k]
         out.angle[k] = theta[k]
         out.force[k] = p.stiffness[k] * x[k] + p.damping[k] * x_dot[k]
-        out.torque[k] = p.turning_stiffness[k] * theta[k] + p.turning_damping[k] * theta_dot[k]
+        out.torque[k] = (
+            p.rotational_stiffness[k] * theta[k] + p.rotational_damping[k] * theta_dot[k]
+        )
         out.stored += 0.5 * p.stiffness[k] * x[k] ** 2
-        out.stored += 0.5 * p.turning_stiffness[k] * theta[k] ** 2
-        out.power += p.damping[k] * x_dot[k] ** 2 + p.turning_damping[k] * theta_dot[k] ** 2
+        out.stored += 0.5 * p.rotational_stiffness[k] * theta[k] ** 2
+        out.power += p.damping[k] * x_dot[k] ** 2 + p.rotational_damping[k] * theta_dot[k] ** 2
     push(p, nodes, scale(-1.0, vec(out.force)), d_a, d_b)
     torque = arm(a, tangent_map(theta, c, 0.5, vec(out.torque)))
     apply_torque(a, torque)
@@ -113,7 +121,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     phi2 = dot(theta, theta)
     stretch = (1.0 - c * phi2) ** 2 + 0.25 * phi2
     for k in range(3):
-        stiffen_axis(p, nodes, k, d_a, d_b, stretch)
+        add_stiffness_bound_about(p, nodes, k, d_a, d_b, stretch)
 
 
 @kernel
@@ -127,19 +135,21 @@ def tangent(p, state, nodes, curves, rows, first):
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
         axis_tangent(rows[first + k], a, b, arm(a, e), d_a, d_b, p.stiffness[k], p.damping[k])
         g = arm(a, tangent_map(theta, c, 0.5, e))
-        turn_tangent(rows[first + 3 + k], a, b, g, p.turning_stiffness[k], p.turning_damping[k])
+        rotation_tangent(
+            rows[first + 3 + k], a, b, g, p.rotational_stiffness[k], p.rotational_damping[k]
+        )
 
 
 @kernel
-def stiffen_axis(p, nodes, k, d_a, d_b, stretch):
-    """Tell the step control of the springs along and about one axis of a. Writes: nodes.
+def add_stiffness_bound_about(p, nodes, k, d_a, d_b, stretch):
+    """Report the springs along and about one axis of a to the step control. Writes: nodes.
 
     `stretch` is |T|^2, 1 at small angles.
     """
     e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-    stiffen_along(p, nodes, e, d_a, d_b, p.stiffness[k], p.damping[k])
+    add_stiffness_bound_along(p, nodes, e, d_a, d_b, p.stiffness[k], p.damping[k])
     a, b = nodes[p.node_a], nodes[p.node_b]
     u = arm(a, e)
-    stiffness, damping = stretch * p.turning_stiffness[k], stretch * p.turning_damping[k]
-    stiffen(a, spin_mobility(a, u), stiffness, damping)
-    stiffen(b, spin_mobility(b, u), stiffness, damping)
+    stiffness, damping = stretch * p.rotational_stiffness[k], stretch * p.rotational_damping[k]
+    add_stiffness_bound(a, spin_mobility(a, u), stiffness, damping)
+    add_stiffness_bound(b, spin_mobility(b, u), stiffness, damping)

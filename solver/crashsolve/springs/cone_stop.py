@@ -22,10 +22,10 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Vec3, quantity, word
+from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import arm, turn_tangent, twist
+from crashsolve.foundation.motion import arm, rotation_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import note_fold
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
@@ -41,7 +41,7 @@ from crashsolve.springs._range import (
 )
 
 LEDGER = "joint"
-COUNTS_TURNS = True
+COUNTS_ROTATIONS = True
 MOST = 24  # half angles of one cone
 # sine below which s lies on the axis and has no azimuth
 ON_AXIS = 1e-12
@@ -147,7 +147,7 @@ def _stretch(azimuth: np.ndarray, half: np.ndarray) -> float:
 
 def _check_start(card: ConeStop, scene: Any, p: dict[str, Any]) -> None:
     """A joint that begins past its cone would be kicked back into it."""
-    s = scene.turn_to_body(p["node_a"], scene.matrix(p["node_b"]) @ p["pointer"])
+    s = scene.rotation_to_body(p["node_a"], scene.matrix(p["node_b"]) @ p["pointer"])
     across = float(np.hypot(s @ p["side_a"], s @ p["third_a"]))
     theta, phi = atan2(across, s @ p["axis_a"]), atan2(s @ p["third_a"], s @ p["side_a"])
     limit = limit_between(p["azimuth"], p["narrow"], p["points"], phi)[0]
@@ -210,7 +210,7 @@ def swing_of(p, nodes):
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     at = swing_of(p, nodes)
-    note_fold(curves, p.node_b, sqrt(max(0.5 + 0.5 * at.cosine, 0.0)))
+    check_rotation_limit(curves, p.node_b, sqrt(max(0.5 + 0.5 * at.cosine, 0.0)))
     a, b = nodes[p.node_a], nodes[p.node_b]
     rate = dot(at.gradient, sub(vec(b.w), vec(a.w)))
     out.torque = range_moment(p, old, new, out, h, max(at.past, 0.0), rate, curves)
@@ -229,7 +229,7 @@ def tangent(p, state, nodes, curves, rows, first):
     at = swing_of(p, nodes)
     rate = dot(at.gradient, sub(vec(b.w), vec(a.w)))
     stiffness, damping = range_tangent(p, state, max(at.past, 0.0), rate, curves)
-    turn_tangent(rows[first], a, b, at.gradient, stiffness, damping)
+    rotation_tangent(rows[first], a, b, at.gradient, stiffness, damping)
 
 
 @kernel

@@ -15,7 +15,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.springs import _resistance
 from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
-from crashsolve.springs._line_turn import turn_line
+from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
 
 
 class Curve(PointSpringCard, ResistanceCard):
@@ -83,7 +83,7 @@ def tangent(p, state, nodes, curves, rows, first):
     line_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], line, stiffness, damping)
 
 
-turn_force = turn_line
+geometric_stiffness = add_geometric_stiffness
 
 
 @kernel

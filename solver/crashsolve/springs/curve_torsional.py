@@ -1,6 +1,6 @@
 """Torsional spring about an axis of a whose torque follows a curve.
 
-    M = f(theta - theta_0),   positive turns b back, with f as in springs._resistance
+    M = f(theta - theta_0),   positive rotates b back, with f as in springs._resistance
 
 Consequence to test: with `unloading_stiffness` k a turn theta leaves the set theta - f(theta) / k.
 """
@@ -8,12 +8,12 @@ Consequence to test: with `unloading_stiffness` k a turn theta leaves the set th
 from typing import Any, ClassVar, Literal
 
 from crashsolve.deck.card import quantity, word
+from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import turn_tangent, twist
+from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import TURN
 from crashsolve.springs import _resistance
-from crashsolve.springs._between import turned
+from crashsolve.springs._between import rotated
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
 
 
@@ -26,7 +26,7 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
         "rate_curve": ("rad/s", "1"),
     }
 
-    angle: float = quantity("rad", "turn from the start without deformation", default=0.0)
+    angle: float = quantity("rad", "rotation from the start without deformation", default=0.0)
     unloading_stiffness: float | None = quantity(
         "N m/rad",
         "slope on which the torque falls and grows again; leaves a permanent set",
@@ -40,13 +40,13 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
     damping: float = quantity("N m s/rad", "torque over rate", default=0.0, ge=0)
 
 
-COUNTS_TURNS = True
-PARAMETERS = TURN + _resistance.RESISTANCE + Record("angle  rad  theta_0")
+COUNTS_ROTATIONS = True
+PARAMETERS = FULL_TURN + _resistance.RESISTANCE + Record("angle  rad  theta_0")
 HISTORY = _resistance.SLIDER + Record("angle  rad  counted turn")
 TANGENTS = 1
 OUTPUT = Record("""
-    torque  N m    positive turns b back
-    angle   rad    turn of b from the start
+    torque  N m    positive rotates b back
+    angle   rad    rotation of b from the start
     rate    rad/s  of the angle
     set     rad    permanent turn, the larger of both directions
 """)
@@ -59,7 +59,7 @@ def build(card: CurveTorsional, scene: Any) -> dict[str, Any]:
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    angle, rate, g = turned(p, old.angle, nodes)
+    angle, rate, g = rotated(p, old.angle, nodes)
     new.angle = angle
     x = angle - p.angle
     torque, stiffness, damping = _resistance.resist(p, old, new, out, h, x, rate, curves)
@@ -73,13 +73,13 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
-    angle, rate, g = turned(p, state.angle, nodes)
+    angle, rate, g = rotated(p, state.angle, nodes)
     stiffness, damping = _resistance.resist_tangent(p, state, angle - p.angle, rate, curves)
-    turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
+    rotation_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
 
 
 @kernel
 def event(p, old, h, nodes, curves):
     """How far this is past the branch of the law on which the step began [rad]."""
-    angle, rate, _ = turned(p, old.angle, nodes)
+    angle, rate, _ = rotated(p, old.angle, nodes)
     return _resistance.branch_event(p, old, h, angle - p.angle, rate, curves)

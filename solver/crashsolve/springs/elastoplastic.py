@@ -19,7 +19,7 @@ from crashsolve.foundation.motion import line_tangent, pull
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard
-from crashsolve.springs._line_turn import turn_line
+from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
 
 
 class Elastoplastic(PointSpringCard):
@@ -46,7 +46,7 @@ PARAMETERS = POINTS + Record("""
 HISTORY = Record("""
     plastic  m     x_p
     flow     m     alpha
-    flowing  flag  1 or -1: x_p grows or falls; 0: it rests
+    plastic_flow  flag  1 or -1: x_p grows or falls; 0: it rests
 """)
 TANGENTS = 1
 OUTPUT = Record("""
@@ -84,9 +84,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     flow = max(excess, 0.0) / (p.stiffness + p.isotropic + p.kinematic)
     new.plastic = old.plastic + (flow if trial > 0.0 else -flow)
     new.flow = old.flow + flow
-    new.flowing = 0
+    new.plastic_flow = 0
     if flow > 0.0 and trial * rate > 0.0:
-        new.flowing = 1 if trial > 0.0 else -1
+        new.plastic_flow = 1 if trial > 0.0 else -1
     out.force = p.stiffness * (x - new.plastic)
     out.length = length
     out.elongation = x
@@ -116,14 +116,14 @@ def tangent(p, state, nodes, curves, rows, first):
     line_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], line, stiffness, 0.0)
 
 
-turn_force = turn_line
+geometric_stiffness = add_geometric_stiffness
 
 
 @kernel
 def event(p, old, h, nodes, curves):
-    """How far this is past yield, or past the turn of the motion while it flows [m]."""
+    """How far this is past yield, or past the rotation of the motion while it flows [m]."""
     _, length, rate, _, _ = line_of_action(p, nodes)
-    if old.flowing != 0:
-        return -old.flowing * rate * h
+    if old.plastic_flow != 0:
+        return -old.plastic_flow * rate * h
     trial = p.stiffness * (length - p.length - old.plastic) - p.kinematic * old.plastic
     return (abs(trial) - p.yield_force - p.isotropic * old.flow) / p.stiffness

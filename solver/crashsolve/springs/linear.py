@@ -14,7 +14,7 @@ from crashsolve.foundation.motion import line_tangent, pull
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, rest_length, spring_and_damper
 from crashsolve.springs._card import PointSpringCard
-from crashsolve.springs._line_turn import turn_line
+from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
 
 
 class Linear(PointSpringCard):
@@ -63,4 +63,4 @@ def tangent(p, state, nodes, curves, rows, first):
     line_tangent(rows[first], a, b, line, p.stiffness, p.damping)
 
 
-turn_force = turn_line
+geometric_stiffness = add_geometric_stiffness

@@ -29,32 +29,32 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
+from crashsolve.elements.beams.corotational import (
+    half_angle_over_sine,
+    mean_frame_of,
+    rotated_rate,
+    swing_of,
+)
+from crashsolve.elements.beams.fibres import squares
+from crashsolve.foundation.angles import axes_at, check_rotation_limit
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
+    add_stiffness_bound,
     apply_force,
     apply_torque,
     arm,
     mobility,
     relative,
     spin_mobility,
-    stiffen,
 )
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import axes_at, note_fold
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
-from crashsolve.parts.beams.corotational import (
-    half_angle_over_sine,
-    mean_frame_of,
-    swing_of,
-    turned_rate,
-)
-from crashsolve.parts.beams.fibres import squares
 from crashsolve.sections._plastic import GRID, plastic_modulus
 from crashsolve.springs._between import POINTS
 from crashsolve.springs._card import PointSpringCard
-from crashsolve.springs._segment_statics import forces_by_motions, predict, share_to_yield
+from crashsolve.springs._segment_statics import forces_by_motions, load_factor_to_yield, predict
 from crashsolve.springs._segment_yield import (
     FLOWS,
     NO_STEP,
@@ -64,7 +64,7 @@ from crashsolve.springs._segment_yield import (
     softened,
 )
 
-__all__ = ["forces_by_motions", "predict", "share_to_yield"]
+__all__ = ["forces_by_motions", "predict", "load_factor_to_yield"]
 
 STEPWISE = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
@@ -85,11 +85,11 @@ class Segment(PointSpringCard):
 
 
 PARAMETERS = POINTS + Record("""
-    turn_a             1        4  unit quaternion, axes of the beam to those of a
-    turn_b             1        4  the same for b
+    rotation_a         1        4  unit quaternion, axes of the beam to those of a
+    rotation_b         1        4  the same for b
     length             m           l
     stiffness          N/m      3  diagonal of K
-    turning_stiffness  N m/rad  3  diagonal of K_r
+    rotational_stiffness  N m/rad  3  diagonal of K_r
     damping            s           beta
     moduli             any      3  A, Z_y, Z_z
     volume             m^3         A l
@@ -127,15 +127,19 @@ def build(card: Segment, scene: Any) -> dict[str, Any]:
     I_y, I_z = section["second"]
     shear_y, shear_z = section["shear"]
     return ends | {
-        "turn_a": quaternion_of(T),
-        "turn_b": quaternion_of(in_b),
+        "rotation_a": quaternion_of(T),
+        "rotation_b": quaternion_of(in_b),
         "length": length,
         "stiffness": (
             E * A / length,
             1.0 / (length**3 / (12.0 * E * I_z) + length / (shear_y * G * A)),
             1.0 / (length**3 / (12.0 * E * I_y) + length / (shear_z * G * A)),
         ),
-        "turning_stiffness": (G * section["torsion"] / length, E * I_y / length, E * I_z / length),
+        "rotational_stiffness": (
+            G * section["torsion"] / length,
+            E * I_y / length,
+            E * I_z / length,
+        ),
         "damping": card.damping,
         "moduli": moduli,
         "volume": A * length,
@@ -150,7 +154,7 @@ def build(card: Segment, scene: Any) -> dict[str, Any]:
 
 
 def _ends(card: Segment, scene: Any) -> dict[str, Any]:
-    """Both sides of the cut, which must be in one place at the start."""
+    """Both sides of the cut, which must be in one position at the start."""
     ends: dict[str, Any] = scene.attachments(card)
     if (apart := scene.distance(ends)) > CLOSE_ENOUGH * card.length:
         message = f"is {apart:.3g} m from at_a at the start; they are two sides of one cut"
@@ -208,14 +212,14 @@ class Seen(NamedTuple):
 def seen_by(p, nodes):
     """Deformation of the spring and its rates."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w = mean_frame_of(axes_at(a, p.turn_a), axes_at(b, p.turn_b))
+    R, v, w = mean_frame_of(axes_at(a, p.rotation_a), axes_at(b, p.rotation_b))
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)
     eta, spin = half_angle_over_sine(v, w), matvec_t(R, sub(vec(b.w), vec(a.w)))
     mean = scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
     u = matvec_t(R, x)
     u_dot = sub(matvec_t(R, x_dot), cross(sub(mean, swing_of(v, w, spin)), u))
-    return Seen(R, v, w, d_a, d_b, u, scale(2.0 * eta, v), u_dot, turned_rate(eta, v, spin))
+    return Seen(R, v, w, d_a, d_b, u, scale(2.0 * eta, v), u_dot, rotated_rate(eta, v, spin))
 
 
 @kernel
@@ -223,8 +227,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     seen = seen_by(p, nodes)
     u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot
-    note_fold(curves, p.node_b, seen.w)
-    k, k_r = vec(p.stiffness), vec(p.turning_stiffness)
+    check_rotation_limit(curves, p.node_b, seen.w)
+    k, k_r = vec(p.stiffness), vec(p.rotational_stiffness)
     q, q_dot = (u[0], theta[1], theta[2]), (u_dot[0], theta_dot[1], theta_dot[2])
     held, stored, lost = resisting(p, old, new, h, q, q_dot, curves)
     f = (held[0], k[1] * u[1], k[2] * u[2])
@@ -244,7 +248,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.plastic_angle[0], out.plastic_angle[1] = new.plastic[1], new.plastic[2]
     out.plastic_strain, out.plastic_work = new.strain, new.work
     act(p, nodes, seen, f, m)
-    tell(p, nodes, seen)
+    report(p, nodes, seen)
 
 
 @kernel
@@ -252,7 +256,7 @@ def act(p, nodes, seen, f, m):
     """The force f and the moments m, which belong to u and theta, on both bodies. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w, c = seen.R, seen.v, seen.w, cross(seen.u, f)
-    m = sub(turned_rate(half_angle_over_sine(v, w), v, m), swing_of(v, w, c))
+    m = sub(rotated_rate(half_angle_over_sine(v, w), v, m), swing_of(v, w, c))
     pull = matvec(R, f)
     apply_force(a, pull, seen.d_a)
     apply_force(b, scale(-1.0, pull), seen.d_b)
@@ -261,27 +265,29 @@ def act(p, nodes, seen, f, m):
 
 
 @kernel
-def tell(p, nodes, seen):
-    """Tell the step control of all six directions. Writes: nodes."""
+def report(p, nodes, seen):
+    """Report all six directions to the step control. Writes: nodes."""
     a, b, R = nodes[p.node_a], nodes[p.node_b], seen.R
     # rows of a bent spring are longer than those of a straight one, and end half-way between
     growth, gap = half_angle_over_sine(seen.v, seen.w) ** 2, scale(0.5, matvec(R, seen.u))
     at_a, at_b = add(seen.d_a, gap), sub(seen.d_b, gap)
     for k in range(3):
         e = (R[k], R[3 + k], R[6 + k])
-        stiffness, turning = p.stiffness[k], growth * p.turning_stiffness[k]
-        stiffen(a, mobility(a, at_a, e), stiffness, p.damping * stiffness)
-        stiffen(b, mobility(b, at_b, e), stiffness, p.damping * stiffness)
-        stiffen(a, spin_mobility(a, e), turning, p.damping * turning)
-        stiffen(b, spin_mobility(b, e), turning, p.damping * turning)
+        stiffness, turning = p.stiffness[k], growth * p.rotational_stiffness[k]
+        add_stiffness_bound(a, mobility(a, at_a, e), stiffness, p.damping * stiffness)
+        add_stiffness_bound(b, mobility(b, at_b, e), stiffness, p.damping * stiffness)
+        add_stiffness_bound(a, spin_mobility(a, e), turning, p.damping * turning)
+        add_stiffness_bound(b, spin_mobility(b, e), turning, p.damping * turning)
 
 
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
-    """Of the forces by places and velocities, but for the turn of the forces. Writes: rows."""
+    """Of the forces by positions and velocities, but for the rotation of the forces. Writes:
+    rows.
+    """
     seen = seen_by(p, nodes)
     u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot
-    k = (p.stiffness[0], p.turning_stiffness[1], p.turning_stiffness[2])
+    k = (p.stiffness[0], p.rotational_stiffness[1], p.rotational_stiffness[2])
     trial = (
         k[0] * (u[0] - state.plastic[0]),
         k[1] * (theta[1] - state.plastic[1]),
@@ -292,13 +298,13 @@ def tangent(p, state, nodes, curves, rows, first):
         factor = factor_of(p, (u_dot[0], theta_dot[1], theta_dot[2]))
         flow, share = growth(p, k, trial, state.strain, factor, curves)
     for i in range(3):
-        k_u, k_t = p.stiffness[i], p.turning_stiffness[i]
+        k_u, k_t = p.stiffness[i], p.rotational_stiffness[i]
         shear_row(rows[first + i], seen, i)
-        turning_row(rows[first + 3 + i], seen, i)
+        rotation_row(rows[first + 3 + i], seen, i)
         rows[first + i].stiffness, rows[first + 3 + i].stiffness = k_u, k_t
         rows[first + i].damping, rows[first + 3 + i].damping = p.damping * k_u, p.damping * k_t
     if flow > 0.0:
-        # in the place of N, M_y and M_z three mixtures of them; their damping is left to iteration
+        # in place of N, M_y and M_z three mixtures of them; their damping is left to iteration
         left = softened(p, k, trial, flow, share, state.strain, factor, curves)
         weight, mixed = squares(left)
         mix(rows, first, 1.0, mixed[0], mixed[1], rows[first], weight[0])
@@ -323,16 +329,16 @@ def shear_row(row, seen, k):
     m = scale(-1.0, swing_of(seen.v, seen.w, c))
     write(row, seen.R, e, add_scaled(m, 0.5, c), add_scaled(scale(-1.0, m), 0.5, c))
     pull = matvec(seen.R, e)
-    turn_a, turn_b = cross(seen.d_a, pull), cross(seen.d_b, pull)
+    rotation_a, rotation_b = cross(seen.d_a, pull), cross(seen.d_b, pull)
     for j in range(3):
-        row.D[3 + j] += turn_a[j]
-        row.D[9 + j] -= turn_b[j]
+        row.D[3 + j] += rotation_a[j]
+        row.D[9 + j] -= rotation_b[j]
 
 
 @kernel
-def turning_row(row, seen, k):
+def rotation_row(row, seen, k):
     """Derivative of -theta_k by the turns of both bodies. Writes: row."""
-    m = turned_rate(half_angle_over_sine(seen.v, seen.w), seen.v, unit(k))
+    m = rotated_rate(half_angle_over_sine(seen.v, seen.w), seen.v, unit(k))
     write(row, seen.R, ZERO, m, scale(-1.0, m))
 
 

@@ -1,6 +1,6 @@
 """Linear torsional spring and damper about an axis of a.
 
-    M = k (theta - theta_0) + c theta_dot,   positive turns b back towards a
+    M = k (theta - theta_0) + c theta_dot,   positive rotates b back towards a
 
 theta counts any number of turns of b about the axis from the start. The torque acts along the
 gradient of theta, so no energy is lost if b tilts. Consequence to test: a disc of inertia J swings
@@ -10,11 +10,11 @@ with omega^2 = k / J; stored energy k (theta - theta_0)^2 / 2.
 from typing import Any
 
 from crashsolve.deck.card import quantity
+from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import turn_tangent, twist
+from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import TURN
-from crashsolve.springs._between import spring_and_damper, turned
+from crashsolve.springs._between import rotated, spring_and_damper
 from crashsolve.springs._card import AxisSpringCard
 
 
@@ -23,11 +23,13 @@ class Torsional(AxisSpringCard):
 
     stiffness: float = quantity("N m/rad", "slope of torque over angle", ge=0)
     damping: float = quantity("N m s/rad", "torque over rate of the angle", default=0.0, ge=0)
-    angle: float = quantity("rad", "turn from the start at which the torque is zero", default=0.0)
+    angle: float = quantity(
+        "rad", "rotation from the start at which the torque is zero", default=0.0
+    )
 
 
-COUNTS_TURNS = True
-PARAMETERS = TURN + Record("""
+COUNTS_ROTATIONS = True
+PARAMETERS = FULL_TURN + Record("""
     stiffness  N m/rad    k
     damping    N m s/rad  c
     angle      rad        theta_0
@@ -35,8 +37,8 @@ PARAMETERS = TURN + Record("""
 HISTORY = Record("angle  rad  counted turn")
 TANGENTS = 1
 OUTPUT = Record("""
-    torque  N m    positive turns b back
-    angle   rad    turn of b from the start
+    torque  N m    positive rotates b back
+    angle   rad    rotation of b from the start
     rate    rad/s  of the angle
 """)
 
@@ -49,7 +51,7 @@ def build(card: Torsional, scene: Any) -> dict[str, Any]:
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    angle, rate, g = turned(p, old.angle, nodes)
+    angle, rate, g = rotated(p, old.angle, nodes)
     new.angle = angle
     out.torque = spring_and_damper(p, out, angle - p.angle, rate)
     out.angle = angle
@@ -59,5 +61,5 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 @kernel
 def tangent(p, state, nodes, curves, rows, first):
     """Writes: rows."""
-    _, _, g = turned(p, state.angle, nodes)
-    turn_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, p.stiffness, p.damping)
+    _, _, g = rotated(p, state.angle, nodes)
+    rotation_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, p.stiffness, p.damping)

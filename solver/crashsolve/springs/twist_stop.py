@@ -1,11 +1,12 @@
 """Range of the twist of b about its own axis, apart from its swing.
 
-    tau = 2 atan2(q_z, q_w),   q the turn of (side_b, third_b, pointer) in (side_a, third_a, axis)
-    tau_dot = g . (w_b - w_a),   g = (c + s) / (1 + c . s)
+    tau = 2 atan2(q_z, q_w),   q the rotation of (side_b, third_b, pointer) in (side_a, third_a,
+    axis) tau_dot = g . (w_b - w_a),   g = (c + s) / (1 + c . s)
 
-tau is what is left of the turn of b against a when the pointer s has been brought back to c on the
-shortest way, so that a swing in any direction has no twist. The moment past `lower` or `upper` is
-that of `_range.py`. Consequence to test: g is the derivative of tau at any swing below half a turn.
+tau is what is left of the rotation of b against a when the pointer s has been brought back to c on
+the shortest way, so that a swing in any direction has no twist. The moment past `lower` or `upper`
+is that of `_range.py`. Consequence to test: g is the derivative of tau at any swing below half a
+turn.
 
 Reference: Baerlocher and Boulic (2001), Parametrization and range of motion of the ball-and-socket
 joint, Deformable Avatars, IFIP 68, 180-190.
@@ -18,10 +19,10 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.card import Vec3, quantity, word
+from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import arm, turn_tangent, twist
+from crashsolve.foundation.motion import arm, rotation_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.turn import note_fold
 from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
@@ -37,7 +38,7 @@ from crashsolve.springs._range import (
 )
 
 LEDGER = "joint"
-COUNTS_TURNS = True
+COUNTS_ROTATIONS = True
 
 
 class TwistStop(RangeCard):
@@ -70,7 +71,7 @@ PARAMETERS = MOMENT + Record("""
 HISTORY = REACHED
 TANGENTS = 1
 OUTPUT = Record("""
-    torque  N m  M, positive turns b back
+    torque  N m  M, positive rotates b back
     angle   rad  tau
     margin  rad  to the nearer limit; negative past it
     energy  J    stored
@@ -117,8 +118,8 @@ def twist_angle(c, x, s, y):
     back = cross(s, c)
     cosine = dot(s, c)
     along = dot(back, y) / (1.0 + cosine)
-    turned = add(add(scale(cosine, y), cross(back, y)), scale(along, back))
-    return atan2(dot(turned, cross(c, x)), dot(turned, x))
+    rotated = add(add(scale(cosine, y), cross(back, y)), scale(along, back))
+    return atan2(dot(rotated, cross(c, x)), dot(rotated, x))
 
 
 @kernel
@@ -141,7 +142,7 @@ def past_range(p, angle):
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, g, cosine = twist_of(p, nodes)
-    note_fold(curves, p.node_b, sqrt(max(0.5 + 0.5 * cosine, 0.0)))
+    check_rotation_limit(curves, p.node_b, sqrt(max(0.5 + 0.5 * cosine, 0.0)))
     rate = dot(g, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))
     out.torque = range_moment(p, old, new, out, h, past_range(p, angle), rate, curves)
     out.angle, out.margin = angle, min(p.upper - angle, angle - p.lower)
@@ -156,7 +157,7 @@ def tangent(p, state, nodes, curves, rows, first):
     angle, g, _ = twist_of(p, nodes)
     rate = dot(g, sub(vec(b.w), vec(a.w)))
     stiffness, damping = range_tangent(p, state, past_range(p, angle), rate, curves)
-    turn_tangent(rows[first], a, b, g, stiffness, damping)
+    rotation_tangent(rows[first], a, b, g, stiffness, damping)
 
 
 @kernel

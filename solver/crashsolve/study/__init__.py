@@ -1,1 +1,1 @@
-"""A study: one deck, many settings; what each costs and how wrong it is."""
+"""One deck with many numerical settings: cost and error of each; the physics is the same."""

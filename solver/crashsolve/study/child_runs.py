@@ -19,7 +19,7 @@ def start(
     errors: int | IO[str],
     jobs: int,
 ) -> subprocess.Popen[str]:
-    """Start a run, one of `jobs` at a time; what it tells as errors goes to `errors`."""
+    """Start a run, one of `jobs` at a time; what it states as errors goes to `errors`."""
     words = [word for name, value in overrides.items() for word in ("--set", f"{name}={value}")]
     words += ["--restart"] * restart
     return subprocess.Popen(
@@ -48,11 +48,11 @@ def table_in(path: Path) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def reason(code: int, told: str, errors: str) -> str:
-    """Why a run ended with a code: what its status told, its last line of errors, or the signal."""
+def reason(code: int, message: str, errors: str) -> str:
+    """Why a run ended with a code: what its status said, its last line of errors, or the signal."""
     if code < 0:
         return f"killed by signal {-code}"
-    return told or next(iter(reversed(errors.strip().splitlines())), "")
+    return message or next(iter(reversed(errors.strip().splitlines())), "")
 
 
 def cores() -> int:

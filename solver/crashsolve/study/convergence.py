@@ -35,7 +35,7 @@ class Convergence:
 
     `error` is the estimated error of the last one, in the unit of the value; `orders` begin with
     the third run; `stalls` is the run from which on the differences shrink no more; then
-    `has_floor` tells that they have become small before. `grows` tells that they are larger again
+    `has_floor` states that they have become small before. `grows` states that they are larger again
     for shorter steps; then `value` is that of the run `stalls`, which agreed best with the one
     before it.
     """
@@ -81,7 +81,7 @@ def examine(
     apart = [distance(a, b) for a, b in pairwise(values)]
     last = values[-1]
     if len(values) < 3:
-        # two runs tell how far they are apart, not how much of that is left
+        # two runs state how far they are apart, not how much of that is left
         return Convergence(last, apart[-1] if apart else inf)
     floor = ROUND_OFF * float(np.max(np.abs(last)))
     orders = [
@@ -102,7 +102,7 @@ def examine(
         return Convergence(last, left, orders, stalls, has_floor=left <= FLOOR * max(apart))
     p = orders[-1]
     is_near = order is not None and abs(p - order) <= NEAR
-    # an order higher than the method's, or than can be told, is no ground for a smaller error
+    # an order higher than the method's, or than can be determined, is no ground for a smaller error
     power = order if order and not p < order - NEAR else p
     power = power if np.isfinite(power) else HIGHEST
     rest = (last - values[-2]) / ((steps[-2] / steps[-1]) ** power - 1.0)

@@ -3,7 +3,7 @@
     error = |x - x_ref| / |x_ref|,   |.| the largest element of a history, or the absolute value
 
 References, best first: an exact or published value of the deck, a results folder, and the runs
-themselves by extrapolation. A published value that the runs clearly do not lead to tells of the
+themselves by extrapolation. A published value that the runs clearly do not lead to reports the
 model, not of the step, and is only reported. Where the reference is zero the error is absolute.
 """
 
@@ -110,7 +110,7 @@ def find(
         _set_mesh_orders(finding, ladder)
     if ladders:
         lead = min(ladders, key=lambda ladder: doubt(Source("", ladder.lead, ladder.curves[-1])))
-        finding.notes.append(_mesh_told(finding, lead, scale))
+        finding.notes.append(_mesh_reported(finding, lead, scale))
     judged = [curve.convergence.diverges for curve in curves if len(curve.values) > 2]
     if finding.is_absolute and around > 0.0:
         finding.notes = [f"zero to the round-off of its vector, {around:.3g} {finding.unit}"]
@@ -124,7 +124,7 @@ def find(
 
 
 def _size_around(at: int, curves: Sequence[Curve]) -> float:
-    """Largest magnitude of the vector that the channel belongs to, as far as runs told it."""
+    """Largest magnitude of the vector that the channel belongs to, as far as runs reported it."""
     answers = [trial.answers[at] for curve in curves for trial in curve.trials]
     return max((float(answer.get("size", 0.0)) for answer in answers), default=0.0)
 
@@ -139,7 +139,7 @@ def _judge(
     by_differences = is_own or ladder is not None
     _set_orders(finding, curve, by_differences)
     if ladder is None or ladder.curves[-1] is curve or curve.convergence.diverges:
-        finding.notes.append(_told(finding, curve, scale, by_differences))
+        finding.notes.append(_reported(finding, curve, scale, by_differences))
 
 
 def _set_mesh_orders(finding: Finding, ladder: Ladder) -> None:
@@ -147,8 +147,8 @@ def _set_mesh_orders(finding: Finding, ladder: Ladder) -> None:
         finding.mesh_orders[curve.trials[-1].setting.folder] = order
 
 
-def _mesh_told(finding: Finding, ladder: Ladder, scale: float) -> str:
-    """What the mesh does, by the method that tells it best."""
+def _mesh_reported(finding: Finding, ladder: Ladder, scale: float) -> str:
+    """What the mesh does, by the method that states it best."""
     found, left = ladder.convergence, ladder.lead.error / scale
     errors = [distance(c.convergence.value, finding.reference) / scale for c in ladder.curves]
     away = ", ".join(_size(error, finding) for error in errors)
@@ -284,12 +284,12 @@ def _set_orders(finding: Finding, curve: Curve, is_own: bool) -> None:
         finding.orders[two.setting.folder] = order
 
 
-def _told(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str:
+def _reported(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str:
     """One method's convergence in words."""
     found = curve.convergence
     if found.diverges:
-        return f"{curve.series.name}: {_divergence_told(finding, curve, scale)}"
-    left, words = found.error / scale, [f"{curve.series.name}: {_order_told(curve, finding)}"]
+        return f"{curve.series.name}: {_divergence_reported(finding, curve, scale)}"
+    left, words = found.error / scale, [f"{curve.series.name}: {_order_reported(curve, finding)}"]
     if found.stalls is not None:
         step = curve.trials[found.stalls].step
         words.append(
@@ -310,7 +310,7 @@ def _told(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str:
     return "; ".join(words)
 
 
-def _divergence_told(finding: Finding, curve: Curve, scale: float) -> str:
+def _divergence_reported(finding: Finding, curve: Curve, scale: float) -> str:
     """From which step and, of a history, from which time on there is no convergence."""
     found, parted = curve.convergence, None
     first = curve.trials[found.stalls or 0]
@@ -330,9 +330,9 @@ def _divergence_told(finding: Finding, curve: Curve, scale: float) -> str:
     )
 
 
-def _order_told(curve: Curve, finding: Finding) -> str:
+def _order_reported(curve: Curve, finding: Finding) -> str:
     if len(curve.trials) < 3:
-        return "fewer than three runs tell no order"
+        return "fewer than three runs state no order"
     seen = [(trial, finding.order(trial)) for trial in curve.trials]
     seen = [(trial, order) for trial, order in seen if isfinite(order)]
     declared = order_of(curve.series.method)

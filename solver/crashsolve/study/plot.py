@@ -66,7 +66,7 @@ def draw(path: Path, title: str, trials: Sequence[Trial], findings: Sequence[Fin
 
 
 def _of_channels(trials: Sequence[Trial], findings: Sequence[Finding]) -> list[Line]:
-    """A line for each channel and series; colour tells series apart, or channels of one."""
+    """A line for each channel and series; colour distinguishes series, or channels of one."""
     every, lines = _series(trials), []
     for i, finding in enumerate(findings):
         for j, series in enumerate(every):
@@ -81,7 +81,7 @@ def _of_channels(trials: Sequence[Trial], findings: Sequence[Finding]) -> list[L
 
 
 def _of_all(trials: Sequence[Trial], findings: Sequence[Finding]) -> list[Line]:
-    """A line for each series: colour tells methods apart, markers the meshes."""
+    """A line for each series: colour distinguishes methods, markers the meshes."""
     every, lines = _series(trials), []
     methods = list(dict.fromkeys(series.method for series in every))
     kinds = list(dict.fromkeys((series.mesh, series.description) for series in every))

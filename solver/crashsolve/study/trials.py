@@ -55,15 +55,15 @@ def run_all(
     overrides: Mapping[str, str],
     folder: Path,
     jobs: int,
-    tell: Tell,
+    report: Tell,
 ) -> list[Trial]:
-    """All trials in the order of their settings; `tell` hears of each as it ends."""
+    """All trials in the order of their settings; `report` hears of each as it ends."""
 
     def run(setting: Setting) -> Trial:
         trial = _trial(
             deck, setting, {**overrides, **setting.overrides}, folder / setting.folder, jobs
         )
-        tell(trial)
+        report(trial)
         return trial
 
     # the first of each method compiles for the others; then the dearest first, to end together

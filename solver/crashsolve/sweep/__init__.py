@@ -1,1 +1,1 @@
-"""A deck over many values of its parameters: plan, runs, table."""
+"""One deck with many values of its parameters: plan, runs, table; settings are the same."""

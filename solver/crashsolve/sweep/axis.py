@@ -15,7 +15,7 @@ from pydantic import field_validator, model_validator
 
 from crashsolve.channels.units import UnitError, parse_unit, split_quantity
 from crashsolve.deck.card import Card, word
-from crashsolve.deck.mistakes import refuse, shown
+from crashsolve.deck.diagnostics import refuse, shown
 from crashsolve.deck.numbers import as_written
 
 # share of a distribution that its limits must leave
@@ -95,8 +95,8 @@ class Axis(Card):
         """Raises ValueError for a range that is empty or that its distribution cannot fill."""
         units = {amount.unit for amount in self._given().values()}
         if len(units) > 1:
-            told = " and ".join(f"'{unit or 'none'}'" for unit in sorted(units))
-            raise ValueError(f"numbers of one range must be in one unit, not in {told}")
+            message = " and ".join(f"'{unit or 'none'}'" for unit in sorted(units))
+            raise ValueError(f"numbers of one range must be in one unit, not in {message}")
         for name, amount in self._given().items():
             if amount.number and not SMALLEST <= abs(amount.number) <= LARGEST:
                 raise ValueError(f"{name.rstrip('_')}: {amount.number:g} is no size to draw from")

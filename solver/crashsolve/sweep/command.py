@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _act(options: argparse.Namespace) -> int:
-    from crashsolve.sweep.conduct import Request, sweep, task
+    from crashsolve.sweep.runner import Request, sweep, task
     from crashsolve.sweep.script import Queue
 
     if options.run is not None:

@@ -54,8 +54,8 @@ def _drawn(plan: Plan) -> list[list[float]]:
     n = design.runs or 0
     if design.type == "saltelli":
         if n * (d + 2) > MOST:
-            told = f"saltelli makes {n} x ({d} + 2) = {n * (d + 2)} runs"
-            raise _refusal(plan, told, f"{MOST} are the most")
+            message = f"saltelli makes {n} x ({d} + 2) = {n * (d + 2)} runs"
+            raise _refusal(plan, message, f"{MOST} are the most")
         rows = _between(qmc.Sobol(2 * d, rng=design.seed).random(n))
         return [row for pair in rows for row in _crossed(pair[:d], pair[d:])]
     if design.type == "sobol":

@@ -68,7 +68,7 @@ class Run:
         """Folder of its results."""
         return sweep / "runs" / self.name
 
-    def told(self) -> str:
+    def reported(self) -> str:
         """Its values, for messages."""
         return ", ".join(f"{name} = {text}" for name, text in self.values.items())
 
@@ -94,7 +94,7 @@ def mark_of(deck: Deck) -> Mark:
 def text_mark(text: str, is_auto: bool) -> str:
     """Hash of the text of a deck, as sweep.json and history.h5 have it.
 
-    With `integrator: auto` without its line: results tell the method that was chosen.
+    With `integrator: auto` without its line: results state the method that was chosen.
     """
     kept = _METHOD.sub("", text) if is_auto else text
     return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]
@@ -136,7 +136,7 @@ def _named_in(value: Any) -> Iterator[Path]:
 
 
 def write_sweep(folder: Path, plan: Plan, title: str, runs: list[Run]) -> None:
-    """Write sweep.json, which tells crashpost and the tasks of a queue all. Raises OutputError."""
+    """Write sweep.json, which states crashpost and the tasks of a queue all. Raises OutputError."""
     data = {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,

@@ -44,7 +44,7 @@ class Worker:
 class March:
     """Runs a list of runs, `jobs` at a time, into the folder of their sweep.
 
-    `scene` tells the runs apart whose steps must be compiled: the first of each begins alone.
+    `scene` distinguishes the runs whose steps must be compiled: the first of each begins alone.
     `after_first` is called once the first run has finished.
     """
 
@@ -60,7 +60,9 @@ class March:
     is_stopping: bool = False
 
     def go(self, runs: Sequence[Run]) -> None:
-        """Run all; afterwards `states` and `codes` tell what became of each. Raises OutputError."""
+        """Run all; afterwards `states` and `codes` state what became of each. Raises
+        OutputError.
+        """
         waiting, workers = list(runs), list[Worker]()
         self._warm: set[tuple[str, ...]] = set()
         self._held: set[int] = set()
@@ -120,7 +122,7 @@ class March:
             if run.number in self._held and found.state in ("finished", "failed"):
                 # who held it has ended it
                 code = ExitCode.NORMAL if found.state == "finished" else ExitCode.SOLVER
-                self._tell(run, found, code)
+                self._report(run, found, code)
                 continue
             workers.append(self._start(run, found.state in ("stopped", "killed")))
 
@@ -145,18 +147,18 @@ class March:
             code = int(ExitCode.STOPPED)
         state = STATES.get(code, "killed" if code < 0 else "failed")
         status = status_of(folder)
-        told = str(status.get("message", "")) if status.get("exit_code") == code else ""
-        message = reason(code, told, (folder / ERRORS).read_text("utf-8", "replace"))
+        reported = str(status.get("message", "")) if status.get("exit_code") == code else ""
+        message = reason(code, reported, (folder / ERRORS).read_text("utf-8", "replace"))
         if state == "stopped" and not self.is_stopping:
             message = f"out of time: {message}"
         message = printable(message)
         note(self.folder, run, state, code, message)
-        self._tell(run, Look(state, "" if state == "finished" else message), code)
+        self._report(run, Look(state, "" if state == "finished" else message), code)
         if state == "finished" and self.after_first is not None:
             self.after_first()
             self.after_first = None
 
-    def _tell(self, run: Run, found: Look, code: int) -> None:
+    def _report(self, run: Run, found: Look, code: int) -> None:
         self.states[run.number], self.codes[run.number] = found, code
         self._ended += 1
         why = f", exit code {code}: {found.message}" if found.message else ""

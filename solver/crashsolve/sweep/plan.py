@@ -1,4 +1,4 @@
-"""The plan of a sweep: a YAML file beside the deck, whose mistakes are told before anything runs.
+"""The plan of a sweep: a YAML file beside the deck, whose errors are reported before anything runs.
 
 deck: bouncing_ball.yaml
 design: {type: sobol, runs: 64}
@@ -22,10 +22,10 @@ from crashsolve.channels.expression import channels_in
 from crashsolve.channels.series import Window
 from crashsolve.channels.units import UnitError
 from crashsolve.deck.card import Card, FileName, quantity, word
-from crashsolve.deck.mistakes import Mistake, mistakes_of, refuse, shown
+from crashsolve.deck.diagnostics import Diagnostic, diagnostics_of, refuse, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.reading.overrides import PARAMETERS
-from crashsolve.deck.run_cards.statistic import check_window, known_statistic, words_told
+from crashsolve.deck.run_cards.statistic import check_window, known_statistic, words_reported
 from crashsolve.deck.source import BROKEN, Position, Table, locate, read_yaml
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.sweep.axis import Axis
@@ -63,8 +63,8 @@ class Design(Card):
             raise ValueError(f"runs: must be from 1 to {MOST}, not {self.runs}")
         if self.type != "latin_hypercube" and self.runs & (self.runs - 1):
             below = 1 << (self.runs.bit_length() - 1)
-            told = f"{self.runs} points of a Sobol sequence are not balanced"
-            raise ValueError(f"runs: {told}; take a power of two, {below} or {2 * below}")
+            message = f"{self.runs} points of a Sobol sequence are not balanced"
+            raise ValueError(f"runs: {message}; take a power of two, {below} or {2 * below}")
         return self
 
 
@@ -73,7 +73,7 @@ class Measure(Card):
 
     name: str = word("heading of its column; channel and statistic when empty", "")
     channel: str = word("channel, or arithmetic of channels")
-    statistic: str = word(words_told())
+    statistic: str = word(words_reported())
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
     unit: str | None = word("unit of the number; the channel's own when absent", None)
 
@@ -142,45 +142,45 @@ class PlanCard(Card):
 
 @dataclass(frozen=True)
 class Plan:
-    """A plan without mistakes. `places` tells where varied and set names stand, for messages."""
+    """A plan without errors. `locations` states where varied and set names stand, for messages."""
 
     path: Path
     card: PlanCard
     axes: dict[str, Axis]
-    places: dict[str, Position]
+    locations: dict[str, Position]
 
     @property
     def deck(self) -> Path:
-        """The deck, by its full path: results tell the same wherever they are made from."""
+        """The deck, by its full path: results are the same wherever they are made from."""
         return Path(self.card.deck).resolve()
 
 
 def read_plan(path: Path) -> Plan:
-    """The plan in a file. Raises DeckErrors with all its mistakes."""
+    """The plan in a file. Raises DeckErrors with all its errors."""
     errors: list[DeckError] = []
     table = read_yaml(path, errors)
     if table is None:
         raise DeckErrors(errors)
     context, card = Context(folder=path.parent), None
-    found: list[Mistake] = []
+    found: list[Diagnostic] = []
     try:
         card = PlanCard.model_validate(table, context=context)
     except ValidationError as error:
-        found += mistakes_of(PlanCard, error)
+        found += diagnostics_of(PlanCard, error)
     axes = _axes(table.get("vary"), context, found)
     if card is not None and len(axes) == len(card.vary):
         found += _contradictions(card, axes)
     if found or errors or card is None:
         raise DeckErrors(_in_order([*errors, *(_placed(path, table, m) for m in found)]))
-    places = {
+    locations = {
         name: locate(_start(path), table, (keyword, name), True)
         for keyword, names in (("set", card.set), ("vary", axes))
         for name in names
     }
-    return Plan(path, card, axes, places)
+    return Plan(path, card, axes, locations)
 
 
-def _axes(given: Any, context: Context, found: list[Mistake]) -> dict[str, Axis]:
+def _axes(given: Any, context: Context, found: list[Diagnostic]) -> dict[str, Axis]:
     """The varied parameters; what is wrong with them goes to `found`."""
     axes = {}
     for name, value in given.items() if isinstance(given, Mapping) else ():
@@ -188,65 +188,67 @@ def _axes(given: Any, context: Context, found: list[Mistake]) -> dict[str, Axis]
             continue
         fields = {"values": value} if isinstance(value, list) else value
         if not isinstance(fields, Mapping):
-            told = f"must be a list of values or a range, not {shown(value)}"
-            found.append(Mistake(("vary", name), told, "write [1, 2] or {from: 1, to: 2}"))
+            message = f"must be a list of values or a range, not {shown(value)}"
+            found.append(Diagnostic(("vary", name), message, "write [1, 2] or {from: 1, to: 2}"))
             continue
         try:
             axes[name] = Axis.model_validate(fields, context=context)
         except ValidationError as error:
-            for mistake in mistakes_of(Axis, error):
+            for diagnostic in diagnostics_of(Axis, error):
                 # a bare list has no word `values`
-                within = mistake.path[1:] if isinstance(value, list) else mistake.path
-                found.append(mistake._replace(path=("vary", name, *within)))
+                within = diagnostic.path[1:] if isinstance(value, list) else diagnostic.path
+                found.append(diagnostic._replace(path=("vary", name, *within)))
     return axes
 
 
-def _contradictions(card: PlanCard, axes: Mapping[str, Axis]) -> list[Mistake]:
+def _contradictions(card: PlanCard, axes: Mapping[str, Axis]) -> list[Diagnostic]:
     """What is wrong between the fields of a plan."""
     found, known = [], dict[str, str]()
     for keyword, name in (*(("vary", n) for n in axes), *(("set", n) for n in card.set)):
         own = name.removeprefix(PARAMETERS)
         if own in known:
-            told = f"'{name}' is given already, under {known[own]}"
-            found.append(Mistake((keyword, name), told, "leave one of them out", True))
+            message = f"'{name}' is given already, under {known[own]}"
+            found.append(Diagnostic((keyword, name), message, "leave one of them out", True))
         known[own] = keyword
     titles = {*axes, *COLUMNS}
     for name in axes:
         if name in COLUMNS:
-            told = f"'{name}' is a column of the table already"
-            found.append(Mistake(("vary", name), told, f"write parameters.{name}", True))
+            message = f"'{name}' is a column of the table already"
+            found.append(Diagnostic(("vary", name), message, f"write parameters.{name}", True))
     for i, measure in enumerate(card.measure):
         if measure.title in titles:
-            told = f"'{measure.title}' is a heading already"
-            found.append(Mistake(("measure", i), told, "give it another name"))
+            message = f"'{measure.title}' is a heading already"
+            found.append(Diagnostic(("measure", i), message, "give it another name"))
         titles.add(measure.title)
     kind = card.design.type
     for name, axis in axes.items():
         found += [m._replace(path=("vary", name, *m.path)) for m in _unfit(kind, axis)]
     lengths = {name: len(axis.values) for name, axis in axes.items() if axis.values is not None}
     if kind == "list" and len(set(lengths.values())) > 1:
-        told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        found.append(Mistake(("vary",), f"the lists must be of one length: {told} values", ""))
+        message = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        found.append(
+            Diagnostic(("vary",), f"the lists must be of one length: {message} values", "")
+        )
     return found
 
 
-def _unfit(kind: str, axis: Axis) -> list[Mistake]:
+def _unfit(kind: str, axis: Axis) -> list[Diagnostic]:
     """Why the values of a parameter do not fit the design."""
     found = []
     if kind == "list" and axis.values is None:
-        found.append(Mistake((), "a range does not go with design: list", "write its values"))
+        found.append(Diagnostic((), "a range does not go with design: list", "write its values"))
     if kind == "grid" and axis.values is None and axis.count is None:
-        found.append(Mistake((), "how many values of the range?", "say count: 5"))
+        found.append(Diagnostic((), "how many values of the range?", "say count: 5"))
     if kind == "grid" and axis.distribution not in ("uniform", "log_uniform"):
-        told = f"{axis.distribution} values are drawn, and a grid draws nothing"
-        found.append(Mistake(("distribution",), told, "take design: {type: sobol, runs: 64}"))
+        message = f"{axis.distribution} values are drawn, and a grid draws nothing"
+        found.append(Diagnostic(("distribution",), message, "take design: {type: sobol, runs: 64}"))
     if kind in DRAWN and axis.count is not None:
-        found.append(Mistake(("count",), f"belongs to a grid, and the design is {kind}", ""))
+        found.append(Diagnostic(("count",), f"belongs to a grid, and the design is {kind}", ""))
     if kind in ("grid", *DRAWN) and axis.values is not None:
         texts = axis.texts()
         twice = next((text for text in texts if texts.count(text) > 1), None)
         if twice is not None:
-            found.append(Mistake((), f"has the value {twice} twice", "leave one of them out"))
+            found.append(Diagnostic((), f"has the value {twice} twice", "leave one of them out"))
     return found
 
 
@@ -254,12 +256,12 @@ def _start(path: Path) -> Position:
     return Position(str(path), 1, 1)
 
 
-def _placed(path: Path, table: Table, mistake: Mistake) -> DeckError:
-    """A mistake with its place in the file."""
-    below = mistake.path[:-1] if mistake.key else mistake.path
+def _placed(path: Path, table: Table, diagnostic: Diagnostic) -> DeckError:
+    """An error with its location in the file."""
+    below = diagnostic.path[:-1] if diagnostic.key else diagnostic.path
     words = [str(step + 1) if isinstance(step, int) else step for step in below]
-    place = locate(_start(path), table, mistake.path, mistake.key)
-    return DeckError(*place, " ".join(words), mistake.message, mistake.advice)
+    location = locate(_start(path), table, diagnostic.path, diagnostic.key)
+    return DeckError(*location, " ".join(words), diagnostic.message, diagnostic.advice)
 
 
 def _in_order(errors: list[DeckError]) -> list[DeckError]:

@@ -1,8 +1,8 @@
 """A job array for Slurm, as a script that a user can read and change.
 
-Each task is one run of the sweep. A task that comes to the end of its time is told so by SIGUSR1,
+Each task is one run of the sweep. A task that comes to the end of its time is notified by SIGUSR1,
 stops its run with a dump, and goes back to the queue, from where it goes on. One that is cancelled
-is told so by SIGTERM, stops with a dump as well, and does not go back.
+is notified by SIGTERM, stops with a dump as well, and does not go back.
 """
 
 import shlex
@@ -36,7 +36,7 @@ trap 'kill -TERM "$run"' TERM
 
 {python} -m crashsolve sweep {folder} --run "$SLURM_ARRAY_TASK_ID" &
 run=$!
-# told before the run was there
+# reported before the run was there
 [ "$out_of_time" = no ] || kill -TERM "$run"
 wait "$run"; code=$?
 # a trap ends the wait, not the run
@@ -52,7 +52,9 @@ exit "$code"
 
 @dataclass(frozen=True)
 class Queue:
-    """What a job array needs: tasks at once, time of each, seconds before its end it is told."""
+    """What a job array needs: tasks at once, time of each, seconds before its end it is
+    reported.
+    """
 
     at_once: int = 16
     time: str = "01:00:00"
@@ -101,6 +103,8 @@ def submit(path: Path) -> str:
         advice = "submit the script where Slurm is"
         raise DeckError("--submit", None, None, "", "there is no sbatch here", advice) from None
     if done.returncode:
-        told = " ".join(done.stderr.split()) or f"code {done.returncode}"
-        raise DeckError(str(path), None, None, "", f"sbatch refuses it: {told}", "see its options")
+        message = " ".join(done.stderr.split()) or f"code {done.returncode}"
+        raise DeckError(
+            str(path), None, None, "", f"sbatch refuses it: {message}", "see its options"
+        )
     return done.stdout.strip()

@@ -8,11 +8,11 @@ prints the couples of Eq. 8 with the opposite sign, and Eq. 10 as if it were ano
 Consequence to test: a free body of rigid and flexible parts keeps its angular momentum.
 """
 
+from crashsolve.foundation.angles import times
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_at, point_velocity
 from crashsolve.foundation.rotation import write_matrix
-from crashsolve.foundation.turn import times
 from crashsolve.foundation.vec3 import add, cross, put, vec
 
 
@@ -29,10 +29,10 @@ def carry(attached_nodes, nodes):
         q = times(
             (body.q[0], body.q[1], body.q[2], body.q[3]),
             (
-                attached_node.turn[0],
-                attached_node.turn[1],
-                attached_node.turn[2],
-                attached_node.turn[3],
+                attached_node.rotation[0],
+                attached_node.rotation[1],
+                attached_node.rotation[2],
+                attached_node.rotation[3],
             ),
         )
         for k in range(4):

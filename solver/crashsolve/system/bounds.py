@@ -1,7 +1,7 @@
 """Who sets the step, and why: in words, for the log and status.json.
 
 What acts on the body with the least stable step is looked at one by one: a sample of copies, in
-which nothing else acts, tells what one spring, contact or element of a beam adds to its bound
+which nothing else acts, states what one spring, contact or element of a beam adds to its bound
 
     omega = sqrt(2 k w + (c w)^2) + c w,   w the mobility of the body where it acts  (timestep.py)
 
@@ -28,7 +28,7 @@ EQUAL = 0.499
 # [s] after which it is looked for anew who sets the step
 AGAIN = 1.0
 # share of the bound that goes when a body can no more turn, above which its inertia is the cause
-BY_TURN = 0.9
+BY_ROTATION = 0.9
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class StepBound:
         self._interval, self._longest = interval, longest
         self._culprit, self._at, self._found = "", 0, -np.inf
 
-    def tell(self, engine: Engine) -> str:
+    def report(self, engine: Engine) -> str:
         """What sets the present step, and why."""
         control, step = engine.model.control[0], float(engine.clock["step"])
         if step == 0.0:
@@ -72,18 +72,20 @@ class StepBound:
     def _stable(self, engine: Engine) -> tuple[float, str]:
         """The step [s] that stiffness and turns allow, and what bounds it."""
         clock, control = engine.clock, engine.model.control[0]
-        turn, spin = float(control["turn"]), 0
+        rotation, spin = float(control["rotation"]), 0
         h, at, text = float(control["step_max"]), int(clock["limit_node"]), "samples"
         if at:
             rate = float(clock["element_rate"]) ** 0.5
             rate = float(_speeds(engine.state.nodes)[at]) if at > 0 else rate
             if rate * h > 2.0 * float(control["safety"]):
                 h, text = 2.0 * float(control["safety"]) / rate, ""
-        turns = np.linalg.norm(engine.state.nodes["w"], axis=1)
-        spin = int(turns.argmax())
-        if turns[spin] * h > turn:
+        rotations = np.linalg.norm(engine.state.nodes["w"], axis=1)
+        spin = int(rotations.argmax())
+        if rotations[spin] * h > rotation:
             name = engine.model.bodies[spin]
-            return turn / float(turns[spin]), f"body '{name}', it turns at {turns[spin]:.3g} rad/s"
+            return rotation / float(
+                rotations[spin]
+            ), f"body '{name}', it turns at {rotations[spin]:.3g} rad/s"
         return h, text or self._stiffest(engine, at)
 
     def _stiffest(self, engine: Engine, at: int) -> str:
@@ -117,8 +119,8 @@ def stiffest(engine: Engine, at: int) -> str:
     speed, is_damped, actor = max(found, key=lambda one: one[0])
     kind = "damping" if is_damped else "stiffness"
     text = f"body '{model.bodies[at]}', {kind} of {actor.name}"
-    held = _alone(engine, actor, arrays, at, turns=False)[0]
-    return f"{text}, by its rotation" if held < (1.0 - BY_TURN) * speed else text
+    held = _alone(engine, actor, arrays, at, rotations=False)[0]
+    return f"{text}, by its rotation" if held < (1.0 - BY_ROTATION) * speed else text
 
 
 def _copies(engine: Engine) -> dict[str, np.ndarray]:
@@ -178,7 +180,7 @@ def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _alone(
-    engine: Engine, actor: Actor, arrays: dict[str, np.ndarray], at: int, turns: bool = True
+    engine: Engine, actor: Actor, arrays: dict[str, np.ndarray], at: int, rotations: bool = True
 ) -> tuple[float, bool]:
     """Bound [rad/s] of a body by one actor, if need be without turns; whether it is a damper."""
     nobody = np.zeros(0, int)
@@ -187,7 +189,7 @@ def _alone(
         if not getattr(group, "is_unilateral", False):
             given |= _only(group, nobody)
     nodes, rows, clock = (arrays[name].copy() for name in ("nodes", "rows", "clock"))
-    if not turns:
+    if not rotations:
         nodes["W"][at] = nodes["J_inv"][at] = 0.0
     engine.probe(given | actor.arrays | {"nodes": nodes, "rows": rows, "clock": clock})
     return float(_speeds(nodes)[at]), float(nodes["damping"][at]) ** 2 > 2.0 * float(

@@ -14,7 +14,7 @@ from crashsolve.compiler.program import Program
 from crashsolve.compiler.table import Tables
 from crashsolve.model.clock import NOT_FINITE
 from crashsolve.system.placeholders import is_assembled, is_shared, method, placeholders
-from crashsolve.system.threads import sharing
+from crashsolve.threads import sharing
 
 INTEGRATORS = "crashsolve.integrators"
 LOOPS = "crashsolve.system.loops"

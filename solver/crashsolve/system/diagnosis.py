@@ -11,8 +11,8 @@ from crashsolve.model.clock import (
     CURVE_END,
     NOT_FINITE,
     POSITION,
+    ROTATED,
     STEP_TOO_SMALL,
-    TURNED,
     UNHELD,
     UNSOLVED,
     VELOCITY,
@@ -31,7 +31,7 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
         return passed
     status, step = int(clock["status"]), float(clock["next_step"])
     if status == NOT_FINITE:
-        at = int(clock["place"])
+        at = int(clock["index"])
         name = f"body '{model.bodies[at]}'" if at < len(model.bodies) else model.part_at(at)
         found = name, "its motion has grown beyond all bounds", closer(model, state)
     elif status == POSITION:
@@ -45,8 +45,8 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
         lack = f"{float(clock['value']):.3g} m"
         cause = f"nodes held by unilateral constraints cannot be kept on their surface (by {lack})"
         found = "a unilateral contact", cause, closer(model, state)
-    elif status == TURNED:
-        found = turned_far(model, state, clock)
+    elif status == ROTATED:
+        found = rotated_far(model, state, clock)
     elif status == STEP_TOO_SMALL:
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
     elif status == CONTACT_GAIN:
@@ -64,15 +64,15 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
 def passed_through(model: Model, state: State) -> SolverError | None:
     """The error for the first pair of bodies of which one has passed the middle of the other."""
     first: tuple[float, str, str] | None = None
-    for place, time, what in _passed_pairs(model, state) + _passed_nodes(model):
+    for location, time, what in _passed_pairs(model, state) + _passed_nodes(model):
         if first is None or time < first[0]:
-            first = time, place, what
+            first = time, location, what
     if first is None:
         return None
-    time, place, what = first
+    time, location, what = first
     cause = f"{what}: the contact is too soft for this speed, or the step too long"
     advice = f"make the contact stiffer; or {closer(model, state)}"
-    return SolverError(time, int(state.clock[0]["cycle"]), place, cause, advice)
+    return SolverError(time, int(state.clock[0]["cycle"]), location, cause, advice)
 
 
 def _passed_pairs(model: Model, state: State) -> list[tuple[str, float, str]]:
@@ -96,7 +96,7 @@ def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
     """The same for nodes of shells on rigid shapes, and for nodes and balls on faces."""
     found = []
     for group in model.nodal_groups:
-        place = f"contact '{group.card}'"
+        location = f"contact '{group.card}'"
         if group.narrow is None:
             times, what = (
                 group.arrays["totals"]["passed"],
@@ -108,7 +108,7 @@ def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
         else:
             continue
         if times.any():
-            found.append((place, float(times[times > 0.0].min()), what))
+            found.append((location, float(times[times > 0.0].min()), what))
     return found
 
 
@@ -134,7 +134,7 @@ def chooses_step(model: Model, state: State) -> bool:
 
 def open_joints(model: Model, state: State, clock: Any) -> Diagnosis:
     """Positions that cannot be brought onto Phi = 0."""
-    name, error = joint_of(model, int(clock["place"])), float(clock["value"])
+    name, error = joint_of(model, int(clock["index"])), float(clock["value"])
     cause = (
         f"the joints cannot be closed (error {error:.3g} of the model's size): "
         "they contradict each other, or the step is too long"
@@ -174,7 +174,7 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
     )
 
 
-def turned_far(model: Model, state: State, clock: Any) -> Diagnosis:
+def rotated_far(model: Model, state: State, clock: Any) -> Diagnosis:
     """A stated step in which a body turns so far that angles cannot be counted."""
     at = int(np.linalg.norm(state.nodes["w"], axis=1).argmax())
     speed, step = float(clock["value"]), float(clock["step"])
@@ -240,7 +240,7 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
 
 def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
     """A contact card whose normal force has made energy."""
-    number = int(clock["place"])
+    number = int(clock["index"])
     card = state.card_history[int(clock["current"]), number]
     held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
     taken = 0.5 * (exchanged - float(card["work"]))

@@ -6,7 +6,7 @@ Every law states its stored energy and the power it dissipates from its own form
 is therefore a measure of the integration error and of any law that breaks its promise.
 
 It is compared with the largest energy so far. Where nothing moves, as under a load on what is
-wholly held, all energies are errors: the work of a force over a way that positions cannot tell from
+wholly held, all energies are errors: the work of a force over a way that positions cannot say from
 none may be missing.
 """
 
@@ -105,7 +105,7 @@ def check(clock, control, nodes, ledger):
     is_due = control.energy_limit > 0.0 and clock.cycle >= control.check_every
     bad = bad_node(nodes)
     if bad >= 0:
-        clock.status, clock.place = NOT_FINITE, bad
+        clock.status, clock.index = NOT_FINITE, bad
     elif is_due and not is_starting and not lack <= control.energy_limit:
         clock.status = ENERGY
 
@@ -116,4 +116,4 @@ def check_contacts(clock, control, scene):
     if clock.status == RUNNING and control.energy_limit > 0.0:
         card = gaining_card(clock.current, control.energy_limit, scene.card_history)
         if card >= 0:
-            clock.status, clock.place = CONTACT_GAIN, card
+            clock.status, clock.index = CONTACT_GAIN, card

@@ -30,12 +30,12 @@ from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.system.compose import compose, load
-from crashsolve.system.contact.set_in import find_impact_speeds
+from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
-from crashsolve.system.threads.sharing import own_arrays
+from crashsolve.threads.sharing import own_arrays
 
-# an assembly error above this share of the model's size is a mistake in the deck, not round-off
+# an assembly error above this share of the model's size is an error in the deck, not round-off
 ASSEMBLY = 1e-6
 # a depth of this share of the model's size is touching
 ONTO = 1e-9
@@ -48,13 +48,13 @@ FIRST_CALL, LONGEST_CALL = 16, 0.2
 # steps after which work from outside, of a force that grows from nothing, can be compared with
 FIRST_JUDGED = 5
 # a corner of a curve is met within this share of a step, or of the time: its square is the error
-AS_GOOD_AS, ROUND_OFF = 1e-6, 1e-14
+STAGNATION_RATIO, ROUND_OFF = 1e-6, 1e-14
 # what the clock keeps of a balance above its limit, and what is no matter: a share of that limit,
 # as the first steps from rest err by much of the little energy there is
-MISSING, TRIFLE = ("missing", "missing_share", "missing_time"), 0.01
+MISSING, NEGLIGIBLE_SHARE = ("missing", "missing_share", "missing_time"), 0.01
 # methods with stages take steps so many times as long, by what curves of time do
 WITHIN = 4.0
-# at most so many passes for friction and reactions of the initial state to agree
+# at most so many iterations for friction and reactions of the initial state to agree
 PASSES = 60
 
 
@@ -109,7 +109,7 @@ class Engine:
         copied = (self.sample_clock, self.nodes, self.rows, self.ledger)
         copies = dict(zip(state, copied, strict=True))
         copies |= {name: copy for name, (_, copy) in self._histories.items()}
-        # that of the first thread, which others are told by this name
+        # that of the first thread, which others are reported by this name
         leaders = [{"leader": own["clock"]} if is_shared(m) else {} for own in (state, copies)]
         own = own_arrays(m)
         self._present, self._sampled = (
@@ -180,7 +180,7 @@ class Engine:
         clock = self.state.clock[0]
         while clock["time"] < until:
             if clock["kinked"] == CORNER:
-                self._turn_corner()
+                self._rotate_corner()
             corner = self._next_corner(until)
             # stages at the end of a step are of what comes before a corner
             end = nextafter(corner, -inf) if self.has_stages else corner
@@ -210,7 +210,7 @@ class Engine:
         """Time of the next corner of a curve of time [s]; infinite where there is none."""
         if not len(self._corners):
             return inf
-        near = max(AS_GOOD_AS * float(self.clock.next_step), ROUND_OFF * abs(until))
+        near = max(STAGNATION_RATIO * float(self.clock.next_step), ROUND_OFF * abs(until))
         at = int(np.searchsorted(self._corners, float(self.clock.time) + near, side="right"))
         if at == len(self._corners):
             return inf
@@ -241,7 +241,7 @@ class Engine:
         change = float(starts[at + 1])
         return change if change - now > ROUND_OFF * abs(goal) else inf
 
-    def _turn_corner(self) -> None:
+    def _rotate_corner(self) -> None:
         """What methods keep of the end of a step, as it is after the corner there."""
         clock = self.state.clock[0]
         if self.has_stages:
@@ -272,7 +272,7 @@ class Engine:
             copy[:] = now
         clock = self.sample_clock[0]
         points = self.state.points
-        # dampers push by a foretold velocity in a step, by the present one in a sample
+        # dampers push by a predicted velocity in a step, by the present one in a sample
         names = ("force", "torque") if self.model.nodal_groups else ()
         forces = {name: points[name].copy() for name in names}
         self._advance(clock["time"] if time is None else time, True, self._sampled)
@@ -323,22 +323,22 @@ class Engine:
         return [f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)]
 
     def step_warnings(self) -> list[str]:
-        """Signs that the step is too long for what no law tells: the tension in joints."""
+        """Signs that the step is too long for what no law states: the tension in joints."""
         found = self._balance_warnings()
         cycles = int(self.clock["cycle"])
-        passes = int(self.clock["iterations"]) / max(cycles, 1)
-        if self.model.integrator != "rattle" or passes <= MANY_PASSES:
+        iterations = int(self.clock["iterations"]) / max(cycles, 1)
+        if self.model.integrator != "rattle" or iterations <= MANY_PASSES:
             return found
         return [
             *found,
-            f"the joints took {passes:.1f} iterations a step: the step may be too long for the "
+            f"the joints took {iterations:.1f} iterations a step: the step may be too long for the "
             "tension in them; halve control.step, or control.step_max, and compare",
         ]
 
     def _balance_warnings(self) -> list[str]:
         """That the balance has been above its limit, where more than a trifle was missing."""
         clock, largest = self.clock, float(self.ledger[energy.LARGEST])
-        if float(clock["missing"]) <= TRIFLE * self._limit * largest:
+        if float(clock["missing"]) <= NEGLIGIBLE_SHARE * self._limit * largest:
             return []
         return [
             f"at t = {float(clock['missing_time']):.6g} s the energy balance was off by "

@@ -109,20 +109,20 @@ def kick_end(nodes, h):
 
 
 @kernel
-def take_late(nodes, sign):
+def take_deferred(nodes, sign):
     """Leave out (-1) or put back (+1) the forces that began during the step. Writes: nodes."""
     for i in range(nodes.shape[0]):
         b = nodes[i]
-        add_to(b.force, scale(sign, vec(b.late_force)))
-        add_to(b.torque, scale(sign, vec(b.late_torque)))
+        add_to(b.force, scale(sign, vec(b.deferred_force)))
+        add_to(b.torque, scale(sign, vec(b.deferred_torque)))
 
 
 @kernel
-def any_late(nodes):
+def any_deferred(nodes):
     """Whether a force began during the step."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
-        if norm(vec(b.late_force)) > 0.0:
+        if norm(vec(b.deferred_force)) > 0.0:
             return True
     return False
 
@@ -135,8 +135,8 @@ def clear_forces(nodes):
         b = nodes[i]
         put(b.force, zero)
         put(b.torque, zero)
-        put(b.late_force, zero)
-        put(b.late_torque, zero)
+        put(b.deferred_force, zero)
+        put(b.deferred_torque, zero)
         b.stiffness = 0.0
         b.damping = 0.0
     for k in range(6):
@@ -144,7 +144,7 @@ def clear_forces(nodes):
 
 
 @kernel
-def fastest_turn(nodes):
+def fastest_rotation(nodes):
     """Largest angular speed of any body [rad/s]."""
     fastest = 0.0
     for i in range(1, nodes.shape[0]):

@@ -18,7 +18,7 @@ from crashsolve.model.implicit.compliance import (
     tangent_groups,
 )
 from crashsolve.model.model import Group, Model
-from crashsolve.system.threads.sharing import shared_arrays
+from crashsolve.threads.sharing import shared_arrays
 
 # groups by what their laws do
 JOINTS: tuple[Group, ...] = ()  # constraint rows
@@ -28,7 +28,7 @@ FOLLOWERS: tuple[Group, ...] = ()  # sensors that must look at every step
 ELEMENTS: tuple[Group, ...] = ()  # parts whose elements are kept in blocks
 ELEMENT_LOADS: tuple[Group, ...] = ()  # loads on elements kept in blocks
 BRANCHES: tuple[Group, ...] = ()  # laws of several branches, with an event function
-TANGENTS: tuple[Group, ...] = ()  # laws that tell implicit methods their tangents
+TANGENTS: tuple[Group, ...] = ()  # laws that state implicit methods their tangents
 CONTACTS: tuple[ContactGroup, ...] = ()  # contact pairs
 UNILATERAL: tuple[ContactGroup, ...] = ()  # of them, those held by impulses
 SLIDING: tuple[ContactGroup, ...] = ()  # of them, those whose friction has branches
@@ -52,7 +52,7 @@ DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
 EVENTS = True  # there are laws with an event function
 LOOKS_AHEAD = True  # the next step must be asked about before it is taken
-COUNTS_TURNS = True  # laws follow angles from step to step, and steps may be long
+COUNTS_ROTATIONS = True  # laws follow angles from step to step, and steps may be long
 
 
 def placeholders(model: Model) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "TANGENTS": tuple(tangent_groups(model)),
         "CONTACTS": tuple(contacts),
         "UNILATERAL": tuple(c for c in contacts if c.is_unilateral),
-        "SLIDING": tuple(model.rubbing_groups()),
+        "SLIDING": tuple(model.groups_with_friction()),
         "TANGENT_CONTACTS": tuple(tangent_contacts(model)),
         "NODAL": tuple(nodal),
         "ATTACHMENTS": len(model.attached_nodes) > 0,
@@ -85,9 +85,9 @@ def placeholders(model: Model) -> dict[str, Any]:
         "THREADS": is_shared(model),
         "DENSE": samples_within_steps(model),
         "ONSETS": bool(contacts or model.branching_groups()),
-        "EVENTS": bool(model.branching_groups() or model.rubbing_groups()),
+        "EVENTS": bool(model.branching_groups() or model.groups_with_friction()),
         "LOOKS_AHEAD": bool(nodal or any(c.looks_ahead for c in contacts)),
-        "COUNTS_TURNS": counts_turns(model),
+        "COUNTS_ROTATIONS": counts_rotations(model),
     }
 
 
@@ -111,10 +111,10 @@ def is_shared(model: Model) -> bool:
     return model.threads > 1
 
 
-def counts_turns(model: Model) -> bool:
+def counts_rotations(model: Model) -> bool:
     """Whether laws follow angles from step to step, and a step may turn a body far."""
     is_short = hasattr(method(model), "KICK_DRIFT_KICK") and not model.control[0]["fixed_step"] > 0
-    return not is_short and any(hasattr(g.module, "COUNTS_TURNS") for g in model.groups)
+    return not is_short and any(hasattr(g.module, "COUNTS_ROTATIONS") for g in model.groups)
 
 
 def samples_within_steps(model: Model) -> bool:

@@ -9,7 +9,7 @@ to test: the drag takes alpha m v_half^2 h, and nothing else is lost.
 
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import apart, inlined, kernel
-from crashsolve.foundation.point import RIDES
+from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.model.clock import NOT_FINITE
 
@@ -35,7 +35,7 @@ def brake(clock, h, p, old, new, points):
     lost = 0.0
     if p.drag > 0.0:
         for i in range(p.first_point, p.first_point + p.point_count):
-            if points[i].held < RIDES:
+            if points[i].held < ATTACHED:
                 lost += brake_point(clock, h * p.drag, points[i])
     new.damped = old.damped + lost
 
@@ -44,10 +44,10 @@ def brake(clock, h, p, old, new, points):
 def brake_point(clock, share, b):
     """Impulse of the drag on a point from outside; returns the energy lost. Writes: clock."""
     p, spin = scale(share / b.mass_inv, vec(b.v)), scale(share / b.J_inv, vec(b.w))
-    turn = add(cross(vec(b.r), p), spin)
+    rotation = add(cross(vec(b.r), p), spin)
     for k in range(3):
         clock.impulse[k] -= p[k]
-        clock.angular_impulse[k] -= turn[k]
+        clock.angular_impulse[k] -= rotation[k]
     return dot(p, vec(b.v)) + dot(spin, vec(b.w))
 
 
@@ -61,24 +61,24 @@ def carry(h, nodes, points, attached_points):
         attached_point = attached_points[i]
         b, body = points[attached_point.point], nodes[attached_point.node]
         d = matvec(body.A, vec(attached_point.spot))
-        place = add(vec(body.r), d)
+        position = add(vec(body.r), d)
         if h > 0.0:
             before = add(vec(body.start_r), matvec(body.start_A, vec(attached_point.spot)))
-            put(b.v, scale(1.0 / h, sub(place, before)))
-            put(b.w, scale(2.0 / h, half_turn(body.start_q, body.q)))
+            put(b.v, scale(1.0 / h, sub(position, before)))
+            put(b.w, scale(2.0 / h, half_rotation(body.start_q, body.q)))
         else:
             put(b.v, add(vec(body.v), cross(vec(body.w), d)))
             put(b.w, vec(body.w))
-        put(b.r, place)
+        put(b.r, position)
 
 
 @kernel
-def half_turn(old, new):
+def half_rotation(old, new):
     """Cayley vector of the turn from one quaternion to another, world axes."""
     w = old[0] * new[0] + old[1] * new[1] + old[2] * new[2] + old[3] * new[3]
     a, b = (old[1], old[2], old[3]), (new[1], new[2], new[3])
-    turn = sub(scale(old[0], b), add(scale(new[0], a), cross(b, a)))
-    return scale(1.0 / w, turn)
+    rotation = sub(scale(old[0], b), add(scale(new[0], a), cross(b, a)))
+    return scale(1.0 / w, rotation)
 
 
 @kernel
@@ -122,10 +122,10 @@ def hold(b, ground):
     put(b.force, sub(vec(b.force), f))
     put(b.torque, sub(vec(b.torque), t))
     # the reaction is -f, and its moment about the origin -r x f
-    turn = add(cross(vec(b.r), f), t)
+    rotation = add(cross(vec(b.r), f), t)
     for k in range(3):
         ground.external[k] -= f[k]
-        ground.external[3 + k] -= turn[k]
+        ground.external[3 + k] -= rotation[k]
 
 
 @inlined
@@ -139,10 +139,10 @@ def held_part(u, bits):
 
 
 @kernel
-def hold_riders(nodes, points):
+def carry_attached(nodes, points):
     """What holds points that ride on bodies of their own. Writes: points, nodes."""
     for i in range(points.shape[0]):
-        if points[i].held % RIDES > 0:
+        if points[i].held % ATTACHED > 0:
             hold(points[i], nodes[0])
 
 
@@ -173,7 +173,7 @@ def add_up_motion(points, total):
     total.linear_size = total.angular_size = 0.0
     for i in range(points.shape[0]):
         b = points[i]
-        if b.held >= RIDES:
+        if b.held >= ATTACHED:
             continue
         r, p, spin = vec(b.r), scale(1.0 / b.mass_inv, vec(b.v)), scale(1.0 / b.J_inv, vec(b.w))
         add_to(total.linear, p)
@@ -184,7 +184,7 @@ def add_up_motion(points, total):
 
 @kernel
 def guard(clock, nodes, points):
-    """Stop at a point whose motion is not a finite number; its place follows those of the nodes.
+    """Stop at a point whose motion is not a finite number; its position follows those of the nodes.
 
     Writes: clock.
     """
@@ -194,5 +194,5 @@ def guard(clock, nodes, points):
         for k in range(3):
             total += abs(b.r[k]) + abs(b.v[k]) + abs(b.w[k])
         if not total < 1e100:
-            clock.status, clock.place = NOT_FINITE, nodes.shape[0] + i
+            clock.status, clock.index = NOT_FINITE, nodes.shape[0] + i
             return

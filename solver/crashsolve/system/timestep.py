@@ -13,12 +13,12 @@ Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Element
 from math import ceil, pi, sqrt
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.model.clock import TURNED
-from crashsolve.system.kinetics import fastest_turn
+from crashsolve.model.clock import ROTATED
+from crashsolve.system.kinetics import fastest_rotation
 
 # turn of a body in a step, beyond which angles between two are not counted; and what is left of it
 # to a step chosen by its error, as bodies may spin up in it [rad]
-QUARTER, MOST_TURN = 0.5 * pi, 1.0
+QUARTER, MOST_ROTATION = 0.5 * pi, 1.0
 
 
 @kernel
@@ -40,20 +40,22 @@ def wanted_step(clock, control, nodes):
     if fastest * h > 2.0 * control.safety:
         h = 2.0 * control.safety / fastest
         clock.limit_node = at
-    turn = fastest_turn(nodes)
-    if turn * h > control.turn:
-        h = control.turn / turn
+    rotation = fastest_rotation(nodes)
+    if rotation * h > control.rotation:
+        h = control.rotation / rotation
     return h
 
 
 @kernel
-def count_turns(h, clock, control, nodes):
-    """Steps in which angles can be counted: less than half a turn of two bodies. Writes: clock."""
-    turn = fastest_turn(nodes)
-    if control.fixed_step > 0.0 and turn * h > QUARTER:
-        clock.status, clock.value = TURNED, turn
-    elif control.fixed_step == 0.0 and turn * clock.next_step > MOST_TURN:
-        clock.next_step = MOST_TURN / turn
+def count_rotations(h, clock, control, nodes):
+    """Steps in which angles can be counted: less than half a rotation of two bodies. Writes:
+    clock.
+    """
+    rotation = fastest_rotation(nodes)
+    if control.fixed_step > 0.0 and rotation * h > QUARTER:
+        clock.status, clock.value = ROTATED, rotation
+    elif control.fixed_step == 0.0 and rotation * clock.next_step > MOST_ROTATION:
+        clock.next_step = MOST_ROTATION / rotation
 
 
 @kernel

@@ -21,7 +21,7 @@ from crashsolve.deck.card import Card, CurveName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import arm, place
+from crashsolve.foundation.motion import arm, world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, norm, scale, sub
 
@@ -99,16 +99,16 @@ def _shape(name: str, card: Any, scene: Any) -> Any:
 
 def mesh_tables(cards: Sequence[Any], table: np.ndarray, scene: Any) -> tuple[np.ndarray, ...]:
     """Boxes and triangles of all meshes of some tyres; () without any. Writes: table.road_root."""
-    solids, places = [], []
+    solids, positions = [], []
     for row, card in zip(table, cards, strict=True):
         for i, name in enumerate(card.road):
             if row["kind"][i] == MESH:
                 solids.append(_shape(name, scene.law("surfaces", name)[1], scene))
-                places.append((row, i))
+                positions.append((row, i))
     if not solids:
         return ()
     tables = _tree.data(None, solids)
-    for solid, (row, i) in zip(solids, places, strict=True):
+    for solid, (row, i) in zip(solids, positions, strict=True):
         row["road_root"][i] = solid["root"]
     return tables
 
@@ -118,19 +118,19 @@ def above_road(p, i, nodes, x, curves, data):
     """Distance of a world point x from road i [m], negative below, and the unit normal to x."""
     body = nodes[p.road_node[i]]
     at = (p.road_at[3 * i], p.road_at[3 * i + 1], p.road_at[3 * i + 2])
-    way = sub(x, place(body, at))
+    displacement = sub(x, world_position(body, at))
     if p.kind[i] == PLANE:
         n = arm(body, (p.road_axes[9 * i + 6], p.road_axes[9 * i + 7], p.road_axes[9 * i + 8]))
-        return dot(way, n), n
+        return dot(displacement, n), n
     axes = road_axes(p, i)
-    y = matvec_t(axes, matvec_t(body.A, way))
+    y = matvec_t(axes, matvec_t(body.A, displacement))
     if p.kind[i] == BOX:
         distance, m = from_box(
             (p.road_half[3 * i], p.road_half[3 * i + 1], p.road_half[3 * i + 2]), y
         )
     elif p.kind[i] == PROFILE:
         # its axes are rows of the ground
-        y = matvec(axes, way)
+        y = matvec(axes, displacement)
         distance, m = above_profile(curves, p.road_root[i], y)
         return distance, matvec_t(axes, m)
     else:
@@ -177,13 +177,13 @@ def above_profile(curves, curve, y):
 def above_mesh(root, thickness, y, data):
     """Distance of y from a mesh and the normal, in the axes of the mesh."""
     foot, found, at = nearest(data[0], data[1], root, y)
-    way = sub(y, foot)
-    distance = norm(way)
+    displacement = sub(y, foot)
+    distance = norm(displacement)
     m, is_open = outward(data[1][found], at)
-    inside = not is_open and dot(way, m) < 0.0
+    inside = not is_open and dot(displacement, m) < 0.0
     if inside and distance > thickness:
         # beneath the solid: not on this road
         return 1e300, m
     if distance > 0.0:
-        m = scale(-1.0 / distance if inside else 1.0 / distance, way)
+        m = scale(-1.0 / distance if inside else 1.0 / distance, displacement)
     return (-distance if inside else distance), m

@@ -25,13 +25,13 @@ from crashsolve.deck.card import BodyName, Card, CurveName, SurfaceName, Vec3, q
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
+    add_stiffness_bound,
     apply_force,
     apply_torque,
     arm,
     mobility,
-    place,
     point_velocity,
-    stiffen,
+    world_position,
 )
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub, vec
@@ -203,7 +203,7 @@ def patch_on(p, i, nodes, curves, data):
     """The Patch on road i; depth below zero where the wheel is off it, or lies on its side."""
     wheel, road = nodes[p.node], nodes[p.road_node[i]]
     u, hub = arm(wheel, vec(p.axis)), arm(wheel, vec(p.centre))
-    centre = place(wheel, vec(p.centre))
+    centre = world_position(wheel, vec(p.centre))
     d, n = above_road(p, i, nodes, centre, curves, data)
     camber = dot(u, n)
     upright = sqrt(max(1.0 - camber * camber, 0.0))
@@ -370,7 +370,7 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
 @kernel
 def load(body, d, u, stiffness, damping):
     """What a force along u in the point d adds to the stiffness of a body. Writes: body."""
-    stiffen(body, mobility(body, d, u), stiffness, damping)
+    add_stiffness_bound(body, mobility(body, d, u), stiffness, damping)
 
 
 @kernel

@@ -115,8 +115,8 @@ class Expressions:
         if isinstance(owner.kind, Tuple):
             return self._item(owner, node.slice)
         if isinstance(owner.kind, Column):
-            place = memory.place_of_number(self.text, owner, self.number(node.slice))
-            return memory.read_number(self.text, place, owner.kind.dtype)
+            slot = memory.slot_of_number(self.text, owner, self.number(node.slice))
+            return memory.read_number(self.text, slot, owner.kind.dtype)
         if isinstance(owner.kind, Table):
             several = isinstance(node.slice, ast.Tuple)
             nodes = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
@@ -158,13 +158,13 @@ class Expressions:
         """One of several, by its number; constant ones are kept by the module."""
         text, room = self.text, f"[{len(parts)} x {word}]"
         if any("%" in part for part in parts):
-            place = text.place(room)
+            slot = text.slot(room)
             for k, part in enumerate(parts):
-                text.store(word, part, text.at(word, place, str(k)))
+                text.store(word, part, text.at(word, slot, str(k)))
         else:
             listed = ", ".join(f"{word} {part}" for part in parts)
-            place = self.module.keep(f"{room} [{listed}]")
-        return text.load(word, text.at(word, place, at))
+            slot = self.module.keep(f"{room} [{listed}]")
+        return text.load(word, text.at(word, slot, at))
 
     def _value_BinOp(self, node: ast.BinOp) -> Value:
         one, other = self.value(node.left), self.value(node.right)
@@ -184,15 +184,15 @@ class Expressions:
         raise Untranslatable(f"kernels have no {type(node.op).__name__}")
 
     def _value_Compare(self, node: ast.Compare) -> Value:
-        ways: list[tuple[str, str]] = []
+        edges: list[tuple[str, str]] = []
         end, one = self.text.new_label(), self.value(node.left)
         for k, (how, part) in enumerate(zip(node.ops, node.comparators, strict=True)):
             other = self.value(part)
             found = self._compared(how, one, other)
             if k + 1 == len(node.ops):
-                return self._joined(found, end, ways)
+                return self._joined(found, end, edges)
             one, more = other, self.text.new_label()
-            ways.append(("false", self.text.label))
+            edges.append(("false", self.text.label))
             self.text.choose(found.words[0], more, end)
             self.text.begin(more)
         raise AssertionError
@@ -207,18 +207,18 @@ class Expressions:
             return known(KNOWN_ORDERS[type(how)](a, b))
         return arithmetic.compare(self.text, how, one, other)
 
-    def _joined(self, last: Value, end: str, ways: list[tuple[str, str]]) -> Value:
+    def _joined(self, last: Value, end: str, edges: list[tuple[str, str]]) -> Value:
         """A truth that was settled earlier, or is the last one."""
-        if not ways:
+        if not edges:
             return last
-        ways.append((last.words[0], self.text.label))
+        edges.append((last.words[0], self.text.label))
         self.text.begin(end)
-        return Value(BOOL, (self.text.join("i1", ways),))
+        return Value(BOOL, (self.text.join("i1", edges),))
 
     def _value_BoolOp(self, node: ast.BoolOp) -> Value:
         is_and, text = isinstance(node.op, ast.And), self.text
         settles, end = (FALSE if is_and else TRUE), text.new_label()
-        ways: list[tuple[str, str]] = []
+        edges: list[tuple[str, str]] = []
         last = TRUE if is_and else FALSE
         for k, part in enumerate(node.values):
             last = arithmetic.truth(text, self.value(part))
@@ -227,10 +227,10 @@ class Expressions:
             if last.constant is not None or k + 1 == len(node.values):
                 continue
             more = text.new_label()
-            ways.append((settles.words[0], text.label))
+            edges.append((settles.words[0], text.label))
             text.choose(last.words[0], *((more, end) if is_and else (end, more)))
             text.begin(more)
-        return self._joined(last, end, ways)
+        return self._joined(last, end, edges)
 
     def _value_IfExp(self, node: ast.IfExp) -> Value:
         text, whether = self.text, arithmetic.truth(self.text, self.value(node.test))

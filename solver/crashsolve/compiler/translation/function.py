@@ -1,6 +1,6 @@
 """One kernel: its statements, and the kinds of its variables.
 
-A variable has a place for every kind it takes. Where control comes together with numbers of
+A variable has a position for every kind it takes. Where control comes together with numbers of
 different kinds in a variable, each is turned into the kind that holds them all. What the end of a
 loop brings back to its start is known late: then the function is translated again.
 """
@@ -40,18 +40,18 @@ LOST = Lost()
 
 
 @dataclass(frozen=True)
-class Places:
+class Slots:
     """Where a variable lies."""
 
     kind: Kind
     names: tuple[str, ...]
 
 
-Bound = dict[str, Places | Value]
+Bound = dict[str, Slots | Value]
 
 
 @dataclass
-class Way:
+class Edge:
     """One of several ways to where control comes together: its label, and the variables on it."""
 
     label: str
@@ -64,8 +64,8 @@ class Loop:
 
     start: str
     begun: Bound = field(default_factory=dict)
-    continued: list[Way] = field(default_factory=list)
-    broken: list[Way] = field(default_factory=list)
+    continued: list[Edge] = field(default_factory=list)
+    broken: list[Edge] = field(default_factory=list)
 
 
 @cache
@@ -93,7 +93,7 @@ class Function(Expressions):
         """Write the text. Raises Untranslatable."""
         while True:
             super().__init__(self.names, self.module)
-            self.places: dict[tuple[str, Kind], Places] = {}
+            self.slots: dict[tuple[str, Kind], Slots] = {}
             self.partial: set[str] = set()
             self.loops: list[Loop] = []
             self.bound: Bound = {}
@@ -131,11 +131,11 @@ class Function(Expressions):
             return found
         return self._read(found, name)
 
-    def _read(self, found: Places, name: str) -> Value:
+    def _read(self, found: Slots, name: str) -> Value:
         if found.kind == LOST:
             raise Untranslatable(f"`{name}` is not of one kind here")
         pairs = zip(found.kind.words, found.names, strict=True)
-        return Value(found.kind, tuple(self.text.load(word, place) for word, place in pairs))
+        return Value(found.kind, tuple(self.text.load(word, slot) for word, slot in pairs))
 
     def assign_name(self, name: str, value: Value) -> None:
         """name = value."""
@@ -143,44 +143,44 @@ class Function(Expressions):
             self.bound[name] = value
             return
         key = (name, value.kind)
-        if key not in self.places:
-            self.places[key] = Places(value.kind, tuple(self.text.name() for _ in value.words))
-        self.bound[name] = self.places[key]
-        for word, part, place in zip(
-            value.kind.words, value.words, self.places[key].names, strict=True
+        if key not in self.slots:
+            self.slots[key] = Slots(value.kind, tuple(self.text.name() for _ in value.words))
+        self.bound[name] = self.slots[key]
+        for word, part, slot in zip(
+            value.kind.words, value.words, self.slots[key].names, strict=True
         ):
-            self.text.store(word, part, place)
+            self.text.store(word, part, slot)
 
-    def way(self) -> list[Way]:
+    def edge(self) -> list[Edge]:
         """The way on from here to where control comes together; none where it has ended."""
         if self.text.ended:
             return []
         label = self.text.new_label()
         self.text.go(label)
-        return [Way(label, self.bound)]
+        return [Edge(label, self.bound)]
 
-    def join(self, ways: list[Way]) -> None:
+    def join(self, edges: list[Edge]) -> None:
         """Go on where ways come together, if any do."""
-        if not ways:
+        if not edges:
             return
-        merged = self._merged([way.bound for way in ways])
+        merged = self._merged([edge.bound for edge in edges])
         end, bound = self.text.new_label(), Bound()
-        for way in ways:
-            self.text.begin(way.label)
-            self.bound = dict(way.bound)
+        for edge in edges:
+            self.text.begin(edge.label)
+            self.bound = dict(edge.bound)
             for name, kind in merged.items():
-                self._turn_into(name, kind)
+                self._rotate_into(name, kind)
             bound |= self.bound
             self.text.go(end)
         self.bound = bound
         self.text.begin(end)
 
-    def _merged(self, ways: list[Bound]) -> dict[str, Kind]:
+    def _merged(self, edges: list[Bound]) -> dict[str, Kind]:
         """Kinds of the variables where control comes together."""
         found: dict[str, Kind] = {}
-        for name in dict.fromkeys(name for way in ways for name in way):
-            kinds = [way[name].kind for way in ways if name in way]
-            if len(kinds) < len(ways):
+        for name in dict.fromkeys(name for edge in edges for name in edge):
+            kinds = [edge[name].kind for edge in edges if name in edge]
+            if len(kinds) < len(edges):
                 self.partial.add(name)
             widest = kinds[0]
             for kind in kinds[1:]:
@@ -188,14 +188,14 @@ class Function(Expressions):
             found[name] = widest
         return found
 
-    def _turn_into(self, name: str, kind: Kind) -> None:
+    def _rotate_into(self, name: str, kind: Kind) -> None:
         """Have a variable be of the kind that it has on every way."""
         had = self.bound.get(name)
         if had is None or had.kind == kind:
             return
         if kind == LOST:
-            self.bound[name] = Places(LOST, ())
-        elif isinstance(had, Places):
+            self.bound[name] = Slots(LOST, ())
+        elif isinstance(had, Slots):
             value = arithmetic.convert(self.text, self._read(had, name), kind)
             self.assign_name(name, value)
 
@@ -232,10 +232,10 @@ class Function(Expressions):
                 target.id, arithmetic.operate(self.text, node.op, old, self.value(node.value))
             )
             return
-        place, dtype = self.place_of(target)
-        old = memory.read_number(self.text, place, dtype)
+        slot, dtype = self.slot_of(target)
+        old = memory.read_number(self.text, slot, dtype)
         new = arithmetic.operate(self.text, node.op, old, self.value(node.value))
-        memory.write_number(self.text, place, dtype, new)
+        memory.write_number(self.text, slot, dtype, new)
 
     def assign(self, target: ast.expr, value: Value) -> None:
         """target = value."""
@@ -244,7 +244,7 @@ class Function(Expressions):
         elif isinstance(target, (ast.Tuple, ast.List)):
             self._assign_items(target.elts, value.items)
         else:
-            memory.write_number(self.text, *self.place_of(target), value)
+            memory.write_number(self.text, *self.slot_of(target), value)
 
     def _assign_items(self, targets: list[ast.expr], items: list[Value]) -> None:
         stars = [k for k, target in enumerate(targets) if isinstance(target, ast.Starred)]
@@ -256,19 +256,19 @@ class Function(Expressions):
         for target, item in zip(targets, items, strict=True):
             self.assign(target.value if isinstance(target, ast.Starred) else target, item)
 
-    def place_of(self, target: ast.expr) -> tuple[str, Any]:
+    def slot_of(self, target: ast.expr) -> tuple[str, Any]:
         """Address and type of a number that is to be written."""
         if isinstance(target, ast.Attribute):
             row = self.value(target.value)
             if isinstance(row.kind, Row):
-                place, dtype, several = memory.place_of_column(self.text, row, target.attr)
+                slot, dtype, several = memory.slot_of_column(self.text, row, target.attr)
                 if not several:
-                    return place, dtype
+                    return slot, dtype
         elif isinstance(target, ast.Subscript):
             column = self.value(target.value)
             if isinstance(column.kind, Column):
                 index = self.number(target.slice)
-                return memory.place_of_number(self.text, column, index), column.kind.dtype
+                return memory.slot_of_number(self.text, column, index), column.kind.dtype
         raise Untranslatable("kernels write numbers, to rows and columns")
 
     def _do_Return(self, node: ast.Return) -> None:
@@ -291,27 +291,27 @@ class Function(Expressions):
             self.statements(node.body if whether.constant else node.orelse)
             return
         labels = [text.new_label(), text.new_label()]
-        before, ways = self.bound, []
+        before, edges = self.bound, []
         text.choose(whether.words[0], *labels)
         for label, nodes in zip(labels, (node.body, node.orelse), strict=True):
             text.begin(label)
             self.bound = dict(before)
             self.statements(nodes)
-            ways += self.way()
-        self.join(ways)
+            edges += self.edge()
+        self.join(edges)
 
     def _do_While(self, node: ast.While) -> None:
         text, loop = self.text, self._open(node)
         whether = arithmetic.truth(text, self.value(node.test))
         out = self._enter(whether)
-        self._turn(node, loop)
+        self._rotation(node, loop)
         self._close(node, loop, out)
 
-    def _enter(self, whether: Value) -> list[Way]:
+    def _enter(self, whether: Value) -> list[Edge]:
         """Into the body of a loop under a condition; returns the way out."""
         if whether.constant is True:
             return []
-        inside, out = self.text.new_label(), Way(self.text.new_label(), dict(self.bound))
+        inside, out = self.text.new_label(), Edge(self.text.new_label(), dict(self.bound))
         self.text.choose(whether.words[0], inside, out.label)
         self.text.begin(inside)
         return [out]
@@ -328,13 +328,13 @@ class Function(Expressions):
         first = numbers[0] if len(numbers) > 1 else Value(INT, ("0",), 0)
         last = numbers[1] if len(numbers) > 1 else numbers[0]
         step = numbers[2] if len(numbers) > 2 else Value(INT, ("1",), 1)
-        text, count = self.text, self.text.place("i64")
+        text, count = self.text, self.text.slot("i64")
         text.store("i64", first.words[0], count)
         loop = self._open(node)
         now = text.load("i64", count)
         out = self._enter(Value(BOOL, (self._is_within(now, last.words[0], step),)))
         self.assign(node.target, Value(INT, (now,)))
-        self._turn(node, loop)
+        self._rotation(node, loop)
         if not text.ended:
             after = text.value(f"add nsw i64 {now}, {step.words[0]}")
             text.store("i64", after, count)
@@ -346,23 +346,23 @@ class Function(Expressions):
         if step.constant:
             how = "slt" if step.constant > 0 else "sgt"
             return text.value(f"icmp {how} i64 {now}, {last}")
-        ways = [text.value(f"icmp {how} i64 {now}, {last}") for how in ("slt", "sgt")]
+        edges = [text.value(f"icmp {how} i64 {now}, {last}") for how in ("slt", "sgt")]
         rises = text.value(f"icmp sgt i64 {step.words[0]}, 0")
-        return text.value(f"select i1 {rises}, i1 {ways[0]}, i1 {ways[1]}")
+        return text.value(f"select i1 {rises}, i1 {edges[0]}, i1 {edges[1]}")
 
     def _for_each(self, node: ast.For) -> None:
         """Once for every item of a tuple, one after the other."""
         if node.orelse:
             raise Untranslatable("loops of kernels have no `else`")
-        broken: list[Way] = []
+        broken: list[Edge] = []
         for item in self.value(node.iter).items:
             loop = Loop("", broken=broken)
             self.assign(node.target, item)
-            self._turn(node, loop)
+            self._rotation(node, loop)
             if self.text.ended:
                 break
         if broken:
-            self.join(broken + self.way())
+            self.join(broken + self.edge())
 
     def _open(self, node: ast.For | ast.While) -> Loop:
         """Begin a loop: what is known of the variables whenever control gets here."""
@@ -371,20 +371,20 @@ class Function(Expressions):
         self.bound = dict(self.bound)
         for name in list(self.bound):
             if (id(node), name) in self.wider:
-                self._turn_into(name, self.wider[id(node), name])
+                self._rotate_into(name, self.wider[id(node), name])
         loop = Loop(self.text.new_label(), dict(self.bound))
         self.text.begin(loop.start)
         return loop
 
-    def _turn(self, node: ast.For | ast.While, loop: Loop) -> None:
+    def _rotation(self, node: ast.For | ast.While, loop: Loop) -> None:
         """The body of a loop, to where `continue` leads."""
         self.loops.append(loop)
         self.statements(node.body)
         self.loops.pop()
         if loop.continued:
-            self.join(loop.continued + self.way())
+            self.join(loop.continued + self.edge())
 
-    def _close(self, node: ast.For | ast.While, loop: Loop, out: list[Way]) -> None:
+    def _close(self, node: ast.For | ast.While, loop: Loop, out: list[Edge]) -> None:
         """Back to the start of a loop with variables of the same kinds, and on after it."""
         gained: Bound = {}
         if not self.text.ended:
@@ -393,28 +393,28 @@ class Function(Expressions):
                 if widest != had.kind:
                     self.wider[id(node), name] = widest
                     raise Again
-                self._turn_into(name, had.kind)
+                self._rotate_into(name, had.kind)
             gained = {name: p for name, p in self.bound.items() if name not in loop.begun}
             self.text.go(loop.start)
-        for way in out:
+        for edge in out:
             self.partial |= gained.keys()
-            way.bound = gained | way.bound
+            edge.bound = gained | edge.bound
         self.join(out + loop.broken)
 
     def _do_Break(self, node: ast.Break) -> None:
-        self.loops[-1].broken += self.way()
+        self.loops[-1].broken += self.edge()
 
     def _do_Continue(self, node: ast.Continue) -> None:
-        self.loops[-1].continued += self.way()
+        self.loops[-1].continued += self.edge()
 
     def rooms(self) -> list[str]:
         """Lines that make room for the variables."""
-        lines = list(self.text.places)
-        for (name, kind), places in self.places.items():
-            for word, place in zip(kind.words, places.names, strict=True):
-                lines.append(f"{place} = alloca {word}")
+        lines = list(self.text.slots)
+        for (name, kind), slots in self.slots.items():
+            for word, slot in zip(kind.words, slots.names, strict=True):
+                lines.append(f"{slot} = alloca {word}")
                 if name in self.partial:
-                    lines.append(f"store {word} zeroinitializer, ptr {place}")
+                    lines.append(f"store {word} zeroinitializer, ptr {slot}")
         return lines
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.compiler.table import Place
+from crashsolve.compiler.table import Slot
 
 
 class Untranslatable(Exception):
@@ -103,10 +103,10 @@ class Tables(Kind):
     kinds: dict[str, Kind]
 
 
-def tables_of(places: dict[str, Place]) -> Tables:
+def tables_of(slots: dict[str, Slot]) -> Tables:
     """The kind of all tables of a scene."""
     kinds: dict[str, Kind] = {}
-    for name, (dtype, ndim) in places.items():
+    for name, (dtype, ndim) in slots.items():
         kinds[name] = Table(dtype, ndim) if dtype.names else Column(dtype)
     return Tables(kinds)
 

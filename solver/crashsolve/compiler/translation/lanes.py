@@ -15,7 +15,7 @@ VECTOR = f"<{EIGHT} x double>"
 SIZE = 8
 
 
-class Places:
+class Slots:
     """Addresses of the numbers of points and of rows of `work`."""
 
     def __init__(self, of: Expressions, given: list[Value]) -> None:
@@ -30,68 +30,68 @@ class Places:
         """Where the k-th number of the point of the e-th element lies."""
         text = self.text
         at = text.value(f"add i64 {self.numbers[0].words[0]}, {e}")
-        place = memory.place_of_number(text, self.corners, Value(INT, (at,)))
+        slot = memory.slot_of_number(text, self.corners, Value(INT, (at,)))
         assert hasattr(self.corners.kind, "dtype")
-        index = memory.read_number(text, place, self.corners.kind.dtype)
+        index = memory.read_number(text, slot, self.corners.kind.dtype)
         row = memory.row_of(text, self.points, [index])
         return text.at("i8", row.words[0], str(self.offsets[name] + SIZE * k))
 
     def row(self, k: int, e: int = 0, first: int = 1) -> str:
         """Where the numbers of eight lanes begin, k rows after that of an argument."""
         at = self.text.value(f"add i64 {self.numbers[first].words[0]}, {LANES * k + e}")
-        return memory.place_of_number(self.text, self.work, Value(INT, (at,)))
+        return memory.slot_of_number(self.text, self.work, Value(INT, (at,)))
 
-    def load(self, place: str) -> str:
-        return self.text.value(f"load {VECTOR}, ptr {place}, align {SIZE}")
+    def load(self, slot: str) -> str:
+        return self.text.value(f"load {VECTOR}, ptr {slot}, align {SIZE}")
 
-    def store(self, vector: str, place: str) -> None:
-        self.text.put(f"store {VECTOR} {vector}, ptr {place}, align {SIZE}")
+    def store(self, vector: str, slot: str) -> None:
+        self.text.put(f"store {VECTOR} {vector}, ptr {slot}, align {SIZE}")
 
     def transposed(self, rows: list[str]) -> list[str]:
-        """Eight vectors of eight: rows become columns, one bit of the places at a time."""
+        """Eight vectors of eight: rows become columns, one bit of the positions at a time."""
         for bit in (1, 2, 4):
             stay = [j if not j & bit else EIGHT + j - bit for j in range(EIGHT)]
             move = [j + bit if not j & bit else EIGHT + j for j in range(EIGHT)]
             found = list(rows)
             for i in (i for i in range(EIGHT) if not i & bit):
-                for place, mask in ((i, stay), (i + bit, move)):
+                for slot, mask in ((i, stay), (i + bit, move)):
                     listed = ", ".join(f"i32 {j}" for j in mask)
                     pair = f"{VECTOR} {rows[i]}, {VECTOR} {rows[i + bit]}"
                     line = f"shufflevector {pair}, <{EIGHT} x i32> <{listed}>"
-                    found[place] = self.text.value(line)
+                    found[slot] = self.text.value(line)
             rows = found
         return rows
 
 
 def _take(of: Expressions, given: list[Value]) -> Value:
-    places = Places(of, given)
-    first = places.offsets["r"]
-    assert [places.offsets[n] - first for n in ("r", "v", "w")] == [3 * SIZE * q for q in range(3)]
-    points = [places.load(places.number(e, "r")) for e in range(EIGHT)]
-    for k, row in enumerate(places.transposed(points)):
-        places.store(row, places.row(NEXT * (k // 3) + k % 3))
+    slots = Slots(of, given)
+    first = slots.offsets["r"]
+    assert [slots.offsets[n] - first for n in ("r", "v", "w")] == [3 * SIZE * q for q in range(3)]
+    points = [slots.load(slots.number(e, "r")) for e in range(EIGHT)]
+    for k, row in enumerate(slots.transposed(points)):
+        slots.store(row, slots.row(NEXT * (k // 3) + k % 3))
     for e in range(EIGHT):
-        last = of.text.load("double", places.number(e, "w", 2))
-        of.text.store("double", last, places.row(2 * NEXT + 2, e))
+        last = of.text.load("double", slots.number(e, "w", 2))
+        of.text.store("double", last, slots.row(2 * NEXT + 2, e))
     return Value(NOTHING)
 
 
 def _add(of: Expressions, given: list[Value]) -> Value:
-    places, text = Places(of, given), of.text
+    slots, text = Slots(of, given), of.text
     names = ("force", "torque", "load", "spin_load")
-    begins = [places.offsets[name] - places.offsets["force"] for name in names]
+    begins = [slots.offsets[name] - slots.offsets["force"] for name in names]
     assert begins == [0, 3 * SIZE, 6 * SIZE, 7 * SIZE]
     # numbers: first, at, loads, live
-    rows = [places.row(NEXT * (k // 3) + k % 3) for k in range(6)]
-    rows += [places.row(k, first=2) for k in range(2)]
-    points = places.transposed([places.load(row) for row in rows])
+    rows = [slots.row(NEXT * (k // 3) + k % 3) for k in range(6)]
+    rows += [slots.row(k, first=2) for k in range(2)]
+    points = slots.transposed([slots.load(row) for row in rows])
     for e, forces in enumerate(points):
         inside, after = text.new_label(), text.new_label()
-        text.choose(text.value(f"icmp sgt i64 {places.numbers[3].words[0]}, {e}"), inside, after)
+        text.choose(text.value(f"icmp sgt i64 {slots.numbers[3].words[0]}, {e}"), inside, after)
         text.begin(inside)
-        place = places.number(e, "force")
-        total = text.value(f"fadd {FLAGS} {VECTOR} {places.load(place)}, {forces}")
-        places.store(total, place)
+        slot = slots.number(e, "force")
+        total = text.value(f"fadd {FLAGS} {VECTOR} {slots.load(slot)}, {forces}")
+        slots.store(total, slot)
         text.begin(after)
     return Value(NOTHING)
 

@@ -32,10 +32,10 @@ def kind_in(dtype: np.dtype) -> tuple[Number, str]:
     raise Untranslatable(f"kernels know no numbers of type {dtype}")
 
 
-def read_number(text: Text, place: str, dtype: np.dtype) -> Value:
+def read_number(text: Text, slot: str, dtype: np.dtype) -> Value:
     """The number that lies there."""
     kind, stored = kind_in(dtype)
-    word = text.load(stored, place)
+    word = text.load(stored, slot)
     if kind == BOOL:
         word = text.value(f"trunc i8 {word} to i1")
     elif kind == INT and stored != "i64":
@@ -43,7 +43,7 @@ def read_number(text: Text, place: str, dtype: np.dtype) -> Value:
     return Value(kind, (word,))
 
 
-def write_number(text: Text, place: str, dtype: np.dtype, value: Value) -> None:
+def write_number(text: Text, slot: str, dtype: np.dtype, value: Value) -> None:
     """Put a number there."""
     kind, stored = kind_in(dtype)
     (word,) = convert(text, value, kind).words
@@ -51,10 +51,10 @@ def write_number(text: Text, place: str, dtype: np.dtype, value: Value) -> None:
         word = text.value(f"zext i1 {word} to i8")
     elif kind == INT and stored != "i64":
         word = text.value(f"trunc i64 {word} to {stored}")
-    text.store(stored, word, place)
+    text.store(stored, word, slot)
 
 
-def place_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, bool]:
+def slot_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, bool]:
     """Where a column of a row lies: address, type of a number, whether there are several."""
     assert isinstance(row.kind, Row)
     fields: Any = row.kind.dtype.fields or {}
@@ -62,19 +62,19 @@ def place_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, b
         known = ", ".join(fields) or "none"
         raise Untranslatable(f"these rows have no column `{name}`, but {known}")
     dtype, offset = fields[name][:2]
-    place = text.at("i8", row.words[0], str(offset))
-    return place, dtype.base, bool(dtype.shape)
+    slot = text.at("i8", row.words[0], str(offset))
+    return slot, dtype.base, bool(dtype.shape)
 
 
 def read_column(text: Text, row: Value, name: str) -> Value:
     """row.name: a number, a column of numbers, or a row within the row."""
-    place, dtype, several = place_of_column(text, row, name)
+    slot, dtype, several = slot_of_column(text, row, name)
     if dtype.names:
-        return Value(Row(dtype), (place,))
-    return Value(Column(dtype), (place,)) if several else read_number(text, place, dtype)
+        return Value(Row(dtype), (slot,))
+    return Value(Column(dtype), (slot,)) if several else read_number(text, slot, dtype)
 
 
-def place_of_number(text: Text, column: Value, index: Value) -> str:
+def slot_of_number(text: Text, column: Value, index: Value) -> str:
     """Address of column[index]."""
     assert isinstance(column.kind, Column)
     return text.at(kind_in(column.kind.dtype)[1], column.words[0], index.words[0])
@@ -90,12 +90,12 @@ def row_of(text: Text, table: Value, indices: list[Value]) -> Value:
     if len(indices) == 2:
         count = text.value(f"add i64 {count}, {indices[1].words[0]}")
     offset = text.value(f"mul i64 {count}, {kind.dtype.itemsize}")
-    place = text.at("i8", data, offset)
+    slot = text.at("i8", data, offset)
     if len(indices) == kind.ndim:
-        return Value(Row(kind.dtype), (place,))
+        return Value(Row(kind.dtype), (slot,))
     if len(indices) > kind.ndim:
         raise Untranslatable("this table has one dimension")
-    return Value(Table(kind.dtype, 1), (place, table.words[2]))
+    return Value(Table(kind.dtype, 1), (slot, table.words[2]))
 
 
 def table_of(text: Text, tables: Value, name: str) -> Value:
@@ -106,6 +106,6 @@ def table_of(text: Text, tables: Value, name: str) -> Value:
     kind, first = tables.kind.kinds[name], WORDS * list(tables.kind.kinds).index(name)
     words = []
     for k, word in enumerate(kind.words):
-        place = text.at("i64", tables.words[0], str(first + k))
-        words.append(text.load(word, place))
+        slot = text.at("i64", tables.words[0], str(first + k))
+        words.append(text.load(word, slot))
     return Value(kind, tuple(words))

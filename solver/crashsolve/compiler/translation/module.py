@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from types import FunctionType
 
-from crashsolve.compiler.table import Place
+from crashsolve.compiler.table import Slot
 from crashsolve.compiler.translation import builtin, lanes, threads
 from crashsolve.compiler.translation.function import Function
 from crashsolve.compiler.translation.kinds import (
@@ -35,9 +35,9 @@ class Known:
 class Module:
     """Functions of a module, each for every combination of kinds it is called with."""
 
-    def __init__(self, places: dict[str, Place]) -> None:
-        self.tables = tables_of(places)
-        self.has_lanes = "lanes" in places
+    def __init__(self, slots: dict[str, Slot]) -> None:
+        self.tables = tables_of(slots)
+        self.has_lanes = "lanes" in slots
         self.parts: list[str] = []
         self.constants: dict[str, str] = {}
         self._known: dict[tuple[FunctionType, tuple[Kind, ...]], Known | None] = {}

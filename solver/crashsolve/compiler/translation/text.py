@@ -11,7 +11,7 @@ class Text:
 
     def __init__(self) -> None:
         self.lines: list[str] = []
-        self.places: list[str] = []
+        self.slots: list[str] = []
         self.label = "entry"
         # whether control never gets here
         self.ended = False
@@ -23,7 +23,7 @@ class Text:
         return f"%v{self._names}"
 
     def new_label(self) -> str:
-        """A new name for a place to go to."""
+        """A new name for a position to go to."""
         self._names += 1
         return f"b{self._names}"
 
@@ -37,23 +37,23 @@ class Text:
         self.lines.append(f"{name} = {line}")
         return name
 
-    def place(self, word: str, zero: bool = False) -> str:
+    def slot(self, word: str, zero: bool = False) -> str:
         """Room for a variable."""
         name = self.name()
-        self.places.append(f"{name} = alloca {word}")
+        self.slots.append(f"{name} = alloca {word}")
         if zero:
-            self.places.append(f"store {word} zeroinitializer, ptr {name}")
+            self.slots.append(f"store {word} zeroinitializer, ptr {name}")
         return name
 
-    def load(self, word: str, place: str) -> str:
-        return self.value(f"load {word}, ptr {place}")
+    def load(self, word: str, slot: str) -> str:
+        return self.value(f"load {word}, ptr {slot}")
 
-    def store(self, word: str, value: str, place: str) -> None:
-        self.put(f"store {word} {value}, ptr {place}")
+    def store(self, word: str, value: str, slot: str) -> None:
+        self.put(f"store {word} {value}, ptr {slot}")
 
-    def at(self, word: str, place: str, count: str) -> str:
-        """Address of the count-th value from a place."""
-        return self.value(f"getelementptr inbounds {word}, ptr {place}, i64 {count}")
+    def at(self, word: str, slot: str, count: str) -> str:
+        """Address of the count-th value from a position."""
+        return self.value(f"getelementptr inbounds {word}, ptr {slot}, i64 {count}")
 
     def go(self, label: str) -> None:
         """End this block: go on at a label."""
@@ -85,9 +85,9 @@ class Text:
         self.put(f"{label}:")
         self.label, self.ended = label, False
 
-    def join(self, word: str, ways: Iterable[tuple[str, str]]) -> str:
+    def join(self, word: str, edges: Iterable[tuple[str, str]]) -> str:
         """The value that comes from the block control comes from: (value, label) each."""
-        listed = ", ".join(f"[ {value}, %{label} ]" for value, label in ways)
+        listed = ", ".join(f"[ {value}, %{label} ]" for value, label in edges)
         return self.value(f"phi {word} {listed}")
 
 

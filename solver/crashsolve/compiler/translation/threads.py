@@ -22,11 +22,11 @@ from crashsolve.foundation.atomic import (
 DECLARED = ("declare i32 @sched_yield()", "declare i32 @usleep(i32)")
 
 
-def _place(of: Expressions, given: list[Value]) -> str:
+def _position(of: Expressions, given: list[Value]) -> str:
     words = given[0]
     if not isinstance(words.kind, Column) or words.kind.dtype.str != "<i8":
         raise Untranslatable("threads share columns of whole words")
-    return memory.place_of_number(of.text, words, _whole(of, given[1]))
+    return memory.slot_of_number(of.text, words, _whole(of, given[1]))
 
 
 def _whole(of: Expressions, value: Value) -> Value:
@@ -34,26 +34,26 @@ def _whole(of: Expressions, value: Value) -> Value:
 
 
 def _load(of: Expressions, given: list[Value]) -> Value:
-    place = _place(of, given)
-    return Value(INT, (of.text.value(f"load atomic i64, ptr {place} acquire, align 8"),))
+    slot = _position(of, given)
+    return Value(INT, (of.text.value(f"load atomic i64, ptr {slot} acquire, align 8"),))
 
 
 def _store(of: Expressions, given: list[Value]) -> Value:
-    place, number = _place(of, given), _whole(of, given[2]).words[0]
-    of.text.put(f"store atomic i64 {number}, ptr {place} release, align 8")
+    slot, number = _position(of, given), _whole(of, given[2]).words[0]
+    of.text.put(f"store atomic i64 {number}, ptr {slot} release, align 8")
     return Value(NOTHING)
 
 
 def _add(of: Expressions, given: list[Value]) -> Value:
-    place, number = _place(of, given), _whole(of, given[2]).words[0]
-    of.text.value(f"atomicrmw add ptr {place}, i64 {number} release, align 8")
+    slot, number = _position(of, given), _whole(of, given[2]).words[0]
+    of.text.value(f"atomicrmw add ptr {slot}, i64 {number} release, align 8")
     return Value(NOTHING)
 
 
 def _replace(of: Expressions, given: list[Value]) -> Value:
-    place = _place(of, given)
+    slot = _position(of, given)
     old, new = (_whole(of, value).words[0] for value in given[2:])
-    line = f"cmpxchg ptr {place}, i64 {old}, i64 {new} acq_rel acquire, align 8"
+    line = f"cmpxchg ptr {slot}, i64 {old}, i64 {new} acq_rel acquire, align 8"
     pair = of.text.value(line)
     return Value(BOOL, (of.text.value(f"extractvalue {{ i64, i1 }} {pair}, 1"),))
 

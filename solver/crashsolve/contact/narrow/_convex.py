@@ -3,7 +3,7 @@
     depth = - max over unit n of  (c_a - c_b) . n - h_a(n) - h_b(n),   h = sum_k sqrt(n^T E_k n)
 
 h is how far a body reaches along n. For bodies apart the maximum is unique and its value is their
-distance; for bodies that overlap it is the shortest way out, one top of several, looked for from
+distance; for bodies that overlap it is the shortest exit, one top of several, looked for from
 the best of the directions in which edged bodies meet. Newton's method on the sphere of directions,
 damped until every step climbs. Point of contact: midway between the deepest points.
 Consequence to test: depth and normal of two spheres, and those of a brute-force search.
@@ -18,7 +18,7 @@ import numpy as np
 
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
+from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
 
@@ -56,7 +56,7 @@ def _as_sum(element: dict[str, Any], rounds: list[np.ndarray]) -> dict[str, Any]
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
     body_a, body_b = nodes[a.node], nodes[b.node]
-    centre_a, centre_b = place(body_a, vec(a.point)), place(body_b, vec(b.point))
+    centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
     best, n, value = -1e300, (0.0, 0.0, 1.0), 1e300
     for _ in range(CLIMBS):
@@ -111,16 +111,16 @@ def axis_of(a, b, body_a, body_b, k):
 @kernel
 def ascend(a, b, body_a, body_b, c, n):
     """Climb to the top nearest to direction n: its height and direction."""
-    way = between(a, b, body_a, body_b, c, n)
-    best, damping, round_off = dot(way, n), 0.0, ROUND_OFF * norm(c)
+    separation = between(a, b, body_a, body_b, c, n)
+    best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
         s, t = tangents(n)
         curved = add(bend(a, body_a, n, s, t), bend(b, body_b, n, s, t))
-        n_new, angle = climb(n, s, t, way, curved, best, damping)
-        way_new = between(a, b, body_a, body_b, c, n_new)
-        value = dot(way_new, n_new)
+        n_new, angle = climb(n, s, t, separation, curved, best, damping)
+        separation_new = between(a, b, body_a, body_b, c, n_new)
+        value = dot(separation_new, n_new)
         if value >= best - round_off:
-            n, best, way = n_new, value, way_new
+            n, best, separation = n_new, value, separation_new
             damping *= 0.1
         else:
             damping = max(4.0 * damping, 1e-3)
@@ -153,11 +153,11 @@ def reach(shape, body, n):
 
 
 @kernel
-def climb(n, s, t, way, bend, best, damping):
+def climb(n, s, t, separation, bend, best, damping):
     """Next direction by a damped Newton step from n, and the angle to it [rad].
 
-    `way`: from one farthest point to the other [m]; `bend`: second derivatives of both reaches
-    along the tangents s and t, (ss, st, tt) [m]; `best`: the height so far [m].
+    `separation`: from one farthest point to the other [m]; `bend`: second derivatives of both
+    reaches along the tangents s and t, (ss, st, tt) [m]; `best`: the height so far [m].
     """
     m_ss, m_st, m_tt = bend[0] + best, bend[1], bend[2] + best
     lowest = 0.5 * (m_ss + m_tt) - sqrt(0.25 * (m_ss - m_tt) ** 2 + m_st * m_st)
@@ -165,12 +165,12 @@ def climb(n, s, t, way, bend, best, damping):
     # the curvature must be positive, or the step would go down
     more = damping * size + max(0.0, 1e-6 * size - lowest)
     m_ss, m_tt = m_ss + more, m_tt + more
-    g_s, g_t = dot(way, s), dot(way, t)
+    g_s, g_t = dot(separation, s), dot(separation, t)
     det = m_ss * m_tt - m_st * m_st
     step_s, step_t = (m_tt * g_s - m_st * g_t) / det, (m_ss * g_t - m_st * g_s) / det
     angle = sqrt(step_s * step_s + step_t * step_t)
-    turned = add(n, add(scale(step_s, s), scale(step_t, t)))
-    return scale(1.0 / norm(turned), turned), angle
+    rotated = add(n, add(scale(step_s, s), scale(step_t, t)))
+    return scale(1.0 / norm(rotated), rotated), angle
 
 
 @kernel

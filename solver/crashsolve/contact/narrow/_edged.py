@@ -19,13 +19,13 @@ import numpy as np
 from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ROUND_OFF, climb, tangents
 from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
+from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
 
 __all__ = ["PARAMETERS", "bound", "data", "expand", "gap", "patch"]
 
-# what the manual tells of pairs with this gap
+# what the manual says of pairs with this gap
 POINTS = "one, or where sides lie flat up to eight (twelve with a cap) that share the force"
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
@@ -47,11 +47,11 @@ STARTS, ALIKE = 22, 1.0 - 1e-6
 # separations closer than this share of the distance are those of one direction named twice
 SAME = 1e-12
 # the last step of Newton's method turns by less than this share of edge / size [rad]: what it
-# leaves is its square times size / edge, so the place of contact is right to 1e-8 of a face
+# leaves is its square times size / edge, so the position of contact is right to 1e-8 of a face
 LAST = 1e-4
 # least rounding of a box, in shares of what it would have of its own
 FINEST = 1e-6
-# share of a face within which the place is looked for
+# share of a face within which the position is looked for
 OUTERMOST = 0.9999
 
 
@@ -115,7 +115,7 @@ def extent(shape, u, n):
 def bound(a, b, nodes, data):
     """Depth that the bodies do not exceed [m]: by enclosing spheres, then along faces of boxes."""
     body_a, body_b = nodes[a.node], nodes[b.node]
-    c = sub(place(body_a, vec(a.point)), place(body_b, vec(b.point)))
+    c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
     apart = norm(c) - a.radius - b.radius
     if apart > 0.0:
         return -apart
@@ -130,7 +130,7 @@ def bound(a, b, nodes, data):
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
     body_a, body_b = nodes[a.node], nodes[b.node]
-    centre_a, centre_b = place(body_a, vec(a.point)), place(body_b, vec(b.point))
+    centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
     u, w = axes_of(a, body_a), axes_of(b, body_b)
     # tops of two boxes are as high as their separation along an axis, but for what edges are cut
@@ -152,7 +152,7 @@ def gap(a, b, nodes, data):
         start = toward(direction(u, w, c, k), c)
         if dot(start, before) < ALIKE:
             before = start
-            start = over_the_place(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
+            start = over_the_position(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
             height, top = ascend(a, b, u, w, c, start, last)
             if height > best:
                 best, n = height, top
@@ -244,7 +244,7 @@ def toward(n, c):
 
 
 @kernel
-def over_the_place(a, b, u, w, c, k, n):
+def over_the_position(a, b, u, w, c, k, n):
     """Normal of a rounded face where the other box is nearest to it, for the normal n of the face.
 
     Newton's method comes there too, in small steps.
@@ -255,17 +255,19 @@ def over_the_place(a, b, u, w, c, k, n):
 
 
 @kernel
-def bent(shape, u, k, way, n, sign):
-    """Normal of the rounded face k at the place `way` from the centre. See over_the_place."""
-    turned = n
+def bent(shape, u, k, separation, n, sign):
+    """Normal of the rounded face k at the position `separation` from the centre. See
+    over_the_position.
+    """
+    rotated = n
     for j in range(3):
         if j != k:
             full = shape.alpha[j] + shape.beta[j]
             most = OUTERMOST * sqrt(full)
-            p = max(-most, min(most, dot(way, u[j])))
+            p = max(-most, min(most, dot(separation, u[j])))
             slope = p * sqrt(shape.alpha[j] / (full * full - p * p * shape.beta[j]))
-            turned = add_scaled(turned, sign * slope, u[j])
-    return scale(1.0 / norm(turned), turned)
+            rotated = add_scaled(rotated, sign * slope, u[j])
+    return scale(1.0 / norm(rotated), rotated)
 
 
 @kernel
@@ -341,17 +343,17 @@ def around(a, b, u, w, c, n, s, t):
 def ascend(a, b, u, w, c, n, last):
     """Climb to the top nearest to direction n: its height before the last step, its direction."""
     s, t = tangents(n)
-    way, bend = around(a, b, u, w, c, n, s, t)
-    best, damping, round_off = dot(way, n), 0.0, ROUND_OFF * norm(c)
+    separation, bend = around(a, b, u, w, c, n, s, t)
+    best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
-        n_new, angle = climb(n, s, t, way, bend, best, damping)
+        n_new, angle = climb(n, s, t, separation, bend, best, damping)
         if angle < last:
             return best, n_new
         s_new, t_new = tangents(n_new)
-        way_new, bend_new = around(a, b, u, w, c, n_new, s_new, t_new)
-        value = dot(way_new, n_new)
+        separation_new, bend_new = around(a, b, u, w, c, n_new, s_new, t_new)
+        value = dot(separation_new, n_new)
         if value >= best - round_off:
-            n, s, t, way, bend, best = n_new, s_new, t_new, way_new, bend_new, value
+            n, s, t, separation, bend, best = n_new, s_new, t_new, separation_new, bend_new, value
             damping *= 0.1
         else:
             damping = max(4.0 * damping, 1e-3)

@@ -1,16 +1,16 @@
-"""Nearest place of a four-node face to an ellipsoid, or the deepest within it.
+"""Nearest point of a four-node face to an ellipsoid, or the deepest within it.
 
     the least of d(c) over the face,   d the signed distance of c from the ellipsoid, m its normal
 
-d is convex, so that a triangle has one least. Near a place c the square of d + r, r the shortest
+d is convex, so that a triangle has one least. Near a position c the square of d + r, r the shortest
 semi-axis, is that of the length of
 
     y = ((c' - c) . m + d + r,   sqrt((d + r) / (R_k + d)) (c' - c) . t_k),   R_k radii of curvature
 
-to second order, and the place nearest to y = 0 on the face so stretched is Newton's next. Where it
-comes no nearer the next is that nearest to a ball within the ellipsoid that touches it at the foot
-of c, which always does. Consequence to test: no place of the face is nearer; with equal semi-axes
-it is the place nearest to the centre.
+to second order, and the position nearest to y = 0 on the face so stretched is Newton's next. Where
+it comes no nearer the next is that nearest to a ball within the ellipsoid that touches it at the
+foot of c, which always does. Consequence to test: no position of the face is nearer; with equal
+semi-axes it is the position nearest to the centre.
 
 References: Boyd and Vandenberghe (2004), Convex Optimization, 3.2.5 and 9.5.
 """
@@ -28,18 +28,18 @@ ITERATIONS = 60  # four to eight do
 ROUND_OFF = 1e-15
 # of a semi-axis: by which another triangle must promise to be nearer
 NOISE = 1e-12
-# of the shortest semi-axis: nearer to a middle from which no way out is shortest
-NO_WAY = 1e-9
+# of the shortest semi-axis: nearer to a middle from which no exit is shortest
+NO_DISTANCE = 1e-9
 
 
 @kernel
 def nearest_to_ellipsoid(s, far, a, b, c, d):
     """Weights N of the corners, seen in the axes of the ellipsoid from its centre; where it is.
 
-    The place is INSIDE, EDGE + k or CORNER + k. Also the signed distance, and the normal there. Of
-    a face farther than `far` any place does, and the distance is one that it is beyond.
+    The position is INSIDE, EDGE + k or CORNER + k. Also the signed distance, and the normal there.
+    Of a face farther than `far` any position does, and the distance is one that it is beyond.
     """
-    N, place, least, m = descend(s, far, a, b, c, d)
+    N, position, least, m = descend(s, far, a, b, c, d)
     at, middle = point_of(N, a, b, c, d), point_of((0.25, 0.25, 0.25, 0.25), a, b, c, d)
     for k in range(4):
         # a warped face may have a second valley
@@ -47,9 +47,9 @@ def nearest_to_ellipsoid(s, far, a, b, c, d):
         if at_least(least, m, at, p, q, middle, middle) < least - NOISE * s[0] and least < far:
             M, _, other, m_other = descend(s, far, p, q, middle, middle)
             if other < least:
-                N, place = over_corners(k, M[0], M[1], M[2] + M[3])
+                N, position = over_corners(k, M[0], M[1], M[2] + M[3])
                 least, m = other, m_other
-    return N, place, least, m
+    return N, position, least, m
 
 
 @kernel
@@ -61,28 +61,30 @@ def at_least(d, m, at, a, b, c, e):
 
 @kernel
 def descend(s, far, a, b, c, d):
-    """From the place that touches first if the ellipsoid grows, down to one that none is below."""
-    N, _, place = nearest_on_face(shrink(s, a), shrink(s, b), shrink(s, c), shrink(s, d))
+    """From the position that touches first if the ellipsoid grows, down to one that none is
+    below.
+    """
+    N, _, position = nearest_on_face(shrink(s, a), shrink(s, b), shrink(s, c), shrink(s, d))
     at = point_of(N, a, b, c, d)
     least, m = from_ellipsoid(s, at)
     beyond = at_least(least, m, at, a, b, c, d)
     if beyond > far:
-        return N, place, beyond, m
+        return N, position, beyond, m
     noise = ROUND_OFF * max(s[0], s[1], s[2])
     for _ in range(ITERATIONS):
-        N_new, place_new = stretched(s, at, least, m, a, b, c, d)
+        N_new, position_new = stretched(s, at, least, m, a, b, c, d)
         new, m_new = from_ellipsoid(s, point_of(N_new, a, b, c, d))
         if new > least + noise:
-            N_new, place_new = from_ball(s, at, least, m, a, b, c, d)
+            N_new, position_new = from_ball(s, at, least, m, a, b, c, d)
             new, m_new = from_ellipsoid(s, point_of(N_new, a, b, c, d))
         if new > least + noise:
             break
         gain = least - new
-        N, place, at, least, m = N_new, place_new, point_of(N_new, a, b, c, d), new, m_new
-        # the last step of Newton's gains nothing in distance, but the digits of the place
+        N, position, at, least, m = N_new, position_new, point_of(N_new, a, b, c, d), new, m_new
+        # the last step of Newton's gains nothing in distance, but the digits of the position
         if gain <= noise:
             break
-    return N, place, least, m
+    return N, position, least, m
 
 
 @kernel
@@ -96,46 +98,48 @@ def stretched(s, at, d, m, a, b, c, e):
     """Newton's next place: weights, and where it is."""
     low = min(s[0], s[1], s[2])
     t, u, R_t, R_u = curvatures(s, add_scaled(at, -d, m), m)
-    r = max(d + low, NO_WAY * low)
-    k_t, k_u = sqrt(r / max(R_t + d, NO_WAY * low)), sqrt(r / max(R_u + d, NO_WAY * low))
-    N, _, place = nearest_on_face(
+    r = max(d + low, NO_DISTANCE * low)
+    k_t, k_u = sqrt(r / max(R_t + d, NO_DISTANCE * low)), sqrt(r / max(R_u + d, NO_DISTANCE * low))
+    N, _, position = nearest_on_face(
         stretch(sub(a, at), m, t, u, r, k_t, k_u),
         stretch(sub(b, at), m, t, u, r, k_t, k_u),
         stretch(sub(c, at), m, t, u, r, k_t, k_u),
         stretch(sub(e, at), m, t, u, r, k_t, k_u),
     )
-    return N, place
+    return N, position
 
 
 @kernel
 def stretch(x, m, t, u, r, k_t, k_u):
-    """y of a corner, x from the place at hand."""
+    """y of a corner, x from the position at hand."""
     return dot(x, m) + r, k_t * dot(x, t), k_u * dot(x, u)
 
 
 @kernel
 def curvatures(s, x, m):
-    """Principal directions of the ellipsoid at its place x with normal m, and radii there [m]."""
+    """Principal directions of the ellipsoid at its position x with normal m, and radii there
+    [m].
+    """
     v, w = tangents(m)
     slope = norm(shrink(s, shrink(s, x)))
     S_vv = dot(shrink(s, v), shrink(s, v)) / slope
     S_vw = dot(shrink(s, v), shrink(s, w)) / slope
     S_ww = dot(shrink(s, w), shrink(s, w)) / slope
     middle, half = 0.5 * (S_vv + S_ww), 0.5 * (S_vv - S_ww)
-    way = sqrt(half * half + S_vw * S_vw)
+    mohr_radius = sqrt(half * half + S_vw * S_vw)
     # half the angle by which the larger curvature is turned from v
-    cosine = 1.0 if way == 0.0 else sqrt(max(0.5 + 0.5 * half / way, 0.0))
-    sine = 0.0 if way == 0.0 else sqrt(max(0.5 - 0.5 * half / way, 0.0))
+    cosine = 1.0 if mohr_radius == 0.0 else sqrt(max(0.5 + 0.5 * half / mohr_radius, 0.0))
+    sine = 0.0 if mohr_radius == 0.0 else sqrt(max(0.5 - 0.5 * half / mohr_radius, 0.0))
     sine = sine if S_vw >= 0.0 else -sine
     t = add_scaled(scale(cosine, v), sine, w)
     u = add_scaled(scale(cosine, w), -sine, v)
-    return t, u, 1.0 / (middle + way), 1.0 / max(middle - way, 1e-300)
+    return t, u, 1.0 / (middle + mohr_radius), 1.0 / max(middle - mohr_radius, 1e-300)
 
 
 @kernel
 def from_ball(s, at, d, m, a, b, c, e):
-    """The place nearest to a ball that fits into the foot of c: weights, where it is."""
+    """The position nearest to a ball that fits into the foot of c: weights, where it is."""
     low, high = min(s[0], s[1], s[2]), max(s[0], s[1], s[2])
     z = add_scaled(at, -d - low * low / high, m)
-    N, _, place = nearest_on_face(sub(a, z), sub(b, z), sub(c, z), sub(e, z))
-    return N, place
+    N, _, position = nearest_on_face(sub(a, z), sub(b, z), sub(c, z), sub(e, z))
+    return N, position

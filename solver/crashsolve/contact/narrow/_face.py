@@ -58,7 +58,7 @@ def point_of(weights, a, b, c, d):
 def nearest_on_face(a, b, c, d):
     """Weights N of the corners, given from the point in space, squared distance, place.
 
-    The place is INSIDE, EDGE + k or CORNER + k.
+    The position is INSIDE, EDGE + k or CORNER + k.
     """
     m = point_of((0.25, 0.25, 0.25, 0.25), a, b, c, d)
     least, at, first, second, middle = 1e300, 0, 0.0, 0.0, 0.0
@@ -70,13 +70,13 @@ def nearest_on_face(a, b, c, d):
         square = dot(x, x)
         if square < least:
             least, at, first, second, middle = square, k, u, v, w
-    N, place = over_corners(at, first, second, middle)
-    return N, least, place
+    N, position = over_corners(at, first, second, middle)
+    return N, least, position
 
 
 @kernel
 def over_corners(k, first, second, middle):
-    """Weights N of the corners, and the place, from those of a triangle: side k and middle."""
+    """Weights N of the corners, and the position, from those of a triangle: side k and middle."""
     share = 0.25 * middle
     N = (
         share + (first if k == 0 else 0.0) + (second if k == 3 else 0.0),
@@ -84,14 +84,14 @@ def over_corners(k, first, second, middle):
         share + (first if k == 2 else 0.0) + (second if k == 1 else 0.0),
         share + (first if k == 3 else 0.0) + (second if k == 2 else 0.0),
     )
-    place = INSIDE
+    position = INSIDE
     if middle == 0.0:
-        place = EDGE + k
+        position = EDGE + k
         if second == 0.0:
-            place = CORNER + k
+            position = CORNER + k
         elif first == 0.0:
-            place = CORNER + (k + 1) % 4
-    return N, place
+            position = CORNER + (k + 1) % 4
+    return N, position
 
 
 @kernel

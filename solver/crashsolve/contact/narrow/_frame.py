@@ -2,7 +2,7 @@
 
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
+from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.vec3 import add_scaled, sub, vec
 
 
@@ -21,13 +21,13 @@ def out_of(shape, body, y):
 @kernel
 def seen_from(shape, body, x):
     """World point x from the centre of the shape, in its axes."""
-    return into(shape, body, sub(x, place(body, vec(shape.point))))
+    return into(shape, body, sub(x, world_position(body, vec(shape.point))))
 
 
 @kernel
 def centre_seen(a, b, nodes):
     """Centre of the sphere a from that of the shape b, in its axes [m]."""
-    return seen_from(b, nodes[b.node], place(nodes[a.node], vec(a.point)))
+    return seen_from(b, nodes[b.node], world_position(nodes[a.node], vec(a.point)))
 
 
 @kernel
@@ -36,5 +36,5 @@ def touch_of_sphere(a, b, nodes, distance, m):
 
     Its centre is `distance` [m] away from the shape b along m, in the axes of b.
     """
-    n, centre = out_of(b, nodes[b.node], m), place(nodes[a.node], vec(a.point))
+    n, centre = out_of(b, nodes[b.node], m), world_position(nodes[a.node], vec(a.point))
     return a.radius - distance, n, add_scaled(centre, -a.radius, n)

@@ -1,12 +1,12 @@
 """Where two flat sides press on each other: an area about the centre of pressure.
 
-Each body presses with the part of its face, cap or mantle that is symmetric about the centre of
-pressure x: half sizes h_k - |x_k|, not below the rounding of its edges. The patch is what these
-parts have in common, a convex polygon with x in its middle: as large as the smaller face where two
-lie flat, a line on an edge, a point on a corner. A corner of it bears a share of the force in
-proportion to the two sides that meet there, and acts at 1/sqrt(3) of its distance from x, where the
-tilting moment is that of evenly pressed rectangles. Friction resists a spin about the normal with
-the mean distance from x of an even pressure,
+Each body presses with the part of its face, cap or lateral surface that is symmetric about the
+centre of pressure x: half sizes h_k - |x_k|, not below the rounding of its edges. The patch is what
+these parts have in common, a convex polygon with x in its middle: as large as the smaller face
+where two lie flat, a line on an edge, a point on a corner. A corner of it bears a share of the
+force in proportion to the two sides that meet there, and acts at 1/sqrt(3) of its distance from x,
+where the tilting moment is that of evenly pressed rectangles. Friction resists a spin about the
+normal with the mean distance from x of an even pressure,
 
     r = int |y| dA / A        2/3 of the radius of a disc, 1/4 of the length of a line
 
@@ -18,7 +18,7 @@ from math import log, sqrt
 from crashsolve.contact.narrow._convex import tangents
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
+from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
 
@@ -58,7 +58,7 @@ def patch(a, b, nodes, data, n, x):
 @kernel
 def outline(shape, body, n, x, s, t, spots, first):
     """Part of a shape that is symmetric about x: corners in rows from `first`. Writes: spots."""
-    d = matvec_t(shape.axes, matvec_t(body.A, sub(x, place(body, vec(shape.point)))))
+    d = matvec_t(shape.axes, matvec_t(body.A, sub(x, world_position(body, vec(shape.point)))))
     m = matvec_t(shape.axes, matvec_t(body.A, n))
     edge, half = shape.edge, shape.half
     if shape.is_round == 1 and abs(m[2]) > DIAGONAL:
@@ -69,7 +69,7 @@ def outline(shape, body, n, x, s, t, spots, first):
     k = 2 if abs(m[2]) > abs(m[k]) else k
     i, j = (k + 1) % 3, (k + 2) % 3
     if shape.is_round == 1:
-        # a line along the mantle
+        # a line along the lateral surface
         e = matvec(body.A, (shape.axes[2], shape.axes[5], shape.axes[8]))
         p = scale(max(edge, half[2] - abs(d[2])), e)
         q = scale(edge / norm(cross(n, e)), cross(n, e))
@@ -101,9 +101,9 @@ def parallelogram(spots, first, p, q):
 
     Writes: spots.
     """
-    turn = 1.0 if p[0] * q[1] >= p[1] * q[0] else -1.0
+    sense = 1.0 if p[0] * q[1] >= p[1] * q[0] else -1.0
     for k in range(4):
-        side, ahead = (1.0 if k == 0 or k == 3 else -1.0), (turn if k < 2 else -turn)
+        side, ahead = (1.0 if k == 0 or k == 3 else -1.0), (sense if k < 2 else -sense)
         spots[first + k].u = side * p[0] + ahead * q[0]
         spots[first + k].v = side * p[1] + ahead * q[1]
     return 4

@@ -1,26 +1,26 @@
-"""Gap between a cylinder with flat caps and a plane, one for each place it may rest on.
+"""Gap between a cylinder with flat caps and a plane, one for each position it may rest on.
 
     depth = rho |t| - (c - x_0) . n,   t = n - (n . e) e,   x = c - rho t / |t|
 
 c is a point of the axis e. On either cap there are the lowest point of the rim (rho = R), the
-highest (rho = -R) and the centre (rho = 0); on the mantle, the lowest point half way (rho = R).
-Each has a third of the force of the law, so that a cylinder on a cap or on its side sinks as deep
-as one point would under the whole force. Spun on a cap it is braked by 2/3 mu N R, as under an even
-pressure, and it tips over its rim. All depths are those of its surface, and change as it moves.
-Consequence to test: mu 0.4 stops a disc of 0.1 m at 6 rad/s in 0.115 s.
+highest (rho = -R) and the centre (rho = 0); on the lateral surface, the lowest point half way (rho
+= R). Each has a third of the force of the law, so that a cylinder on a cap or on its side sinks as
+deep as one point would under the whole force. Spun on a cap it is braked by 2/3 mu N R, as under an
+even pressure, and it tips over its rim. All depths are those of its surface, and change as it
+moves. Consequence to test: mu 0.4 stops a disc of 0.1 m at 6 rad/s in 0.115 s.
 """
 
 from math import sqrt
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import arm, place
+from crashsolve.foundation.motion import arm, world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, scale, sub, vec
 
-# tilt [rad] of an upright cylinder up to which the lowest place of its rim leans to a fixed one:
+# tilt [rad] of an upright cylinder up to which the lowest point of its rim leans to a fixed one:
 # bristles that hold it against a torque must not be thrown about by round-off
 UPRIGHT = 1e-4
-# what the manual tells
+# what the manual says
 POINTS = "three on a cap and three on the side, each a third of the force"
 PARAMETERS_A = Record("""
     node   index     body
@@ -34,15 +34,15 @@ PARAMETERS_A = Record("""
 
 def expand_a(elements):
     """The seven places of each cylinder."""
-    return [place_on(e, *at) for e in elements for at in PLACES]
+    return [position_on(e, *at) for e in elements for at in POSITIONS]
 
 
 # where along the half length, and how far across in radii
-PLACES = [(0.0, 1.0), *((side, rho) for side in (-1.0, 1.0) for rho in (1.0, 0.0, -1.0))]
+POSITIONS = [(0.0, 1.0), *((side, rho) for side in (-1.0, 1.0) for rho in (1.0, 0.0, -1.0))]
 
 
-def place_on(element, along, across):
-    """A place on a cylinder, `along` in half lengths and `across` in radii from its centre."""
+def position_on(element, along, across):
+    """A position on a cylinder, `along` in half lengths and `across` in radii from its centre."""
     axes = element["axes"].reshape(3, 3)
     return {
         "node": element["node"],
@@ -58,8 +58,8 @@ def place_on(element, along, across):
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
     body = nodes[a.node]
-    centre = place(body, vec(a.point))
-    origin = place(nodes[b.node], vec(b.point))
+    centre = world_position(body, vec(a.point))
+    origin = world_position(nodes[b.node], vec(b.point))
     n, e = arm(nodes[b.node], vec(b.normal)), arm(body, vec(a.axis))
     t = add_scaled(n, -dot(n, e), e)
     side = arm(body, vec(a.side))

@@ -9,7 +9,7 @@ from math import sqrt
 
 from crashsolve.contact.narrow._frame import into, out_of
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import arm, place
+from crashsolve.foundation.motion import arm, world_position
 from crashsolve.foundation.vec3 import add_scaled, dot, sub, vec
 
 
@@ -17,8 +17,8 @@ from crashsolve.foundation.vec3 import add_scaled, dot, sub, vec
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
     body = nodes[a.node]
-    centre = place(body, vec(a.point))
-    origin = place(nodes[b.node], vec(b.point))
+    centre = world_position(body, vec(a.point))
+    origin = world_position(nodes[b.node], vec(b.point))
     n = arm(nodes[b.node], vec(b.normal))
     m = into(a, body, n)
     s = a.semi

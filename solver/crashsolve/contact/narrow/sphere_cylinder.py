@@ -2,8 +2,8 @@
 
     depth = r - d,   d the signed distance of the centre from the cylinder, negative inside
 
-Inside, mantle and caps are ways out: `gap` takes the nearest, `gap_by` that by which a touch goes
-on. Point of contact: the deepest of the sphere, c - r n.
+Inside, lateral surface and caps are exits: `gap` takes the nearest, `gap_by` that by which a touch
+goes on. Point of contact: the deepest of the sphere, c - r n.
 """
 
 from math import copysign, inf, sqrt
@@ -25,25 +25,27 @@ def gap(a, b, nodes, data):
 
 @kernel
 def gap_by(a, b, nodes, data, normal):
-    """The same by the mantle or the cap of `normal`, and how far beyond its middle [m]."""
+    """The same by the lateral surface or the cap of `normal`, and how far beyond its middle [m]."""
     y, m = centre_seen(a, b, nodes), into(b, nodes[b.node], vec(normal))
     radial, rho = sqrt(m[0] * m[0] + m[1] * m[1]), sqrt(y[0] * y[0] + y[1] * y[1])
     if radial >= abs(m[2]) and rho > 0.0:
         distance = rho - b.radius
         over = -(y[0] * m[0] + y[1] * m[1])
-        way = (y[0] / rho, y[1] / rho, 0.0)
+        direction = (y[0] / rho, y[1] / rho, 0.0)
     else:
         side = copysign(1.0, m[2])
         distance = side * y[2] - b.half_length
         over = -side * y[2]
-        way = (0.0, 0.0, side)
-    depth, n, point = touch_of_sphere(a, b, nodes, distance, way)
+        direction = (0.0, 0.0, side)
+    depth, n, point = touch_of_sphere(a, b, nodes, distance, direction)
     return depth, n, point, over
 
 
 @kernel
 def middle(a, b, nodes, n):
-    """Depth beyond which the mantle has no way out that is the right one; none for the caps [m]."""
+    """Depth beyond which the lateral surface has no exit that is the right one; none for the caps
+    [m].
+    """
     axis = out_of(b, nodes[b.node], unit(2))
     return a.radius + AXIS * b.radius if abs(dot(n, axis)) < 0.5 else inf
 

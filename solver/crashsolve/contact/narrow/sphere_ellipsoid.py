@@ -30,9 +30,13 @@ def gap(a, b, nodes, data):
 
 
 @kernel
-def from_ellipsoid(s, place_seen):
+def from_ellipsoid(s, position_seen):
     """Signed distance of a point from an ellipsoid about the origin, and the unit normal there."""
-    y = (nudged(place_seen[0], s[0]), nudged(place_seen[1], s[1]), nudged(place_seen[2], s[2]))
+    y = (
+        nudged(position_seen[0], s[0]),
+        nudged(position_seen[1], s[1]),
+        nudged(position_seen[2], s[2]),
+    )
     low = min(s[0], s[1], s[2])
     t = root(s, low, y)
     x = (foot(s[0], low, y[0], t), foot(s[1], low, y[1], t), foot(s[2], low, y[2], t))

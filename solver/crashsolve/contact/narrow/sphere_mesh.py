@@ -24,7 +24,7 @@ from math import sqrt
 from crashsolve.contact.narrow import _tree
 from crashsolve.contact.narrow._frame import into, out_of, seen_from
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
+from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, scale, sub, vec
 
 # cosine to the normal of a touch, below which a triangle faces another way
@@ -37,15 +37,15 @@ data = _tree.data
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
     body = nodes[b.node]
-    centre = place(nodes[a.node], vec(a.point))
+    centre = world_position(nodes[a.node], vec(a.point))
     y = seen_from(b, body, centre)
     foot, found, at = nearest(data[0], data[1], b.root, y)
-    way = sub(y, foot)
-    distance = norm(way)
+    offset = sub(y, foot)
+    distance = norm(offset)
     m, is_open = outward(data[1][found], at)
-    inside = not is_open and dot(way, m) < 0.0
+    inside = not is_open and dot(offset, m) < 0.0
     if distance > 0.0:
-        m = scale(-1.0 / distance if inside else 1.0 / distance, way)
+        m = scale(-1.0 / distance if inside else 1.0 / distance, offset)
     n = out_of(b, body, m)
     if inside and distance > b.thickness:
         # the way to the back
@@ -61,7 +61,7 @@ def gap_by(a, b, nodes, data, normal):
     ends. Without a triangle that faces `normal` there is no depth.
     """
     body = nodes[b.node]
-    centre = place(nodes[a.node], vec(a.point))
+    centre = world_position(nodes[a.node], vec(a.point))
     y, m = seen_from(b, body, centre), into(b, body, vec(normal))
     foot, distance = nearest_facing(data[0], data[1], b.root, y, m)
     _, opposite = nearest_facing(data[0], data[1], b.root, y, scale(-1.0, m))
@@ -95,7 +95,7 @@ def nearest_facing(tree, triangles, root, y, m):
 
 @kernel
 def nearest(tree, triangles, root, y):
-    """Nearest point of a mesh to y, its triangle, and its place on that."""
+    """Nearest point of a mesh to y, its triangle, and its position on that."""
     leaf = root
     while tree[leaf].count == 0:
         left = leaf + 1
@@ -111,10 +111,10 @@ def nearest(tree, triangles, root, y):
             i = box.skip
             continue
         for k in range(box.first, box.first + box.count):
-            candidate, place_k = foot_on(triangles[k], y)
+            candidate, position_k = foot_on(triangles[k], y)
             far = square(sub(y, candidate))
             if far < best:
-                best, foot, found, at = far, candidate, k, place_k
+                best, foot, found, at = far, candidate, k, position_k
         i += 1
     return foot, found, at
 
@@ -136,7 +136,7 @@ def square(x):
 
 @kernel
 def foot_on(triangle, y):
-    """Nearest point of a triangle to y (Eq. 11-16), and its place."""
+    """Nearest point of a triangle to y (Eq. 11-16), and its position."""
     n = vec(triangle.n)
     i, j, third = vec(triangle.i), vec(triangle.j), vec(triangle.l)
     above = edge_products(i, j, third, y, n)
@@ -147,10 +147,10 @@ def foot_on(triangle, y):
         # the nearest point lies on an edge that y is outside of
         if above[c] < 0.0:
             p, q = (i, j) if c == 0 else ((j, third) if c == 1 else (third, i))
-            candidate, place_c = foot_on_edge(p, q, y, c)
+            candidate, position_c = foot_on_edge(p, q, y, c)
             far = square(sub(y, candidate))
             if far < best:
-                best, foot, at = far, candidate, place_c
+                best, foot, at = far, candidate, position_c
     return foot, at
 
 
@@ -166,7 +166,7 @@ def edge_products(i, j, third, k, n):
 
 @kernel
 def foot_on_edge(p, q, y, c):
-    """Nearest point of edge c from p to q, and its place: the edge or one of its corners."""
+    """Nearest point of edge c from p to q, and its position: the edge or one of its corners."""
     e = sub(q, p)
     s = dot(sub(y, p), e) / dot(e, e)
     if s <= 0.0:
@@ -178,7 +178,7 @@ def foot_on_edge(p, q, y, c):
 
 @kernel
 def outward(triangle, at):
-    """Direction that tells inside from outside there, and whether it is an open edge."""
+    """Direction that distinguishes inside from outside there, and whether it is an open edge."""
     if at == FACE:
         return vec(triangle.n), False
     c = 3 * (at - 1)

@@ -6,15 +6,15 @@ Point of contact: midway between the deepest points of both.
 """
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import place
+from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.vec3 import add_scaled, norm, scale, sub, vec
 
 
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
-    other = place(nodes[b.node], vec(b.point))
-    line = sub(place(nodes[a.node], vec(a.point)), other)
+    other = world_position(nodes[b.node], vec(b.point))
+    line = sub(world_position(nodes[a.node], vec(a.point)), other)
     length = norm(line)
     # centres that coincide have no direction
     n = scale(1.0 / length, line) if length > 0.0 else (0.0, 0.0, 1.0)

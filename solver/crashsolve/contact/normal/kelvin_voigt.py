@@ -38,7 +38,7 @@ class KelvinVoigt(Card):
         return self
 
 
-# shapes that touch in more than one place
+# shapes that touch in more than one position
 MANY_PLACES = {"box", "cylinder", "mesh"}
 PARAMETERS = Record("""
     stiffness      N/m    k
@@ -111,11 +111,11 @@ def check(card: KelvinVoigt, scene: Any, bodies_a: set[int], bodies_b: set[int])
         many = [s.entry.name for s in used if s.shape in MANY_PLACES or len(s.elements) > 1]
         nodes = {node for joint in scene.joints.values() for node in joint.nodes}
         held = sorted((bodies_a | bodies_b) & nodes - {0})
-        cause = f"surface '{many[0]}' may touch in several places at once" if many else ""
+        cause = f"surface '{many[0]}' may touch in several positions at once" if many else ""
         cause = f"joints hold body '{scene.names[held[0]]}'" if held else cause
         if cause:
             scene.warn(
                 f"contact '{name}': {cause}, and the damping of kelvin_voigt by restitution is "
-                "that of one place on free bodies: it returns more than was asked; "
+                "that of one position on free bodies: it returns more than was asked; "
                 "exact_restitution returns what is asked"
             )

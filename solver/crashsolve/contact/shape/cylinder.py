@@ -76,10 +76,10 @@ def rounds(element: Any) -> list[np.ndarray]:
 
 
 def rims(element: Any) -> list[dict[str, Any]]:
-    """Two flat ellipsoids that reach exactly as far as the caps and the mantle."""
+    """Two flat ellipsoids that reach exactly as far as the caps and the lateral surface."""
     axes = element["axes"].reshape(3, 3)
     r, half = element["radius"], element["half_length"]
     e = element.get("edge", ROUNDING * min(r, half))
-    place = {"node": element["node"], "axes": element["axes"], "semi": np.array([r, r, e])}
+    columns = {"node": element["node"], "axes": element["axes"], "semi": np.array([r, r, e])}
     centres = (element["point"] + side * (half - e) * axes[:, 2] for side in (-1.0, 1.0))
-    return [place | {"point": centre} for centre in centres]
+    return [columns | {"point": centre} for centre in centres]

@@ -24,7 +24,7 @@ def build(card: Ellipsoid, scene: Any) -> list[dict[str, Any]]:
 
 
 def curvature_radius(card: Ellipsoid) -> float | None:
-    """Radius for Hertz's stiffness [m]; not a number where it depends on the place."""
+    """Radius for Hertz's stiffness [m]; not a number where it depends on the position."""
     a, b, c = card.semi_axes
     return a if a == b == c else nan
 

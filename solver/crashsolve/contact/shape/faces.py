@@ -24,7 +24,7 @@ class Faces(Card):
         le=20,
     )
     normals: Literal["nearest", "continuous"] = word(
-        "direction of the force: from the nearest place, or along a field of normals that turns "
+        "direction of the force: from the nearest point, or along a field of normals that turns "
         "without a jump from face to face",
         default="nearest",
     )

@@ -21,8 +21,8 @@ def build(card: PointSet, scene: Any) -> list[dict[str, Any]]:
     if not card.points:
         raise scene.fail("needs at least one point", "points")
     node = scene.node(card.body)
-    places = (scene.from_mass_centre(node, point) for point in card.points)
-    return [{"node": node, "point": place, "radius": 0.0} for place in places]
+    positions = (scene.from_mass_centre(node, point) for point in card.points)
+    return [{"node": node, "point": position, "radius": 0.0} for position in positions]
 
 
 def curvature_radius(card: PointSet) -> float | None:

@@ -1,4 +1,4 @@
-"""Reading a deck: files to items, items to cards, cards to a Deck; or all mistakes at once."""
+"""Reading a deck: files to items, items to cards, cards to a Deck; or all errors at once."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -11,21 +11,21 @@ from pydantic import ValidationError
 
 from crashsolve.channels.units import SI
 from crashsolve.deck.card import Card, Name, Reference, reference_of
+from crashsolve.deck.diagnostics import Diagnostic, diagnostics_of, shown
 from crashsolve.deck.dump import as_data, as_text
 from crashsolve.deck.expansion import MADE, expand, stands_for_many
 from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.keywords import SECTIONS, answering
 from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
-from crashsolve.deck.mistakes import Mistake, mistakes_of, shown
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.reading.files import Files
-from crashsolve.deck.reading.idle import Unused, idle, unread, unused
 from crashsolve.deck.reading.items import Entry, Item, items_of
+from crashsolve.deck.reading.locations import placed
 from crashsolve.deck.reading.overrides import set_fields
 from crashsolve.deck.reading.parameters import Parameters
 from crashsolve.deck.reading.parts import joints_of_parts, part_nodes
-from crashsolve.deck.reading.places import placed
 from crashsolve.deck.reading.size import excess
+from crashsolve.deck.reading.unused import Unused, idle, unread, unused
 from crashsolve.deck.run_cards.control import Control, cores_given
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.output import Output
@@ -36,7 +36,7 @@ from crashsolve.foundation.errors import DeckError, DeckErrors
 
 AnyCard = TypeVar("AnyCard", bound=Card)
 # of control.threads; of contacts only the model knows (model/build.py)
-UNSHARED = Mistake(
+UNSHARED = Diagnostic(
     ("threads",),
     "share the elements of shells, and rigid contacts with many elements (1000 on both sides "
     "together), and there are neither",
@@ -48,7 +48,7 @@ Axes = tuple[str, str]
 
 @dataclass(frozen=True)
 class Deck:
-    """A deck without mistakes: every number in SI, every name known."""
+    """A deck without errors: every number in SI, every name known."""
 
     title: str
     path: Path
@@ -93,13 +93,13 @@ class Deck:
     def expectations(self) -> list[dict[str, Any]]:
         """The expect cards as plain data with their lines, as the results keep them."""
         pairs = zip(self.expect, self.expect_at, strict=True)
-        return [as_data(card) | {"line": place.line} for card, place in pairs]
+        return [as_data(card) | {"line": location.line} for card, location in pairs]
 
     def error(self, entry: Entry, field: str | None, message: str, advice: str = "") -> DeckError:
-        """A mistake found after reading, at a field such as "normal.stiffness" or "points.3"."""
+        """An error found after reading, at a field such as "normal.stiffness" or "points.3"."""
         steps = field.split(".") if field else ()
         path = tuple(int(step) if step.isdecimal() else step for step in steps)
-        return placed(entry.item, Mistake(path, message, advice))
+        return placed(entry.item, Diagnostic(path, message, advice))
 
 
 def read_deck(
@@ -107,7 +107,7 @@ def read_deck(
 ) -> Deck:
     """The deck in a file; `overrides` replace parameters, and fields such as `control.step`.
 
-    Raises DeckErrors with all mistakes, overrides that change nothing among them if it
+    Raises DeckErrors with all errors, overrides that change nothing among them if it
     `refuses_idle`: one of many runs may have no use for what others need.
     """
     deck = _Reader(Path(path), overrides or {}).deck()
@@ -117,37 +117,37 @@ def read_deck(
 
 
 class _Reader:
-    """Collects the mistakes of a deck while its cards are read."""
+    """Collects the errors of a deck while its cards are read."""
 
     def __init__(self, path: Path, overrides: Mapping[str, str]) -> None:
         self.path = path
-        self.mistakes: list[DeckError] = []
+        self.diagnostics: list[DeckError] = []
         self.nodes: list[str] = []
         self.axes: dict[str, Axes | None] = {}
         self.unread_parts: set[str] = set()
         self.written_out: list[Entry] = []
         # those that could not be written out in ordinary cards
         self.unwritten: set[str] = set()
-        # names in cards that have other mistakes
+        # names in cards that have other errors
         self.unread: list[tuple[Item, list[tuple[tuple[str | int, ...], Name]]]] = []
-        files = Files(self.mistakes)
+        files = Files(self.diagnostics)
         self.tables = files.read(path)
         self.paths = files.paths
         if files.incomplete:
             raise DeckErrors(self.in_order())
-        self.items = items_of(self.tables, self.mistakes)
+        self.items = items_of(self.tables, self.diagnostics)
         self.overrides = overrides
         self.unused: list[Unused] = []
         # keywords and names that cards name
         self.named: set[tuple[str, str]] = set()
-        others = set_fields(self.items, overrides, self.tables, self.mistakes)
-        self.parameters = Parameters(self.items["parameters"], others, self.mistakes)
+        others = set_fields(self.items, overrides, self.tables, self.diagnostics)
+        self.parameters = Parameters(self.items["parameters"], others, self.diagnostics)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
     def deck(self) -> Deck:
         """The whole deck; raises DeckErrors."""
         self.expand()
-        # what uses a curve tells the units of its numbers
+        # what uses a curve states the units of its numbers
         others = {keyword: self.section(keyword) for keyword in SECTIONS if keyword != "curves"}
         self.axes = self.axes_of_curves(others)
         read = others | {"curves": self.section("curves")}
@@ -158,8 +158,8 @@ class _Reader:
         title = self.title()
         self.refuse_endless(entries["parts"])
         self.unread_parts = set(self.items["parts"]) - set(entries["parts"]) | self.unwritten
-        self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.mistakes)
-        entries["joints"] |= joints_of_parts(entries, self.mistakes)
+        self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.diagnostics)
+        entries["joints"] |= joints_of_parts(entries, self.diagnostics)
         for group in entries.values():
             for entry in group.values():
                 self.check_names(entry.item, _names(entry.card))
@@ -168,13 +168,15 @@ class _Reader:
         if control and control.accuracy and not (watch or expect):
             advice = "name channels under watch or expect"
             item = self.items["control"][""]
-            self.refuse(item, Mistake(("accuracy",), "needs channels whose error counts", advice))
+            self.refuse(
+                item, Diagnostic(("accuracy",), "needs channels whose error counts", advice)
+            )
         is_known = not self.unread_parts
         threads = control.threads if control else None
         may_share = bool(entries["contacts"]) or _has_blocks(entries)
         if threads and threads > 1 and is_known and not may_share:
             self.refuse(self.items["control"][""], UNSHARED)
-        if self.mistakes or not control or not output:
+        if self.diagnostics or not control or not output:
             raise DeckErrors(self.in_order())
         words = control.unused(output.history.interval is not None)
         self.unused += unused(self.items, words, self.named)
@@ -228,22 +230,22 @@ class _Reader:
             why = excess(shells + more, beams + own)
             if why:
                 path = ("mesh", "elements") if hasattr(mesh, "elements") else ("elements",)
-                self.refuse(part.item, Mistake(path, why, "take fewer"))
+                self.refuse(part.item, Diagnostic(path, why, "take fewer"))
                 raise DeckErrors(self.in_order())
             shells, beams = shells + more, beams + own
 
     def in_order(self) -> list[DeckError]:
-        """Each mistake once, by file and line; those of the command line first."""
+        """Each error once, by file and line; those of the command line first."""
         order = {str(file): i for i, file in enumerate(self.tables)}
-        unique = {str(error): error for error in self.mistakes}.values()
+        unique = {str(error): error for error in self.diagnostics}.values()
         return sorted(unique, key=lambda e: (order.get(e.file, -1), e.line or 0, e.column or 0))
 
     def context(self, file: Path, table: Table) -> Context:
         """Folder of a file, and the units of its bare numbers."""
         if "units" not in table:
             return Context(folder=file.parent)
-        where = table.key_place("units")
-        item = Item("units", "", table["units"], where, table.value_place("units"), file)
+        where = table.key_location("units")
+        item = Item("units", "", table["units"], where, table.value_location("units"), file)
         units = self.card(item, Units)
         if units is None:
             return Context(folder=file.parent)
@@ -254,9 +256,9 @@ class _Reader:
         value = self.substituted(item) if item else self.path.stem
         if item and not isinstance(value, str) and value is not BROKEN:
             message = f"must be text, not {shown(value)}"
-            self.mistakes.append(DeckError(*item.at, "title", message, "put it in quotes"))
+            self.diagnostics.append(DeckError(*item.at, "title", message, "put it in quotes"))
         if item and "\n" in str(value):
-            self.mistakes.append(DeckError(*item.at, "title", "must be one line"))
+            self.diagnostics.append(DeckError(*item.at, "title", "must be one line"))
         return str(value)
 
     def single(self, keyword: str, kind: type[AnyCard]) -> AnyCard | None:
@@ -266,7 +268,7 @@ class _Reader:
         return self.card(self.items[keyword].get("", absent), kind)
 
     def section(self, keyword: str) -> dict[str, Entry]:
-        """The entries of a keyword; those with mistakes are left out."""
+        """The entries of a keyword; those with errors are left out."""
         entries = (self.entry(item) for item in self.items[keyword].values())
         return {entry.name: entry for entry in entries if entry}
 
@@ -274,20 +276,20 @@ class _Reader:
         value = {} if item.value is None else item.value
         if not isinstance(value, Mapping):
             if value is not BROKEN:
-                self.refuse(item, Mistake((), f"must be a table of fields, not {shown(value)}"))
+                self.refuse(item, Diagnostic((), f"must be a table of fields, not {shown(value)}"))
             return None
         section = SECTIONS[item.keyword]
         word = value.get("type", section.default)
         if not word and "type" not in value:
             types = ", ".join(types_in(section.folder))
-            self.refuse(item, Mistake((), "missing field 'type'", f"(types: {types})", key=True))
+            self.refuse(item, Diagnostic((), "missing field 'type'", f"(types: {types})", key=True))
             self.substituted(item)
             return None
         try:
             kind = law_class(section.folder, word)
         except UnknownType as error:
             if word is not BROKEN:
-                self.refuse(item, Mistake(("type",), error.message, error.advice))
+                self.refuse(item, Diagnostic(("type",), error.message, error.advice))
             if error.near:
                 # what else is wrong, if this one is meant
                 kind = law_class(section.folder, error.near)
@@ -316,17 +318,17 @@ class _Reader:
         context = self.contexts[item.file] if item.keyword != "units" else Context()
         if item.keyword == "curves":
             context = replace(context, axes=self.axes.get(item.name))
-            if self.mistakes and item.name not in self.axes:
+            if self.diagnostics and item.name not in self.axes:
                 # what uses it may be among the cards that are wrong; these are refused anyway
                 context = replace(context, units=SI)
         try:
             return kind.model_validate(value, context=context)
         except ValidationError as error:
-            for mistake in mistakes_of(kind, error):
-                if is_certain or not mistake.is_missing:
-                    self.refuse(item, mistake)
+            for diagnostic in diagnostics_of(kind, error):
+                if is_certain or not diagnostic.is_missing:
+                    self.refuse(item, diagnostic)
             self.unread.append((item, list(_names_written(kind, value))))
-        assert self.mistakes, f"{item.title} was refused without a reason"
+        assert self.diagnostics, f"{item.title} was refused without a reason"
         return None
 
     def axes_of_curves(self, entries: Mapping[str, dict[str, Entry]]) -> dict[str, Axes | None]:
@@ -343,8 +345,8 @@ class _Reader:
         value = Table(str(item.file)) if item.value is None else item.value
         return self.parameters.substitute(value, item.title, item.at)
 
-    def refuse(self, item: Item, mistake: Mistake) -> None:
-        self.mistakes.append(placed(item, mistake))
+    def refuse(self, item: Item, diagnostic: Diagnostic) -> None:
+        self.diagnostics.append(placed(item, diagnostic))
 
     def check_names(self, item: Item, names: Iterable[tuple[tuple[str | int, ...], Name]]) -> None:
         """Report the names in a card that nothing in the deck bears."""
@@ -358,7 +360,7 @@ class _Reader:
             if name not in known:
                 singular = SECTIONS[name.keyword].singular
                 advice = choices(name, known, name.keyword)
-                self.refuse(item, Mistake(path, f"unknown {singular} '{name}'", advice))
+                self.refuse(item, Diagnostic(path, f"unknown {singular} '{name}'", advice))
 
     def may_be_a_node(self, name: str) -> bool:
         """Whether a part that could not be read may have a node of this name."""

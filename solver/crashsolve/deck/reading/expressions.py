@@ -114,8 +114,8 @@ class Expression:
                 return self._function(name)(*(self._evaluate(arg, names) for arg in args))
         part: Any = ast.get_source_segment(self.written, node) if hasattr(node, "lineno") else None
         advice = "an expression has numbers, parameters, + - * / ** and functions"
-        told = (part or self.text).replace(OWN, "")
-        raise ExpressionError(f"'{told}' cannot stand in an expression", advice)
+        message = (part or self.text).replace(OWN, "")
+        raise ExpressionError(f"'{message}' cannot stand in an expression", advice)
 
     def _function(self, name: str) -> Callable[..., float]:
         if name not in FUNCTIONS:

@@ -13,7 +13,7 @@ from os.path import isfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from crashsolve.deck.mistakes import shown
+from crashsolve.deck.diagnostics import shown
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar, read_yaml
 from crashsolve.foundation.errors import DeckError
 
@@ -27,18 +27,18 @@ class Included(NamedTuple):
 
     name: str
     words: dict[str, str]
-    place: Position
+    location: Position
 
 
 class Files:
-    """Reads a deck and its includes; what is wrong with any of them goes to `mistakes`.
+    """Reads a deck and its includes; what is wrong with any of them goes to `errors`.
 
-    `incomplete` tells that a file is missing, so that names not found may stand in it. A file that
+    `incomplete` states that a file is missing, so that names not found may stand in it. A file that
     is included again has a path of its own in `tables`, in the same folder; `paths` are real ones.
     """
 
-    def __init__(self, mistakes: list[DeckError]) -> None:
-        self.mistakes = mistakes
+    def __init__(self, diagnostics: list[DeckError]) -> None:
+        self.diagnostics = diagnostics
         self.tables: dict[Path, Table] = {}
         self.paths: list[Path] = []
         self.seen: set[tuple[Path, tuple[tuple[str, str], ...]]] = set()
@@ -49,7 +49,7 @@ class Files:
 
     def read(self, path: Path, words: dict[str, str] | None = None) -> dict[Path, Table]:
         """All files, each before those it includes."""
-        table = read_yaml(path, self.mistakes)
+        table = read_yaml(path, self.diagnostics)
         if table is None:
             self.incomplete = True
             return self.tables
@@ -65,7 +65,7 @@ class Files:
                 break
             problem = self._problem(path.parent / file.name, file.words)
             if problem:
-                self.mistakes.append(DeckError(*file.place, "include", problem))
+                self.diagnostics.append(DeckError(*file.location, "include", problem))
                 self.incomplete = True
             else:
                 self.read(path.parent / file.name, file.words or None)
@@ -98,59 +98,61 @@ class Files:
         return f"the file is included twice{with_same}" if _key(path, words) in self.seen else ""
 
     def _included(self, table: Table) -> list[Included]:
-        """What a file includes; a mistake for each entry that cannot be read."""
+        """What a file includes; an error for each entry that cannot be read."""
         names = table.get("include")
         if isinstance(names, Rows):
-            found = [(name, names.place(i)) for i, name in enumerate(names)]
+            found = [(name, names.location(i)) for i, name in enumerate(names)]
         elif names is None or names is BROKEN:
             return []
         else:
-            found = [(names, table.value_place("include"))]
+            found = [(names, table.value_location("include"))]
         files = []
-        for name, place in found:
+        for name, location in found:
             file = name.get("file") if isinstance(name, Table) else name
             if isinstance(file, str):
-                words = self._words(name, place) if isinstance(name, Table) else {}
-                files.append(Included(file, words, place))
+                words = self._words(name, location) if isinstance(name, Table) else {}
+                files.append(Included(file, words, location))
             elif name is not BROKEN and file is not BROKEN:
                 message = "must be the name of a file, or a list of names"
                 advice = "or write {file: NAME, with: {WORD: TEXT}}" * isinstance(name, Table)
-                self.mistakes.append(DeckError(*place, "include", message, advice))
+                self.diagnostics.append(DeckError(*location, "include", message, advice))
         return files
 
-    def _words(self, entry: Table, place: Position) -> dict[str, str]:
+    def _words(self, entry: Table, location: Position) -> dict[str, str]:
         """The words that an entry of include puts into its file, each as it is written."""
         for key in entry.keys() - {"file", "with"}:
             message = f"unknown field '{key}'"
-            self.mistakes.append(
-                DeckError(*entry.key_place(key), "include", message, "(fields: file, with)")
+            self.diagnostics.append(
+                DeckError(*entry.key_location(key), "include", message, "(fields: file, with)")
             )
         given = entry.get("with", {})
         if not isinstance(given, Table):
             if "with" in entry and given is not BROKEN:
                 message = f"with: must be a table of words, not {shown(given)}"
-                self.mistakes.append(DeckError(*place, "include", message))
+                self.diagnostics.append(DeckError(*location, "include", message))
             return {}
         words = {}
         for word, value in given.items():
             is_plain = isinstance(value, str | int | float) and not isinstance(value, bool)
             if not _WORD.fullmatch(f"<{word}>"):
                 message, advice = f"with: '{word}' is no word", "letters, digits and _"
-                self.mistakes.append(DeckError(*given.key_place(word), "include", message, advice))
+                self.diagnostics.append(
+                    DeckError(*given.key_location(word), "include", message, advice)
+                )
             elif is_plain:
                 words[word] = str(value)
             elif value is not BROKEN:
                 message = f"with: {word} must be text or a number, not {shown(value)}"
-                self.mistakes.append(DeckError(*given.value_place(word), "include", message))
+                self.diagnostics.append(DeckError(*given.value_location(word), "include", message))
         return words
 
     def _filled_in(self, table: Table, words: dict[str, str], path: Path) -> Table:
-        """A copy of a file's table with its words put in; a mistake for each that is idle."""
-        filling = _Filling(words, self.mistakes)
+        """A copy of a file's table with its words put in; an error for each that is idle."""
+        filling = _Filling(words, self.diagnostics)
         filled: Table = filling.value(table, Position(str(path), 1, 1))
         for word in words.keys() - filling.used:
             message = f"nothing in the file has the word <{word}>"
-            self.mistakes.append(DeckError(str(path), None, None, "include", message))
+            self.diagnostics.append(DeckError(str(path), None, None, "include", message))
         # names would be wrong as well
         self.incomplete |= filling.used != words.keys()
         return filled
@@ -159,47 +161,47 @@ class Files:
 class _Filling:
     """Puts words into the names and texts of a file."""
 
-    def __init__(self, words: dict[str, str], mistakes: list[DeckError]) -> None:
-        self.words, self.mistakes = words, mistakes
+    def __init__(self, words: dict[str, str], diagnostics: list[DeckError]) -> None:
+        self.words, self.diagnostics = words, diagnostics
         self.used: set[str] = set()
 
-    def value(self, value: Any, place: Position) -> Any:
+    def value(self, value: Any, location: Position) -> Any:
         """A value with the words put in; a lone word that is a number becomes one."""
         if isinstance(value, Table):
             table = Table(value.file)
             for key, part in value.items():
-                new = self.value(part, value.value_place(key))
-                name = self.text(key, value.key_place(key))
+                new = self.value(part, value.value_location(key))
+                name = self.text(key, value.key_location(key))
                 if name in table:
                     message = f"'{name}' is given twice with these words"
-                    self.mistakes.append(DeckError(*value.key_place(key), "include", message))
+                    self.diagnostics.append(DeckError(*value.key_location(key), "include", message))
                 table.put(name, new, value.keys_at[key], value.values_at[key])
             return table
         if isinstance(value, Rows):
             rows = Rows(value.file)
             rows.values_at = value.values_at
-            rows.extend(self.value(part, value.place(i)) for i, part in enumerate(value))
+            rows.extend(self.value(part, value.location(i)) for i, part in enumerate(value))
             return rows
         if not isinstance(value, str) or "<" not in value:
             return value
-        text = self.text(value, place)
+        text = self.text(value, location)
         plain, problem, _ = plain_scalar(text)
         return plain if _WORD.fullmatch(value.strip()) and not problem else text
 
-    def text(self, text: str, place: Position) -> str:
-        """A text with the words put in; a mistake for each that is not given."""
+    def text(self, text: str, location: Position) -> str:
+        """A text with the words put in; an error for each that is not given."""
         for word in _WORD.findall(text):
             if word not in self.words:
                 advice = f"give it: with: {{{word}: ...}}"
-                self.mistakes.append(
-                    DeckError(*place, "include", f"the word <{word}> is not given", advice)
+                self.diagnostics.append(
+                    DeckError(*location, "include", f"the word <{word}> is not given", advice)
                 )
             self.used.add(word)
         filled = _WORD.sub(lambda found: self.words.get(found[1], found[0]), text)
         if len(filled) <= LONGEST or filled == text:
             return filled
         message = f"with its words put in the text has {len(filled)} letters, more than {LONGEST}"
-        self.mistakes.append(DeckError(*place, "include", message))
+        self.diagnostics.append(DeckError(*location, "include", message))
         return text
 
 

@@ -1,4 +1,4 @@
-"""What the files of a deck define: items under keywords, each with its places."""
+"""What the files of a deck define: items under keywords, each with its positions."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -6,9 +6,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from crashsolve.deck.diagnostics import shown
 from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS
 from crashsolve.deck.laws import choices
-from crashsolve.deck.mistakes import shown
 from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE, Position, Rows, Table
 from crashsolve.foundation.errors import DeckError
 
@@ -16,14 +16,14 @@ _NAMED = {keyword: section.singular for keyword, section in SECTIONS.items()}
 _NAMED["parameters"] = "parameter"
 
 
-# a word of a table, or a place in a list
+# a word of a table, or a position in a list
 Step = str | int
 
 
 class Item(NamedTuple):
-    """Something defined under a keyword: `where` is the place of its name, `at` of its value.
+    """Something defined under a keyword: `where` is the position of its name, `at` of its value.
 
-    `given` tells by which words of the command line values within it were set, by their paths;
+    `given` states by which words of the command line values within it were set, by their paths;
     `owner` is the title of the card that it is made of, if it does not stand in the deck.
     """
 
@@ -53,64 +53,64 @@ class Item(NamedTuple):
 Items = dict[str, dict[str, Item]]
 
 
-def items_of(tables: Mapping[Path, Table], mistakes: list[DeckError]) -> Items:
-    """All items of all files; what is wrong with them goes to `mistakes`."""
+def items_of(tables: Mapping[Path, Table], diagnostics: list[DeckError]) -> Items:
+    """All items of all files; what is wrong with them goes to `errors`."""
     items: Items = {keyword: {} for keyword in KEYWORDS}
     for file, table in tables.items():
-        for item in _of_file(file, table, mistakes):
+        for item in _of_file(file, table, diagnostics):
             group = items[item.keyword]
             if item.keyword in LISTS:
                 item = item._replace(name=str(len(group) + 1))
             first = group.setdefault(item.name, item)
             if first is not item:
                 advice = f"first in {first.where.file}:{first.where.line}"
-                mistakes.append(DeckError(*item.where, item.title, "is given twice", advice))
+                diagnostics.append(DeckError(*item.where, item.title, "is given twice", advice))
     return items
 
 
-def _of_file(file: Path, table: Table, mistakes: list[DeckError]) -> Iterator[Item]:
+def _of_file(file: Path, table: Table, diagnostics: list[DeckError]) -> Iterator[Item]:
     for keyword, value in table.items():
-        where, at = table.key_place(keyword), table.value_place(keyword)
+        where, at = table.key_location(keyword), table.value_location(keyword)
         if keyword not in KEYWORDS:
             advice = choices(keyword, KEYWORDS, "keywords")
-            mistakes.append(DeckError(*where, "", f"unknown keyword '{keyword}'", advice))
+            diagnostics.append(DeckError(*where, "", f"unknown keyword '{keyword}'", advice))
         elif keyword in _NAMED:
-            yield from _named(file, keyword, value, at, mistakes)
+            yield from _named(file, keyword, value, at, diagnostics)
         elif keyword in LISTS:
-            yield from _listed(file, keyword, value, at, mistakes)
+            yield from _listed(file, keyword, value, at, diagnostics)
         elif keyword not in ("include", "units"):
             # includes are followed by now, and units belong to their file alone
             yield Item(keyword, "", value, where, at, file)
 
 
 def _named(
-    file: Path, keyword: str, value: Any, at: Position, mistakes: list[DeckError]
+    file: Path, keyword: str, value: Any, at: Position, diagnostics: list[DeckError]
 ) -> Iterator[Item]:
     if not isinstance(value, Table):
         if value is not BROKEN and value is not None:
             message = f"must be a table of names, not {shown(value)}"
-            mistakes.append(DeckError(*at, keyword, message))
+            diagnostics.append(DeckError(*at, keyword, message))
         return
     for name, part in value.items():
-        item = Item(keyword, name, part, value.key_place(name), value.value_place(name), file)
+        item = Item(keyword, name, part, value.key_location(name), value.value_location(name), file)
         if not NAME.fullmatch(name):
             message = "is not a valid name"
-            mistakes.append(DeckError(*item.where, item.title, message, NAME_ADVICE))
+            diagnostics.append(DeckError(*item.where, item.title, message, NAME_ADVICE))
         elif (keyword, name) == ("bodies", "ground"):
             message = "the ground is always there and cannot be defined"
-            mistakes.append(DeckError(*item.where, item.title, message))
+            diagnostics.append(DeckError(*item.where, item.title, message))
         yield item
 
 
 def _listed(
-    file: Path, keyword: str, value: Any, at: Position, mistakes: list[DeckError]
+    file: Path, keyword: str, value: Any, at: Position, diagnostics: list[DeckError]
 ) -> Iterator[Item]:
     if not isinstance(value, Rows):
         if value is not BROKEN and value is not None:
-            mistakes.append(DeckError(*at, keyword, f"must be a list, not {shown(value)}"))
+            diagnostics.append(DeckError(*at, keyword, f"must be a list, not {shown(value)}"))
         return
     for i, part in enumerate(value):
-        yield Item(keyword, "", part, value.place(i), value.place(i), file)
+        yield Item(keyword, "", part, value.location(i), value.location(i), file)
 
 
 @dataclass(frozen=True)

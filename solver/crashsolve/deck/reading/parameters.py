@@ -9,21 +9,21 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 from crashsolve.channels.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
+from crashsolve.deck.diagnostics import shown
 from crashsolve.deck.laws import choices
-from crashsolve.deck.mistakes import shown
 from crashsolve.deck.numbers import SiFloat, as_written
 from crashsolve.deck.reading.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
 from crashsolve.deck.reading.items import Item
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
 from crashsolve.foundation.errors import DeckError
 
-# names that are told of a circle
+# names that are reported a circle
 LONGEST_CIRCLE = 50
 _EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
 # the base of a power needs brackets, or -2**2 would be -4
 _RAISED = re.compile(r"\$\{[^{}]*\}(?=\s*\*\*)")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-# title of a card and the place within it where a parameter stands
+# title of a card and the position within it where a parameter stands
 Reader = tuple[str, Position]
 
 
@@ -31,10 +31,10 @@ class Parameters:
     """Values of all parameters, each worked out when first asked for."""
 
     def __init__(
-        self, items: Mapping[str, Item], overrides: Mapping[str, str], mistakes: list[DeckError]
+        self, items: Mapping[str, Item], overrides: Mapping[str, str], diagnostics: list[DeckError]
     ) -> None:
         self.items = items
-        self.mistakes = mistakes
+        self.diagnostics = diagnostics
         self.values: dict[str, Any] = {}
         self.pending: list[str] = []
         # who reads each of them, other parameters aside
@@ -57,15 +57,15 @@ class Parameters:
         if isinstance(value, Table):
             table = Table(value.file)
             for key, part in value.items():
-                place = value.value_place(key)
-                new = self.substitute(part, card, place)
+                location = value.value_location(key)
+                new = self.substitute(part, card, location)
                 table.put(key, new, value.keys_at[key], value.values_at[key])
             return table
         if isinstance(value, Rows):
             rows = Rows(value.file)
             rows.values_at = value.values_at
             for i, part in enumerate(value):
-                rows.append(self.substitute(part, card, value.place(i)))
+                rows.append(self.substitute(part, card, value.location(i)))
             return rows
         return value
 
@@ -122,7 +122,7 @@ class Parameters:
                 return self._expression(whole[1])
             return self._filled_in(text)
         except ExpressionError as error:
-            self.mistakes.append(DeckError(*where, card, error.message, error.advice))
+            self.diagnostics.append(DeckError(*where, card, error.message, error.advice))
         except _AlreadyReported:
             pass
         return BROKEN
@@ -171,7 +171,9 @@ class Parameters:
         card = item.title
         if not _NAME.fullmatch(name) or name in FUNCTIONS or name in CONSTANTS:
             advice = "letters, digits and _, and no name of a function"
-            self.mistakes.append(DeckError(*item.where, card, "cannot be used as a name", advice))
+            self.diagnostics.append(
+                DeckError(*item.where, card, "cannot be used as a name", advice)
+            )
             return BROKEN
         value = self.substitute(self.overrides.get(name, item.value), card, item.at)
         if value is BROKEN or isinstance(value, SiFloat):
@@ -180,7 +182,7 @@ class Parameters:
             return _number(value)
         except UnitError as error:
             message = "must be a number, alone or with a unit"
-            self.mistakes.append(DeckError(*item.at, card, message, str(error)))
+            self.diagnostics.append(DeckError(*item.at, card, message, str(error)))
             return BROKEN
 
     def _checked(self, overrides: Mapping[str, str]) -> dict[str, Any]:
@@ -192,17 +194,17 @@ class Parameters:
                 message = f"unknown parameter '{name}'"
                 advice = choices(name, self.items, "parameters")
             elif not message:
-                message, advice = _misfit(value, self.items[name].value)
-            place = f"--set {name}={text}"
+                message, advice = _inconsistency(value, self.items[name].value)
+            location = f"--set {name}={text}"
             if message:
-                self.mistakes.append(DeckError(place, None, None, "", message, advice))
+                self.diagnostics.append(DeckError(location, None, None, "", message, advice))
             else:
-                checked[name], self.given[name] = value, place
+                checked[name], self.given[name] = value, location
         return checked
 
 
 class _AlreadyReported(Exception):
-    """A parameter is wrong, and the user has been told where it stands."""
+    """A parameter is wrong, and has been reported with its location."""
 
 
 def _number(value: Any) -> float:
@@ -225,7 +227,7 @@ def _unit(value: Any) -> Unit | None:
     return PURE if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
-def _misfit(value: Any, replaced: Any) -> tuple[str, str]:
+def _inconsistency(value: Any, replaced: Any) -> tuple[str, str]:
     """What is wrong with a value given on the command line, and advice; empty when it fits."""
     if isinstance(value, str) and "${" in value:
         return "", ""

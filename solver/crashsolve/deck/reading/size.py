@@ -26,7 +26,7 @@ def machine_memory() -> float:
     return min(bounds + ([float(limit)] if limit != resource.RLIM_INFINITY else []))
 
 
-def told(number: float) -> str:
+def shown_size(number: float) -> str:
     """A size in words."""
     return f"{number:.3g}" if number < 1e15 else "more than 1e15"
 
@@ -34,10 +34,10 @@ def told(number: float) -> str:
 def excess(shells: int, beams: int) -> str:
     """Why a model of so many elements is too large; empty where it is not."""
     if beams > MOST_BEAMS:
-        return f"{told(beams)} elements are too many, beams may have {MOST_BEAMS} in all"
+        return f"{shown_size(beams)} elements are too many, beams may have {MOST_BEAMS} in all"
     memory = machine_memory()
     if shells * SHELL + beams * BEAM <= memory:
         return ""
-    needed = told(shells * SHELL / 1e9)
+    needed = shown_size(shells * SHELL / 1e9)
     have = f"this machine has {memory / 1e9:.3g} GB"
-    return f"{told(shells)} elements need about {needed} GB of memory, and {have}"
+    return f"{shown_size(shells)} elements need about {needed} GB of memory, and {have}"

@@ -13,7 +13,7 @@ from crashsolve.foundation.errors import DeckError, DeckErrors
 Integrator: Any = Literal[(*integrators(), "auto")]
 
 MOST_THREADS = 1024
-# what Slurm tells a job
+# what Slurm states a job
 CORES_GIVEN = "SLURM_CPUS_PER_TASK"
 
 
@@ -39,7 +39,7 @@ class Control(Card):
         "1",
         "error of a step over the model's size and speed, where the method chooses its step, "
         "1e-6 when neither it nor an accuracy is given; of quasi_static, what may be left of a "
-        "force over the largest force or reaction, and of the way of a load step, 1e-8 when absent",
+        "force over the largest force or reaction, and of a load step's change, 1e-8 when absent",
         None,
         gt=0,
         lt=1,

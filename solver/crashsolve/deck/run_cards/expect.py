@@ -8,13 +8,13 @@ from pydantic import ValidationInfo, field_validator, model_validator
 from crashsolve.channels.series import Window
 from crashsolve.channels.units import PURE, Unit, describe, parse_unit
 from crashsolve.deck.card import Card, quantity, word
-from crashsolve.deck.mistakes import refuse
+from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, number_in, unit_named
 from crashsolve.deck.run_cards.statistic import (
-    channel_told,
+    channel_reported,
     check_window,
     known_statistic,
-    words_told,
+    words_reported,
 )
 
 PERCENT = parse_unit("%")
@@ -27,8 +27,8 @@ class Expect(Card):
     without a unit both are in the channel's own. A relative tolerance is a fraction of the value.
     """
 
-    channel: str = word(channel_told())
-    statistic: str = word(words_told())
+    channel: str = word(channel_reported())
+    statistic: str = word(words_reported())
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
     unit: str | None = word("unit of bare numbers; the channel's own when absent", None)
     value: float = word("what the run must give, in any unit")

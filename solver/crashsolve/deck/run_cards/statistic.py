@@ -5,19 +5,19 @@ from crashsolve.channels.errors import ChannelError
 from crashsolve.channels.expression import FOLDER
 from crashsolve.channels.folder import words_in
 from crashsolve.channels.series import Window
+from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.laws import choices
-from crashsolve.deck.mistakes import refuse
 
 PATH = "path"  # no one number, but the whole history
 
 
-def channel_told() -> str:
+def channel_reported() -> str:
     """What a channel of a question may be, as the manual says it."""
     functions = ", ".join(f"{word}()" for word in words_in(FOLDER))
     return f"channel, or arithmetic of channels with {functions}; see theory/channels.md"
 
 
-def words_told() -> str:
+def words_reported() -> str:
     """The statistics as the manual lists them."""
     return f"{', '.join(known.words())} with T in seconds"
 

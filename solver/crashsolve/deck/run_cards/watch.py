@@ -8,10 +8,10 @@ from crashsolve.channels.series import Window
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.run_cards.statistic import (
     PATH,
-    channel_told,
+    channel_reported,
     check_window,
     known_statistic,
-    words_told,
+    words_reported,
 )
 
 
@@ -20,8 +20,8 @@ class Watch(Card):
 
     shorthand: ClassVar[str] = "channel"
 
-    channel: str = word(channel_told())
-    statistic: str = word(f"{words_told()}, or {PATH}: the whole history", PATH)
+    channel: str = word(channel_reported())
+    statistic: str = word(f"{words_reported()}, or {PATH}: the whole history", PATH)
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
 
     @field_validator("statistic")

@@ -134,8 +134,8 @@ class _Reader:
         is_round = (parameters.get("SYSTEM") or "R").upper() != "R"
         if is_round or not parameters.keys() <= PARAMETERS[word]:
             pairs = parameters.items()
-            told = [name if value is None else f"{name}={value.upper()}" for name, value in pairs]
-            message = f"*{', '.join([word, *told])} would be passed over"
+            reason = [name if value is None else f"{name}={value.upper()}" for name, value in pairs]
+            message = f"*{', '.join([word, *reason])} would be passed over"
             raise self.lines.fail(line, f"{message}; write the mesh flat")
         {"NODE": self.nodes, "ELEMENT": self.elements, "NSET": self.nset, "ELSET": self.elset}[
             word
@@ -148,9 +148,9 @@ class _Reader:
                 fields.pop()
             if not 1 < len(fields) < 5:
                 raise self.lines.fail(line, "a node has a number and up to three coordinates")
-            place = [self.real(line, text) for text in fields[1:]] + [0.0, 0.0]
+            position = [self.real(line, text) for text in fields[1:]] + [0.0, 0.0]
             number = self.whole(line, fields[0])
-            self.lines.add_node(line, number, (place[0], place[1], place[2]))
+            self.lines.add_node(line, number, (position[0], position[1], position[2]))
             own[number] = None
         self.unite("NSET", keyword.parameters.get("NSET"), own)
 
@@ -163,8 +163,10 @@ class _Reader:
         for line, fields in _whole_rows(keyword.rows, SIDES.get(kind, 0) + 1):
             numbers = [self.whole(line, text) for text in fields]
             if kind in SIDES and len(numbers) != SIDES[kind] + 1:
-                told = f"{len(numbers) - 1} nodes follow, not {SIDES[kind]}"
-                raise self.lines.fail(line, f"element {numbers[0]} is of type {given}, but {told}")
+                reason = f"{len(numbers) - 1} nodes follow, not {SIDES[kind]}"
+                raise self.lines.fail(
+                    line, f"element {numbers[0]} is of type {given}, but {reason}"
+                )
             nodes = tuple(numbers[1:]) if kind in SIDES else ()
             self.lines.add_element(line, numbers[0], kind, nodes)
             own[numbers[0]] = None

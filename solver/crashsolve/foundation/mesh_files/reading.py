@@ -30,7 +30,7 @@ class MeshFileError(ValueError):
 class MeshFile:
     """Points (n, 3) as they stand in the file; elements (m, 4) by points, and their kinds.
 
-    A triangle names its last corner twice; elements of other kinds are rows of -1. `firsts` tells
+    A triangle names its last corner twice; elements of other kinds are rows of -1. `firsts` states
     where a kind is met first, `passed_over` what of the file has been left unread.
     """
 
@@ -69,10 +69,10 @@ class Lines:
         """Remember a card that is neither node, element nor set."""
         self.passed_over.setdefault(word, line)
 
-    def add_node(self, line: int, number: int, place: tuple[float, float, float]) -> None:
+    def add_node(self, line: int, number: int, position: tuple[float, float, float]) -> None:
         if number in self.nodes:
             raise self.fail(line, f"node {number} is given twice")
-        self.nodes[number] = place
+        self.nodes[number] = position
 
     def add_element(self, line: int, number: int, kind: str, nodes: tuple[int, ...]) -> None:
         if number in self.elements:
@@ -111,11 +111,11 @@ def _of_lines(lines: Lines, found: Any) -> MeshFile:
     shells = [number for number, (kind, _) in lines.elements.items() if kind in SIDES]
     corners, kinds = _elements(found)
     points = _points(found)
-    place = {number: i for i, number in enumerate(lines.nodes)}
-    wanted = [[place[n] for n in lines.elements[number][1]] for number in shells]
+    position = {number: i for i, number in enumerate(lines.nodes)}
+    wanted = [[position[n] for n in lines.elements[number][1]] for number in shells]
     own = np.array([(*row, row[-1])[:4] for row in wanted], int).reshape(-1, 4)
-    places = np.array(list(lines.nodes.values()))
-    if not np.array_equal(places, points) or not np.array_equal(own, corners):
+    positions = np.array(list(lines.nodes.values()))
+    if not np.array_equal(positions, points) or not np.array_equal(own, corners):
         raise MeshFileError(f"meshio and crashsolve read {lines.name} differently; write it as vtu")
     at = {number: i for i, number in enumerate(lines.elements)}
     all_corners = np.full((len(at), 4), -1)
@@ -125,15 +125,15 @@ def _of_lines(lines: Lines, found: Any) -> MeshFile:
         all_corners,
         np.array([kind for kind, _ in lines.elements.values()], object),
         {name: _numbers(at, some) for name, some in lines.element_sets.items()},
-        {name: _numbers(place, some) for name, some in lines.node_sets.items()},
+        {name: _numbers(position, some) for name, some in lines.node_sets.items()},
         lines.firsts,
         [f"{word} (line {line})" for word, line in lines.passed_over.items()],
     )
 
 
-def _numbers(place: dict[int, int], some: Iterable[int]) -> np.ndarray:
+def _numbers(position: dict[int, int], some: Iterable[int]) -> np.ndarray:
     """Places of these identifiers, each once and in order."""
-    return np.unique(np.array([place[number] for number in some], int))
+    return np.unique(np.array([position[number] for number in some], int))
 
 
 def _points(found: Any) -> np.ndarray:
@@ -227,7 +227,7 @@ def _groups(found: Any, path: Path) -> dict[str, np.ndarray]:
     groups = {}
     for name, (tag, dim) in found.field_data.items():
         groups[name] = np.flatnonzero((number == tag) & (dimension == dim))
-    if _tells_all_groups(path):
+    if _lists_all_groups(path):
         for tag in np.unique(number[number > 0]):
             own = np.flatnonzero(number == tag)
             if len(np.unique(dimension[own])) == 1:
@@ -235,8 +235,8 @@ def _groups(found: Any, path: Path) -> dict[str, np.ndarray]:
     return groups
 
 
-def _tells_all_groups(path: Path) -> bool:
-    """Whether every element is in one group: meshio tells the first number of several."""
+def _lists_all_groups(path: Path) -> bool:
+    """Whether every element is in one group: meshio states the first number of several."""
     with path.open("rb") as file:
         head = file.read(64).split()[:3]
     if len(head) < 3 or head[0] != b"$MeshFormat" or head[1].startswith(b"2"):

@@ -32,7 +32,7 @@ BLOCK = saddle.BLOCK + Record("""
     stiff_above  N/m  36  transpose of that of the other side
 """)
 # of every compliant row; below 0 for what does not move
-PLACE = Record("""
+SLOT = Record("""
     a       index  block of node a, of a joint that of its rows and this node
     b       index  the same of node b
     across  index  block of both nodes
@@ -79,8 +79,8 @@ def plan(
     blocks["column"] = [q for q, _ in address]
     names = [nodes[key] if key < len(nodes) else len(nodes) - 1 - key for key in order]
     found = {(names[q], names[p]): block for (q, p), block in address.items()}
-    places = np.array(_places(ends, joints, found), PLACE.dtype)
-    return Saddle(columns, blocks, np.array(updates, saddle.UPDATE.dtype), places), found
+    slots = np.array(_positions(ends, joints, found), SLOT.dtype)
+    return Saddle(columns, blocks, np.array(updates, saddle.UPDATE.dtype), slots), found
 
 
 def _eliminate(graph: list[set[int]], count: int) -> tuple[list[int], dict[int, set[int]]]:
@@ -104,21 +104,21 @@ def _eliminate(graph: list[set[int]], count: int) -> tuple[list[int], dict[int, 
     return order, below
 
 
-def _places(
+def _positions(
     ends: list[tuple[int, int]],
     joints: list[tuple[int, tuple[int, ...]]],
     found: dict[tuple[int, int], int],
 ) -> list[tuple[int, int, int, bool]]:
     """Blocks of every row: of joints, of which number k is called -1 - k, and of compliant ones."""
-    places = []
+    slots = []
     for k, (rows, own) in enumerate(joints):
         for part in range(0, len(own), 2):
             a, b = (found.get((-1 - k, node), -1) for node in own[part : part + 2])
-            places += [(a, b, -1, False)] * rows
-    for a, b in ends[len(places) :]:
+            slots += [(a, b, -1, False)] * rows
+    for a, b in ends[len(slots) :]:
         across = found.get((a, b), found.get((b, a), -1)) if a != b else -1
-        places.append((found.get((a, a), -1), found.get((b, b), -1), across, (b, a) in found))
-    return places
+        slots.append((found.get((a, a), -1), found.get((b, b), -1), across, (b, a) in found))
+    return slots
 
 
 @kernel
@@ -127,7 +127,7 @@ def assemble(matrix, rows, joint_rows, position, velocity):
 
     X becomes sigma B (see compliance.py).
     """
-    columns, blocks, places = matrix.columns, matrix.blocks, matrix.pairs
+    columns, blocks, slots = matrix.columns, matrix.blocks, matrix.pairs
     for e in range(blocks.shape[0]):
         b = blocks[e]
         for k in range(36):
@@ -137,19 +137,19 @@ def assemble(matrix, rows, joint_rows, position, velocity):
         if c.node > 0:
             add_mass(c, blocks[c.block].x)
     for k in range(joint_rows):
-        row, place, line = rows[k], places[k], line_of(matrix, places[k], k)
-        put_row(blocks, place.a, row.D, 0, line)
-        put_row(blocks, place.b, row.D, 6, line)
+        row, slot, line = rows[k], slots[k], line_of(matrix, slots[k], k)
+        put_row(blocks, slot.a, row.D, 0, line)
+        put_row(blocks, slot.b, row.D, 6, line)
     for k in range(joint_rows, rows.shape[0]):
-        row, place = rows[k], places[k]
+        row, slot = rows[k], slots[k]
         sigma = position * row.stiffness + velocity * row.damping
         for j in range(12):
             row.X[j] = max(sigma, 0.0) * row.D[j]
         if sigma > 0.0:
-            add_square(blocks, place.a, row, 0)
-            add_square(blocks, place.b, row, 6)
-            first = 6 if place.flips else 0
-            add_product(blocks, place.across, row, first, 6 - first)
+            add_square(blocks, slot.a, row, 0)
+            add_square(blocks, slot.b, row, 6)
+            first = 6 if slot.flips else 0
+            add_product(blocks, slot.across, row, first, 6 - first)
 
 
 @kernel
@@ -185,9 +185,9 @@ def add_mass(c, x):
 
 
 @inlined
-def line_of(matrix, place, k):
+def line_of(matrix, slot, k):
     """Which row of its joint row k is."""
-    block = place.a if place.a >= 0 else place.b
+    block = slot.a if slot.a >= 0 else slot.b
     if block < 0:
         return 0
     c = matrix.columns[matrix.blocks[block].column]

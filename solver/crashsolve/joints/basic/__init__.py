@@ -2,7 +2,8 @@
 
 A joint names those that it is made of (CONSTRAINTS). With d = x_b - x_a between the joint's points,
 each file has kernels of (p, nodes, rows, r): `residual` writes Phi, `jacobian` D and nu,
-`convective` gamma, from row r on; ANGULAR tells how many rows it has, and which of them are angles.
+`convective` gamma, from row r on; ANGULAR states how many rows it has, and which of them are
+angles.
 
 Reference: Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems, ch. 9.
 """

@@ -1,7 +1,7 @@
 """The point of b lies on a plane of a, the joint axis its normal: one row, Phi = axis_a . d."""
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.joints._rows import slide_along, slide_jacobian, slide_turning
+from crashsolve.joints._rows import slide_along, slide_jacobian, slide_jacobian_rate
 
 ANGULAR = (False,)
 
@@ -24,4 +24,4 @@ def jacobian(p, nodes, rows, r):
 def convective(p, nodes, rows, r):
     """Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    rows[r].gamma = -slide_turning(a, b, p.point_a, p.point_b, p.axis_a)
+    rows[r].gamma = -slide_jacobian_rate(a, b, p.point_a, p.point_b, p.axis_a)

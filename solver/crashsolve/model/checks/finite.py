@@ -71,7 +71,7 @@ def _too_long(deck: Deck) -> Iterator[DeckError]:
 
 
 def of_model(deck: Deck, what: str = "the model") -> DeckError:
-    """The mistake without a card of its own."""
+    """The error without a card of its own."""
     return DeckError(str(deck.path), None, None, what, *BEYOND)
 
 

@@ -1,4 +1,4 @@
-"""Whether the inertia of a body fits what is fixed to it: a wrong unit is the common mistake.
+"""Whether the inertia of a body fits what is fixed to it: a wrong unit is the common error.
 
     k_i = sqrt(I_i / m)
 
@@ -14,8 +14,8 @@ import numpy as np
 
 from crashsolve.model.model import Joint
 
-# k over the reach of all from the axis below which, and over that of surfaces above which, is told:
-# cm for m changes k by 100, mm by 1000, and k is some third of the reach in most bodies
+# k over the reach of all from the axis below which, and over that of surfaces above which, is
+# reported: cm for m changes k by 100, mm by 1000, and k is some third of the reach in most bodies
 SMALL, LARGE = 1e-2, 10.0
 # factors on the inertia by a unit mistaken for another, and what was mistaken
 UNITS = {1e9: "g mm^2", 1e6: "kg mm^2", 1e4: "kg cm^2"}
@@ -31,12 +31,12 @@ def gyration_warnings(scene: Any, groups: list[Any], joints: list[Joint]) -> lis
     for i, (name, entry) in enumerate(scene.deck.entries["bodies"].items(), start=1):
         if entry.type == "rigid" and entry.card.inertia is not None:
             own, J = shapes.get(i, []), scene.J[i].reshape(3, 3)
-            text = misfit(float(scene.mass[i]), J, own, [*fixed.get(i, []), *own])
+            text = inconsistency(float(scene.mass[i]), J, own, [*fixed.get(i, []), *own])
             found += [f"body '{name}': {text}"] if text else []
     return found
 
 
-def misfit(mass: float, J: np.ndarray, surface: Points, points: Points) -> str:
+def inconsistency(mass: float, J: np.ndarray, surface: Points, points: Points) -> str:
     """What is wrong with an inertia [kg m^2]; points from the mass centre with radii [m].
 
     What is fixed inside of a body says that it reaches so far at least, a surface how far it goes.
@@ -45,23 +45,25 @@ def misfit(mass: float, J: np.ndarray, surface: Points, points: Points) -> str:
         return ""
     moments, axes = np.linalg.eigh(J)
     gyration = np.sqrt(moments / mass)
-    places = np.array([point for point, _ in points])
+    positions = np.array([point for point, _ in points])
     radii = np.array([radius for _, radius in points])
     across = [
-        float((np.linalg.norm(places - np.outer(places @ u, u), axis=1) + radii).max())
+        float((np.linalg.norm(positions - np.outer(positions @ u, u), axis=1) + radii).max())
         for u in axes.T
     ]
     small = [k < SMALL * far for k, far in zip(gyration, across, strict=True)]
     if any(small):
         i = int(np.argmax(np.array(across) / gyration))
-        return _told(gyration[i], "small", across[i], moments[i])
-    reach = max((float(np.linalg.norm(place)) + radius for place, radius in surface), default=0.0)
+        return _reported(gyration[i], "small", across[i], moments[i])
+    reach = max(
+        (float(np.linalg.norm(position)) + radius for position, radius in surface), default=0.0
+    )
     if surface and gyration[2] > LARGE * reach > 0.0:
-        return _told(gyration[2], "large", reach, moments[2])
+        return _reported(gyration[2], "large", reach, moments[2])
     return ""
 
 
-def _told(gyration: float, word: str, reach: float, moment: float) -> str:
+def _reported(gyration: float, word: str, reach: float, moment: float) -> str:
     wanted = (USUAL * reach / gyration) ** (2 if word == "small" else -2)
     factor = min(UNITS, key=lambda f: abs(np.log(wanted / f)))
     numbers = ("kg m^2", UNITS[factor]) if word == "small" else (UNITS[factor], "kg m^2")
@@ -115,5 +117,5 @@ def outline(element: Any) -> Points:
         half = (element["radius"], element["radius"], element["half_length"])
     if half is None:
         return [(middle, float(element["radius"]))]
-    ways = element["axes"].reshape(3, 3) * np.asarray(half, float)
-    return [(middle + sign * way, 0.0) for way in ways.T for sign in (-1.0, 1.0)]
+    offsets = element["axes"].reshape(3, 3) * np.asarray(half, float)
+    return [(middle + sign * offset, 0.0) for offset in offsets.T for sign in (-1.0, 1.0)]

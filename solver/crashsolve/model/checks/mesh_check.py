@@ -33,7 +33,9 @@ def _duplicate(mesh: Any) -> str:
         if len(same):
             a, b = sorted(int(order[same[0] + k]) + 1 for k in (0, 1))
             where = ", ".join(f"{x:.6g}" for x in mesh.points[a - 1])
-            return f"nodes {a} and {b} lie in one place ({where}) m; merge them or move them apart"
+            return (
+                f"nodes {a} and {b} lie in one position ({where}) m; merge them or move them apart"
+            )
     return ""
 
 

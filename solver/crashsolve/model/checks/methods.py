@@ -11,13 +11,13 @@ from crashsolve.deck.family import ANY, Family, FamilyError, families
 
 def refuse_methods(scene: Any) -> None:
     """Families that the integrator of the deck cannot step. Writes: scene.errors, methods."""
-    choosy = {f.folder: f for f in families().values() if f.integrators != ANY}
-    kinds = scene.deck.entries.values() if choosy else ()
+    limited_families = {f.folder: f for f in families().values() if f.integrators != ANY}
+    kinds = scene.deck.entries.values() if limited_families else ()
     for entry in (entry for entries in kinds for entry in entries.values()):
         with scene.building(entry):
             for folder in _folders(entry.card):
-                if folder in choosy:
-                    _refuse_method(scene, choosy[folder])
+                if folder in limited_families:
+                    _refuse_method(scene, limited_families[folder])
 
 
 def _refuse_method(scene: Any, family: Family) -> None:
@@ -67,5 +67,7 @@ def refuse_incomplete_method(module: Any) -> None:
         shapes["E"] = (module.ESTIMATES, module.STAGES)
         for name, shape in shapes.items():
             if np.shape(getattr(module, name)) != shape:
-                told = f"{name} has the shape {np.shape(getattr(module, name))}, not {shape}"
-                raise FamilyError(f"{module.__name__}: {told} of STAGES, EXTRA, TERMS, ESTIMATES")
+                message = f"{name} has the shape {np.shape(getattr(module, name))}, not {shape}"
+                raise FamilyError(
+                    f"{module.__name__}: {message} of STAGES, EXTRA, TERMS, ESTIMATES"
+                )

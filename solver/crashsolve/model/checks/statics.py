@@ -12,7 +12,7 @@ from crashsolve.foundation.errors import DeckErrors
 KEPT = {"dissipated", "power", "unused"}
 
 
-def goes_by_steps(groups: list[Any]) -> bool:
+def is_incremental(groups: list[Any]) -> bool:
     """Whether there are path-dependent parts: steps from rest take them along it."""
     return any(g.keyword == "parts" and getattr(g.module, "STEPWISE", False) for g in groups)
 
@@ -28,19 +28,19 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
         return
     found = [
         deck.error(entry, None, f"{reason}; say solution: transient")
-        for entry, reason in _misfits(deck, groups)
+        for entry, reason in _inconsistencies(deck, groups)
     ]
     if found:
         raise DeckErrors(found)
 
 
-def _misfits(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+def _inconsistencies(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
     for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
         if np.any(entry.card.velocity) or np.any(entry.card.angular_velocity):
             yield entry, "a quasi-static solution has no velocities"
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
-    by_steps = goes_by_steps(groups)
+    by_steps = is_incremental(groups)
     for entry in deck.entries["bodies"].values():
         if by_steps and entry.card.welded:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"

@@ -1,1 +1,1 @@
-"""Build of contact: surfaces to elements, elements to pairs and projections."""
+"""Tables of contact, made once: elements and pairs of surfaces; nothing of a step."""

@@ -181,7 +181,7 @@ def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
 
 
 def meet(card: Any, surfaces: dict[str, Surface]) -> None:
-    """Tell the surfaces of each side of a card the smallest box or cylinder of the other.
+    """Report the surfaces of each side of a card the smallest box or cylinder of the other.
 
     Writes: their `others`.
     """
@@ -208,7 +208,7 @@ class Side:
         self._reaches: list[float] = []
         self._rounds: dict[str, int] = {}
 
-    def place(self, surface: Surface, narrow: Any) -> None:
+    def assign(self, surface: Surface, narrow: Any) -> None:
         """Append a surface's elements, taken apart as the gap asks, when it is first seen."""
         name = surface.entry.name
         if name in self.surfaces:
@@ -292,7 +292,7 @@ class GroupBuilder:
         ordered = (surfaces[1], surfaces[0]) if swapped else surfaces
         for side, some in zip(self.sides, ordered, strict=True):
             for surface in some:
-                side.place(surface, narrow)
+                side.assign(surface, narrow)
         rows: dict[tuple[int, int], int] = {}
         for a, b in _unlike(surfaces):
             first, second = (b, a) if swapped else (a, b)

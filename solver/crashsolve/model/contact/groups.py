@@ -31,7 +31,7 @@ class Touching:
         return self.has_ends and hasattr(self.narrow, "gap_by")
 
     @property
-    def knows_middle(self) -> bool:
+    def has_core_depth(self) -> bool:
         """Whether its gap routine can say how deep the middle of a round face is."""
         return self.keeps_faces and hasattr(self.narrow, "middle")
 
@@ -48,7 +48,7 @@ class ContactGroup(Touching):
     TABLES: ClassVar = (
         *("parameters", "history", "output", "elements_a", "elements_b", "data"),
         *("seen_a", "seen_b", "slack"),
-        *("pieces", "sums", "counts", "loads", "felt", "places", "bearers", "ranges"),
+        *("pieces", "sums", "counts", "loads", "applied", "load_rows", "bearers", "ranges"),
     )
 
     word: str
@@ -67,8 +67,8 @@ class ContactGroup(Touching):
     sums: Any = None  # of a piece, as a card has them
     counts: Any = None
     loads: Any = None  # on bodies, body by body
-    felt: Any = None  # whether there is such a load now
-    places: Any = None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
+    applied: Any = None  # whether there is such a load now
+    load_rows: Any = None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
     bearers: Any = None
     ranges: Any = None  # pieces of the bodies
 
@@ -104,7 +104,7 @@ class ContactGroup(Touching):
 
     @property
     def has_ends(self) -> bool:
-        """Whether pairs remember their way out."""
+        """Whether pairs remember their exit."""
         return "passed" in (self.history.dtype.names or ())
 
     @property
@@ -120,8 +120,10 @@ class ContactGroup(Touching):
     @property
     def tangent_rows(self) -> int:
         """Rows of one pair for implicit methods: of the normal force, of tilting, of friction."""
-        rubs = (SPIN_ROWS if self.resists_spin else FRICTION_ROWS) if self.friction else 0
-        return 1 + (TILT_ROWS if self.is_flat else 0) + rubs
+        friction_row_count = (
+            (SPIN_ROWS if self.resists_spin else FRICTION_ROWS) if self.friction else 0
+        )
+        return 1 + (TILT_ROWS if self.is_flat else 0) + friction_row_count
 
     # where elements were when the list of near pairs was made, and how far they may go
 
@@ -159,7 +161,7 @@ class NodalGroup(Touching):
     CHANGING: ClassVar = (
         "p",
         "probe_states",
-        "turns",
+        "slot_in_use",
         "totals",
         "due",
         "first",

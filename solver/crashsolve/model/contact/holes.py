@@ -47,13 +47,13 @@ def hole(surface: Any, scene: Any) -> float:
     if surface.shape == "points":
         mesh = scene.skin(surface.entry.card.part, "part")[0].mesh
         corners = mesh.points[mesh.quads]
-        way = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
-        return float(way.min(axis=1).max())
+        distance = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
+        return float(distance.min(axis=1).max())
     if surface.entry.type not in ("nodes", "point_set") or len(surface.elements) < 2:
         return 0.0
-    places = np.array(list(_places(surface, scene)))
-    some = places[:: 1 + len(places) // MANY]
-    return 0.5 * max(_second_least(np.linalg.norm(places - x, axis=1)) for x in some)
+    positions = np.array(list(_positions(surface, scene)))
+    some = positions[:: 1 + len(positions) // MANY]
+    return 0.5 * max(_second_least(np.linalg.norm(positions - x, axis=1)) for x in some)
 
 
 def half_width(surface: Any, scene: Any) -> float | None:
@@ -68,7 +68,7 @@ def half_width(surface: Any, scene: Any) -> float | None:
     return min(float(surface.module.half_width(element)) for element in surface.elements)
 
 
-def _places(surface: Any, scene: Any) -> Iterator[np.ndarray]:
+def _positions(surface: Any, scene: Any) -> Iterator[np.ndarray]:
     nodes = scene.placed_nodes()
     for element in surface.elements:
         node = element["node"]

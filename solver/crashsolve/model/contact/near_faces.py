@@ -77,23 +77,23 @@ def points_along(
     lengths = np.linalg.norm(points[others] - points[starts], axis=1)
     # pairs as one number each, ascending, with the shortest way so far
     known = front = np.arange(count) * (count + 1)
-    ways = way = np.zeros(count)
+    distances = distance = np.zeros(count)
     while len(front):
         owner, via = np.divmod(front, count)
         sizes = np.diff(first)[via]
         at = np.repeat(first[via] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
         at += np.arange(sizes.sum())
-        longer = np.repeat(way, sizes) + lengths[at]
+        longer = np.repeat(distance, sizes) + lengths[at]
         pair, is_near = np.repeat(owner, sizes) * count + others[at], longer < reach
         pair, longer = pair[is_near], longer[is_near]
-        pairs, values = np.r_[known, pair], np.r_[ways, longer]
+        pairs, values = np.r_[known, pair], np.r_[distances, longer]
         is_new = np.r_[np.zeros(len(known), bool), np.ones(len(pair), bool)]
         # of equal ways the known one
         order = np.lexsort((is_new, values, pairs))
         pairs, values, is_new = pairs[order], values[order], is_new[order]
         best = np.r_[True, pairs[1:] != pairs[:-1]]
-        known, ways, is_new = pairs[best], values[best], is_new[best]
-        front, way = known[is_new], ways[is_new]
+        known, distances, is_new = pairs[best], values[best], is_new[best]
+        front, distance = known[is_new], distances[is_new]
     return known // count, known % count
 
 

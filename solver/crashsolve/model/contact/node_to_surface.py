@@ -80,7 +80,7 @@ PARAMETERS = Record("""
 """)
 TOTALS = Record("""
     fastest        m/s    largest closing speed that there can be
-    way            m      sum of that over the steps
+    travel         m      sum of that over the steps
     listed         m      the same when lists were made
     pairs          count  in the lists
     searches       count  lists made
@@ -103,7 +103,7 @@ PROBE_STATE = Record("""
     N             1      4  weights of the corners
 """)
 RUB = Record("""
-    rub       N  3  friction on the probe
+    friction_force  N  3  friction on the probe
     bristled  J     recoverable energy of friction
 """)
 HIT = Record("""
@@ -121,7 +121,7 @@ LOOK = Record("""
 """)
 SEEN = Record("probe  index  that touches, or has touched")
 # of a point that is touched
-STIFFENED = Record("""
+STIFFNESS_BOUND = Record("""
     stiffness    1/s^2  sum of k N / m
     damping      1/s    sum of c N / m
     listed       flag   whether the point is among those that are touched
@@ -244,7 +244,7 @@ class NodalBuilder:
             "totals": totals,
             "probes": probes.rows,
             "probe_states": np.zeros((2, probe_states * n), probe_state.dtype),
-            "turns": np.zeros(probe_states * n, np.int64),
+            "slot_in_use": np.zeros(probe_states * n, np.int64),
             "due": np.zeros(n),
             # threads look before the first one presses
             "found": np.zeros((n if threads > 1 else 1, 2), HIT.dtype),
@@ -315,7 +315,7 @@ class NodalBuilder:
             **{"reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
             **{"first_point": first, "point_count": len(meshed.mass), "own": is_own},
             **{"first_corner": corner, "face_count": count, "first_own": first},
-            **self._places(card.part, meshed),
+            **self._positions(card.part, meshed),
             **{"bucket_count": buckets, "room": room},
         }
         own = {
@@ -342,7 +342,7 @@ class NodalBuilder:
         record = import_module("crashsolve.contact.shape.ellipsoid").PARAMETERS
         return {"ellipsoids": table_of(a.elements, record), "balls": probes.rows.copy()}
 
-    def _places(self, part: str, meshed: Any) -> dict[str, int]:
+    def _positions(self, part: str, meshed: Any) -> dict[str, int]:
         """Where the tables hold quadrilaterals and triangles."""
         filled, first = -(-meshed.quad_count // LANES), self.scene.first_number(part)
         stride = meshed.stride_of(meshed.points)
@@ -386,7 +386,7 @@ def loads_of_points(count: int) -> dict[str, np.ndarray]:
     """What all groups together add to the stiffness of points."""
     return {
         "touched": np.zeros(1, TOUCHED.dtype),
-        "stiffened": np.zeros(count, STIFFENED.dtype),
+        "stiffened": np.zeros(count, STIFFNESS_BOUND.dtype),
         "touched_points": np.zeros(count, np.int64),
     }
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # many, and a job for several threads costs as much as some hundred of them
 MANY = 1000
 # pairs of a piece, and bodies, but for the last ones, as long as there are not too many pieces;
-# their number has 16 bits (system/threads/worker.py), and each card begins with a piece of its own
+# their number has 16 bits (threads/worker.py), and each card begins with a piece of its own
 PAIRS, BODIES = 128, 64
 MOST = 30_000
 
@@ -68,14 +68,14 @@ def tables_of(group: ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray]:
     nodes = np.empty(2 * len(rows), np.int64)
     nodes[0::2] = group.elements_a["node"][rows["a"]]
     nodes[1::2] = group.elements_b["node"][rows["b"]]
-    places, bearers = _bodies(nodes)
+    load_rows, bearers = _bodies(nodes)
     return {
         "pieces": pieces,
         "sums": np.zeros(len(pieces), records.CARD_OUTPUT.dtype),
         "counts": np.zeros(len(pieces), records.COUNTS.dtype),
         "loads": np.zeros(2 * len(rows), records.LOAD.dtype),
-        "felt": np.zeros(2 * len(rows), np.int8),
-        "places": places,
+        "applied": np.zeros(2 * len(rows), np.int8),
+        "load_rows": load_rows,
         "bearers": bearers,
         "ranges": _ranges(len(bearers)),
     }
@@ -98,13 +98,13 @@ def _pieces(cards: np.ndarray) -> np.ndarray:
 def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Places of loads body by body, of one body in their order, and where each body's are."""
     order = np.argsort(nodes, kind="stable")
-    places = np.empty(len(nodes), np.int64)
-    places[order] = np.arange(len(nodes))
+    load_rows = np.empty(len(nodes), np.int64)
+    load_rows[order] = np.arange(len(nodes))
     first = np.flatnonzero(np.diff(nodes[order], prepend=-1))
     bearers = np.zeros(len(first), BEARER.dtype)
     bearers["node"], bearers["first"] = nodes[order[first]], first
     bearers["end"] = np.append(first, len(nodes))[1:]
-    return places, bearers
+    return load_rows, bearers
 
 
 def _ranges(bodies: int) -> Any:

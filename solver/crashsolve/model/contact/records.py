@@ -30,11 +30,11 @@ HISTORY = Record("""
     friction_dissipated  J        by friction
     friction_power       W        its present rate
     push                 N     3  normal force on side a
-    rub                  N     3  friction on side a
+    friction_force       N     3  friction on side a
     bristled             J        recoverable energy of friction
-    place                m     3  point of contact
+    position             m     3  point of contact
 """)
-# of pairs whose sides have an end (system/contact/passing.py)
+# of pairs whose sides have an end (system/contact/pass_through.py)
 FACE = Record("""
     held    flag  goes on by its own face though another is nearer
     passed  s     time at which one side has passed the middle of the other; 0: it has not
@@ -62,8 +62,8 @@ CARD_OUTPUT = Record("""
 LOAD = Record("""
     force        N      3  on one of the bodies of a pair
     torque       N m    3  about its mass centre
-    late_force   N      3  part of force that began during the step
-    late_torque  N m    3  part of torque that began during the step
+    deferred_force  N      3  part of force that began during the step
+    deferred_torque  N m    3  part of torque that began during the step
     stiffness    1/s^2     sum of k times mobility, for the stable step
     damping      1/s       sum of c times mobility
     pressed      m/s^2     normal force times mobility along the slip, where friction acts

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.foundation.point import ATTACHED_POINT, LANES, OWN, RIDES
+from crashsolve.elements.shells.tangents.records import CHANGE, SEEN
+from crashsolve.foundation.point import ATTACHED, ATTACHED_POINT, LANES, OWN
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse.bordered import plan
 from crashsolve.model.nodes import COMPLIANT, NODE
-from crashsolve.parts.shells.tangents.records import CHANGE, SEEN
 
 HELD = 63  # all motions
 
@@ -26,7 +26,7 @@ COUNTS = Record("""
 def embody(model: Any, state: Any) -> None:
     """Give every point a body to ride on. Writes: model.elements, state.nodes, points."""
     points, elements = state.points, model.elements
-    alone = points["held"] < RIDES
+    alone = points["held"] < ATTACHED
     fixed = np.flatnonzero(alone & (points["held"] == HELD))
     moving = np.flatnonzero(alone & (points["held"] != HELD))
     more = np.zeros(len(moving), NODE.dtype)
@@ -48,7 +48,7 @@ def embody(model: Any, state: Any) -> None:
     elements.attached_points = np.concatenate([elements.attached_points, attached_points])
     elements.embodied = moving
     points["held"][moving] |= OWN
-    points["held"] |= RIDES
+    points["held"] |= ATTACHED
 
 
 def assembled(model: Any, state: Any, laws: list[Any], factors: int) -> dict[str, np.ndarray]:

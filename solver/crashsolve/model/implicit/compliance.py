@@ -51,8 +51,8 @@ def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:
     if has_nodal_tangents(model):
         return {"tangents": tangents} | assembled(model, state, groups, factors)
     for module in (g.module for g in tangent_groups(model) if g.module.TANGENTS > MOST_ROWS):
-        told = f"{module.__name__}: TANGENTS is {module.TANGENTS}"
-        raise FamilyError(f"{told}; two bodies have at most {MOST_ROWS} compliant rows")
+        message = f"{module.__name__}: TANGENTS is {module.TANGENTS}"
+        raise FamilyError(f"{message}; two bodies have at most {MOST_ROWS} compliant rows")
     both = joints + laws
     saddle = plan([rows for rows, _ in both], [nodes for _, nodes in both])
     table = np.zeros(row, COMPLIANT.dtype)

@@ -19,7 +19,7 @@ def index(collections: Iterable[tuple[str, list[str]]]) -> str:
 
 def geometry(block: Block, mesh_file: str) -> str:
     """What is the same at every time: topology, points unless each state has its own, fields."""
-    place = f"{mesh_file}:/{block.name}"
+    dataset = f"{mesh_file}:/{block.name}"
     kind = "Mixed"
     if len(block.cells) == 1:
         cell = CELL_TYPES[block.cells[0][0]]
@@ -28,10 +28,10 @@ def geometry(block: Block, mesh_file: str) -> str:
             kind += f'" NodesPerElement="{cell.corners}'
     lines = [
         f'<Topology TopologyType="{kind}" NumberOfElements="{block.n_cells}">',
-        _item(f"{place}/cells", block.connectivity().shape, "Int", 8) + "</Topology>",
+        _item(f"{dataset}/cells", block.connectivity().shape, "Int", 8) + "</Topology>",
     ]
     if not block.is_placed:
-        lines.append(_points(_item(f"{place}/points", block.points.shape, "Float", 8)))
+        lines.append(_points(_item(f"{dataset}/points", block.points.shape, "Float", 8)))
     lines += [_attribute(block, field, mesh_file) for field, _ in block.fixed_fields]
     return "\n".join(lines)
 
@@ -41,8 +41,8 @@ def grid(block: Block, block_geometry: str, time: float, state_file: str) -> str
     lines = [f'<Grid Name="{block.name}"><Time Value="{time!r}"/>', block_geometry]
     for field in block.all_fields:
         if field is POINTS:
-            place = f"{state_file}:/{block.name}/{field.name}"
-            lines.append(_points(_item(place, block.shape(field), "Float", 4)))
+            dataset = f"{state_file}:/{block.name}/{field.name}"
+            lines.append(_points(_item(dataset, block.shape(field), "Float", 4)))
         else:
             lines.append(_attribute(block, field, state_file))
     return "\n".join([*lines, "</Grid>"])
@@ -61,10 +61,10 @@ def _attribute(block: Block, field: FieldSpec, file: str) -> str:
     return f"{head}\n{item}</Attribute>"
 
 
-def _item(place: str, shape: tuple[int, ...], number: str, precision: int) -> str:
+def _item(dataset: str, shape: tuple[int, ...], number: str, precision: int) -> str:
     """Reference to a dataset."""
     sizes = " ".join(map(str, shape))
     return (
         f'<DataItem Format="HDF" Dimensions="{sizes}" NumberType="{number}"'
-        f' Precision="{precision}">{place}</DataItem>'
+        f' Precision="{precision}">{dataset}</DataItem>'
     )

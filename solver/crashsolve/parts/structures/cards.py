@@ -59,10 +59,10 @@ def _description(word: str) -> Any:
 def unused(card: Any) -> dict[Steps, str]:
     """Paths of a structure's card that none of its members follows, and why."""
     chosen = [member.deformation or card.deformation for member in card.members]
-    told = f"its members are {' and '.join(dict.fromkeys(chosen))}"
+    reason = f"its members are {' and '.join(dict.fromkeys(chosen))}"
     followed = {word for name in chosen for word in _description(name).WORDS}
     words = {word for name in DESCRIPTIONS for word in _description(name).WORDS}
-    found: dict[Steps, str] = {(word,): told for word in sorted(words - followed)}
+    found: dict[Steps, str] = {(word,): reason for word in sorted(words - followed)}
     for word in ("deformation", "divisions", "material", "section", "side"):
         if all(getattr(member, word) is not None for member in card.members):
             found.setdefault((word,), "all members have their own")
@@ -74,18 +74,18 @@ def unused(card: Any) -> dict[Steps, str]:
 
 def _body(whole: Plan, k: int, point: str) -> Made:
     """The rigid body at a point: its joint, and what members add to it."""
-    rods, drawn, place = [], [], whole.points[point]
+    rods, drawn, position = [], [], whole.points[point]
     for member in (m for m in whole.members if point in m.ends):
         stub = description(member).stub(member)
         first = member.ends[0] == point
         start, end = (-member.joints[0], stub) if first else (-stub, member.joints[1])
         shift = 0.0 if first else member.length
         rods.append(member.rod(start + shift, end + shift))
-        begin, finish = (member.at(x + shift) - place for x in (start, end))
+        begin, finish = (member.at(x + shift) - position for x in (start, end))
         drawn.append(length_of(member, begin, finish, member.T[:, 1]))
     mass, centre, J = together(rods)
-    fields = body_fields(whole, mass, J, place)
-    fields["mass_centre"] = plain(centre - place)
+    fields = body_fields(whole, mass, J, position)
+    fields["mass_centre"] = plain(centre - position)
     fields["drawn"] = drawn
     return Made("bodies", whole.body(point), fields, ("points", k))
 
@@ -103,15 +103,15 @@ def together(
     return mass, centre, J
 
 
-def body_fields(whole: Plan, mass: float, J: np.ndarray, place: np.ndarray) -> dict[str, Any]:
+def body_fields(whole: Plan, mass: float, J: np.ndarray, position: np.ndarray) -> dict[str, Any]:
     """Words of a rigid body with this inertia in its own axes, those of the world if it is given
     no rotation, that moves with the structure."""
     return {
         "mass": float(mass),
         "inertia": plain(np.diag(J)),
         "products": plain([J[0, 1], J[0, 2], J[1, 2]]),
-        "position": plain(place),
-        "velocity": whole.velocity(place),
+        "position": plain(position),
+        "velocity": whole.velocity(position),
         "angular_velocity": plain(whole.card.angular_velocity),
     }
 
@@ -137,16 +137,16 @@ def length_of(
 def welds(whole: Plan, member: Member) -> list[Made]:
     """Joints that fix both ends of a part of beams to the bodies at its points."""
     return [
-        weld(f"{member.name}_{side}", whole.body(point), f"{member.name}_{side}", place, member)
-        for side, point, place in zip(
+        weld(f"{member.name}_{side}", whole.body(point), f"{member.name}_{side}", position, member)
+        for side, point, position in zip(
             ("start", "end"), member.ends, (member.at(0.0), member.at(member.length)), strict=True
         )
     ]
 
 
-def weld(name: str, a: str, b: str, place: np.ndarray, member: Member) -> Made:
+def weld(name: str, a: str, b: str, position: np.ndarray, member: Member) -> Made:
     """A joint that fixes b to a."""
-    fields = {"type": "weld", "a": a, "b": b, "at": plain(place)}
+    fields = {"type": "weld", "a": a, "b": b, "at": plain(position)}
     return Made("joints", name, fields, member.path)
 
 

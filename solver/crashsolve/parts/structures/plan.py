@@ -24,7 +24,7 @@ class Member:
     number: int
     name: str
     ends: tuple[str, str]
-    places: tuple[np.ndarray, np.ndarray]
+    positions: tuple[np.ndarray, np.ndarray]
     T: np.ndarray
     section: Law
     material: Law
@@ -46,7 +46,7 @@ class Member:
     @property
     def length(self) -> float:
         """Of what deforms [m]."""
-        whole = float(np.linalg.norm(self.places[1] - self.places[0]))
+        whole = float(np.linalg.norm(self.positions[1] - self.positions[0]))
         return whole - self.joints[0] - self.joints[1]
 
     @property
@@ -56,7 +56,7 @@ class Member:
 
     def at(self, x: float) -> np.ndarray:
         """Place at a length from where it begins to deform [m]."""
-        return self.places[0] + (self.joints[0] + x) * self.along
+        return self.positions[0] + (self.joints[0] + x) * self.along
 
     def rod(self, start: float, end: float) -> tuple[float, np.ndarray, np.ndarray]:
         """Mass, mass centre and inertia (3, 3) about it of a length of it, world axes."""
@@ -81,11 +81,11 @@ class Plan:
         """Name of the body at a point."""
         return f"{self.name}_{point}"
 
-    def velocity(self, place: np.ndarray) -> list[float]:
-        """Of a place at the start [m/s]."""
+    def velocity(self, position: np.ndarray) -> list[float]:
+        """Of a position at the start [m/s]."""
         first = next(iter(self.points.values()))
-        turn = np.cross(self.card.angular_velocity, place - first)
-        return [float(x) for x in np.asarray(self.card.velocity) + turn]
+        rotation = np.cross(self.card.angular_velocity, position - first)
+        return [float(x) for x in np.asarray(self.card.velocity) + rotation]
 
 
 def plan(name: str, card: Any, laws: dict[str, dict[str, Law]]) -> Plan:
@@ -135,10 +135,10 @@ def _member(
         if point not in points:
             known = f"(points: {', '.join(points)})"
             raise Problem((*path, word), f"unknown point '{point}'", known)
-    places = points[own.from_], points[own.to]
-    along = places[1] - places[0]
+    positions = points[own.from_], points[own.to]
+    along = positions[1] - positions[0]
     if not np.linalg.norm(along) > 0.0:
-        raise Problem(path, "begins and ends in one place", "a member needs a length")
+        raise Problem(path, "begins and ends in one position", "a member needs a length")
     found = {}
     for keyword, word in (("sections", "section"), ("materials", "material")):
         given = getattr(own, word) or getattr(card, word)
@@ -153,7 +153,7 @@ def _member(
     deformation = own.deformation or card.deformation
     ends = (own.from_, own.to)
     return Member(
-        k, title, ends, places, T, found["section"], found["material"], constants, divisions,
+        k, title, ends, positions, T, found["section"], found["material"], constants, divisions,
         deformation,
     )  # fmt: skip
 
@@ -187,15 +187,15 @@ def _refuse_twice(members: list[Member]) -> None:
 def _refuse_touching(points: dict[str, np.ndarray], members: list[Member]) -> None:
     """Raises Problem for a member through a point where it does not end.
 
-    It would look joined there and pass by; of two members in one line, or of two points in one
-    place, one has such a point.
+    It would look joined there and pass by; of two members in one line, or of two points at one
+    position, one has such a point.
     """
     for member in members:
-        start, end = member.places
+        start, end = member.positions
         reach = float(np.linalg.norm(end - start))
-        for k, (point, place) in enumerate(points.items()):
-            x = min(max(float((place - start) @ member.along), 0.0), reach)
-            apart = float(np.linalg.norm(place - start - x * member.along))
+        for k, (point, position) in enumerate(points.items()):
+            x = min(max(float((position - start) @ member.along), 0.0), reach)
+            apart = float(np.linalg.norm(position - start - x * member.along))
             if point not in member.ends and apart <= SAME * reach:
                 first, last = member.ends
                 raise Problem(
@@ -215,7 +215,7 @@ def _refuse_crossing(members: list[Member]) -> None:
         for member in members[:k]:
             if set(member.ends) & set(other.ends):
                 continue
-            a, b, u, v = member.places[0], other.places[0], member.along, other.along
+            a, b, u, v = member.positions[0], other.positions[0], member.along, other.along
             n = np.cross(u, v)
             length = float(np.linalg.norm(n))
             # those in one line meet in a point, if they do
@@ -223,7 +223,7 @@ def _refuse_crossing(members: list[Member]) -> None:
                 continue
             s = float(np.cross(b - a, v) @ n) / length**2
             t = float(np.cross(b - a, u) @ n) / length**2
-            reach, far = (float(np.linalg.norm(np.subtract(*m.places))) for m in (member, other))
+            reach, far = (float(np.linalg.norm(np.subtract(*m.positions))) for m in (member, other))
             apart = abs(float((b - a) @ n)) / length
             if 0.0 < s < reach and 0.0 < t < far and apart <= SAME * max(reach, far):
                 first, last = member.ends
@@ -238,10 +238,10 @@ def _refuse_crossing(members: list[Member]) -> None:
 def joint_length(point: str, members: list[Member]) -> float:
     """r [m] of the rigid joint at a point, by depths and angles of its members. Raises Problem."""
     depth = max(depth_of(member) for member in members)
-    ways = [m.along if m.ends[0] == point else -m.along for m in members]
+    displacements = [m.along if m.ends[0] == point else -m.along for m in members]
     factor = 1.0
-    for k, one in enumerate(ways):
-        for other in ways[k + 1 :]:
+    for k, one in enumerate(displacements):
+        for other in displacements[k + 1 :]:
             angle = float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
             factor = max(factor, 1.0 / tan(0.5 * angle))
     return 0.5 * depth * factor

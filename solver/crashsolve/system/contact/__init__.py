@@ -1,1 +1,1 @@
-"""Contact within a step: projections, pairs, surface friction, unilateral impulses, work."""
+"""Contact within a step: search, friction, impulses, work; the laws are in contact/."""

@@ -14,13 +14,13 @@ References: Howe and Cutkosky (1996), Int. J. Robotics Research 15, 557-572.
 from crashsolve.contact.narrow._convex import tangents
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import apply_force, apply_torque, note_late, point_tangent
+from crashsolve.foundation.motion import add_deferred, apply_force, apply_torque, point_tangent
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.touches import closing, count_stiffness, pair_mobility
-from crashsolve.system.contact.work import begin_push, way_from
+from crashsolve.system.contact.work import begin_push, displacement_from
 
-# what a law is told that lays its memory into the plane: along the normal it is that of a spin
-NO_TURN = (0.0, 0.0, 0.0)
+# what a law receives that lays its memory into the plane: along the normal it is that of a spin
+NO_ROTATION = (0.0, 0.0, 0.0)
 
 
 @kernel
@@ -30,15 +30,17 @@ def sliding(a, b, slip, n, radius):
 
 
 @kernel
-def along_surface(rub, n):
+def along_surface(friction_force, n):
     """The part of friction or sliding that is no spin."""
-    return add_scaled(rub, -dot(rub, n), n)
+    return add_scaled(friction_force, -dot(friction_force, n), n)
 
 
 @kernel
-def way_of_sliding(motion, way, n, radius):
-    """Displacement of a over b in a step, `way` in a place of both, as sliding has it [m]."""
-    return add_scaled(along_surface(way, n), radius * dot(motion[2], n), n)
+def sliding_displacement(motion, displacement, n, radius):
+    """Displacement of a over b in a step, `displacement` in a position of both, as sliding has it
+    [m].
+    """
+    return add_scaled(along_surface(displacement, n), radius * dot(motion[2], n), n)
 
 
 @kernel
@@ -51,37 +53,41 @@ def end_first_half(h, old, motion, a, card):
     if old.active == 0 or h == 0.0 or size == 0.0:
         return 0.0
     n = scale(1.0 / size, vec(old.push))
-    way = way_from(motion, a, vec(old.place))
-    friction_loss = 0.5 * dot(vec(old.rub), way_of_sliding(motion, way, n, old.radius))
-    card.work += 0.5 * size * dot(n, way)
+    displacement = displacement_from(motion, a, vec(old.position))
+    friction_loss = 0.5 * dot(
+        vec(old.friction_force), sliding_displacement(motion, displacement, n, old.radius)
+    )
+    card.work += 0.5 * size * dot(n, displacement)
     card.friction_work += friction_loss
     return friction_loss
 
 
 @kernel
-def begin_second_half(felt, pair, sliding, x, rub, glide, radius, card):
+def begin_second_half(
+    applied, pair, sliding, x, friction_force, sliding_displacement, radius, card
+):
     """Work of the forces at the end of the step, which are kept for the next. Writes: new, card."""
     out, new = pair.out, pair.new
-    begin_push(felt, sliding.way, sliding.f, sliding.n, x, out, new, card)
-    card.friction_work += 0.5 * felt * dot(rub, glide)
+    begin_push(applied, sliding.displacement, sliding.f, sliding.n, x, out, new, card)
+    card.friction_work += 0.5 * applied * dot(friction_force, sliding_displacement)
     card.bristled += out.friction_stored
-    put(new.rub, rub)
+    put(new.friction_force, friction_force)
     new.bristled, new.radius = out.friction_stored, radius
 
 
 @kernel
-def twist(a, b, rub, n, radius, felt):
+def twist(a, b, friction_force, n, radius, applied):
     """Torque of friction about the normal, on a and against it on b. Writes: a, b."""
-    moment = scale(radius * dot(rub, n), n)
+    moment = scale(radius * dot(friction_force, n), n)
     apply_torque(a, moment)
     apply_torque(b, scale(-1.0, moment))
-    if felt < 1.0:
-        add_to(a.late_torque, scale(1.0 - felt, moment))
-        add_to(b.late_torque, scale(felt - 1.0, moment))
+    if applied < 1.0:
+        add_to(a.deferred_torque, scale(1.0 - applied, moment))
+        add_to(b.deferred_torque, scale(applied - 1.0, moment))
 
 
 @kernel
-def rubbing_mobility(a, b, d_a, d_b, u, n, radius):
+def friction_mobility(a, b, d_a, d_b, u, n, radius):
     """Mobilities of both sides for friction along u, slip and spin of length 1 [1/kg]."""
     force, moment = along_surface(u, n), scale(radius * dot(u, n), n)
     return respond(a, d_a, force, moment), respond(b, d_b, force, moment)
@@ -90,12 +96,12 @@ def rubbing_mobility(a, b, d_a, d_b, u, n, radius):
 @kernel
 def respond(body, d, force, moment):
     """Acceleration of a body by a force at d with a torque, along both [1/kg]."""
-    turn = add(cross(d, force), moment)
-    return dot(force, force) * body.mass_inv + dot(turn, matvec(body.W, turn))
+    rotation = add(cross(d, force), moment)
+    return dot(force, force) * body.mass_inv + dot(rotation, matvec(body.W, rotation))
 
 
 @kernel
-def press_over_area(pair, totals, spots, count, n, x, felt, push):
+def press_over_area(pair, totals, spots, count, n, x, applied, push):
     """Normal force in the points of an area, where closing speeds differ from that of its middle.
 
     Laws are linear in the speed where they press. Returns the force [N], the power that the
@@ -103,7 +109,7 @@ def press_over_area(pair, totals, spots, count, n, x, felt, push):
     """
     a, b, on_a, on_b = pair.a, pair.b, totals.on_a, totals.on_b
     f, rate, damping, most_stiffness, most_damping = push
-    total, power, moment = 0.0, -f * rate, NO_TURN
+    total, power, moment = 0.0, -f * rate, NO_ROTATION
     for k in range(count):
         y, share = vec(spots[k].point), spots[k].share
         rate_k, _, d_a, d_b = closing(a, b, y, n)
@@ -111,9 +117,9 @@ def press_over_area(pair, totals, spots, count, n, x, felt, push):
         own = scale(f_k, n)
         apply_force(on_a, own, d_a)
         apply_force(on_b, scale(-1.0, own), d_b)
-        if felt < 1.0:
-            note_late(on_a, scale(1.0 - felt, own), d_a)
-            note_late(on_b, scale(felt - 1.0, own), d_b)
+        if applied < 1.0:
+            add_deferred(on_a, scale(1.0 - applied, own), d_a)
+            add_deferred(on_b, scale(applied - 1.0, own), d_b)
         mob_a, mob_b = pair_mobility(a, b, d_a, d_b, n)
         count_stiffness(on_a, on_b, mob_a, mob_b, share * most_stiffness, share * most_damping)
         total += f_k
@@ -158,7 +164,7 @@ def tilt_tangent(row, g, stiffness, damping):
 
 
 @kernel
-def rub_tangent(row, u, n, radius, d_a, d_b, damping):
+def friction_tangent_row(row, u, n, radius, d_a, d_b, damping):
     """Tangent of friction along u, slip and spin of length 1. Writes: row."""
     point_tangent(row, along_surface(u, n), d_a, d_b, 0.0, damping)
     spin = radius * dot(u, n)

@@ -15,12 +15,12 @@ from crashsolve.model.model import Model, State
 
 # of the most that the normal force or the friction of a card has held and lost
 UNBALANCED = 0.02
-# of the largest energy of the scene: less alters nothing that is told of it
+# of the largest energy of the scene: less alters nothing that is reported it
 NEGLIGIBLE = 1e-5
 
 
 def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str]:
-    """Cards whose forces have done other work than what they are told to have held and lost."""
+    """Cards whose forces have done other work than what they are reported to have held and lost."""
     current, found = int(state.clock["current"][0]), []
     least = NEGLIGIBLE * float(ledger[LARGEST])
     for card in sorted(_measured(model)):
@@ -51,9 +51,9 @@ def _measured(model: Model) -> set[int]:
 
 def _warning(card: str, what: str, lack: float, handled: float) -> str:
     share = 100.0 * abs(lack) / handled if handled > 0.0 else 100.0
-    way = "made" if lack > 0.0 else "lost"
+    verb = "made" if lack > 0.0 else "lost"
     return (
-        f"contact '{card}': its {what} has {way} {abs(lack):.3g} J that nothing accounts for, "
+        f"contact '{card}': its {what} has {verb} {abs(lack):.3g} J that nothing accounts for, "
         f"{share:.2g} % of the {handled:.3g} J it held and lost; halve control.safety or "
         "control.step, and compare"
     )

@@ -2,12 +2,13 @@
 
     z = c - (d + s) m,   s the shortest semi-axis: the ball of radius s about z touches at the foot
 
-c is the place of a face nearest to the ellipsoid, d their distance and m the normal there; what
+c is the position of a face nearest to the ellipsoid, d their distance and m the normal there; what
 holds for balls and faces then holds with z for the centre. Consequence to test: an ellipsoid of
 equal semi-axes does what a ball does; momentum and angular momentum are kept to round-off, since
 the force acts along the line through z, the foot and c.
 
-Along a field of normals n (normals.py) the foot is the place of the ellipsoid with the normal -n:
+Along a field of normals n (normals.py) the foot is the position of the ellipsoid with the normal
+-n:
 
     z = x - S(n) + s n / |n|,   S(n) = B n / sqrt(n . B n),   x its centre, B its matrix
 """
@@ -19,9 +20,9 @@ from crashsolve.contact.narrow._ellipsoid_face import nearest_to_ellipsoid
 from crashsolve.contact.narrow._frame import into, out_of, seen_from
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import arm, place, point_velocity
+from crashsolve.foundation.motion import arm, point_velocity, world_position
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.projection import begin_look, take, tell_depth
+from crashsolve.system.contact.projection import begin_look, report_depth, take
 
 
 @kernel
@@ -38,16 +39,18 @@ def look(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
         f = near[k]
         if mesh[5][f] == 1:
             continue
-        if wait[k] <= totals.way or is_deep:
+        if wait[k] <= totals.travel or is_deep:
             a, b, c, d = corners_seen(ellipsoid, body, p, f, mesh)
-            N, spot, way, m = nearest_to_ellipsoid(vec(ellipsoid.semi), p.gap - low, a, b, c, d)
-            wait[k] = totals.way + max(way + low - p.gap, 0.0)
-            if way + low < p.gap:
-                to = scale(way + low, out_of(ellipsoid, body, m))
-                take(i, p, (f, N, spot), abs(way + low), to, sides, mesh)
+            N, spot, distance, m = nearest_to_ellipsoid(
+                vec(ellipsoid.semi), p.gap - low, a, b, c, d
+            )
+            wait[k] = totals.travel + max(distance + low - p.gap, 0.0)
+            if distance + low < p.gap:
+                to = scale(distance + low, out_of(ellipsoid, body, m))
+                take(i, p, (f, N, spot), abs(distance + low), to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
-    tell_depth(p, sides.found)
+    report_depth(p, sides.found)
 
 
 @kernel
@@ -79,7 +82,7 @@ def pen_of(ellipsoid, nodes):
     """Centre of an ellipsoid, and what to_centre() knows of it."""
     body = nodes[ellipsoid.node]
     low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
-    return place(body, vec(ellipsoid.point)), (ellipsoid, body, low)
+    return world_position(body, vec(ellipsoid.point)), (ellipsoid, body, low)
 
 
 @kernel
@@ -107,5 +110,5 @@ def to_centre_by(pen, n, d):
     w, size = widened(ellipsoid, y), norm(n)
     k = 1.0 / sqrt(dot(w, y))
     w_d = add_scaled(widened(ellipsoid, y_d), -k * k * dot(w, y_d), w)
-    way = add_scaled(d, -dot(n, d) / (size * size), n)
-    return add_scaled(out_of(ellipsoid, body, scale(k, w_d)), -low / size, way)
+    distance = add_scaled(d, -dot(n, d) / (size * size), n)
+    return add_scaled(out_of(ellipsoid, body, scale(k, w_d)), -low / size, distance)

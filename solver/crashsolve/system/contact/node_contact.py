@@ -13,15 +13,15 @@ from math import sqrt
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
+    add_stiffness_bound,
     apply_force,
     arm,
     mobility,
-    place,
     point_at,
     point_velocity,
-    stiffen,
+    world_position,
 )
-from crashsolve.foundation.point import RIDES
+from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 
 # mobility below which two sides cannot move [1/kg]
@@ -55,7 +55,7 @@ def close_loads(scene):
 
 
 @kernel
-def hasten(clock, scene):
+def shorten_step(clock, scene):
     """Bound of the highest frequency of the mesh without contact, and with it.
 
     Writes: clock, scene.touched.
@@ -69,19 +69,19 @@ def hasten(clock, scene):
 
 @kernel
 def where(probe, h, nodes, points):
-    """Place and velocity of a probe; of a point, that at the end of the step as foretold."""
+    """Position and velocity of a probe; of a point, that at the end of the step as predicted."""
     if probe.point >= 0:
         b = points[probe.point]
-        return vec(b.r), foretold(b, h)
+        return vec(b.r), predicted(b, h)
     body = nodes[probe.node]
     d = arm(body, vec(probe.at))
     return point_at(body, d), point_velocity(body, d)
 
 
 @kernel
-def foretold(b, h):
+def predicted(b, h):
     """Velocity of a point at the end of the step, by the forces so far."""
-    if b.held >= RIDES:
+    if b.held >= ATTACHED:
         return vec(b.v)
     return add_scaled(vec(b.v), 0.5 * h * b.mass_inv, free_part(b.held, vec(b.force)))
 
@@ -144,11 +144,11 @@ def fastest_of(first, count, points):
 
 
 @kernel
-def touches_faces(found, probe_states, turns, i):
+def touches_faces(found, probe_states, slot_in_use, i):
     """Whether a probe touches a face on either side, or has touched one."""
     for s in range(2):
         j = 2 * i + s
-        if found[s].depth > 0.0 or probe_states[turns[j], j].active == 1:
+        if found[s].depth > 0.0 or probe_states[slot_in_use[j], j].active == 1:
             return True
     return False
 
@@ -163,11 +163,11 @@ def speed_of(probe, h, p, nodes, points):
     if h == 0.0:
         return turning + norm(point_velocity(body, arm(body, vec(probe.at))))
     before = add(vec(body.start_r), matvec(body.start_A, vec(probe.at)))
-    return turning + norm(sub(place(body, vec(probe.at)), before)) / h
+    return turning + norm(sub(world_position(body, vec(probe.at)), before)) / h
 
 
 @kernel
-def hold_back(clock, p, totals):
+def limit_closing(clock, p, totals):
     """Cut the next step so that no two sides come nearer by more than `reach`.
 
     Writes: clock.next_step.
@@ -183,27 +183,27 @@ def open_pass(totals):
 
 
 @kernel
-def settle(turns, j):
+def settle(slot_in_use, j):
     """What was found in the last step is accepted; returns which record that is. Writes: turns."""
-    if turns[j] > 1:
-        turns[j] = 3 - turns[j]
-    return turns[j]
+    if slot_in_use[j] > 1:
+        slot_in_use[j] = 3 - slot_in_use[j]
+    return slot_in_use[j]
 
 
 @kernel
-def take_turn(h, turns, j):
+def swap_slot(h, slot_in_use, j):
     """What this step has found will be accepted, a sample never. Writes: turns."""
     if h > 0.0:
-        turns[j] += 2
+        slot_in_use[j] += 2
 
 
 @kernel
-def leave(clock, h, totals, turns, j, old, new):
+def leave(clock, h, totals, slot_in_use, j, old, new):
     """A slot is free again. Writes: totals, turns, new."""
     totals.dissipated += clock.lead * old.power
     new.active = 0
     new.power = new.depth = new.impact_speed = new.force = new.stored = 0.0
-    take_turn(h, turns, j)
+    swap_slot(h, slot_in_use, j)
 
 
 @kernel
@@ -222,15 +222,15 @@ def give(b, n):
 
 
 @kernel
-def foretells(b, n):
-    """The same of points whose velocity is foretold: not of those that ride on bodies."""
-    return give(b, n) if b.held < RIDES else 0.0
+def predicts(b, n):
+    """The same of points whose velocity is predicted: not of those that ride on bodies."""
+    return give(b, n) if b.held < ATTACHED else 0.0
 
 
 @kernel
-def probe_foretells(probe, hit, points):
+def probe_predicts(probe, hit, points):
     """The same of a probe."""
-    return foretells(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
+    return predicts(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
 
 
 @kernel
@@ -289,12 +289,12 @@ def push_probe(probe, f, k, c, hit, nodes, scene):
     body = nodes[probe.node]
     d = arm(body, vec(probe.at))
     apply_force(body, scale(f, n), d)
-    stiffen(body, mobility(body, d, n), k, c)
+    add_stiffness_bound(body, mobility(body, d, n), k, c)
 
 
 @kernel
 def count(i, share, k, c, scene):
-    """Tell the step control of a contact on a point. Writes: scene.stiffened, touched."""
+    """Report a contact on a point to the step control. Writes: scene.stiffened, touched."""
     load(i, share * scene.points[i].mass_inv, k, c, scene)
 
 
@@ -332,7 +332,7 @@ def open_shapes(h, p, totals, probes, nodes, scene, copies):
         speed = max(speed, norm(vec(body.v)) + norm(vec(body.w)) * p.extent)
     totals.fastest = fastest(h, p, probes, nodes, scene) + speed
     # how far a shape moves is known too late: shapes that do are looked at in every step
-    totals.way = totals.way + h * totals.fastest if speed == 0.0 else 1e300
+    totals.travel = totals.travel + h * totals.fastest if speed == 0.0 else 1e300
 
 
 @kernel
@@ -353,18 +353,18 @@ def deeper(hit, e, depth, n):
 @kernel
 def wait_for(i, hit, totals, due):
     """A probe that is apart waits until it can have gone so far. Writes: due."""
-    due[i] = totals.way + max(-hit.depth, 0.0)
+    due[i] = totals.travel + max(-hit.depth, 0.0)
 
 
 @kernel
 def body_velocity(body, x):
-    """Velocity of a body at a place."""
+    """Velocity of a body at a position."""
     return point_velocity(body, sub(x, vec(body.r)))
 
 
 @kernel
 def body_mobility(body, x, hit):
-    """Acceleration of a body at a place over a force along the normal [1/kg]."""
+    """Acceleration of a body at a position over a force along the normal [1/kg]."""
     return mobility(body, sub(x, vec(body.r)), vec(hit.normal))
 
 
@@ -372,4 +372,4 @@ def body_mobility(body, x, hit):
 def push_body(body, x, f, k, c, hit, mob):
     """Minus a force f along the normal at x. Writes: body."""
     apply_force(body, scale(-f, vec(hit.normal)), sub(x, vec(body.r)))
-    stiffen(body, mob, k, c)
+    add_stiffness_bound(body, mob, k, c)

@@ -3,9 +3,9 @@
     x = sum N_k (x_k + lambda n_k),   n = sum N_k n_k / |sum N_k n_k|,   d = lambda |sum N_k n_k|
 
 N_k are bilinear in a quadrilateral and linear in a triangle; n_k is the normal at a corner, that of
-the faces there weighted by angle. The place is found by Newton's method from the nearest one, over
-a side where it lies in the next face. The force acts along the line through x and c as before, so
-momenta are kept to round-off; the energy of a touch is kept as far as n is normal to the face.
+the faces there weighted by angle. The position is found by Newton's method from the nearest one,
+over a side where it lies in the next face. The force acts along the line through x and c as before,
+so momenta are kept to round-off; the energy of a touch is kept as far as n is normal to the face.
 An ellipsoid is the ball that touches within it at the foot with this normal (`ellipsoids.py`), and
 its centre x turns with n. Consequence to test: on a faceted cylinder the force points to the axis,
 wherever it is touched.
@@ -26,20 +26,20 @@ PASSES = 20
 FACES = 4  # that are tried, the nearest first
 # of the gap: the root is as good as round-off allows
 CLOSED = 1e-13
-OVER = 1.0 + 1e-9  # a place so far beyond a side still belongs to the face
+OVER = 1.0 + 1e-9  # a position so far beyond a side still belongs to the face
 
 
 @kernel
 def smoothen(i, x, pen, p, mesh, spared, found):
     """Normals, weights and depths of both sides by the field of normals. Writes: found.
 
-    x is a probe's place, or the centre of an ellipsoid that `pen` tells of, else None. Where a line
-    along the field would pass a free border the nearest place stays.
+    x is a probe's place, or the centre of an ellipsoid that `pen` reports, else None. Where a line
+    along the field would pass a free border the nearest point stays.
     """
     for s in range(2):
         if found[s].face >= 0:
             sign = 1.0 if s == 0 else -1.0
-            f, xi, eta, way, n = along_field(i, x, pen, sign, p, found[s], mesh, spared)
+            f, xi, eta, distance, n = along_field(i, x, pen, sign, p, found[s], mesh, spared)
             if f < 0:
                 continue
             N, size = shape(f >= p.quads, xi, eta), norm(n)
@@ -47,21 +47,23 @@ def smoothen(i, x, pen, p, mesh, spared, found):
             for k in range(4):
                 found[s].N[k] = N[k]
             put(found[s].normal, scale(sign / size, n))
-            found[s].depth = p.gap - sign * way * size
+            found[s].depth = p.gap - sign * distance * size
 
 
 @kernel
 def along_field(i, x, pen, sign, p, hit, mesh, spared):
-    """Face (-1: none), xi, eta, lambda and field of normals of the place from which x is seen."""
+    """Face (-1: none), xi, eta, lambda and field of normals of the position from which x is
+    seen.
+    """
     f = hit.face
-    xi, eta = place_of(f >= p.quads, hit.N)
+    xi, eta = natural_coordinates(f >= p.quads, hit.N)
     for _ in range(FACES):
-        is_found, xi, eta, way, n = root(x, pen, sign, p, f, xi, eta, mesh)
+        is_found, xi, eta, distance, n = root(x, pen, sign, p, f, xi, eta, mesh)
         if not is_found:
             break
         side, over = beyond(f >= p.quads, xi, eta)
         if over <= OVER:
-            return f, xi, eta, way, n
+            return f, xi, eta, distance, n
         f = mesh[2][4 * f + side]
         if f < 0 or is_spared(i, f, spared):
             break
@@ -70,8 +72,8 @@ def along_field(i, x, pen, sign, p, hit, mesh, spared):
 
 
 @kernel
-def place_of(is_triangle, N):
-    """xi and eta of a place with these weights of the corners."""
+def natural_coordinates(is_triangle, N):
+    """xi and eta of a position with these weights of the corners."""
     if is_triangle:
         return N[1], N[2] + N[3]
     return N[1] + N[2] - N[0] - N[3], N[2] + N[3] - N[0] - N[1]
@@ -79,7 +81,9 @@ def place_of(is_triangle, N):
 
 @kernel
 def beyond(is_triangle, xi, eta):
-    """The side beyond which a place lies farthest, and how far from the opposite: 1 on the side."""
+    """The side beyond which a position lies farthest, and how far from the opposite: 1 on the
+    side.
+    """
     first = 1.0 - 2.0 * eta if is_triangle else -eta
     second = 2.0 * (xi + eta) - 1.0 if is_triangle else xi
     third = -1.0 if is_triangle else eta
@@ -109,7 +113,7 @@ def root(x, pen, sign, p, f, xi, eta, mesh):
     a, b, c, d = seen_from(x, p, f, mesh)
     n_a, n_b = corner_normal(p, f, 0, mesh), corner_normal(p, f, 1, mesh)
     n_c, n_d = corner_normal(p, f, 2, mesh), corner_normal(p, f, 3, mesh)
-    way, n, is_triangle = 0.0, n_a, f >= p.quads
+    distance, n, is_triangle = 0.0, n_a, f >= p.quads
     for k in range(PASSES):
         N = shape(is_triangle, xi, eta)
         n = point_of(N, n_a, n_b, n_c, n_d)
@@ -117,12 +121,12 @@ def root(x, pen, sign, p, f, xi, eta, mesh):
         if pen is not None:
             aside = scale(sign, to_centre(pen, n))
         if k == 0:
-            way = -dot(add(point_of(N, a, b, c, d), aside), n) / dot(n, n)
-        u, v = add_scaled(a, way, n_a), add_scaled(b, way, n_b)
-        w, y = add_scaled(c, way, n_c), add_scaled(d, way, n_d)
+            distance = -dot(add(point_of(N, a, b, c, d), aside), n) / dot(n, n)
+        u, v = add_scaled(a, distance, n_a), add_scaled(b, distance, n_b)
+        w, y = add_scaled(c, distance, n_c), add_scaled(d, distance, n_d)
         miss = add(point_of(N, u, v, w, y), aside)
         if dot(miss, miss) <= (CLOSED * p.gap) ** 2:
-            return True, xi, eta, way, n
+            return True, xi, eta, distance, n
         by_xi, by_eta = slopes(is_triangle, xi, eta, u, v, w, y)
         if pen is not None:
             n_xi, n_eta = slopes(is_triangle, xi, eta, n_a, n_b, n_c, n_d)
@@ -130,15 +134,15 @@ def root(x, pen, sign, p, f, xi, eta, mesh):
             by_eta = add_scaled(by_eta, sign, to_centre_by(pen, n, n_eta))
         plane = cross(by_xi, by_eta)
         volume = dot(plane, n)
-        # lines along the field meet: no place on the face is the one
+        # lines along the field meet: no position on the face is the one
         if not abs(volume) > 1e-12 * sqrt(dot(plane, plane) * dot(n, n)):
             break
         xi -= dot(miss, cross(by_eta, n)) / volume
         eta -= dot(miss, cross(n, by_xi)) / volume
-        way -= dot(miss, plane) / volume
+        distance -= dot(miss, plane) / volume
         if not max(abs(xi), abs(eta)) < 10.0:
             break
-    return False, xi, eta, way, n
+    return False, xi, eta, distance, n
 
 
 @kernel

@@ -35,11 +35,11 @@ class Meeting(NamedTuple):
 
 
 class Slide(NamedTuple):
-    """What a law of friction is told."""
+    """What a law of friction is reported."""
 
     normal_force: float  # [N]
     slip: Any  # velocity of a over b [m/s]
-    way: Any  # displacement of a over b in the step [m]; None where power is summed
+    displacement: Any  # displacement of a over b in the step [m]; None where power is summed
     n: Any  # unit normal
     mass: float  # of both sides along n [kg]
     ease: float  # slip that friction takes per newton in half a step [s/kg]
@@ -50,10 +50,10 @@ class Sliding(NamedTuple):
 
     n: Any  # unit normal
     slip: Any  # velocity of a over b [m/s]
-    way: Any  # displacement of a over b in the step [m]; None where power is summed
+    displacement: Any  # displacement of a over b in the step [m]; None where power is summed
     f: float  # normal force [N]
     mass: float  # of both sides along n [kg]
-    d_a: Any  # arms of the place in both bodies [m]
+    d_a: Any  # arms of the position in both bodies [m]
     d_b: Any
 
 
@@ -70,7 +70,7 @@ class Push(NamedTuple):
 class Seen(NamedTuple):
     """What a probe has found among the shapes."""
 
-    x: Any  # its place [m]
+    x: Any  # its position [m]
     v: Any  # its velocity [m/s]
     hit: Any  # the deepest shape
     held: bool  # whether it goes on by the face that it touched before
@@ -82,7 +82,7 @@ class Touch(NamedTuple):
 
     number: int  # of its record
     probe: Any
-    x: Any  # its place [m]; None on faces
+    x: Any  # its position [m]; None on faces
     v: Any  # its velocity [m/s]
     old: Any  # its records: accepted, and new
     new: Any
@@ -95,4 +95,4 @@ class Pressing(NamedTuple):
 
     f: float  # normal force [N]
     mass: float  # of both sides along the normal [kg]
-    way: Any  # displacement over the step in the present place [m]
+    displacement: Any  # displacement over the step in the present position [m]

@@ -19,24 +19,24 @@ from typing import Any, NamedTuple
 
 from crashsolve.contact.cells import corner_points, list_near, measure, sort
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
+from crashsolve.elements.shells.records import BLOCK
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
-from crashsolve.parts.shells.records import BLOCK
 from crashsolve.system.contact.node_contact import (
     count,
     fastest,
-    foretells,
-    foretold,
     give,
     open_pass,
+    predicted,
+    predicts,
     settle,
     where,
 )
 
 # a distance of this share of the gap has no direction
-NO_WAY = 1e-9
+NO_DISTANCE = 1e-9
 
 
 @kernel
@@ -48,8 +48,8 @@ def open_faces(h, p, totals, probes, nodes, scene, near_faces):
     points, corners = scene.points, scene.corners
     open_pass(totals)
     totals.fastest = 2.0 * fastest(h, p, probes, nodes, scene)
-    totals.way += h * totals.fastest
-    if totals.way <= totals.listed + p.margin:
+    totals.travel += h * totals.fastest
+    if totals.travel <= totals.listed + p.margin:
         return
     (cells, starts, sorted_faces), (first, _, _, due), _ = near_faces
     reach = p.gap + p.over + p.margin
@@ -58,15 +58,15 @@ def open_faces(h, p, totals, probes, nodes, scene, near_faces):
     total = 0
     for i in range(probes.shape[0]):
         x, _ = where(probes[i], 0.0, nodes, points)
-        first[i], due[i] = min(total, p.room), totals.way
-        total = list_near(i, x, p, totals.way, reach, width, near_faces, total)
+        first[i], due[i] = min(total, p.room), totals.travel
+        total = list_near(i, x, p, totals.travel, reach, width, near_faces, total)
     first[probes.shape[0]] = min(total, p.room)
-    totals.listed, totals.pairs = totals.way, total
+    totals.listed, totals.pairs = totals.travel, total
     totals.searches += 1
 
 
 @kernel
-def bury(p, blocks, gone):
+def remove_near_faces(p, blocks, gone):
     """Faces of elements that are deleted can be met no more. Writes: gone."""
     for f in range(p.face_count):
         first, stride, k = p.first_number, p.stride, f
@@ -77,7 +77,7 @@ def bury(p, blocks, gone):
 
 
 @kernel
-def let_go(h, totals, old, stored, gone):
+def drop_energy(h, totals, old, stored, gone):
     """What a touch has stored less than before is lost with the element. Writes: totals."""
     if h > 0.0 and old.active == 1 and gone[old.face] == 1:
         totals.dissipated += old.stored - stored
@@ -101,7 +101,7 @@ class Sides(NamedTuple):
     """What is known of the touches of probes, on both sides of the faces."""
 
     states: Any  # before and after the step, two for each probe
-    turns: Any  # which of both is from before
+    slot_in_use: Any  # which of both is from before
     found: Any  # the nearest faces of one probe
 
 
@@ -118,33 +118,33 @@ def look(i, x, p, totals, sides, mesh, lists):
         f = near[k]
         if mesh[5][f] == 1:
             continue
-        if wait[k] <= totals.way or is_deep:
+        if wait[k] <= totals.travel or is_deep:
             a, b, c, d = seen_from(x, p, f, mesh)
             N, square, spot = nearest_on_face(a, b, c, d)
             distance = sqrt(square)
-            wait[k] = totals.way + max(distance - p.gap, 0.0)
+            wait[k] = totals.travel + max(distance - p.gap, 0.0)
             # what has been driven through is not let go behind
             if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
                 take(i, p, (f, N, spot), distance, to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
-    tell_depth(p, sides.found)
+    report_depth(p, sides.found)
 
 
 @kernel
 def begin_look(i, p, sides):
     """Nothing is found; whether the probe is so deep that no face waits. Writes: sides."""
-    is_deep, (probe_states, turns, found) = False, sides
+    is_deep, (probe_states, slot_in_use, found) = False, sides
     for s in range(2):
         found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
-        old = probe_states[settle(turns, 2 * i + s), 2 * i + s]
+        old = probe_states[settle(slot_in_use, 2 * i + s), 2 * i + s]
         is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
     return is_deep
 
 
 @kernel
-def tell_depth(p, found):
+def report_depth(p, found):
     """Depth of what is found, from its distance. Writes: found."""
     for s in range(2):
         if found[s].face >= 0:
@@ -153,7 +153,7 @@ def tell_depth(p, found):
 
 @kernel
 def seen_from(x, p, f, mesh):
-    """Corners of a face from a place."""
+    """Corners of a face from a position."""
     points, at = mesh[0], corner_points(p, f, mesh[1])
     return (
         sub(vec(points[at[0]].r), x),
@@ -167,11 +167,11 @@ def seen_from(x, p, f, mesh):
 def take(i, p, face, distance, to, sides, mesh):
     """Keep a face that is the nearest on its side so far, at a distance [m]; `to` leads to it.
 
-    `face`: its number, the shares of its corners at the nearest place, which place that is.
+    `face`: its number, the shares of its corners at the nearest point, which place that is.
     Writes: sides.found.
     """
-    (f, N, spot), (probe_states, turns, found) = face, sides
-    s, crossed = side(i, p, f, spot, to, probe_states, turns, mesh)
+    (f, N, spot), (probe_states, slot_in_use, found) = face, sides
+    s, crossed = side(i, p, f, spot, to, probe_states, slot_in_use, mesh)
     hit = found[s]
     if distance >= hit.distance or (distance >= p.gap and crossed == 0):
         return
@@ -180,8 +180,8 @@ def take(i, p, face, distance, to, sides, mesh):
         hit.N[k] = N[k]
     if f >= p.quads:
         hit.N[2], hit.N[3] = N[2] + N[3], 0.0
-    old = probe_states[turns[2 * i + s], 2 * i + s]
-    if distance > NO_WAY * p.gap:
+    old = probe_states[slot_in_use[2 * i + s], 2 * i + s]
+    if distance > NO_DISTANCE * p.gap:
         put(hit.normal, scale((1.0 if crossed == 1 else -1.0) / distance, to))
     elif old.active == 1:
         put(hit.normal, vec(old.normal))
@@ -191,9 +191,12 @@ def take(i, p, face, distance, to, sides, mesh):
 
 
 @kernel
-def side(i, p, f, spot, to, probe_states, turns, mesh):
+def side(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     """Side of a face on which a probe is, 0 that of the normal; 1 if it has crossed from there."""
-    up, down = probe_states[turns[2 * i], 2 * i], probe_states[turns[2 * i + 1], 2 * i + 1]
+    up, down = (
+        probe_states[slot_in_use[2 * i], 2 * i],
+        probe_states[slot_in_use[2 * i + 1], 2 * i + 1],
+    )
     is_up = up.active == 1 and are_kin(p, f, up.face, mesh)
     is_down = down.active == 1 and are_kin(p, f, down.face, mesh)
     if is_up != is_down:
@@ -220,7 +223,7 @@ def are_kin(p, f, g, mesh):
 
 @kernel
 def on_border(p, f, spot, mesh):
-    """Whether a place of a face lies on a free border."""
+    """Whether a position of a face lies on a free border."""
     if spot == INSIDE:
         return False
     if spot < CORNER:
@@ -258,7 +261,7 @@ def face_normal(p, f, mesh):
 
 @kernel
 def outward(p, f, spot, mesh):
-    """Normal of the surface at a place of a face."""
+    """Normal of the surface at a position of a face."""
     n = face_normal(p, f, mesh)
     if spot == INSIDE:
         return n
@@ -293,17 +296,17 @@ def angle_at(p, f, point, mesh):
 
 @kernel
 def face_velocity(p, hit, h, points, corners):
-    """Velocity of the place of a face that is touched."""
+    """Velocity of the position of a face that is touched."""
     at, v = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
     for k in range(4):
-        v = add_scaled(v, hit.N[k], foretold(points[at[k]], h))
+        v = add_scaled(v, hit.N[k], predicted(points[at[k]], h))
     return v
 
 
 @kernel
 def face_mobility(p, hit, points, corners):
-    """Acceleration of that place over a force on it [1/kg], and what points foretell of it."""
-    at, n, w, foretold_w = (
+    """Acceleration of that position over a force on it [1/kg], and what points predict of it."""
+    at, n, w, predicted_w = (
         corner_points(p, hit.face, corners),
         vec(hit.normal),
         0.0,
@@ -312,8 +315,8 @@ def face_mobility(p, hit, points, corners):
     for k in range(4):
         b, square = points[at[k]], hit.N[k] * hit.N[k]
         w += square * give(b, n)
-        foretold_w += square * foretells(b, n)
-    return w, foretold_w
+        predicted_w += square * predicts(b, n)
+    return w, predicted_w
 
 
 @kernel

@@ -10,7 +10,7 @@ a pair remembers stays as it is. Consequence to test: the same results as withou
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import norm, sub, vec
-from crashsolve.system.points import half_turn
+from crashsolve.system.points import half_rotation
 
 # steps like this one that must still be free: a gap is known when the step that closes it begins
 AHEAD = 4.0
@@ -23,21 +23,21 @@ def note_motion(nodes):
         b = nodes[i]
         b.moved = norm(sub(vec(b.r), vec(b.start_r)))
         # 2 tan(theta / 2) is not below theta
-        b.turned = 2.0 * norm(half_turn(b.start_q, b.q))
+        b.rotated = 2.0 * norm(half_rotation(b.start_q, b.q))
 
 
 @kernel
-def way_gone(p, a, b):
+def largest_approach(p, a, b):
     """What the gap of a pair on bodies a and b has lost in the step at most [m]."""
-    return a.moved + b.moved + a.turned * p.reach_a + b.turned * p.reach_b
+    return a.moved + b.moved + a.rotated * p.reach_a + b.rotated * p.reach_b
 
 
 @kernel
-def rests(h, old, new, way, deepest):
-    """Whether a pair that has gone `way` is apart, and nothing is asked about its gap.
+def rests(h, old, new, displacement, deepest):
+    """Whether a pair that has gone `displacement` is apart, and nothing is asked about its gap.
 
     Both histories are those of a pair apart, so but for the depth there is nothing to write.
     """
     if h == 0.0 or old.active == 1 or new.active == 1:
         return False
-    return old.depth + (1.0 + AHEAD) * way <= min(0.0, deepest)
+    return old.depth + (1.0 + AHEAD) * displacement <= min(0.0, deepest)

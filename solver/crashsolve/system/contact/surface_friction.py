@@ -4,24 +4,24 @@
 
 Both sides have what is left of the gap between them, s of it the probe: a ball and the nodes of a
 shell turn under friction by their radius, faces by half of their thickness. Friction t acts on the
-probe and -t on the faces, in the one place y: consequence to test, angular momentum is kept to
-round-off. As with the normal force, points foretell their velocity by all other forces, and that of
+probe and -t on the faces, in the one position y: consequence to test, angular momentum is kept to
+round-off. As with the normal force, points predict their velocity by all other forces, and that of
 the last step stands for the friction itself.
 """
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import apply_force, arm, mobility, stiffen
-from crashsolve.foundation.point import RIDES
+from crashsolve.foundation.motion import add_stiffness_bound, apply_force, arm, mobility
+from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.node_contact import foretold, free_part, load
-from crashsolve.system.contact.work import arms, rub_along
+from crashsolve.system.contact.node_contact import free_part, load, predicted
+from crashsolve.system.contact.work import add_friction_work, arms
 
 
 @kernel
 def on_shape(p, hit, x):
-    """The place of contact with a shape, from a probe at x and in the world."""
+    """The position of contact with a shape, from a probe at x and in the world."""
     d, _ = arms(p, hit)
     return d, add(x, d)
 
@@ -29,20 +29,20 @@ def on_shape(p, hit, x):
 @kernel
 def turning(b, h):
     """Angular velocity of a point at the end of the step, by the torques so far."""
-    if b.held >= RIDES:
+    if b.held >= ATTACHED:
         return vec(b.w)
     return add_scaled(vec(b.w), 0.5 * h * b.J_inv, free_part(b.held >> 3, vec(b.torque)))
 
 
 @kernel
 def ease(b, d):
-    """Acceleration of the place d from a point over a force across d [1/kg]."""
+    """Acceleration of the position d from a point over a force across d [1/kg]."""
     return b.mass_inv + dot(d, d) * b.J_inv
 
 
 @kernel
 def probe_velocity(probe, v, d, h, nodes, points):
-    """Velocity of the place d from a probe that moves with v."""
+    """Velocity of the position d from a probe that moves with v."""
     if probe.point >= 0:
         return add(v, cross(turning(points[probe.point], h), d))
     body = nodes[probe.node]
@@ -51,38 +51,38 @@ def probe_velocity(probe, v, d, h, nodes, points):
 
 @kernel
 def moves(b, d, f):
-    """Acceleration of the place d from a point by a force f there, of what is foretold."""
-    if b.held >= RIDES:
+    """Acceleration of the position d from a point by a force f there, of what is predicted."""
+    if b.held >= ATTACHED:
         return 0.0, 0.0, 0.0
-    turn = scale(b.J_inv, free_part(b.held >> 3, cross(d, f)))
-    return add_scaled(cross(turn, d), b.mass_inv, free_part(b.held, f))
+    rotation = scale(b.J_inv, free_part(b.held >> 3, cross(d, f)))
+    return add_scaled(cross(rotation, d), b.mass_inv, free_part(b.held, f))
 
 
 @kernel
-def probe_foretells(probe, d, old, points):
+def probe_predicts(probe, d, old, points):
     """The same of a probe by the friction of the last step."""
     if probe.point < 0:
         return 0.0, 0.0, 0.0
-    return moves(points[probe.point], d, vec(old.rub))
+    return moves(points[probe.point], d, vec(old.friction_force))
 
 
 @kernel
 def face_velocity(p, hit, d, h, points, corners):
-    """Velocity of the place d from that of a face that is touched."""
+    """Velocity of the position d from that of a face that is touched."""
     at, v, w = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(4):
-        v = add_scaled(v, hit.N[k], foretold(points[at[k]], h))
+        v = add_scaled(v, hit.N[k], predicted(points[at[k]], h))
         w = add_scaled(w, hit.N[k], turning(points[at[k]], h))
     return add(v, cross(w, d))
 
 
 @kernel
-def face_foretells(p, hit, d, old, a, points, corners):
-    """a, and how the place d from that of a face moves away from under the same friction."""
+def face_predicts(p, hit, d, old, a, points, corners):
+    """a, and how the position d from that of a face moves away from under the same friction."""
     at = corner_points(p, hit.face, corners)
     for k in range(4):
         b = points[at[k]]
-        a = add_scaled(a, hit.N[k] * hit.N[k], moves(b, d, vec(old.rub)))
+        a = add_scaled(a, hit.N[k] * hit.N[k], moves(b, d, vec(old.friction_force)))
     return a
 
 
@@ -95,7 +95,7 @@ def slipping(v, u, hit, h, a):
 
 
 @kernel
-def open_rubbing(h, scene):
+def clear_friction_stiffness(h, scene):
     """Friction has not been counted in this step; a sample counts none. Writes: scene.stiffened."""
     if h == 0.0:
         return
@@ -129,7 +129,7 @@ def pressed_probe(probe, d, u, f, h, nodes, scene):
 def pressed_on_face(h, p, touch, arms, u, f, nodes, scene):
     """What all friction at a probe and at the corners of its face is pressed by along u [m/s^2].
 
-    Sums of f N w over the last step; `arms` are those of the place from both sides.
+    Sums of f N w over the last step; `arms` are those of the position from both sides.
     Writes: nodes, scene.stiffened.
     """
     if f <= 0.0:
@@ -144,14 +144,14 @@ def pressed_on_face(h, p, touch, arms, u, f, nodes, scene):
 
 
 @kernel
-def pressed_on_shape(h, touch, body, places, u, f, nodes, scene):
-    """The same where a probe touches a shape, in a place from the probe and in the world.
+def pressed_on_shape(h, touch, body, positions, u, f, nodes, scene):
+    """The same where a probe touches a shape, in a position from the probe and in the world.
 
     Writes: nodes, scene.stiffened.
     """
     if f <= 0.0:
         return 0.0
-    d, y = places
+    d, y = positions
     total = pressed_probe(touch.probe, d, u, f, h, nodes, scene)
     return total + pressed_by(body, h, f * mobility(body, sub(y, vec(body.r)), u))
 
@@ -168,7 +168,7 @@ def ease_under(clock, h, total, f):
 
 
 @kernel
-def rub_probe(probe, t, u, d, k, c, nodes, scene):
+def add_friction_to_probe(probe, t, u, d, k, c, nodes, scene):
     """Friction t, along u, in the place d from a probe. Writes: nodes, scene.points, stiffened."""
     if probe.point >= 0:
         b = scene.points[probe.point]
@@ -179,11 +179,11 @@ def rub_probe(probe, t, u, d, k, c, nodes, scene):
     body = nodes[probe.node]
     to = add(arm(body, vec(probe.at)), d)
     apply_force(body, t, to)
-    stiffen(body, mobility(body, to, u), k, c)
+    add_stiffness_bound(body, mobility(body, to, u), k, c)
 
 
 @kernel
-def rub_face(p, hit, t, d, k, c, scene):
+def add_friction_to_face(p, hit, t, d, k, c, scene):
     """Minus the friction t in the place d from a face. Writes: scene.points, stiffened."""
     at = corner_points(p, hit.face, scene.corners)
     for j in range(4):
@@ -194,11 +194,11 @@ def rub_face(p, hit, t, d, k, c, scene):
 
 
 @kernel
-def rub_body(body, y, t, u, k, c):
+def add_friction_to_body(body, y, t, u, k, c):
     """Minus the friction t, along u, in the place y. Writes: body."""
     d = sub(y, vec(body.r))
     apply_force(body, scale(-1.0, t), d)
-    stiffen(body, mobility(body, d, u), k, c)
+    add_stiffness_bound(body, mobility(body, d, u), k, c)
 
 
 @kernel
@@ -208,7 +208,7 @@ def note(h, p, totals, card, t, stored, loss, new):
     if h > 0.0:
         totals.friction_loss += loss
     new.bristled = stored
-    put(new.rub, t)
+    put(new.friction_force, t)
     add_to(card.force, scale(p.order, t))
     card.tangential += norm(t)
 
@@ -220,6 +220,6 @@ def leave(h, totals, u, old, new, card):
     Writes: totals, new, card.
     """
     if h > 0.0:
-        totals.friction_loss += old.bristled - rub_along(old, u, card)
+        totals.friction_loss += old.bristled - add_friction_work(old, u, card)
     new.bristled = 0.0
-    put(new.rub, (0.0, 0.0, 0.0))
+    put(new.friction_force, (0.0, 0.0, 0.0))

@@ -5,7 +5,7 @@
 An onset is the end of a step, and so is a release where the method chooses its steps: there t is
 exact to what those searches leave. The explicit steps of rattle go over a release, which is then
 known to a (t_1 - t) (t - t_0) / 2 v, a the change of the relative speed v; where several pairs
-touch in turn, to a step. Nodes of shells tell no gap, and their times are those of the steps.
+touch in turn, to a step. Nodes of shells state no gap, and their times are those of the steps.
 Consequence to test: half a vibration on a linear spring.
 """
 

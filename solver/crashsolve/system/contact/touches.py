@@ -9,13 +9,13 @@ from math import sqrt
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
+    add_deferred,
+    add_stiffness_bound,
     apply_force,
     arm,
     mobility,
-    note_late,
     point_at,
     point_velocity,
-    stiffen,
 )
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 
@@ -46,16 +46,16 @@ def open_load(load):
     """Zero what a pair of its own adds to. Writes: load."""
     for k in range(3):
         load.force[k] = load.torque[k] = 0.0
-        load.late_force[k] = load.late_torque[k] = 0.0
+        load.deferred_force[k] = load.deferred_torque[k] = 0.0
     load.stiffness = load.damping = load.pressed = 0.0
 
 
 @kernel
-def note_felt(felt, places, i, now):
+def note_applied(applied, load_rows, i, now):
     """Whether pair i has loads. Writes: felt, and no word that threads share without need."""
     for k in (2 * i, 2 * i + 1):
-        if felt[places[k]] != now:
-            felt[places[k]] = now
+        if applied[load_rows[k]] != now:
+            applied[load_rows[k]] = now
 
 
 @kernel
@@ -72,8 +72,8 @@ def take_load(body, load):
     """Add what a pair presses to a body. Writes: body."""
     add_to(body.force, vec(load.force))
     add_to(body.torque, vec(load.torque))
-    add_to(body.late_force, vec(load.late_force))
-    add_to(body.late_torque, vec(load.late_torque))
+    add_to(body.deferred_force, vec(load.deferred_force))
+    add_to(body.deferred_torque, vec(load.deferred_torque))
     body.stiffness += load.stiffness
     body.damping += load.damping
     body.pressed += load.pressed
@@ -170,7 +170,7 @@ def separate(clock, old, new, out, depth, x):
 
 
 @kernel
-def share_felt(old, depth, rate, h):
+def applied_fraction(old, depth, rate, h):
     """Share of a step's closing kick that a contact gives: less than 1 where it has just begun.
 
     A force f that jumps at the onset has acted for the time depth/rate, not for the whole step.
@@ -192,15 +192,15 @@ def begun_before(clock, old, h):
 
 
 @kernel
-def touch(pair, totals, sliding, felt, f, t, x):
+def touch(pair, totals, sliding, applied, f, t, x):
     """Normal force f and friction t on both sides, in the place x. Writes: totals, out."""
     a, b, out, d_a, d_b = totals.on_a, totals.on_b, pair.out, sliding.d_a, sliding.d_b
     total = add_scaled(t, f, sliding.n)
     apply_force(a, total, d_a)
     apply_force(b, scale(-1.0, total), d_b)
-    if felt < 1.0:
-        note_late(a, scale(1.0 - felt, total), d_a)
-        note_late(b, scale(felt - 1.0, total), d_b)
+    if applied < 1.0:
+        add_deferred(a, scale(1.0 - applied, total), d_a)
+        add_deferred(b, scale(applied - 1.0, total), d_b)
     for k in range(3):
         out.force[k] = total[k]
         out.point[k] = x[k]
@@ -209,12 +209,12 @@ def touch(pair, totals, sliding, felt, f, t, x):
 @kernel
 def count_stiffness(a, b, mob_a, mob_b, stiffness, damping):
     """Contact stiffness for the step control. Writes: a, b."""
-    stiffen(a, mob_a, stiffness, damping)
-    stiffen(b, mob_b, stiffness, damping)
+    add_stiffness_bound(a, mob_a, stiffness, damping)
+    add_stiffness_bound(b, mob_b, stiffness, damping)
 
 
 @kernel
-def open_rubbing(nodes):
+def clear_friction_stiffness(nodes):
     """Friction has not been counted in this pass. Writes: nodes."""
     for i in range(nodes.shape[0]):
         nodes[i].was_pressed, nodes[i].pressed = nodes[i].pressed, 0.0
@@ -248,11 +248,11 @@ def along(t, slip, n):
 @kernel
 def ahead(old, slip, n):
     """Unit vector along which friction acts, as far as is known before it is."""
-    return along(vec(old.rub), slip, n)
+    return along(vec(old.friction_force), slip, n)
 
 
 @kernel
-def strayed(clock, elements, nodes, seen, slack):
+def has_left_list(clock, elements, nodes, seen, slack):
     """Whether an element has gone far since its list of near pairs was made.
 
     The next step is cut so that none can go farther than `slack` before this is asked again.
@@ -264,8 +264,8 @@ def strayed(clock, elements, nodes, seen, slack):
         body = nodes[e.node]
         d = arm(body, vec(e.point))
         v = point_velocity(body, d)
-        way = sub(point_at(body, d), vec(seen[i].r))
-        farthest = max(farthest, dot(way, way))
+        offset = sub(point_at(body, d), vec(seen[i].r))
+        farthest = max(farthest, dot(offset, offset))
         fastest = max(fastest, dot(v, v))
     if fastest * clock.next_step**2 > (0.2 * slack) ** 2:
         clock.next_step = 0.2 * slack / sqrt(fastest)
@@ -282,7 +282,7 @@ def closing_at_most(p, a, b, nodes):
 
 
 @kernel
-def dissipate(clock, old, new, felt, power, loss, friction_power, friction_loss):
+def dissipate(clock, old, new, applied, power, loss, friction_power, friction_loss):
     """Add up the energy lost over the step, as system/energy.py does for others.
 
     What friction that begins within the step loses has the share of its force. Writes: new.
@@ -290,22 +290,22 @@ def dissipate(clock, old, new, felt, power, loss, friction_power, friction_loss)
     if clock.opens == 1:
         new.dissipated = old.dissipated + clock.lead * old.power
         new.friction_dissipated = old.friction_dissipated + clock.lead * old.friction_power
-    share = clock.share * felt
+    share = clock.share * applied
     new.dissipated += share * power
     new.friction_dissipated += share * friction_power
     if clock.closes == 1:
         new.dissipated += loss
-        new.friction_dissipated += felt * friction_loss
+        new.friction_dissipated += applied * friction_loss
     new.power = power
     new.friction_power = friction_power
 
 
 @kernel
-def sum_card(c, history, order, felt, f, t, new, out):
+def sum_card(c, history, order, applied, f, t, new, out):
     """Add one touching pair to its contact card. Writes: c, history."""
     for k in range(3):
         c.force[k] += order * out.force[k]
-        history.late[k] += (1.0 - felt) * order * out.force[k]
+        history.late[k] += (1.0 - applied) * order * out.force[k]
     c.normal += f
     c.tangential += norm(t)
     c.impact_speed = max(c.impact_speed, new.impact_speed)

@@ -65,7 +65,7 @@ def give(is_half, b, P, d):
 
 
 @kernel
-def sweep(is_half, is_blow, current, pairs, nodes, change, most):
+def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
     """New impulses of every pair that is held, one after the other; of new ones in a blow too.
 
     Takes and returns the largest change and the largest impulse [N s]. Writes: history, nodes.
@@ -73,10 +73,10 @@ def sweep(is_half, is_blow, current, pairs, nodes, change, most):
     params, history, _, elements = pairs
     for i in range(params.shape[0]):
         p, old, new = params[i], history[current, i], history[1 - current, i]
-        if (old.active == 0 and not is_blow) or (new.active == 0 and not is_half):
+        if (old.active == 0 and not is_impulse) or (new.active == 0 and not is_half):
             continue
         here = old if is_half else new
-        P = new.opening if is_half else (new.blow if is_blow else new.closing)
+        P = new.opening if is_half else (new.impulse if is_impulse else new.closing)
         m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
         d_a, d_b, n = vec(here.arm_a), vec(here.arm_b), vec(here.normal)
         u = over(is_half, here, m, w)
@@ -122,7 +122,7 @@ def aim(old, new, depth, h):
 
 
 @kernel
-def rub_open(current, params, history, elements, nodes):
+def hold_open_friction(current, params, history, elements, nodes):
     """Friction's loss in the first half: impulse times mean velocity. Writes: new history."""
     for i in range(params.shape[0]):
         p, old, new = params[i], history[current, i], history[1 - current, i]
@@ -158,7 +158,7 @@ def look(clock, h, pair, meeting):
     put(new.arm_b, sub(x, vec(w.r)))
     put(new.reaction, vec(old.reaction) if h <= 0.0 else ZERO)
     put(new.closing, ZERO)
-    put(new.blow, ZERO)
+    put(new.impulse, ZERO)
     is_held, speed = new.active, old.impact_speed
     separate(clock, old, new, out, depth, x)
     new.active = is_held
@@ -169,7 +169,7 @@ def look(clock, h, pair, meeting):
 def note_reactions(h, current, params, history, elements, nodes):
     """Reactions and friction's loss of what is held in the second half. Writes: new history.
 
-    Returns the number of pairs that have just touched; their velocity is kept for `note_blows`.
+    Returns the number of pairs that have just touched; their velocity is kept for `note_impulses`.
     """
     count = 0
     for i in range(params.shape[0]):
@@ -188,14 +188,14 @@ def note_reactions(h, current, params, history, elements, nodes):
 
 
 @kernel
-def note_blows(current, params, history, elements, nodes, cards):
+def note_impulses(current, params, history, elements, nodes, cards):
     """Losses of impacts, by their impulses times mean velocities. Writes: new history, cards."""
     for i in range(params.shape[0]):
         p, old, new = params[i], history[current, i], history[1 - current, i]
         if new.active == 0:
             continue
         m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
-        u, n, P = add(over(False, new, m, w), vec(new.met)), vec(new.normal), vec(new.blow)
+        u, n, P = add(over(False, new, m, w), vec(new.met)), vec(new.normal), vec(new.impulse)
         new.dissipated -= 0.5 * dot(P, n) * dot(u, n)
         new.friction_loss -= 0.5 * dot(across(P, n), u)
         if old.active == 0:
@@ -242,7 +242,7 @@ def sum_force(card, order, R, n, impact_speed):
 def sum_impulse(clock, p, old, new, at_a, at_b, nodes, card):
     """Impulses of a step on the card, and on the model where the ground gave them. Writes: both."""
     first = vec(new.opening)
-    last = add(vec(new.closing), vec(new.blow))
+    last = add(vec(new.closing), vec(new.impulse))
     total = add(first, last)
     for k in range(3):
         card.impulse[k] += p.order * total[k]

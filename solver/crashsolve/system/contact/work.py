@@ -4,16 +4,16 @@
 
 Kick, drift, kick: half of the force at the start and half of that at the end act along what the
 step moves, so W is to the bit the kinetic energy that points get from the contact, whatever else
-acts and however fast they swing. u_old is that of the place that was touched, u_new of that which
-is. Velocities at the end of a step, foretold before all forces are known, would not do: near the
-stable step they have little to do with the way that is gone.
+acts and however fast they swing. u_old is that of the position that was touched, u_new of that
+which is. Velocities at the end of a step, predicted before all forces are known, would not do: near
+the stable step they have little to do with the displacement.
 """
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
-from crashsolve.system.points import half_turn
+from crashsolve.system.points import half_rotation
 
 # a pair that has not moved
 STILL = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -27,19 +27,19 @@ def along_plane(u, n):
 
 @kernel
 def motion_of(body):
-    """Displacement of the mass centre over the step [m], and the turn of the body [rad].
+    """Displacement of the mass centre over the step [m], and the rotation of the body [rad].
 
     The turn is that of the drift, along which torques work. What it moves d by has no part along d:
     a normal force through the centre of a ball does no work by its spin.
     """
-    return sub(vec(body.r), vec(body.start_r)), scale(2.0, half_turn(body.start_q, body.q))
+    return sub(vec(body.r), vec(body.start_r)), scale(2.0, half_rotation(body.start_q, body.q))
 
 
 @kernel
 def moved(body, d):
     """Displacement over the step of what is d from the mass centre, at its start or at its end."""
-    way, turn = motion_of(body)
-    return add(way, cross(turn, d))
+    displacement, rotation = motion_of(body)
+    return add(displacement, cross(rotation, d))
 
 
 @kernel
@@ -51,8 +51,8 @@ def of_load(acting, body):
     from nothing within a step has none.
     """
     f, d, torque = acting
-    way, angle = motion_of(body)
-    return 0.5 * (dot(f, way) + dot(add(cross(d, f), torque), angle))
+    displacement, angle = motion_of(body)
+    return 0.5 * (dot(f, displacement) + dot(add(cross(d, f), torque), angle))
 
 
 # --- pairs of elements on bodies -----------------------------------------------------------------
@@ -63,29 +63,29 @@ def motion_over(h, old, depth, a, b, of_b):
     """Motion of body a over body b, number `of_b`, in a step at one end of which they touch.
 
     Displacement at the mass centre of a, where it was at the start and where it is at the end, as
-    if that place were fixed in both [m]; turn [rad].
+    if that position were fixed in both [m]; turn [rad].
     """
     if h == 0.0 or (old.active == 0 and depth <= 0.0):
         return STILL
-    way, turn = motion_of(a)
+    displacement, rotation = motion_of(a)
     if of_b == 0:
         # the ground
-        return way, way, turn
-    way_b, turn_b = motion_of(b)
-    way = sub(way, way_b)
-    at_start = sub(way, cross(turn_b, sub(vec(a.start_r), vec(b.start_r))))
-    at_end = sub(way, cross(turn_b, sub(vec(a.r), vec(b.r))))
-    return at_start, at_end, sub(turn, turn_b)
+        return displacement, displacement, rotation
+    displacement_b, rotation_b = motion_of(b)
+    displacement = sub(displacement, displacement_b)
+    at_start = sub(displacement, cross(rotation_b, sub(vec(a.start_r), vec(b.start_r))))
+    at_end = sub(displacement, cross(rotation_b, sub(vec(a.r), vec(b.r))))
+    return at_start, at_end, sub(rotation, rotation_b)
 
 
 @kernel
-def way_from(motion, a, x):
+def displacement_from(motion, a, x):
     """Displacement of a over b of what touched at x at the start of the step."""
     return add(motion[0], cross(motion[2], sub(x, vec(a.start_r))))
 
 
 @kernel
-def way_to(motion, a, x):
+def displacement_to(motion, a, x):
     """The same of what touches at x at its end."""
     return add(motion[1], cross(motion[2], sub(x, vec(a.r))))
 
@@ -94,19 +94,19 @@ def way_to(motion, a, x):
 def end_push(h, old, motion, a, card):
     """Work of the normal force of the start of the step. Writes: card."""
     if old.active == 1 and h > 0.0:
-        card.work += 0.5 * dot(vec(old.push), way_from(motion, a, vec(old.place)))
+        card.work += 0.5 * dot(vec(old.push), displacement_from(motion, a, vec(old.position)))
 
 
 @kernel
-def begin_push(felt, u, f, n, x, out, new, card):
+def begin_push(applied, u, f, n, x, out, new, card):
     """Work of that at its end, which is kept for the next; see begin_second_half.
 
     Writes: new, card.
     """
-    card.work += 0.5 * felt * f * dot(n, u)
+    card.work += 0.5 * applied * f * dot(n, u)
     card.held += out.stored
     put(new.push, scale(f, n))
-    put(new.place, x)
+    put(new.position, x)
 
 
 @kernel
@@ -117,32 +117,32 @@ def end_first_half(h, old, motion, a, card):
     """
     if old.active == 0 or h == 0.0:
         return 0.0
-    u = way_from(motion, a, vec(old.place))
-    friction_loss = 0.5 * dot(vec(old.rub), u)
+    u = displacement_from(motion, a, vec(old.position))
+    friction_loss = 0.5 * dot(vec(old.friction_force), u)
     card.work += 0.5 * dot(vec(old.push), u)
     card.friction_work += friction_loss
     return friction_loss
 
 
 @kernel
-def begin_second_half(felt, pair, sliding, x, t, card):
+def begin_second_half(applied, pair, sliding, x, t, card):
     """Work of the forces at the end of the step, which are kept for the next.
 
-    `felt` is the share of them that acts in this step, x where they act, t the friction.
+    `applied` is the share of them that acts in this step, x where they act, t the friction.
     Writes: new, card.
     """
-    u, out, new = sliding.way, pair.out, pair.new
-    begin_push(felt, u, sliding.f, sliding.n, x, out, new, card)
-    card.friction_work += 0.5 * felt * dot(t, u)
+    u, out, new = sliding.displacement, pair.out, pair.new
+    begin_push(applied, u, sliding.f, sliding.n, x, out, new, card)
+    card.friction_work += 0.5 * applied * dot(t, u)
     card.bristled += out.friction_stored
-    put(new.rub, t)
+    put(new.friction_force, t)
     new.bristled = out.friction_stored
 
 
 @kernel
 def part_pair(old, new, friction_loss):
     """Friction ends: what its bristle held is lost, less its last work. Writes: new."""
-    put(new.rub, (0.0, 0.0, 0.0))
+    put(new.friction_force, (0.0, 0.0, 0.0))
     new.bristled = 0.0
     new.friction_dissipated += old.bristled - friction_loss
 
@@ -152,15 +152,17 @@ def part_pair(old, new, friction_loss):
 
 @kernel
 def arms(p, touch):
-    """To the place of contact: from the probe, and from the nearest place of the mid-surface."""
+    """To the position of contact: from the probe, and from the nearest point of the mid-surface."""
     left = p.gap - touch.depth
     n = vec(touch.normal)
     return scale(-p.share * left, n), scale((1.0 - p.share) * left, n)
 
 
 @kernel
-def way_of_probe(probe, d, is_past, h, nodes, points):
-    """Displacement over the step of the place d from a probe, at the start or at the end of it."""
+def displacement_of_probe(probe, d, is_past, h, nodes, points):
+    """Displacement over the step of the position d from a probe, at the start or at the end of
+    it.
+    """
     if probe.point >= 0:
         b = points[probe.point]
         return scale(h, add(vec(b.v), cross(vec(b.w), d)))
@@ -171,7 +173,7 @@ def way_of_probe(probe, d, is_past, h, nodes, points):
 
 
 @kernel
-def way_over_face(p, probe, touch, is_past, h, nodes, points, corners):
+def displacement_over_face(p, probe, touch, is_past, h, nodes, points, corners):
     """The same over the face at which it touches, or at which it did at the start."""
     if h == 0.0:
         return 0.0, 0.0, 0.0
@@ -181,17 +183,22 @@ def way_over_face(p, probe, touch, is_past, h, nodes, points, corners):
         b = points[at[k]]
         v = add_scaled(v, touch.N[k], vec(b.v))
         w = add_scaled(w, touch.N[k], vec(b.w))
-    return sub(way_of_probe(probe, d, is_past, h, nodes, points), scale(h, add(v, cross(w, e))))
+    return sub(
+        displacement_of_probe(probe, d, is_past, h, nodes, points), scale(h, add(v, cross(w, e)))
+    )
 
 
 @kernel
-def way_over_body(p, probe, touch, is_past, place, h, nodes, points):
-    """The same over the body of a shape; `place`: that, and where the probe is at the end [m]."""
+def displacement_over_body(p, probe, touch, is_past, position, h, nodes, points):
+    """The same over the body of a shape; `position`: that, and where the probe is at the end
+    [m].
+    """
     if h == 0.0:
         return 0.0, 0.0, 0.0
-    (body, x), (d, _) = place, arms(p, touch)
+    (body, x), (d, _) = position, arms(p, touch)
     return sub(
-        way_of_probe(probe, d, is_past, h, nodes, points), moved(body, sub(add(x, d), vec(body.r)))
+        displacement_of_probe(probe, d, is_past, h, nodes, points),
+        moved(body, sub(add(x, d), vec(body.r))),
     )
 
 
@@ -202,8 +209,8 @@ def push_along(touch, u, card):
 
 
 @kernel
-def rub_along(touch, u, card):
+def add_friction_work(touch, u, card):
     """Work of its friction, which is returned [J]. Writes: card."""
-    work = 0.5 * dot(vec(touch.rub), u)
+    work = 0.5 * dot(vec(touch.friction_force), u)
     card.friction_work += work
     return work

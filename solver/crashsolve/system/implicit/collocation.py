@@ -46,14 +46,14 @@ def guess(nodes, stages, A, C, h, ratio):
         for i in range(1, stages.shape[0]):
             extrapolate(stages, C, n, i, ratio)
         for i in range(1, stages.shape[0]):
-            _, _, way_v, way_w = sum_rates(stages, n, A, i, h)
-            put(stages[i, n].way_v, way_v)
-            put(stages[i, n].way_w, way_w)
+            _, _, change_v, change_w = sum_rates(stages, n, A, i, h)
+            put(stages[i, n].change_v, change_v)
+            put(stages[i, n].change_w, change_w)
             guess_rates(nodes[n], stages[i, n], C[i] * h)
         for i in range(1, stages.shape[0]):
-            way_r, turn, _, _ = sum_rates(stages, n, A, i, h)
-            put(stages[i, n].way_r, way_r)
-            put(stages[i, n].turn, turn)
+            displacement_r, rotation, _, _ = sum_rates(stages, n, A, i, h)
+            put(stages[i, n].displacement_r, displacement_r)
+            put(stages[i, n].rotation, rotation)
 
 
 @kernel
@@ -90,7 +90,7 @@ def add_rates(r, g, v, w, t, s):
     """Those changes with a time t at the rates of stage s."""
     return (
         add_scaled(r, t, vec(s.rate_r)),
-        add_scaled(g, t, vec(s.rate_turn)),
+        add_scaled(g, t, vec(s.rate_rotation)),
         add_scaled(v, t, vec(s.rate_v)),
         add_scaled(w, t, vec(s.rate_w)),
     )
@@ -99,12 +99,12 @@ def add_rates(r, g, v, w, t, s):
 @kernel
 def guess_rates(b, s, t):
     """Velocity, and rate of the Cayley vector, of a stage at time t. Writes: s."""
-    put(s.rate_r, add(vec(b.start_v), vec(s.way_v)))
+    put(s.rate_r, add(vec(b.start_v), vec(s.change_v)))
     start = matvec_t(b.start_A, start_spin(b))
-    omega, g = add(start, matvec_t(b.start_A, vec(s.way_w))), scale(0.5 * t, start)
+    omega, g = add(start, matvec_t(b.start_A, vec(s.change_w))), scale(0.5 * t, start)
     # the spin is in the axes of the start, hence the sign of the cross product
     turning = add_scaled(sub(omega, cross(g, omega)), dot(g, omega), g)
-    put(s.rate_turn, scale(0.5, turning))
+    put(s.rate_rotation, scale(0.5, turning))
 
 
 @kernel
@@ -118,12 +118,12 @@ def stand(nodes, stages, i):
     """Put all bodies where stage i is at present. Writes: nodes."""
     for n in range(1, nodes.shape[0]):
         b, s = nodes[n], stages[i, n]
-        put(b.r, add(vec(b.start_r), vec(s.way_r)))
-        put(b.v, add(vec(b.start_v), vec(s.way_v)))
-        rotate_by_cayley(b.start_q, vec(s.turn), b.q)
+        put(b.r, add(vec(b.start_r), vec(s.displacement_r)))
+        put(b.v, add(vec(b.start_v), vec(s.change_v)))
+        rotate_by_cayley(b.start_q, vec(s.rotation), b.q)
         write_matrix(b.q, b.A)
         write_world_tensor(b.A, b.J_inv, b.W)
-        put(b.w, add(start_spin(b), vec(s.way_w)))
+        put(b.w, add(start_spin(b), vec(s.change_w)))
         put(b.L, matvec(b.A, matvec(b.J, matvec_t(b.A, vec(b.w)))))
 
 
@@ -134,16 +134,16 @@ def miss(nodes, stages, A, T, i, h):
     for n in range(1, nodes.shape[0]):
         s = stages[i, n]
         r, g, v, w = sum_rates(stages, n, A, i, h)
-        r, g = sub(r, vec(s.way_r)), sub(g, vec(s.turn))
-        v, w = sub(v, vec(s.way_v)), sub(w, vec(s.way_w))
+        r, g = sub(r, vec(s.displacement_r)), sub(g, vec(s.rotation))
+        v, w = sub(v, vec(s.change_v)), sub(w, vec(s.change_w))
         for j in range(1, i):
             t, other = h * T[count * i + j], stages[j, n]
             r = add_scaled(r, t, vec(other.slope_r))
-            g = add_scaled(g, t, vec(other.slope_turn))
+            g = add_scaled(g, t, vec(other.slope_rotation))
             v = add_scaled(v, t, vec(other.slope_v))
             w = add_scaled(w, t, vec(other.slope_w))
         put(s.right_r, r)
-        put(s.right_turn, g)
+        put(s.right_rotation, g)
         put(s.right_v, v)
         put(s.right_w, w)
 
@@ -157,7 +157,7 @@ def weigh_estimate(nodes, stages, E, i, h):
         for j in range(stages.shape[0]):
             r, g, v, w = add_rates(r, g, v, w, h * E[j], stages[j, n])
         put(s.right_r, r)
-        put(s.right_turn, g)
+        put(s.right_rotation, g)
         put(s.right_v, v)
         put(s.right_w, w)
 
@@ -167,10 +167,10 @@ def improve(nodes, stages, i):
     """Add the correction to stage i. Writes: stages."""
     for n in range(1, nodes.shape[0]):
         s = stages[i, n]
-        add_to(s.way_r, vec(s.right_r))
-        add_to(s.turn, vec(s.right_turn))
-        add_to(s.way_v, vec(s.right_v))
-        add_to(s.way_w, vec(s.right_w))
+        add_to(s.displacement_r, vec(s.right_r))
+        add_to(s.rotation, vec(s.right_rotation))
+        add_to(s.change_v, vec(s.right_v))
+        add_to(s.change_w, vec(s.right_w))
 
 
 @kernel
@@ -180,7 +180,7 @@ def correction_size(nodes, stages, i, size, speed):
     for n in range(1, nodes.shape[0]):
         s = stages[i, n]
         spin = size * norm(vec(s.right_w))
-        x = norm(vec(s.right_r)) / size + 2.0 * norm(vec(s.right_turn))
+        x = norm(vec(s.right_r)) / size + 2.0 * norm(vec(s.right_rotation))
         x += (norm(vec(s.right_v)) + spin) / speed
         if not x <= worst:
             worst = x

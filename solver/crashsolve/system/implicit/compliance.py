@@ -3,7 +3,7 @@
     dv = b + M^-1 D^T m,   dq = a + t dv,   D dv = D b for a joint, for a spring
     m = -t (k D dq + c (D dv + G dq)),   G = derivative of D v by the position
 
-With B = D + c t G / (c + k t) in the place of D, and sigma = t (c + k t), these are
+With B = D + c t G / (c + k t) in place of D, and sigma = t (c + k t), these are
 
     (B M^-1 B^T + 1 / sigma) m = -B b - (k D + c G) a / (c + k t)
 
@@ -21,7 +21,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.sparse.saddle import assemble, eliminate, solve_rows
 from crashsolve.foundation.vec3 import norm, put, scale, vec
 from crashsolve.system.constraints import weigh
-from crashsolve.system.implicit.stages import add_column, along_row, turned_by, turning_of
+from crashsolve.system.implicit.stages import add_column, along_row, rotated_by, rotation_rate_of
 
 # 1 / sigma of a row without stiffness or with a negative one: it takes no part
 NO_PART = 1e150
@@ -29,7 +29,9 @@ NO_PART = 1e150
 
 @kernel
 def linearise(rows, compliant, nodes, velocity, position):
-    """D of the joints, and B and B M^-1 of the springs, at the present place. Writes: compliant."""
+    """D of the joints, and B and B M^-1 of the springs, at the present position. Writes:
+    compliant.
+    """
     joint_rows = rows.shape[0]
     for k in range(compliant.shape[0]):
         row = compliant[k]
@@ -91,9 +93,9 @@ def solve_stage(nodes, stages, i, compliant, saddle, joint_rows, t):
         put(s.slope_v, scale(1.0 / t, vec(s.slope_v)))
         put(s.slope_w, scale(1.0 / t, vec(s.slope_w)))
         put(s.slope_r, vec(s.right_v))
-        put(s.slope_turn, turning_of(matvec_t(b.A, vec(s.right_w)), vec(s.turn)))
+        put(s.slope_rotation, rotation_rate_of(matvec_t(b.A, vec(s.right_w)), vec(s.rotation)))
         add_to(s.right_r, scale(t, vec(s.slope_r)))
-        add_to(s.right_turn, scale(t, vec(s.slope_turn)))
+        add_to(s.right_rotation, scale(t, vec(s.slope_rotation)))
 
 
 @kernel
@@ -116,8 +118,8 @@ def missed_along(row, c, node, nodes, stages, i):
     if node == 0:
         return 0.0
     s = stages[i, node]
-    turn = matvec(nodes[node].A, turned_by(vec(s.right_turn), vec(s.turn)))
-    return along_row(row.D, c, s.right_v, s.right_w) + along_row(row.G, c, s.right_r, turn)
+    rotation = matvec(nodes[node].A, rotated_by(vec(s.right_rotation), vec(s.rotation)))
+    return along_row(row.D, c, s.right_v, s.right_w) + along_row(row.G, c, s.right_r, rotation)
 
 
 @kernel

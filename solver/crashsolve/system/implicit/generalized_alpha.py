@@ -84,22 +84,22 @@ def stand_at_end(nodes, stages, weights, h, ratio):
     for n in range(1, nodes.shape[0]):
         b, s, end = nodes[n], stages[0, n], stages[1, n]
         a_1, a_0 = mean_of(vec(end.rate_v), vec(s.rate_v), vec(s.mean_v), weights, ratio)
-        way = add_scaled(scale(h, vec(b.start_v)), 0.5 * h * h - tt, a_0)
-        put(end.way_r, add(add_scaled(way, tt, a_1), vec(end.closing_r)))
-        put(end.way_v, add_scaled(scale(h - t, a_0), t, a_1))
+        displacement = add_scaled(scale(h, vec(b.start_v)), 0.5 * h * h - tt, a_0)
+        put(end.displacement_r, add(add_scaled(displacement, tt, a_1), vec(end.closing_r)))
+        put(end.change_v, add_scaled(scale(h - t, a_0), t, a_1))
         put(end.mean_v, a_1)
-        put(b.r, add(vec(b.start_r), vec(end.way_r)))
-        put(b.v, add(vec(b.start_v), vec(end.way_v)))
+        put(b.r, add(vec(b.start_r), vec(end.displacement_r)))
+        put(b.v, add(vec(b.start_v), vec(end.change_v)))
         a_1, a_0 = mean_of(vec(end.rate_w), vec(s.rate_w), vec(s.mean_w), weights, ratio)
         w = start_spin(b)
-        turn = add_scaled(add_scaled(scale(h, w), 0.5 * h * h - tt, a_0), tt, a_1)
-        body_turn = matvec_t(b.start_A, add(turn, vec(end.closing_w)))
-        put(end.turn, scale(0.5, body_turn))
-        put(end.way_w, add_scaled(scale(h - t, a_0), t, a_1))
+        rotation = add_scaled(add_scaled(scale(h, w), 0.5 * h * h - tt, a_0), tt, a_1)
+        body_rotation = matvec_t(b.start_A, add(rotation, vec(end.closing_w)))
+        put(end.rotation, scale(0.5, body_rotation))
+        put(end.change_w, add_scaled(scale(h - t, a_0), t, a_1))
         put(end.mean_w, a_1)
-        rotate_by_vector(b.start_q, body_turn, b.q)
+        rotate_by_vector(b.start_q, body_rotation, b.q)
         write_matrix(b.q, b.A)
-        spin(b, add(w, vec(end.way_w)))
+        spin(b, add(w, vec(end.change_w)))
 
 
 @kernel
@@ -154,12 +154,12 @@ def miss_estimate(nodes, stages, h, before, smooth):
     for n in range(1, nodes.shape[0]):
         b, s, end = nodes[n], stages[0, n], stages[1, n]
         v, r = parabola(vec(s.past_v), vec(s.rate_v), vec(end.rate_v), h, before, smooth)
-        put(end.right_v, sub(vec(end.way_v), v))
-        put(end.right_r, sub(vec(end.way_r), add_scaled(r, h, vec(b.start_v))))
+        put(end.right_v, sub(vec(end.change_v), v))
+        put(end.right_r, sub(vec(end.displacement_r), add_scaled(r, h, vec(b.start_v))))
         v, r = parabola(vec(s.past_w), vec(s.rate_w), vec(end.rate_w), h, before, smooth)
-        put(end.right_w, sub(vec(end.way_w), v))
-        turn = matvec_t(b.start_A, add_scaled(r, h, start_spin(b)))
-        put(end.right_turn, sub(vec(end.turn), scale(0.5, turn)))
+        put(end.right_w, sub(vec(end.change_w), v))
+        rotation = matvec_t(b.start_A, add_scaled(r, h, start_spin(b)))
+        put(end.right_rotation, sub(vec(end.rotation), scale(0.5, rotation)))
 
 
 @kernel

@@ -2,13 +2,13 @@
 
     (M + t C + t^2 K) dv - D^T m = M b - t K a - C_G a,   D dv = D b
 
-with a and b what is missing in places and velocities (compliance.py). There every spring is a row
-of a matrix as large as there are rows; an element of a shell has thirteen of them, and shares each
-of its nodes with three others, so that here nodes are the unknowns: 6 of them where there are 13
-rows. And rows hold no more of a tangent than D^T k D, while blocks hold what turns forces too. K of
-the elements stands in the blocks of the matrix (stiffness.py, parts/beams/tangent.py), that of
-springs and contacts comes from their compliant rows, and so does damping. Consequence to test: the
-same corrections as by rows.
+with a and b what is missing in positions and velocities (compliance.py). There every spring is a
+row of a matrix as large as there are rows; an element of a shell has thirteen of them, and shares
+each of its nodes with three others, so that here nodes are the unknowns: 6 of them where there are
+13 rows. And rows hold no more of a tangent than D^T k D, while blocks hold what turns forces too. K
+of the elements stands in the blocks of the matrix (stiffness.py, elements/beams/tangent.py), that
+of springs and contacts comes from their compliant rows, and so does damping. Consequence to test:
+the same corrections as by rows.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
@@ -19,7 +19,7 @@ from crashsolve.foundation.rotation import write_world_tensor
 from crashsolve.foundation.sparse.bordered import assemble, factorise, solve
 from crashsolve.foundation.vec3 import norm, put, scale, sub, vec
 from crashsolve.system.implicit.compliance import lean
-from crashsolve.system.implicit.stages import along_row, turned_by, turning_of
+from crashsolve.system.implicit.stages import along_row, rotated_by, rotation_rate_of
 
 
 @kernel
@@ -44,7 +44,7 @@ def weigh(nodes, columns):
 
 @kernel
 def linearise(rows, compliant, nodes, velocity, position):
-    """D of the joints, and B of the springs, at the present place. Writes: compliant."""
+    """D of the joints, and B of the springs, at the present position. Writes: compliant."""
     for k in range(compliant.shape[0]):
         row = compliant[k]
         if k < rows.shape[0]:
@@ -96,7 +96,7 @@ def ask(c, f, torque):
 
 @kernel
 def answer(c):
-    """Solution of a node: of its place and of its configuration."""
+    """Solution of a node: of its position and of its configuration."""
     return (c.work[0], c.work[1], c.work[2]), (c.work[3], c.work[4], c.work[5])
 
 
@@ -171,8 +171,8 @@ def resist_elements(nodes, stages, i, matrix, t):
     for p in range(columns.shape[0]):
         c = columns[p]
         if c.node > 0:
-            x, turn = way(nodes[c.node], stages[i, c.node])
-            x = (x[0], x[1], x[2], turn[0], turn[1], turn[2])
+            x, rotation = displacement(nodes[c.node], stages[i, c.node])
+            x = (x[0], x[1], x[2], rotation[0], rotation[1], rotation[2])
             for e in range(c.block, c.block_end):
                 other = columns[blocks[e].column]
                 if other.node == 0:
@@ -185,8 +185,8 @@ def resist_elements(nodes, stages, i, matrix, t):
                     other.work[k] -= t * total
                 if e == c.block:
                     continue
-                y, turn = way(nodes[other.node], stages[i, other.node])
-                y = (y[0], y[1], y[2], turn[0], turn[1], turn[2])
+                y, rotation = displacement(nodes[other.node], stages[i, other.node])
+                y = (y[0], y[1], y[2], rotation[0], rotation[1], rotation[2])
                 for k in range(6):
                     total = 0.0
                     for j in range(6):
@@ -195,27 +195,27 @@ def resist_elements(nodes, stages, i, matrix, t):
 
 
 @kernel
-def way(body, s):
+def displacement(body, s):
     """What a body misses in place and turn, world axes."""
-    return vec(s.right_r), matvec(body.A, turned_by(vec(s.right_turn), vec(s.turn)))
+    return vec(s.right_r), matvec(body.A, rotated_by(vec(s.right_rotation), vec(s.rotation)))
 
 
 @kernel
-def resist_row(nodes, stages, i, row, place, matrix):
+def resist_row(nodes, stages, i, row, slot, matrix):
     """The same of a spring: X (G a). Writes: matrix.columns.work."""
     if row.stiffness == 0.0 and row.damping == 0.0:
         return
     x = 0.0
     if row.node_a > 0:
         s = stages[i, row.node_a]
-        r, turn = way(nodes[row.node_a], s)
-        x += along_pair(row.G, 0, r, turn)
+        r, rotation = displacement(nodes[row.node_a], s)
+        x += along_pair(row.G, 0, r, rotation)
     if row.node_b > 0:
         s = stages[i, row.node_b]
-        r, turn = way(nodes[row.node_b], s)
-        x += along_pair(row.G, 6, r, turn)
+        r, rotation = displacement(nodes[row.node_b], s)
+        x += along_pair(row.G, 6, r, rotation)
     for side in range(2):
-        block = place.a if side == 0 else place.b
+        block = slot.a if side == 0 else slot.b
         if block >= 0:
             c = matrix.columns[matrix.blocks[block].column]
             for k in range(6):
@@ -240,6 +240,6 @@ def correct(b, s, c, t):
     put(s.right_v, v)
     put(s.right_w, w)
     put(s.slope_r, v)
-    put(s.slope_turn, turning_of(matvec_t(b.A, w), vec(s.turn)))
+    put(s.slope_rotation, rotation_rate_of(matvec_t(b.A, w), vec(s.rotation)))
     add_to(s.right_r, scale(t, v))
-    add_to(s.right_turn, scale(t, vec(s.slope_turn)))
+    add_to(s.right_rotation, scale(t, vec(s.slope_rotation)))

@@ -30,29 +30,29 @@ def is_near(count, share, worst, previous, enough, control, stages, speed):
     model's size and speed.
     """
     left = worst * share / (1.0 - share)
-    way = way_of_step(stages, control.length, speed)
+    displacement = size_of_step(stages, control.length, speed)
     # as good as it gets: what is left is about as much as the last correction
-    stalls = worst >= previous and (count > PATIENCE or worst <= FLOOR * way)
+    stalls = worst >= previous and (count > PATIENCE or worst <= FLOOR * displacement)
     if stalls:
         left = worst
     if not left <= CARE * control.tolerance:
         return False
-    if stalls or left <= max(enough, ROUND_OFF * way):
+    if stalls or left <= max(enough, ROUND_OFF * displacement):
         return True
-    return count == PASSES - 1 and (control.fixed_step == 0.0 or left <= FLOOR * way)
+    return count == PASSES - 1 and (control.fixed_step == 0.0 or left <= FLOOR * displacement)
 
 
 @kernel
 def note_pass(clock, count, worst, previous, least):
     """Count a pass; the share of the error that it leaves, taken as `least` or more."""
     clock.iterations += 1
-    clock.passes = count + 1
+    clock.last_iterations = count + 1
     return min(max(worst / previous, least), 0.9)
 
 
 @kernel
-def goes_astray(count, worst, previous):
-    """Whether corrections grow so that further passes are useless."""
+def diverges_early(count, worst, previous):
+    """Whether corrections grow so that further iterations are useless."""
     return not worst < 10.0 * previous or (count > PATIENCE and not worst < previous)
 
 
@@ -60,7 +60,7 @@ def goes_astray(count, worst, previous):
 def enough_beside(h, clock, control, order, power):
     """What may be left in the equations of a step of h beside its own error.
 
-    That is foretold by the estimate of the last step, which falls with a `power` of the step where
+    That is predicted by the estimate of the last step, which falls with a `power` of the step where
     the error of the method falls with order + 1. Nothing is known after a kink.
     """
     is_stated = control.fixed_step > 0.0
@@ -73,12 +73,12 @@ def enough_beside(h, clock, control, order, power):
 
 
 @kernel
-def way_of_step(stages, size, speed):
+def size_of_step(stages, size, speed):
     """Largest change of any body in the step, in the model's size and speed."""
     last, farthest = stages.shape[0] - 1, 0.0
     for n in range(1, stages.shape[1]):
         s = stages[last, n]
-        way = norm(vec(s.way_r)) / size + 2.0 * norm(vec(s.turn))
-        way += (norm(vec(s.way_v)) + size * norm(vec(s.way_w))) / speed
-        farthest = max(farthest, way)
+        displacement = norm(vec(s.displacement_r)) / size + 2.0 * norm(vec(s.rotation))
+        displacement += (norm(vec(s.change_v)) + size * norm(vec(s.change_w))) / speed
+        farthest = max(farthest, displacement)
     return farthest

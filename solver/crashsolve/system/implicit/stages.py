@@ -1,11 +1,12 @@
-"""Stages of a Runge-Kutta step: rates of every body, and the places they lead to.
+"""Stages of a Runge-Kutta step: rates of every body, and the positions they lead to.
 
     r_dot = v,   m v_dot = f + D^T lambda,   L_dot = tau + D^T lambda (moments),   world components
     q = q_start * (1, g) / |(1, g)|,   g_dot = (Omega + g x Omega + g (g . Omega)) / 2
 
-g is the Cayley vector of the turn since the start of the step (tangent of half the angle), so every
-order of the method holds for rotations and the quaternion stays of unit length. Row 0 of the table,
-the ground's, keeps what comes from outside: force, torque, and the power of prescribed motions.
+g is the Cayley vector of the rotation since the start of the step (tangent of half the angle), so
+every order of the method holds for rotations and the quaternion stays of unit length. Row 0 of the
+table, the ground's, keeps what comes from outside: force, torque, and the power of prescribed
+motions.
 
 Reference: Hairer, Lubich and Wanner (2006), Geometric Numerical Integration, IV.8.
 """
@@ -30,20 +31,20 @@ def keep_rates(nodes, rows, stages, i):
     for n in range(1, nodes.shape[0]):
         b, s = nodes[n], stages[i, n]
         put(s.rate_r, vec(b.v))
-        put(s.rate_turn, turning_of(matvec_t(b.A, vec(b.w)), vec(s.turn)))
+        put(s.rate_rotation, rotation_rate_of(matvec_t(b.A, vec(b.w)), vec(s.rotation)))
         put(s.rate_v, scale(b.mass_inv, add(vec(b.force), vec(b.joint_force))))
         put(s.rate_L, add(vec(b.torque), vec(b.joint_torque)))
     keep_outside(nodes, rows, stages, i)
 
 
 @kernel
-def turning_of(omega, g):
+def rotation_rate_of(omega, g):
     """g_dot of a spin in body axes."""
     return scale(0.5, add_scaled(add(omega, cross(g, omega)), dot(g, omega), g))
 
 
 @kernel
-def turned_by(g_change, g):
+def rotated_by(g_change, g):
     """The turn in body axes that changes the Cayley vector g by so much."""
     return scale(2.0 / (1.0 + dot(g, g)), sub(g_change, cross(g, g_change)))
 
@@ -72,10 +73,10 @@ def reach(nodes, stages, A, i, h):
             if a == 0.0:
                 continue
             r = add_scaled(r, a, vec(s.rate_r))
-            g = add_scaled(g, a, vec(s.rate_turn))
+            g = add_scaled(g, a, vec(s.rate_rotation))
             v = add_scaled(v, a, vec(s.rate_v))
             L = add_scaled(L, a, vec(s.rate_L))
-        put(stages[i, n].turn, g)
+        put(stages[i, n].rotation, g)
         put(b.r, r)
         put(b.v, v)
         put(b.L, L)
@@ -146,16 +147,16 @@ def estimate(nodes, stages, count, E, errors, k, h):
         for j in range(count):
             s, a = stages[j, n], h * E[count * k + j]
             r = add_scaled(r, a, vec(s.rate_r))
-            g = add_scaled(g, a, vec(s.rate_turn))
+            g = add_scaled(g, a, vec(s.rate_rotation))
             v = add_scaled(v, a, vec(s.rate_v))
             L = add_scaled(L, a, vec(s.rate_L))
         put(e.r, r)
         put(e.v, v)
         put(e.w, matvec(b.W, L))
         # of the turn, from that of its Cayley vector
-        whole = vec(stages[count - 1, n].turn)
+        whole = vec(stages[count - 1, n].rotation)
         share = 2.0 / (1.0 + dot(whole, whole))
-        put(e.turn, scale(share, matvec(b.A, sub(g, cross(whole, g)))))
+        put(e.rotation, scale(share, matvec(b.A, sub(g, cross(whole, g)))))
 
 
 @kernel
@@ -166,26 +167,26 @@ def project_estimate(errors, k, nodes, rows, saddle):
 
 
 @kernel
-def project_pair(errors, k, rows, saddle, of_places):
-    """The same of places and turns, or of velocities and spins. Writes: errors, rows."""
+def project_pair(errors, k, rows, saddle, of_positions):
+    """The same of positions and turns, or of velocities and spins. Writes: errors, rows."""
     for i in range(rows.shape[0]):
         row = rows[i]
-        x_a, y_a = pair_of(errors[k, row.node_a], of_places)
-        x_b, y_b = pair_of(errors[k, row.node_b], of_places)
+        x_a, y_a = pair_of(errors[k, row.node_a], of_positions)
+        x_b, y_b = pair_of(errors[k, row.node_b], of_positions)
         row.right = along_row(row.D, 0, x_a, y_a) + along_row(row.D, 6, x_b, y_b)
     solve_rows(saddle, rows, -1.0)
     for i in range(rows.shape[0]):
         row = rows[i]
-        x_a, y_a = pair_of(errors[k, row.node_a], of_places)
-        x_b, y_b = pair_of(errors[k, row.node_b], of_places)
+        x_a, y_a = pair_of(errors[k, row.node_a], of_positions)
+        x_b, y_b = pair_of(errors[k, row.node_b], of_positions)
         add_column(row.X, 0, row.delta, x_a, y_a)
         add_column(row.X, 6, row.delta, x_b, y_b)
 
 
 @inlined
-def pair_of(e, of_places):
+def pair_of(e, of_positions):
     """Errors of a body in place and turn, or in velocity and spin."""
-    return (e.r, e.turn) if of_places else (e.v, e.w)
+    return (e.r, e.rotation) if of_positions else (e.v, e.w)
 
 
 @kernel
@@ -223,7 +224,9 @@ def step_error(errors, size, speed):
 def deviation(e, size, speed):
     """Estimated errors of one body in units of size and speed."""
     return (
-        norm(vec(e.r)) / size + norm(vec(e.turn)) + (norm(vec(e.v)) + size * norm(vec(e.w))) / speed
+        norm(vec(e.r)) / size
+        + norm(vec(e.rotation))
+        + (norm(vec(e.v)) + size * norm(vec(e.w))) / speed
     )
 
 
@@ -287,7 +290,7 @@ def next_length(h, error, clock, tolerance, order):
     if not error < 1e300:
         return 0.1 * h
     share = SAFETY * (tolerance / error) ** (1.0 / order)
-    # a step that was cut short tells no trend
+    # a step that was cut short states no trend
     if error <= tolerance and clock.error > 0.0 and 0.2 * h < clock.step < 5.0 * h:
         before = SAFETY * (tolerance / clock.error) ** (1.0 / order)
         share = (share * before * clock.step / h) ** 0.25

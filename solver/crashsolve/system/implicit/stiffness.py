@@ -4,10 +4,10 @@
 
 A pass of the iteration strains the elements from what they kept at the start of the step to its
 end, or to one of its stages as if that were a step of its own; the last of them is the end. Their
-tangents (parts/shells/tangents) are those of the step as
-it is computed, with the return of what yields, the stress that stiffens, the turn of the axes and
-the middle of the step in which strains are measured. K is not symmetric: strains are those of the
-middle of the step, forces those of its end, and the symmetric part alone has -E A theta^2 / 16
+tangents (elements/shells/tangents) are those of the step as
+it is computed, with the return of what yields, the stress that stiffens, the rotation of the axes
+and the middle of the step in which strains are measured. K is not symmetric: strains are those of
+the middle of the step, forces those of its end, and the symmetric part alone has -E A theta^2 / 16
 against a step that turns by theta, more than bending resists.
 """
 

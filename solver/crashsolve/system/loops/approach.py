@@ -30,8 +30,8 @@ def gaps_of(group, piece, current, nodes, floor, deepest, scene):
         elif history[current, i].active == 0:
             a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
             if group.rests:
-                way = resting.way_gone(params[i], nodes[a.node], nodes[b.node])
-                if history[current, i].depth + way <= max(deepest, floor):
+                displacement = resting.largest_approach(params[i], nodes[a.node], nodes[b.node])
+                if history[current, i].depth + displacement <= max(deepest, floor):
                     continue
             if hasattr(group.narrow, "bound"):
                 if group.narrow.bound(a, b, nodes, group.data) > max(deepest, floor):

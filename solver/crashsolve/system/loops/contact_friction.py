@@ -14,13 +14,13 @@ from crashsolve.system.placeholders import KICK_DRIFT_KICK
 def friction_in_point(group, clock, h, pair, totals, sliding, curves):
     """Friction against the slip: force, power, loss without a rate. Writes: new, out, totals."""
     p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
-    n, slip, way, f, mass, d_a, d_b = sliding
+    n, slip, displacement, f, mass, d_a, d_b = sliding
     ease = 0.0
     if KICK_DRIFT_KICK and group.friction_damps:
         u = touches.ahead(old, slip, n)
         mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
         ease = touches.ease_of_pair(clock, h, pair, totals, mob_t, mob_u, f)
-    slid = work.along_plane(way, n) if KICK_DRIFT_KICK else None
+    slid = work.along_plane(displacement, n) if KICK_DRIFT_KICK else None
     slide = Slide(f, slip, slid, n, mass, ease)
     t, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
@@ -36,20 +36,22 @@ def friction_in_point(group, clock, h, pair, totals, sliding, curves):
 def friction_in_area(group, clock, h, pair, totals, sliding, motion, radius, curves):
     """Friction against slip and spin, the way of both; power, loss. Writes: new, out, totals."""
     p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
-    n, slip, way, f, mass, d_a, d_b = sliding
+    n, slip, displacement, f, mass, d_a, d_b = sliding
     slip = areas.sliding(m, w, slip, n, radius)
     ease = 0.0
-    glide = areas.way_of_sliding(motion, way, n, radius) if KICK_DRIFT_KICK else None
+    sliding_displacement = (
+        areas.sliding_displacement(motion, displacement, n, radius) if KICK_DRIFT_KICK else None
+    )
     if KICK_DRIFT_KICK and group.friction_damps:
         u = touches.ahead(old, slip, n)
-        mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
+        mob_t, mob_u = areas.friction_mobility(m, w, d_a, d_b, u, n, radius)
         ease = touches.ease_of_pair(clock, h, pair, totals, mob_t, mob_u, f)
-    slide = Slide(f, slip, glide, areas.NO_TURN, mass, ease)
-    rub, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
+    slide = Slide(f, slip, sliding_displacement, areas.NO_ROTATION, mass, ease)
+    friction_force, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
-        u = touches.along(rub, slip, n)
-        mob_t, mob_u = areas.rubbing_mobility(m, w, d_a, d_b, u, n, radius)
+        u = touches.along(friction_force, slip, n)
+        mob_t, mob_u = areas.friction_mobility(m, w, d_a, d_b, u, n, radius)
         touches.count_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
-    return rub, glide, power, loss
+    return friction_force, sliding_displacement, power, loss

@@ -2,12 +2,12 @@
 
 Sides that lie on each other over an area press in its points, each with its own closing speed, and
 friction may resist a spin (system/contact/areas.py). A pair may go on by another face than the
-nearest (system/contact/passing.py), and one that cannot have met is left alone
+nearest (system/contact/pass_through.py), and one that cannot have met is left alone
 (system/contact/resting.py).
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.system.contact import areas, passing, resting, touches, work
+from crashsolve.system.contact import areas, pass_through, resting, touches, work
 from crashsolve.system.contact.pair import Meeting, Pair, Push, Sliding, Totals
 from crashsolve.system.loops.approach import ends_of
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
@@ -27,26 +27,26 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         totals = totals_of(group, piece, i, clock, p, m, w, scene)
         card, count = totals.card, totals.count
         if KICK_DRIFT_KICK and group.rests:
-            way = resting.way_gone(p, m, w)
-            if resting.rests(h, old, new, way, card.depth):
-                new.depth = old.depth + way
+            displacement = resting.largest_approach(p, m, w)
+            if resting.rests(h, old, new, displacement, card.depth):
+                new.depth = old.depth + displacement
                 touches.sum_losses(card, new)
                 continue
         depth, n, x = gap(group, card, old, a, b, nodes, scene)
         if group.keeps_faces:
             held, over, stored = False, -1.0, out.stored
-            if passing.is_another_face(old, depth, n, a.radius):
-                v_a = passing.velocity_at(nodes[a.node], x)
-                v_b = passing.velocity_at(nodes[b.node], x)
+            if pass_through.is_another_face(old, depth, n, a.radius):
+                v_a = pass_through.velocity_at(nodes[a.node], x)
+                v_b = pass_through.velocity_at(nodes[b.node], x)
                 kept = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
-                if passing.keeps_face(old, v_a, v_b, n, kept):
+                if pass_through.keeps_face(old, v_a, v_b, n, kept):
                     held = True
                     depth, n, x, over = kept
-            if group.knows_middle and depth > a.radius:
+            if group.has_core_depth and depth > a.radius:
                 over = max(over, depth - group.narrow.middle(a, b, nodes, n))
-            passing.note_face(clock, h, p, old, new, held, over, depth, n)
+            pass_through.note_face(clock, h, p, old, new, held, over, depth, n)
         elif group.has_ends:
-            passing.note_way(clock, h, p, old, new, depth, n)
+            pass_through.note_escape(clock, h, p, old, new, depth, n)
         motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
         if KICK_DRIFT_KICK and group.resists_spin:
             friction_loss = areas.end_first_half(h, old, motion, m, count)
@@ -55,12 +55,12 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         elif KICK_DRIFT_KICK:
             work.end_push(h, old, motion, m, count)
         if group.in_pieces and THREADS:
-            touches.note_felt(group.felt, group.places, i, 1 if depth > 0.0 else 0)
+            touches.note_applied(group.applied, group.load_rows, i, 1 if depth > 0.0 else 0)
         if depth <= 0.0:
             touches.separate(clock, old, new, out, depth, x)
             group.normal.release(p, old, new)
             if group.keeps_faces:
-                new.dissipated += passing.given_up(clock, h, old, n, stored)
+                new.dissipated += pass_through.released_energy(clock, h, old, n, stored)
             if group.friction:
                 group.friction.release(p, old, new)
             if group.friction and KICK_DRIFT_KICK:
@@ -71,7 +71,9 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         press(group, clock, h, pair, totals, meeting, nodes, curves, scene)
         if group.keeps_faces and old.held == 1 and not held:
             # it leaves its own face sideways, deep within
-            new.dissipated += max(passing.given_up(clock, h, old, n, stored) - out.stored, 0.0)
+            new.dissipated += max(
+                pass_through.released_energy(clock, h, old, n, stored) - out.stored, 0.0
+            )
         touches.sum_losses(card, new)
 
 
@@ -82,7 +84,7 @@ def totals_of(group, piece, i, clock, p, m, w, scene):
     One thread hands loads on at once, and needs those of one pair alone.
     """
     if group.in_pieces and THREADS:
-        on_a, on_b = group.loads[group.places[2 * i]], group.loads[group.places[2 * i + 1]]
+        on_a, on_b = group.loads[group.load_rows[2 * i]], group.loads[group.load_rows[2 * i + 1]]
         return Totals(on_a, on_b, group.sums[piece], group.counts[piece])
     if group.in_pieces:
         return Totals(group.loads[0], group.loads[1], group.sums[piece], group.counts[piece])
@@ -98,7 +100,7 @@ def gap(group, card, old, a, b, nodes, scene):
     if hasattr(group.narrow, "bound") and old.active == 0:
         depth = group.narrow.bound(a, b, nodes, group.data)
         if depth <= min(0.0, card.depth):
-            return depth, areas.NO_TURN, areas.NO_TURN
+            return depth, areas.NO_ROTATION, areas.NO_ROTATION
     return group.narrow.gap(a, b, nodes, group.data)
 
 
@@ -129,7 +131,7 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     if group.is_flat or group.has_radius:
         corners, radius = patch_of(group, pair, meeting, nodes, scene)
     if group.is_flat:
-        felt = share_of_step(clock, h, old, depth, rate)
+        applied = share_of_step(clock, h, old, depth, rate)
     f, out.stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, depth, rate, mass, curves
     )
@@ -137,7 +139,7 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
         _, c_now = group.normal.normal_tangent(p, new, depth, rate, mass, curves)
         spots = group.data[0]
         push = Push(f, rate, c_now, k, c)
-        f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, felt, push)
+        f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, applied, push)
         power += more
         _, slip, d_a, d_b = touches.closing(m, w, x, n)
     elif group.has_shares:
@@ -146,32 +148,34 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
         loss, k, c = a.share * loss, a.share * k, a.share * c
     t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0
     out.friction_stored = 0.0
-    way = work.way_to(motion, m, x) if KICK_DRIFT_KICK else None
-    sliding = Sliding(n, slip, way, f, mass, d_a, d_b)
+    displacement = work.displacement_to(motion, m, x) if KICK_DRIFT_KICK else None
+    sliding = Sliding(n, slip, displacement, f, mass, d_a, d_b)
     if group.resists_spin:
-        rub, glide, t_power, t_loss = friction_in_area(
+        friction_force, sliding_displacement, t_power, t_loss = friction_in_area(
             group, clock, h, pair, totals, sliding, motion, radius, curves
         )
-        t = areas.along_surface(rub, n)
+        t = areas.along_surface(friction_force, n)
     elif group.friction:
         t, t_power, t_loss = friction_in_point(group, clock, h, pair, totals, sliding, curves)
     if group.is_flat:
-        touches.touch(pair, totals, sliding, felt, 0.0, t, x)
+        touches.touch(pair, totals, sliding, applied, 0.0, t, x)
         areas.add_pressure(f, n, out)
     else:
-        felt = share_of_step(clock, h, old, depth, rate)
-        touches.touch(pair, totals, sliding, felt, f, t, x)
+        applied = share_of_step(clock, h, old, depth, rate)
+        touches.touch(pair, totals, sliding, applied, f, t, x)
         touches.count_stiffness(on_a, on_b, mob_a, mob_b, k, c)
     if group.resists_spin:
-        areas.twist(on_a, on_b, rub, n, radius, felt)
-    touches.dissipate(clock, old, new, felt, power, loss, t_power, t_loss)
-    touches.sum_card(card, count, p.order, felt, f, t, new, out)
+        areas.twist(on_a, on_b, friction_force, n, radius, applied)
+    touches.dissipate(clock, old, new, applied, power, loss, t_power, t_loss)
+    touches.sum_card(card, count, p.order, applied, f, t, new, out)
     if KICK_DRIFT_KICK and group.resists_spin:
-        areas.begin_second_half(felt, pair, sliding, x, rub, glide, radius, count)
+        areas.begin_second_half(
+            applied, pair, sliding, x, friction_force, sliding_displacement, radius, count
+        )
     elif KICK_DRIFT_KICK and group.friction:
-        work.begin_second_half(felt, pair, sliding, x, t, count)
+        work.begin_second_half(applied, pair, sliding, x, t, count)
     elif KICK_DRIFT_KICK:
-        work.begin_push(felt, way, f, n, x, out, new, count)
+        work.begin_push(applied, displacement, f, n, x, out, new, count)
 
 
 @stage
@@ -191,5 +195,5 @@ def patch_of(group, pair, meeting, nodes, scene):
 def share_of_step(clock, h, old, depth, rate):
     """How much of the force of a pair counts in the step in which it begins to touch."""
     if KICK_DRIFT_KICK:
-        return touches.share_felt(old, depth, rate, h)
+        return touches.applied_fraction(old, depth, rate, h)
     return touches.begun_before(clock, old, h)

@@ -49,9 +49,9 @@ def contact_tangents(group, first, clock, nodes, curves, compliant, scene):
             c, c_across = group.friction.friction_tangent(p, f, slip)
             u = touches.along((0.0, 0.0, 0.0), slip, n)
             u_1, u_2 = areas.tangents(u)
-            areas.rub_tangent(compliant[row], u, n, radius, d_a, d_b, c)
-            areas.rub_tangent(compliant[row + 1], u_1, n, radius, d_a, d_b, c_across)
-            areas.rub_tangent(compliant[row + 2], u_2, n, radius, d_a, d_b, c_across)
+            areas.friction_tangent_row(compliant[row], u, n, radius, d_a, d_b, c)
+            areas.friction_tangent_row(compliant[row + 1], u_1, n, radius, d_a, d_b, c_across)
+            areas.friction_tangent_row(compliant[row + 2], u_2, n, radius, d_a, d_b, c_across)
         elif group.friction:
             c, c_across = group.friction.friction_tangent(p, f, slip)
             u = touches.along((0.0, 0.0, 0.0), slip, n)

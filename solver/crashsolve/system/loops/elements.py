@@ -9,7 +9,7 @@ from crashsolve.system import points
 from crashsolve.system.implicit import stiffness
 from crashsolve.system.loops.pieces import deform_part, share, share_loans
 from crashsolve.system.placeholders import ASSEMBLED, ELEMENTS, THREADS
-from crashsolve.system.threads import jobs
+from crashsolve.threads import jobs
 
 
 @stage
@@ -35,7 +35,7 @@ def move_elements(clock, h, nodes, scene):
 def move_points(clock, h, nodes, scene):
     """What the points end a force pass with. Writes: scene.points, nodes."""
     if ASSEMBLED:
-        points.hold_riders(nodes, scene.points)
+        points.carry_attached(nodes, scene.points)
         points.unload(clock, nodes, scene.points, scene.attached_points)
     else:
         points.unload(clock, nodes, scene.points, scene.attached_points)

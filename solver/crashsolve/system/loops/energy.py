@@ -66,8 +66,8 @@ def half_kicks(clock, nodes, scene):
             for i in range(group.output.shape[0]):
                 body = nodes[group.parameters[i].node]
                 f, d, torque = group.law.present(group.parameters[i], group.output[i], body.A)
-                turn = add(cross(d, f), torque)
-                total += body.mass_inv * dot(f, f) + dot(turn, matvec(body.W, turn))
+                rotation = add(cross(d, f), torque)
+                total += body.mass_inv * dot(f, f) + dot(rotation, matvec(body.W, rotation))
     return 0.125 * clock.kicked_over * clock.kicked_over * total
 
 

@@ -74,20 +74,24 @@ def need_rebuild(clock, nodes, scene):
     """Whether the next step might touch a pair that is not in the list. Writes: clock.next_step."""
     stale = False
     for probes in NODAL:
-        node_contact.hold_back(clock, probes.p[0], probes.totals[0])
+        node_contact.limit_closing(clock, probes.p[0], probes.totals[0])
         if probes.narrow is None:
             stale |= projection.is_crowded(probes.p[0], probes.totals[0])
     for group in CONTACTS:
         if group.search is not None:
-            stale |= touches.strayed(clock, group.elements_a, nodes, group.seen_a, group.slack[0])
-            stale |= touches.strayed(clock, group.elements_b, nodes, group.seen_b, group.slack[0])
+            stale |= touches.has_left_list(
+                clock, group.elements_a, nodes, group.seen_a, group.slack[0]
+            )
+            stale |= touches.has_left_list(
+                clock, group.elements_b, nodes, group.seen_b, group.slack[0]
+            )
         elif group.looks_ahead:
-            hold_back(group, clock, nodes, scene)
+            limit_closing(group, clock, nodes, scene)
     return stale
 
 
 @stage
-def hold_back(group, clock, nodes, scene):
+def limit_closing(group, clock, nodes, scene):
     """Cut the next step so that no two sides pass through or by each other between two looks.
 
     A step brings them at most a share of their thickness nearer than touching.
@@ -100,10 +104,10 @@ def hold_back(group, clock, nodes, scene):
             continue
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         speed = touches.closing_at_most(p, a, b, nodes)
-        way = touches.SEEN * p.thick - now.depth
-        if group.rests and speed * clock.next_step > way:
+        distance = touches.SEEN * p.thick - now.depth
+        if group.rests and speed * clock.next_step > distance:
             # what is kept is no more than a bound
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
-            way = touches.SEEN * p.thick - depth
-        if speed * clock.next_step > way:
-            clock.next_step = way / speed
+            distance = touches.SEEN * p.thick - depth
+        if speed * clock.next_step > distance:
+            clock.next_step = distance / speed

@@ -49,7 +49,7 @@ def force_pass(clock, time, h, nodes, rows, curves, scene):
             clock.element_rate = 0.0
         move_points(clock, h, nodes, scene)
     if NODAL:
-        node_contact.hasten(clock, scene)
+        node_contact.shorten_step(clock, scene)
     if ATTACHMENTS:
         attachments.collect(scene.attached_nodes, nodes)
 
@@ -111,7 +111,7 @@ def apply_contacts(clock, time, h, nodes, curves, scene):
     touches.open_cards(scene.cards)
     touches.carry_onsets(clock.current, scene.card_history)
     if KICK_DRIFT_KICK and PAIR_DAMPERS:
-        touches.open_rubbing(nodes)
+        touches.clear_friction_stiffness(nodes)
     for group in CONTACTS:
         if group.is_unilateral:
             find_touching(group, clock, h, nodes, scene)
@@ -129,7 +129,7 @@ def apply_contacts(clock, time, h, nodes, curves, scene):
 def apply_nodal_contacts(clock, h, nodes, curves, scene):
     """Forces of contacts of the nodes of shells. Writes: as above, scene.points."""
     if NODAL_DAMPERS:
-        surface_friction.open_rubbing(h, scene)
+        surface_friction.clear_friction_stiffness(h, scene)
     node_contact.open_loads(scene)
     for group in NODAL:
         if group.narrow is None:

@@ -20,7 +20,7 @@ def residual(current, time, nodes, rows, curves, scene):
             if group.has_own_rows:
                 group.law.residual(p[i], old, new, time, nodes, rows, curves)
             if group.comes_apart:
-                group.law.let_go(p[i], old, rows, group.module.ROWS)
+                group.law.release_rows(p[i], old, rows, group.module.ROWS)
 
 
 @kernel
@@ -34,7 +34,7 @@ def jacobian(current, time, nodes, rows, curves, scene):
             if group.has_own_rows:
                 group.law.jacobian(p[i], history[current, i], time, nodes, rows, curves)
             if group.comes_apart:
-                group.law.let_go(p[i], history[current, i], rows, group.module.ROWS)
+                group.law.release_rows(p[i], history[current, i], rows, group.module.ROWS)
 
 
 @kernel
@@ -48,4 +48,4 @@ def convective(current, time, nodes, rows, curves, scene):
             if group.has_own_rows:
                 group.law.convective(p[i], history[current, i], time, nodes, rows, curves)
             if group.comes_apart:
-                group.law.let_go(p[i], history[current, i], rows, group.module.ROWS)
+                group.law.release_rows(p[i], history[current, i], rows, group.module.ROWS)

@@ -27,7 +27,7 @@ def bear_piece(group, k, scene):
         bearer = group.bearers[j]
         body = scene.nodes[bearer.node]
         for at in range(bearer.first, bearer.end):
-            if group.felt[at] == 1:
+            if group.applied[at] == 1:
                 touches.take_load(body, group.loads[at])
 
 

@@ -1,6 +1,6 @@
 """Jobs in pieces, for several threads: what each piece is, who does it, and the loop of a thread.
 
-The first thread calls the others to a job, and takes part (system/threads/worker.py).
+The first thread calls the others to a job, and takes part (threads/worker.py).
 """
 
 from crashsolve.foundation.kernels import entry, kernel
@@ -13,7 +13,7 @@ from crashsolve.system.loops.many_pairs import (
     press_piece,
     sum_pieces,
 )
-from crashsolve.system.loops.nodal.looks import look_at_faces, look_at_shapes
+from crashsolve.system.loops.nodal.searches import look_at_faces, look_at_shapes
 from crashsolve.system.placeholders import (
     CONTACTS,
     ELEMENT_LOADS,
@@ -22,16 +22,16 @@ from crashsolve.system.placeholders import (
     NODAL,
     THREADS,
 )
-from crashsolve.system.threads import jobs, worker
+from crashsolve.threads import jobs, worker
 
 
 @kernel
 def share(number, pieces, clock, h, scene):
     """Do all pieces of a job, with all threads. Writes: what the job writes."""
     scene.job[0].number, scene.job[0].h = number, h
-    called = worker.call(pieces, scene.job[0].threads, scene.turns)
+    called = worker.call(pieces, scene.job[0].threads, scene.queues)
     do_pieces(0, called, clock, scene)
-    worker.wait_for_all(pieces, scene.turns)
+    worker.wait_for_all(pieces, scene.queues)
     scene.job[0].number = jobs.NONE
 
 
@@ -108,11 +108,11 @@ def note_contact(group, scene):
 def do_pieces(me, called, clock, scene):
     """Pieces of a job until none is left, by the thread `me`. Writes: what the job writes."""
     threads = scene.job[0].threads
-    k = worker.next_piece(me, called, threads, scene.turns)
+    k = worker.next_piece(me, called, threads, scene.queues)
     while k >= 0:
         do_piece(k, me, clock, scene)
-        worker.finish(scene.turns)
-        k = worker.next_piece(me, called, threads, scene.turns)
+        worker.finish(scene.queues)
+        k = worker.next_piece(me, called, threads, scene.queues)
 
 
 @kernel
@@ -211,15 +211,17 @@ def look_for(group, k, me, scene):
     if k + 1 < group.looks.shape[0]:
         last = group.looks[k + 1].first
     for i in range(one.first, last):
-        if group.due[i] > group.totals[0].way:
+        if group.due[i] > group.totals[0].travel:
             continue
         if group.narrow is None:
             look_at_faces(group, i, group.found[i], scene.nodes, scene)
-            touches = node_contact.touches_faces(group.found[i], group.probe_states, group.turns, i)
+            touches = node_contact.touches_faces(
+                group.found[i], group.probe_states, group.slot_in_use, i
+            )
         else:
             hit = group.found[i, 0]
             look_at_shapes(group, i, group.a[me], (0.0, 0.0, 0.0), hit, scene.nodes, scene)
-            touches = hit.depth > 0.0 or group.probe_states[group.turns[i], i].active == 1
+            touches = hit.depth > 0.0 or group.probe_states[group.slot_in_use[i], i].active == 1
         if touches:
             group.seen[one.first + count].probe = i
             count += 1
@@ -255,7 +257,7 @@ def assist(until, sampling, scene):
     """Loop of a thread: the jobs that the first calls it to."""
     clock, me, called = scene.clock[0], scene.seat[0], 0
     while True:
-        called = worker.wait_for_call(called, scene.turns)
+        called = worker.wait_for_call(called, scene.queues)
         if called == worker.HOME:
             return
         do_pieces(me, called, clock, scene)

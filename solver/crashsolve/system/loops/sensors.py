@@ -1,7 +1,7 @@
 """Readings of all sensors at a sample."""
 
+from crashsolve.elements.shells import section_cut
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.parts.shells import section_cut
 from crashsolve.system import points
 from crashsolve.system.placeholders import CUTS, ELEMENTS, SENSORS
 

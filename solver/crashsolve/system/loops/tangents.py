@@ -31,32 +31,32 @@ def bend(h, clock, nodes, curves, matrix, scene):
     """Tangents of shells after a step of h; what turns forces of beams, springs. Writes: matrix."""
     global_matrix.open_blocks(nodes, matrix)
     if ELEMENTS:
-        stiffen_elements(h, nodes, matrix, scene)
+        add_element_stiffness(h, nodes, matrix, scene)
     for k, group in enumerate(TANGENTS):
         if hasattr(group.law, "bend"):
             p, history, out = group.parameters, group.history, group.output
             first = scene.tangents[k].first
             for i in range(p.shape[0]):
-                place = matrix.pairs[first + group.law.TANGENTS * i]
+                slot = matrix.pairs[first + group.law.TANGENTS * i]
                 old = history[clock.current, i]
                 if group.materials:
                     for number, material in group.materials:
                         if p[i].law == number:
                             group.fibre_law.bend(
-                                p[i], old, nodes, curves, place, matrix.blocks, material
+                                p[i], old, nodes, curves, slot, matrix.blocks, material
                             )
                 else:
-                    group.law.bend(p[i], old, nodes, curves, place, matrix.blocks)
-        if hasattr(group.law, "turn_force"):
+                    group.law.bend(p[i], old, nodes, curves, slot, matrix.blocks)
+        if hasattr(group.law, "geometric_stiffness"):
             p, out = group.parameters, group.output
             first = scene.tangents[k].first
             for i in range(p.shape[0]):
-                place = matrix.pairs[first + group.law.TANGENTS * i]
-                group.law.turn_force(p[i], out[i], nodes, place, matrix.blocks)
+                slot = matrix.pairs[first + group.law.TANGENTS * i]
+                group.law.geometric_stiffness(p[i], out[i], nodes, slot, matrix.blocks)
 
 
 @stage
-def stiffen_elements(h, nodes, matrix, scene):
+def add_element_stiffness(h, nodes, matrix, scene):
     """Stiffness of shells after a step of h. Writes: matrix."""
     stiffness.take_back(h, scene)
     stiffness.reach(nodes, scene)
@@ -71,7 +71,7 @@ def stiffen_elements(h, nodes, matrix, scene):
 
 @kernel
 def renew(h, clock, nodes, compliant, matrix, t, tt, scene):
-    """All tangents and the factor, at the present place. Writes: matrix, compliant."""
+    """All tangents and the factor, at the present position. Writes: matrix, compliant."""
     rows, curves = scene.rows, scene.curves
     tangents(clock, nodes, curves, compliant, scene)
     bend(h, clock, nodes, curves, matrix, scene)

@@ -24,7 +24,7 @@ def find_touching(group, clock, h, nodes, scene):
 
 
 @stage
-def sweep(is_half, is_blow, clock, nodes, scene):
+def sweep(is_half, is_impulse, clock, nodes, scene):
     """Sweeps over the pairs of all groups until their impulses agree. Writes: histories, nodes."""
     for _ in range(unilateral.SWEEPS):
         change, most = 0.0, 0.0
@@ -32,7 +32,7 @@ def sweep(is_half, is_blow, clock, nodes, scene):
             sides = (group.elements_a, group.elements_b)
             pairs = unilateral.Pairs(group.parameters, group.history, group.output, sides)
             change, most = unilateral.sweep(
-                is_half, is_blow, clock.current, pairs, nodes, change, most
+                is_half, is_impulse, clock.current, pairs, nodes, change, most
             )
         if change <= unilateral.SETTLED * most:
             break
@@ -63,7 +63,7 @@ def impulses_of_first_half(h, clock, control, nodes, scene):
         clock.status, clock.value = UNHELD, worst
     for group in UNILATERAL:
         sides = (group.elements_a, group.elements_b)
-        unilateral.rub_open(clock.current, group.parameters, group.history, sides, nodes)
+        unilateral.hold_open_friction(clock.current, group.parameters, group.history, sides, nodes)
 
 
 @kernel
@@ -81,7 +81,9 @@ def impulses_of_second_half(h, clock, nodes, scene):
         for group in UNILATERAL:
             params, history = group.parameters, group.history
             sides = (group.elements_a, group.elements_b)
-            unilateral.note_blows(clock.current, params, history, sides, nodes, scene.card_history)
+            unilateral.note_impulses(
+                clock.current, params, history, sides, nodes, scene.card_history
+            )
     for group in UNILATERAL:
         sides = (group.elements_a, group.elements_b)
         pairs = unilateral.Pairs(group.parameters, group.history, group.output, sides)

@@ -1,9 +1,9 @@
 """Nodes of shells on a shape of a rigid body: the probes of one group."""
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.system.contact import node_contact, passing, surface_friction, touches, work
+from crashsolve.system.contact import node_contact, pass_through, surface_friction, touches, work
 from crashsolve.system.contact.pair import Pressing, Seen, Touch
-from crashsolve.system.loops.nodal.looks import look_at_shapes
+from crashsolve.system.loops.nodal.searches import look_at_shapes
 from crashsolve.system.loops.nodal.surface_friction import friction_on_shape
 from crashsolve.system.loops.pieces import find_fastest, share_looks
 from crashsolve.system.placeholders import THREADS
@@ -30,7 +30,7 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
                 touch_shape(group, clock, h, i, seen, nodes, curves, scene)
     else:
         for i in range(probes.shape[0]):
-            if due[i] <= totals.way:
+            if due[i] <= totals.travel:
                 x, v = node_contact.where(probes[i], h, nodes, scene.points)
                 hit = group.found[0, 0]
                 held, over = look_at_shapes(group, i, group.a[0], v, hit, nodes, scene)
@@ -44,17 +44,19 @@ def touch_shape(group, clock, h, i, seen, nodes, curves, scene):
     """Forces of one probe on the shape it has found, or left. Writes: as above."""
     p, probes, shapes, points = group.p[0], group.probes, group.b, scene.points
     x, v, hit = seen.x, seen.v, seen.hit
-    now, count = group.turns[i], scene.card_history[1 - clock.current, p.card]
+    now, count = group.slot_in_use[i], scene.card_history[1 - clock.current, p.card]
     old, new = group.probe_states[now, i], group.probe_states[1 - now, i]
     past = (0.0, 0.0, 0.0)
     if old.active == 1:
         home_before = nodes[group.home[shapes[old.face].node]]
-        past = work.way_over_body(p, probes[i], old, True, (home_before, x), h, nodes, points)
+        past = work.displacement_over_body(
+            p, probes[i], old, True, (home_before, x), h, nodes, points
+        )
         work.push_along(old, past, count)
     touch = Touch(i, probes[i], x, v, old, new, hit, past)
     if hit.depth > 0.0:
         press_on_shape(group, clock, h, touch, seen, nodes, curves, scene)
-        node_contact.take_turn(h, group.turns, i)
+        node_contact.swap_slot(h, group.slot_in_use, i)
     elif old.active == 1:
         leave_shape(group, clock, h, touch, seen, count, scene)
 
@@ -64,12 +66,12 @@ def leave_shape(group, clock, h, touch, seen, count, scene):
     """A probe leaves a shape. Writes: totals, probe_states, count."""
     p, totals = group.p[0], group.totals[0]
     old, new, hit = touch.old, touch.new, touch.hit
-    node_contact.leave(clock, h, totals, group.turns, touch.number, old, new)
+    node_contact.leave(clock, h, totals, group.slot_in_use, touch.number, old, new)
     group.normal.release(p, old, new)
     if group.keeps_faces:
-        passing.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
+        pass_through.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
     elif group.has_ends:
-        passing.note_round_probe(clock, h, p, old, new, hit)
+        pass_through.note_round_probe(clock, h, p, old, new, hit)
     if group.friction:
         surface_friction.leave(h, totals, touch.past, old, new, count)
         group.friction.release(p, old, new)
@@ -86,21 +88,21 @@ def press_on_shape(group, clock, h, touch, seen, nodes, curves, scene):
     body = nodes[group.home[group.b[hit.face].node]]
     mob = node_contact.body_mobility(body, x, hit)
     mass = 1.0 / max(mob + node_contact.mobility_of(probe, hit, nodes, points), node_contact.STUCK)
-    w = node_contact.probe_foretells(probe, hit, points)
+    w = node_contact.probe_predicts(probe, hit, points)
     rate = node_contact.closing(v, node_contact.body_velocity(body, x), hit, h, old, w)
     touches.latch(p, old, new, hit.depth, rate, counts[p.card])
     if group.keeps_faces:
-        passing.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
+        pass_through.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
     elif group.has_ends:
-        passing.note_round_probe(clock, h, p, old, new, hit)
+        pass_through.note_round_probe(clock, h, p, old, new, hit)
     f, stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, hit.depth, rate, mass, curves
     )
-    way = work.way_over_body(p, probe, hit, False, (body, x), h, nodes, points)
+    displacement = work.displacement_over_body(p, probe, hit, False, (body, x), h, nodes, points)
     if group.friction:
-        pressing = Pressing(f, mass, way)
+        pressing = Pressing(f, mass, displacement)
         friction_on_shape(group, clock, h, touch, pressing, nodes, scene)
     node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
     node_contact.push_body(body, x, f, k, c, hit, mob)
     node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))
-    work.push_along(new, way, count)
+    work.push_along(new, displacement, count)

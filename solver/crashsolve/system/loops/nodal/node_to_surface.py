@@ -11,7 +11,7 @@ from crashsolve.system.contact import (
     work,
 )
 from crashsolve.system.contact.pair import Pressing, Touch
-from crashsolve.system.loops.nodal.looks import look_at_faces
+from crashsolve.system.loops.nodal.searches import look_at_faces
 from crashsolve.system.loops.nodal.surface_friction import friction_on_face
 from crashsolve.system.loops.pieces import find_fastest, share_looks
 from crashsolve.system.placeholders import THREADS
@@ -29,7 +29,7 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
         find_fastest(p, clock, h, scene)
     projection.open_faces(h, p, totals, probes, nodes, scene, Near(grid, lists, spared))
     if group.can_fail:
-        projection.bury(p, scene.lanes, group.gone)
+        projection.remove_near_faces(p, scene.lanes, group.gone)
     if THREADS:
         share_looks(group, clock, h, scene)
         for k in range(group.looks.shape[0]):
@@ -39,7 +39,7 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
                 touch_faces(group, clock, h, i, group.found[i], nodes, curves, scene)
     else:
         for i in range(probes.shape[0]):
-            if due[i] <= totals.way:
+            if due[i] <= totals.travel:
                 look_at_faces(group, i, group.found[0], nodes, scene)
                 touch_faces(group, clock, h, i, group.found[0], nodes, curves, scene)
     node_contact.close_pass(totals, card, counts[p.card])
@@ -50,7 +50,7 @@ def touch_faces(group, clock, h, i, found, nodes, curves, scene):
     """Forces of one probe on the faces it has found, or left. Writes: as above."""
     p, probes = group.p[0], group.probes
     points, corners = scene.points, scene.corners
-    probe_states, turns = group.probe_states, group.turns
+    probe_states, slot_in_use = group.probe_states, group.slot_in_use
     count = scene.card_history[1 - clock.current, p.card]
     mesh = (points, corners, group.beside, group.around_first, group.around, group.gone)
     if group.is_round:
@@ -60,10 +60,14 @@ def touch_faces(group, clock, h, i, found, nodes, curves, scene):
         _, v = node_contact.where(probe, h, nodes, points)
     for s in range(2):
         j = 2 * i + s
-        hit, old, new = found[s], probe_states[turns[j], j], probe_states[1 - turns[j], j]
+        hit, old, new = (
+            found[s],
+            probe_states[slot_in_use[j], j],
+            probe_states[1 - slot_in_use[j], j],
+        )
         past = (0.0, 0.0, 0.0)
         if old.active == 1:
-            past = work.way_over_face(p, probe, old, True, h, nodes, points, corners)
+            past = work.displacement_over_face(p, probe, old, True, h, nodes, points, corners)
             work.push_along(old, past, count)
         if hit.depth <= 0.0:
             if old.active == 1:
@@ -74,7 +78,7 @@ def touch_faces(group, clock, h, i, found, nodes, curves, scene):
             v = ellipsoids.roll(probe, p, hit, nodes, points, corners)
         touch = Touch(j, probe, None, v, old, new, hit, past)
         press_on_face(group, clock, h, touch, nodes, curves, scene)
-        node_contact.take_turn(h, turns, j)
+        node_contact.swap_slot(h, slot_in_use, j)
 
 
 @stage
@@ -83,9 +87,9 @@ def leave_face(group, clock, h, touch, mesh, count, scene):
     p, totals = group.p[0], group.totals[0]
     old, new = touch.old, touch.new
     if group.can_fail:
-        projection.let_go(h, totals, old, 0.0, group.gone)
+        projection.drop_energy(h, totals, old, 0.0, group.gone)
     projection.note_lost(clock, h, p, totals, old, mesh)
-    node_contact.leave(clock, h, totals, group.turns, touch.number, old, new)
+    node_contact.leave(clock, h, totals, group.slot_in_use, touch.number, old, new)
     group.normal.release(p, old, new)
     if group.friction:
         surface_friction.leave(h, totals, touch.past, old, new, count)
@@ -102,7 +106,7 @@ def press_on_face(group, clock, h, touch, nodes, curves, scene):
     count = counts[p.card]
     mob = node_contact.mobility_of(probe, hit, nodes, points)
     mob_face, w = projection.face_mobility(p, hit, points, corners)
-    w += node_contact.probe_foretells(probe, hit, points)
+    w += node_contact.probe_predicts(probe, hit, points)
     mass = 1.0 / max(mob + mob_face, node_contact.STUCK)
     u = projection.face_velocity(p, hit, h, points, corners)
     rate = node_contact.closing(v, u, hit, h, old, w)
@@ -110,13 +114,13 @@ def press_on_face(group, clock, h, touch, nodes, curves, scene):
     f, stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, hit.depth, rate, mass, curves
     )
-    way = work.way_over_face(p, probe, hit, False, h, nodes, points, corners)
+    displacement = work.displacement_over_face(p, probe, hit, False, h, nodes, points, corners)
     if group.can_fail:
-        projection.let_go(h, totals, old, stored, group.gone)
+        projection.drop_energy(h, totals, old, stored, group.gone)
     if group.friction:
-        pressing = Pressing(f, mass, way)
+        pressing = Pressing(f, mass, displacement)
         friction_on_face(group, clock, h, touch, pressing, nodes, scene)
     node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
     projection.push_face(p, hit, f, k, c, scene)
     node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))
-    work.push_along(new, way, count)
+    work.push_along(new, displacement, count)

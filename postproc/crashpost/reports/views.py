@@ -1,0 +1,172 @@
+"""What the report shows of a run: its scenes as pictures, a film, and the run to turn in 3-D.
+
+The deck asks for scenes under `output: report: scenes:`; without any, four moments are shown, with
+contact forces where there are contacts and plastic strain where something yields.
+"""
+
+import base64
+import sys
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from crashpost.errors import PostError, unknown
+from crashpost.figures.page import escape, fold
+from crashpost.results.result import Result
+from crashpost.results.states import States
+
+CHOICES = ("all", "strips", "none")
+WORDS = ("view", "color", "arrows", "follow")
+FIELDS = ("title", "at", "show", "magnify", *WORDS)
+# of the film [pixels], its height as the scene asks; nobody waits for a cinema's size in a page
+SIZE = (720, 0)
+# the run in 3-D is left out where even two states would take this much [numbers]
+MOST_POINTS = 1_000_000
+
+
+def views(result: Result, described: Any, choice: str = "all") -> str:
+    """The HTML of all pictures, "" for a run without states; raises PostError."""
+    if choice == "none" or not any((result.folder / "states").glob("[0-9]*.h5")):
+        return ""
+    states = States(result.folder)
+    if choice not in CHOICES:
+        raise unknown("choice of pictures", choice, CHOICES)
+    scenes = scenes_of(described) or [default_scene(result, states)]
+    with TemporaryDirectory() as folder:
+        tasks = _tasks(result, Path(folder), scenes, with_film=choice == "all" and _moves(states))
+        from crashpost.renders.studio import make
+
+        make(result.folder, tasks, lambda done, total: None, _report)
+        parts = [_embedded(Path(task.output), task.title) for task in tasks]
+    if choice == "all" and _moves(states):
+        parts.append(_rotated(result, states, scenes[0]))
+    return "".join(parts)
+
+
+def scenes_of(described: Any) -> list[dict[str, Any]]:
+    """The scenes of a result's `report` attribute; raises PostError for what is none."""
+    entries = (described or {}).get("scenes") or []
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise PostError("the report's scenes must be a list of fields")
+    for entry in entries:
+        for name in entry:
+            if name not in FIELDS:
+                raise unknown("field", str(name), FIELDS, whole="scene")
+        texts = [entry.get(name, "") for name in ("title", *WORDS)]
+        lists = [entry.get(name, []) for name in ("at", "show")]
+        check_magnify(entry.get("magnify", 1.0))
+        if not all(isinstance(t, str) for t in texts) or not all(
+            isinstance(x, list) for x in lists
+        ):
+            raise PostError(f"scene '{entry.get('title', '')}': texts and lists do not fit")
+    return entries
+
+
+def default_scene(result: Result, states: States) -> dict[str, Any]:
+    """Four moments of the run, one of them that of the largest contact force."""
+    first, last = float(states.times[0]), float(states.times[-1])
+    at: list[Any] = [first + k / 3 * (last - first) for k in range(4)]
+    found: dict[str, Any] = {"title": "The run", "at": at}
+    if "contacts" in states.blocks:
+        found["arrows"] = "rcforc"
+        strongest = _strongest(result)
+        if strongest:
+            at[1] = f"max:{strongest}"
+            # moments in order, without two of one state
+            found["at"] = _in_order(result, states, at)
+    fields = {field for block in states.blocks for field in states.fields(block)}
+    if any(field.startswith("plastic_strain") for field in fields):
+        found["color"] = "plastic_strain"
+    return found
+
+
+def _strongest(result: Result) -> str:
+    """The channel of the largest normal force of all contacts; none where nothing touches."""
+    largest = {}
+    for family in (f for f in result.families.values() if f.word == "rcforc"):
+        for column in (c for c in family.columns if c.name == "normal"):
+            peaks = result.extremes(family, column).greatest if len(result.time) else ()
+            for entity, peak in zip(family.ids, peaks, strict=bool(len(peaks))):
+                largest[f"rcforc.'{entity}'.normal"] = (float(peak), entity)
+    name = max(largest, key=lambda n: largest[n][0], default="")
+    return f"rcforc.{largest[name][1]}.normal" if name and largest[name][0] > 0 else ""
+
+
+def _in_order(result: Result, states: States, at: Sequence[Any]) -> list[Any]:
+    from crashpost.results.moments import moment
+
+    last = float(states.times[-1])
+    numbers = {states.nearest(moment(result, str(word), last).time): word for word in at[::-1]}
+    return [numbers[number] for number in sorted(numbers)]
+
+
+def _tasks(
+    result: Result, folder: Path, scenes: Sequence[dict[str, Any]], *, with_film: bool
+) -> list[Any]:
+    from crashpost.renders.film_file import can_write_mp4
+    from crashpost.renders.tasks import film_task, strip_task
+
+    tasks = []
+    for k, scene in enumerate(scenes):
+        at = [str(word) for word in scene.get("at", [])]
+        title = scene.get("title", "")
+        tasks.append(strip_task(result, folder / f"{k}.png", at, title, **look(scene)))
+    if with_film:
+        name = "film.mp4" if can_write_mp4() else "film.gif"
+        tasks.append(film_task(result, folder / name, "", size=SIZE, **look(scenes[0])))
+    return tasks
+
+
+def look(scene: dict[str, Any]) -> dict[str, Any]:
+    """What of a scene is a matter of the camera and of colours."""
+    words = {name: scene[name] for name in WORDS if scene.get(name)}
+    if scene.get("magnify", 1.0) != 1.0:
+        words["magnify"] = float(scene["magnify"])
+    return {"show": tuple(scene.get("show") or ()), **words}
+
+
+def check_magnify(value: Any) -> None:
+    """Raises PostError for what no displacement can be multiplied by."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or not (isfinite(value) and value > 0):
+        raise PostError(f"magnify must be a positive number, not {value}")
+
+
+def _moves(states: States) -> bool:
+    return len(states.times) > 2
+
+
+def _embedded(path: Path, title: str) -> str:
+    """A picture or film within the page."""
+    data = base64.b64encode(path.read_bytes()).decode()
+    if path.suffix == ".mp4":
+        return (
+            '<video class="sight" controls loop muted playsinline '
+            f'src="data:video/mp4;base64,{data}"></video>'
+        )
+    kind = path.suffix.removeprefix(".")
+    words = escape(title or "Film of the run")
+    return f'<img class="sight" alt="{words}" src="data:image/{kind};base64,{data}">'
+
+
+def _rotated(result: Result, states: States, scene: dict[str, Any]) -> str:
+    """The run in 3-D, which a browser loads when it is unfolded; nothing without k3d."""
+    from importlib.util import find_spec
+
+    if find_spec("k3d") is None:
+        return ""
+    if sum(3 * len(block.points) for block in states.blocks.values()) > MOST_POINTS:
+        return ""
+    from crashpost.renders.model_page import page
+
+    # to be turned by hand: seen from a corner, however the pictures look at it
+    seen = {k: v for k, v in look(scene).items() if k != "follow"} | {"view": "auto"}
+    text, words = page(result, **seen)
+    frame = f'<iframe class="turn" loading="lazy" title="3-D" srcdoc="{escape(text)}"></iframe>'
+    return fold(f"Turn it in 3-D ({words})", frame)
+
+
+def _report(text: str) -> None:
+    print(f"crashpost: {text}", file=sys.stderr)

@@ -1,0 +1,22 @@
+"""Deck words of earlier versions, and what they are called now: for the message alone.
+
+A deck with an old word is refused; the message names the new one.
+"""
+
+RENAMED = {
+    "blows": "impulses",
+    "cuts": "section_cuts",
+    "friction": "friction_coefficient",
+    "hold": "supports",
+    "slide_driver": "translation_driver",
+    "slide_friction": "translation_friction",
+    "slide_limit": "translation_stop",
+    "turn_driver": "rotation_driver",
+    "turn_friction": "rotation_friction",
+    "turn_limit": "rotation_stop",
+    "turn_x": "rotation_x",
+    "turn_y": "rotation_y",
+    "turn_z": "rotation_z",
+    "turning_damping": "rotational_damping",
+    "turning_stiffness": "rotational_stiffness",
+}

@@ -1,0 +1,1 @@
+"""What an element is: strains, stresses, forces, tangents and energies; sets of them are parts."""

@@ -1,0 +1,146 @@
+"""Element of a beam: deformation in its co-rotational frame, forces and moments on its nodes.
+
+    f = K u + what damping adds,   m = K_r theta + what damping adds
+
+through the derivatives of u and theta (beam.py, corotational.py, bowing.py), with the bound of the
+step that the element sets. Consequence to test: forces are the gradient of the energy.
+
+References: those of the beam.
+"""
+
+from crashsolve.elements.beams.bowing import bowed, stretched
+from crashsolve.elements.beams.corotational import half_angle_over_sine, rotated_rate, swing_of
+from crashsolve.elements.beams.tangent import slope_of_viscosity
+from crashsolve.elements.damping import brake
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import no_tangent
+from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
+
+TANGENTS = 6
+
+
+@kernel
+def pull(p, out, a, b, R, v, w):
+    """Forces on the nodes a and b of an element whose frame is R. Writes: a, b, out."""
+    strained = deformation(p, a, b, R, v, w)
+    _, u, theta, u_dot, theta_dot, _, _ = strained
+    f, energy, power = answer(p.stiffness, p.damping, u, u_dot)
+    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    f, power = (f[0] + slow * u_dot[0], f[1], f[2]), power + slow * u_dot[0] * u_dot[0]
+    m, bending, turning = answer(p.rotational_stiffness, p.damping, theta, theta_dot)
+    out.stored = energy + bending
+    out.power = power + turning
+    out.loss = 0.0
+    act(p, out, a, b, (R, v, w), strained, (f, m, slow))
+
+
+@kernel
+def deformation(p, a, b, R, v, w):
+    """y, u, theta, rates of u and theta, slopes of the stretch (bowing.stretched), rate of y."""
+    eta = half_angle_over_sine(v, w)
+    y = matvec_t(R, sub(vec(b.r), vec(a.r)))
+    spin = matvec_t(R, sub(vec(b.w), vec(a.w)))
+    mean = scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
+    theta, theta_dot = scale(2.0 * eta, v), rotated_rate(eta, v, spin)
+    y_dot = matvec_t(R, sub(vec(b.v), vec(a.v)))
+    y_dot = sub(y_dot, cross(sub(mean, swing_of(v, w, spin)), y))
+    e, bent = stretched(p, y, theta)
+    e_dot = dot(bent[3], y_dot) + dot(bent[4], theta_dot)
+    u, u_dot = (e, y[1], y[2]), (e_dot, y_dot[1], y_dot[2])
+    return y, u, theta, u_dot, theta_dot, bent, y_dot
+
+
+@kernel
+def act(p, out, a, b, frame, strained, load):
+    """A force f [N] and moments m [N m], which belong to u and theta, on both nodes.
+
+    `frame`: R, v and w of corotational.py; `strained` is what deformation() states; `load`: f, m
+    and the viscosity of the stretch [N s/m]. Returns by how much the element is stiffer than a
+    straight one. Writes: a, b, out.
+    """
+    (R, v, w), (f, m, slow) = frame, load
+    y, u, theta, _, _, bent, _ = strained
+    eta, tension = half_angle_over_sine(v, w), f[0]
+    f = add_scaled((0.0, f[1], f[2]), tension, bent[3])
+    m = add_scaled(m, tension, bent[4])
+    # the force acts in both nodes; half of its moment about the other falls to each
+    c = scale(0.5, cross(f, y))
+    m = add(rotated_rate(eta, v, m), scale(2.0, swing_of(v, w, c)))
+    put(out.force, f)
+    put(out.moment_a, sub(m, c))
+    put(out.moment_b, add(m, c))
+    put(out.strain, scale(1.0 / p.length, u))
+    put(out.curvature, scale(1.0 / p.length, theta))
+    f = matvec(R, f)
+    add_to(a.force, f)
+    add_to(a.torque, matvec(R, sub(m, c)))
+    add_to(b.force, scale(-1.0, f))
+    add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
+    # rows of a bent or stretched element are longer than those of a straight one; that of its
+    # stretch gains what twice the tension of its bow would add
+    growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
+    bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
+    add_bounds(p, a, growth * p.rate_a, bow * p.taut_a, taut * p.taut_a, slow)
+    add_bounds(p, b, growth * p.rate_b, bow * p.taut_b, taut * p.taut_b, slow)
+    return growth
+
+
+@kernel
+def drag(p, out, nodes):
+    """Drag on both nodes. Writes: nodes, out."""
+    if p.drag_a > 0.0:
+        out.power += brake(nodes, p.node_a, p.drag_a) + brake(nodes, p.node_b, p.drag_b)
+
+
+@kernel
+def answer(stiffness, damping, x, x_dot):
+    """Force K (x + beta x_dot), stored energy and power lost."""
+    k = vec(stiffness)
+    f = (k[0] * x[0], k[1] * x[1], k[2] * x[2])
+    lag = (damping * k[0] * x_dot[0], damping * k[1] * x_dot[1], damping * k[2] * x_dot[2])
+    return add(f, lag), 0.5 * dot(f, x), dot(lag, x_dot)
+
+
+@kernel
+def add_bounds(p, body, rate, bow, taut, viscosity):
+    """Report an element, of its bow over E A / l, and of its tension to the step control.
+
+    Writes: body.
+    """
+    strained = rate + p.stiffness[0] * bow
+    body.stiffness += strained + taut
+    body.damping += p.damping * strained + viscosity * (body.mass_inv + bow)
+
+
+@kernel
+def yield_rows(p, a, b, R, v, w, rows, first):
+    """Rows of the damping of an element whose frame is R. Writes: rows."""
+    for k in range(TANGENTS):
+        no_tangent(rows[first + k])
+    if not (p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0):
+        return
+    eta = half_angle_over_sine(v, w)
+    y, _, _, u_dot, _, bent, _ = deformation(p, a, b, R, v, w)
+    for k in range(3):
+        e = bent[3] if k == 0 else unit(k)
+        c = scale(0.5, cross(e, y))
+        m = scale(2.0, swing_of(v, w, c))
+        if k == 0:
+            m = add(m, rotated_rate(eta, v, bent[4]))
+        damp(rows[first + k], R, e, sub(m, c), add(m, c), p.damping * p.stiffness[k])
+        m = rotated_rate(eta, v, unit(k))
+        damp(rows[first + 3 + k], R, ZERO, m, m, p.damping * p.rotational_stiffness[k])
+    rows[first].damping += slope_of_viscosity(p, u_dot[0])
+
+
+@kernel
+def damp(row, R, f, m_a, m_b, damping):
+    """Tangent of a unit force f with moments m_a and m_b at the ends, axes of R. Writes: row."""
+    f, m_a, m_b = matvec(R, f), matvec(R, m_a), matvec(R, m_b)
+    for k in range(3):
+        row.D[k], row.D[6 + k] = f[k], -f[k]
+        row.D[3 + k], row.D[9 + k] = m_a[k], -m_b[k]
+    for k in range(12):
+        row.G[k] = 0.0
+    row.damping = damping

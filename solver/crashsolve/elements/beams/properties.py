@@ -1,0 +1,129 @@
+"""Mass, stiffness, damping and axes of beam elements, from their sections and materials.
+
+    1 / k_y = l^3 / (12 E I_z) + l / (kappa_y G A),   K_r = diag(G J, E I_y, E I_z) / l
+
+Consequence to test: the stiffness of one straight element is exact.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.elements.beams.bowing import coefficient
+from crashsolve.elements.beams.frequency_bound import fastest_rate, rate_of_tension
+from crashsolve.elements.damping import coefficients, heavier
+from crashsolve.foundation.orientation import perpendicular
+from crashsolve.materials import elastic
+
+
+def halves(
+    card: Any, section: dict[str, Any], material: dict[str, Any], length: float, scene: Any
+) -> tuple[float, np.ndarray]:
+    """Mass [kg] and inertia (3, 3) [kg m^2] of half an element, axes of the section."""
+    mass, factor = scaled(card, section, material, np.array([length]), scene)
+    share = 0.5 * float(factor[0]) * length
+    return 0.5 * float(mass[0] * factor[0]), share * rotary_inertia(section, material)
+
+
+def scaled(
+    card: Any, section: dict[str, Any], material: dict[str, Any], lengths: np.ndarray, scene: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """Masses of elements of these lengths [kg], and the factors by which they are heavier."""
+    mass = material["density"] * section["area"] * lengths
+    per_length, squares = rotary_inertia(section, material), []
+    for length, m in zip(lengths, mass, strict=True):
+        row = stiffness_row(section, material, length)
+        squares.append(2.0 * fastest_rate(row, 0.5 * m, 0.5 * length * per_length))
+    return mass, heavier(card, np.array(squares), scene)
+
+
+def stiffness_row(
+    section: dict[str, Any], material: dict[str, Any], length: float
+) -> dict[str, Any]:
+    """Length [m] and stiffnesses [N/m, N m] of an element, by their columns."""
+    E, G, A = material["young"], material["shear"], section["area"]
+    I_y, I_z = section["second"]
+    shear_y, shear_z = section["shear"]
+    k_y = 1.0 / (length**3 / (12.0 * E * I_z) + length / (shear_y * G * A))
+    k_z = 1.0 / (length**3 / (12.0 * E * I_y) + length / (shear_z * G * A))
+    bending_z, bending_y = E * I_z / length, E * I_y / length
+    return {
+        "length": length,
+        "stiffness": (E * A / length, k_y, k_z),
+        "rotational_stiffness": (G * section["torsion"] / length, bending_y, bending_z),
+        "bowing": (coefficient(k_y, bending_z, length), coefficient(k_z, bending_y, length)),
+    }
+
+
+def damping_row(
+    card: Any, section: dict[str, Any], material: dict[str, Any], scene: Any
+) -> dict[str, Any]:
+    """Damping and viscosity of an element."""
+    b_1, b_2_squared = coefficients(card, scene)
+    per_length = material["density"] * section["area"]
+    speed = np.sqrt(material["young"] / material["density"])
+    return {
+        "damping": card.damping,
+        "viscosity": b_1 * per_length * speed,
+        "quick_viscosity": b_2_squared * per_length,
+    }
+
+
+def ends_row(
+    card: Any, row: dict[str, Any], nodes: tuple[int, int], scene: Any, T: np.ndarray, half: float
+) -> dict[str, Any]:
+    """Nodes of an element with half its mass each, drag on them and its bound of the step.
+
+    T are its axes in those of the nodes, as columns.
+    """
+    ends: dict[str, Any] = {}
+    for end, node in zip("ab", nodes, strict=True):
+        mass, J = scene.mass[node], T.T @ scene.J[node].reshape(3, 3) @ T
+        ends |= {
+            f"node_{end}": node,
+            f"drag_{end}": card.drag * half / mass,
+            f"rate_{end}": fastest_rate(row, mass, J),
+            f"taut_{end}": rate_of_tension(row, mass, J),
+        }
+    return ends
+
+
+def rotary_inertia(section: dict[str, Any], material: dict[str, Any]) -> np.ndarray:
+    """Rotary inertia per length (3, 3), axes of the section [kg m]."""
+    R_y, R_z = section.get("rotary", section["second"])
+    return material["density"] * np.diag([R_y + R_z, R_y, R_z])
+
+
+def laws(card: Any, scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Section and material of a card."""
+    law, material_card = scene.law("materials", card.material)
+    word = law.__name__.rpartition(".")[2]
+    if not hasattr(card, "fibres") and word != "elastic":
+        advice = "say type: fibre_beam for one that yields"
+        raise scene.fail(f"needs a material of type elastic; or {advice}", "material")
+    if law.FIBRE is None:
+        raise scene.fail(f"type {word} is for shells; strains of beams are small", "material")
+    if getattr(material_card, "failure_strain", None) is not None:
+        message = f"material '{card.material}' has failure_strain, which fibres do not follow"
+        raise scene.fail(f"{message}; take shells for it", "material")
+    # nodes are built before curves are: what a fibre does beyond small strain is not asked here
+    material = elastic.build(material_card, scene)
+    law, section_card = scene.law("sections", card.section)
+    return law.build(section_card, material["poisson"]), material
+
+
+def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Any) -> np.ndarray:
+    """Axes of the section of an element as columns (3, 3): along it, y, z."""
+    if card.side is None:
+        I_y, I_z = section["second"]
+        if abs(I_y - I_z) > 1e-9 * I_z:
+            message = "this section bends more easily one way: say where its y axis points"
+            raise scene.fail(message, "section")
+        side = perpendicular(along)
+    else:
+        side = scene.unit(card.side, "side")
+        across = side - along * float(along @ side)
+        if np.linalg.norm(across) < 1e-6:
+            raise scene.fail("points along the beam; give a direction across it", "side")
+        side = scene.unit(across, "side")
+    return np.column_stack([along, side, np.cross(along, side)])

@@ -1,0 +1,124 @@
+"""Ends of bars that are hinged to their point, or lie beside it: nodes of their own, and joints.
+
+    turns free      none    one        two          three
+    joint           weld    revolute   universal    spherical
+
+The joint holds the bar's end at its position on the node of the point, so that a moment which is
+not passed on is exactly none and an offset is a rigid arm, however far both turn. Consequence to
+test: two clamped arms hinged to each other bend as two cantilevers; a pull beside the axis bends by
+P e.
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+
+from crashsolve.deck.card import Card, Vec3, quantity, word
+from crashsolve.foundation.orientation import perpendicular
+
+OneAxis = Literal["rotation_x", "rotation_y", "rotation_z"]
+JOINTS = ("weld", "revolute", "universal", "spherical")
+
+
+class End(Card):
+    """An end of a bar with a node of its own: P_bark_start or P_bark_end."""
+
+    bar: int = word("number of the bar, from 1", ge=1)
+    point: int = word("number of the point at this end", ge=1)
+    free: tuple[OneAxis, ...] = word(
+        "rotates about the bar's axes that pass no moment; x along the bar", default=()
+    )
+    offset: Vec3 = quantity(
+        "m", "from the point to the bar's end, world axes", default=(0.0, 0.0, 0.0)
+    )
+
+
+def is_first(card: Any, end: End) -> bool:
+    """Whether the end is that at which its bar begins."""
+    return bool(card.bars[end.bar - 1][0] == end.point)
+
+
+def names(card: Any, part: str) -> list[str]:
+    """Names of the nodes that ends have for themselves."""
+    found = []
+    for end in card.ends:
+        known = end.bar <= len(card.bars)
+        side = "start" if known and is_first(card, end) else "end"
+        found.append(f"{part}_bar{end.bar}_{side}")
+    return found
+
+
+def position(card: Any, end: End) -> np.ndarray:
+    """Where an end is at the start [m]."""
+    return np.asarray(card.points[end.point - 1]) + np.asarray(end.offset)
+
+
+def tip(card: Any, bar: int, point: int) -> np.ndarray:
+    """Where a bar, number from 1, ends at a point [m]."""
+    own = [end for end in card.ends if (end.bar, end.point) == (bar, point)]
+    return position(card, own[0]) if own else np.asarray(card.points[point - 1])
+
+
+def start(card: Any, bar: int) -> np.ndarray:
+    """Where a bar begins [m]."""
+    return tip(card, bar, card.bars[bar - 1][0])
+
+
+def along(card: Any, bar: int) -> np.ndarray:
+    """From the start to the end of a bar [m]."""
+    return tip(card, bar, card.bars[bar - 1][1]) - start(card, bar)
+
+
+def fault(card: Any) -> str:
+    """What is wrong with the ends; empty where nothing is."""
+    seen = set()
+    count = len(card.points)
+    if not all(1 <= point <= count for bar in card.bars for point in bar):
+        return f"bars join points that are not there: points are 1 to {count}"
+    for end in card.ends:
+        if end.bar > len(card.bars) or end.point not in card.bars[end.bar - 1]:
+            return f"bar {end.bar} does not end in point {end.point}"
+        if (end.bar, end.point) in seen:
+            return f"bar {end.bar} at point {end.point} is given twice"
+        seen.add((end.bar, end.point))
+    for point in range(1, len(card.points) + 1):
+        bars = [k for k, bar in enumerate(card.bars, start=1) if point in bar]
+        if bars and all((k, point) in seen for k in bars):
+            advice = "leave one as it is: the others turn against it"
+            return f"every bar at point {point} has an end of its own; {advice}"
+    return ""
+
+
+def joints(card: Any, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
+    """Joints between the ends and their points: type and words by name."""
+    found: dict[str, tuple[str, dict[str, Any]]] = {}
+    if fault(card):
+        # refused where the part is built
+        return found
+    for end, name in zip(card.ends, names(card, part), strict=True):
+        axes = {
+            f"rotation_{k}": axis.tolist() for k, axis in zip("xyz", _axes(card, end), strict=True)
+        }
+        free = sorted(set(end.free))
+        words = {"a": f"{part}_{end.point}", "b": name, "at": position(card, end).tolist()}
+        if len(free) == 1:
+            words["axis"] = axes[free[0]]
+        elif len(free) == 2:
+            words["axis"], words["second_axis"] = (axes[rotation] for rotation in free)
+        found[name] = (JOINTS[len(free)], words)
+    return found
+
+
+def _axes(card: Any, end: End) -> np.ndarray:
+    """Axes of the bar as rows; any three where the bar has none, which is refused elsewhere."""
+    x = along(card, end.bar)
+    length = float(np.linalg.norm(x))
+    if not length > 0.0:
+        return np.eye(3)
+    x = x / length
+    y = np.asarray(perpendicular(x) if card.side is None else card.side, float)
+    y = y - x * float(x @ y)
+    if not np.linalg.norm(y) > 0.0:
+        return np.eye(3)
+    y = y / np.linalg.norm(y)
+    return np.array([x, y, np.cross(x, y)])

@@ -1,0 +1,81 @@
+"""Tables within the card of a shell: named nodes, traces, sections, supports, starts."""
+
+from typing import Literal
+
+from pydantic import model_validator
+
+from crashsolve.deck.card import BodyName, Card, NewName, PartName, SetName, Vec3, quantity, word
+from crashsolve.foundation.vec3 import ZERO
+
+MOTIONS = ("x", "y", "z", "rotation_x", "rotation_y", "rotation_z")
+Motion = Literal["x", "y", "z", "rotation_x", "rotation_y", "rotation_z"]
+
+
+class NamedNode(Card):
+    """A node that is a body of the deck, for joints, loads, contacts, sensors and channels."""
+
+    name: NewName = word("the body is called P_name in part P")
+    at: Vec3 = quantity("m", "place; the nearest node is meant")
+
+
+class Trace(Card):
+    """A position whose history is written."""
+
+    name: NewName = word("in channels P_name, for part P")
+    at: Vec3 = quantity("m", "place; the nearest node or element is meant")
+
+
+class SectionCut(Card):
+    """Section whose force and moment are written: the elements that a plane cuts at the start."""
+
+    name: NewName = word("in channels P_name, for part P")
+    at: Vec3 = quantity("m", "point of the plane")
+    normal: Vec3 = word("of the plane, towards the side on which the force acts")
+
+
+class Support(Card):
+    """Motions that the nodes of a set do not make."""
+
+    nodes: SetName = word("set of nodes of the mesh")
+    motions: tuple[Motion, ...] = word("along and about world axes", default=MOTIONS)
+
+
+class Weld(Card):
+    """Nodes that are part of a body: of a rigid one, or of nodes of beams and shells.
+
+    Of a shell, its named nodes are bodies: those of `nodes`.
+    """
+
+    nodes: SetName = word("set of nodes of the mesh")
+    to: BodyName | None = word("body, or node of a beam, that they are part of", default=None)
+    part: PartName | None = word(
+        "or a part of beams or shells: each is part of the nearest of its nodes that are bodies",
+        default=None,
+    )
+    within: float | None = quantity(
+        "m", "largest distance from it; the longest side of the elements there", None, gt=0
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> "Weld":
+        if (self.to is None) == (self.part is None):
+            raise ValueError("needs either to or part")
+        if self.within is not None and self.part is None:
+            raise ValueError("within: is for part; a body named by to holds nodes at any distance")
+        return self
+
+
+class NodeVelocity(Card):
+    """Velocity at the start of the nodes of a set, in place of that of the part."""
+
+    nodes: SetName = word("set of nodes of the mesh")
+    velocity: Vec3 = quantity("m/s", "of each of them", default=ZERO)
+    angular_velocity: Vec3 = quantity("rad/s", "of each about itself, world axes", default=ZERO)
+
+
+class Impulse(Card):
+    """Impulse along the normals, at the start, on the elements whose middles lie in a box."""
+
+    low: Vec3 = quantity("m", "corner of the box with the least coordinates")
+    high: Vec3 = quantity("m", "corner with the largest")
+    speed: float = quantity("m/s", "impulse over mass; a node has its share of the elements there")

@@ -1,0 +1,181 @@
+"""Tangent of the four-node shell with 2 by 2 points in its plane: motions as with one point.
+
+    d eps_x = d eps_x0 + h_x dq_x + dh_x q_x - nu (h_y dq_y + dh_y q_y)
+
+at each point, with the tangent of its own layers; what acts on q is summed over the points with the
+slopes h of the end of the step. Consequence to test: central differences of the forces.
+
+References: those of elements/full.py and layers.py.
+"""
+
+from crashsolve.elements.shells.forces.corners import four, three
+from crashsolve.elements.shells.forces.full import CORNERS as CORNERS
+from crashsolve.elements.shells.forces.full import (
+    add_point,
+    keep_mean,
+    natural_coordinates,
+    put_sums,
+    resist,
+    slopes_at,
+    strain_at,
+)
+from crashsolve.elements.shells.forces.full import span as span
+from crashsolve.elements.shells.forces.full import strain as strain
+from crashsolve.elements.shells.hourglass_return import relax_shear, see_shear
+from crashsolve.elements.shells.layers import take_up
+from crashsolve.elements.shells.records import BLOCK, WORK
+from crashsolve.elements.shells.resultants import clear_resultants
+from crashsolve.elements.shells.tangents import quadrilateral
+from crashsolve.elements.shells.tangents.columns import enter_strains, put_three, respond, shares
+from crashsolve.elements.shells.tangents.layers import clear_tangent, layers_and_tangent
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    end_moved,
+    enter_shear,
+    geometry_at,
+    stress_of_shear,
+)
+from crashsolve.elements.shells.tangents.quadrilateral import push_at_rest as push_at_rest
+from crashsolve.elements.shells.tangents.quadrilateral import push_by_rotation as push_by_rotation
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    strain_by_position as strain_by_position,
+)
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    strain_by_rotation as strain_by_rotation,
+)
+from crashsolve.elements.shells.tangents.records import (
+    ACROSS_OUT,
+    BENDING,
+    CHANGE,
+    POINT_ROWS,
+    SEEN,
+    TAKEN_OUT,
+)
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.point import LANES
+
+DAMPING = LANES * (SEEN.points + 4 * POINT_ROWS)
+
+
+@kernel
+def stress(first, stride, h, p, scene, material):
+    """Stresses of a block after a step of h [s], and the tangents of its layers at all points.
+
+    Writes: scene.lanes, work, seen.
+    """
+    blocks, work, seen = scene.lanes, scene.work, scene.seen
+    keep_mean(work)
+    see_shear(blocks, first, work)
+    for point in range(4):
+        xi, eta = natural_coordinates(point)
+        strain_at(work, xi, eta, p.poisson)
+        clear_resultants(work)
+        at = first + LANES * (BLOCK.SIZE + point * p.layers * p.layer_rows)
+        layers_and_tangent(at, LANES * (SEEN.points + point * POINT_ROWS), h, p, scene, material)
+        add_point(work, xi, eta, p.poisson)
+    put_sums(work)
+    relax_shear(blocks, first, work, p)
+    take_up(blocks, first, stride, work, h, p)
+    clear_tangent(seen, DAMPING)
+
+
+@kernel
+def see(blocks, kept, first, work, seen, h):
+    """What acts on q, and as of elements with one point. Writes: blocks, seen."""
+    resist(blocks, first, work)
+    quadrilateral.see(blocks, kept, first, work, seen, h)
+
+
+@blockwise
+def stress_by(seen, change, p):
+    """Change of the stresses with that of strains and geometry. Writes: change."""
+    enter_strains(change)
+    respond(seen, DAMPING, change)
+    for row in range(6 * LANES):
+        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
+    for e in range(LANES):
+        enter_shear(change, e, 5.0 / 6.0 * p.shear)
+        change[LANES * CHANGE.across + e] = change[LANES * CHANGE.taken + e] = 0.0
+        for k in range(8):
+            change[LANES * (CHANGE.sums + k) + e] = 0.0
+    for point in range(4):
+        xi, eta = natural_coordinates(point)
+        add_point_by(seen, change, LANES * (SEEN.points + point * POINT_ROWS), xi, eta, p.poisson)
+    stress_of_shear(seen, change, p)
+    resist_by(seen, change)
+
+
+@inlined
+def strains_by(seen, change, e, pair, h, dh, nu):
+    """Change of the strains, or curvatures, at a point with the slopes h."""
+    q, dq = LANES * (SEEN.modes + 2 * pair) + e, LANES * (CHANGE.strain + 6 + 2 * pair) + e
+    x = h[0] * change[dq] + dh[0] * seen[q]
+    y = h[1] * change[dq + LANES] + dh[1] * seen[q + LANES]
+    d = three(change, LANES * (CHANGE.strain + 3 * pair) + e)
+    return d[0] + x - nu * y, d[1] + y - nu * x, d[2]
+
+
+@blockwise
+def add_point_by(seen, change, entry, xi, eta, nu):
+    """A quarter of the changes from what changes at a point. Writes: change."""
+    for e in range(LANES):
+        flat, _, _, area = geometry_at(seen, LANES * SEEN.middle + e)
+        at = LANES * CHANGE.moved + e
+        moved, share = four(change, at), change[at + 4 * LANES] / area
+        h, dh = slopes_at(flat, xi, eta), slopes_at(moved, xi, eta)
+        h = (h[0] / area, h[1] / area)
+        dh = (dh[0] / area - share * h[0], dh[1] / area - share * h[1])
+        put_three(change, LANES * CHANGE.enters + e, strains_by(seen, change, e, 0, h, dh, nu))
+        bent = strains_by(seen, change, e, 1, h, dh, nu)
+        put_three(change, LANES * (CHANGE.enters + BENDING) + e, bent)
+    respond(seen, entry, change)
+    for e in range(LANES):
+        change[LANES * CHANGE.taken + e] += 0.25 * change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
+        change[LANES * CHANGE.across + e] += 0.25 * change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
+        for pair in range(2):
+            s = three(change, LANES * (CHANGE.comes + BENDING * pair) + e)
+            at, to = LANES * (CHANGE.stressed + 3 * pair) + e, LANES * (CHANGE.sums + 4 * pair) + e
+            for k in range(3):
+                change[at + LANES * k] += 0.25 * s[k]
+            x, y = 0.25 * (s[0] - nu * s[1]), 0.25 * (s[1] - nu * s[0])
+            change[to] += xi * x
+            change[to + LANES] += eta * x
+            change[to + 2 * LANES] += xi * y
+            change[to + 3 * LANES] += eta * y
+
+
+@inlined
+def pushed(flat, sums):
+    """What acts on q along x and y, from sums over the points."""
+    x, _ = slopes_at(flat, sums[0], sums[1])
+    _, y = slopes_at(flat, sums[2], sums[3])
+    return x, y
+
+
+@blockwise
+def resist_by(seen, change):
+    """Change of what acts on the modes with that of the sums. Writes: change."""
+    for e in range(LANES):
+        flat, to = geometry_at(seen, LANES * SEEN.end + e)[0], LANES * (CHANGE.stressed + 6) + e
+        for pair in range(2):
+            x, y = pushed(flat, four(change, LANES * (CHANGE.sums + 4 * pair) + e))
+            change[to + 2 * LANES * pair], change[to + LANES * (2 * pair + 1)] = x, y
+
+
+@kernel
+def push_by_position(seen, work, change, b, k):
+    """Change of the forces as corner b moves along axis k. Writes: change."""
+    resist_moved(seen, work, change, b, k)
+    quadrilateral.push_by_position(seen, work, change, b, k)
+
+
+@blockwise
+def resist_moved(seen, work, change, b, k):
+    """Change of what acts on q by the geometry of the end as a corner moves. Writes: change."""
+    d, c, g = shares(b)
+    for e in range(LANES):
+        _, moved = end_moved(seen, e, k, d, c, g)
+        to = LANES * (CHANGE.stressed + 6) + e
+        for pair in range(2):
+            x, y = pushed(moved[0], four(work, LANES * (WORK.xi_eta + 4 * pair) + e))
+            change[to + 2 * LANES * pair] += x
+            change[to + LANES * (2 * pair + 1)] += y

@@ -1,0 +1,220 @@
+"""Tangent of the layers of a shell: how resultants change with the strains of a step.
+
+    d sigma = C d eps - (C n + ...) dg,   dg from the yield condition, whose root g is
+
+and so what the layers take from shear and hourglass (hourglass_return.py). What enters at a
+point of the plane, and what comes out,
+
+    X = (eps, kappa, amplitudes of the trial hourglass in the plane and by height, trial tau)
+    (dN, dM, what is taken of the amplitudes, of all, strain across) = P dX
+
+the amplitudes being Q_x / (t r_x) and 12 P_x / (t^3 r_x), of the stress s_x.
+
+P is the derivative of the return as it is computed (algorithmic, or consistent), so that Newton's
+method keeps its order beyond yield. With a factor of the rate of strain on the yield stress it is
+not symmetric. Consequence to test: it is the derivative of the resultants.
+
+References: Simo and Taylor (1985), Consistent tangent operators for rate-independent
+elastoplasticity, Computer Methods in Applied Mechanics and Engineering 48, 101-118. Simo and Taylor
+(1986), A return mapping algorithm for plane stress elastoplasticity, Int. J. Num. Meth. Eng. 22.
+"""
+
+from math import sqrt
+
+from crashsolve.elements.shells.forces.corners import three
+from crashsolve.elements.shells.layers import add_layer
+from crashsolve.elements.shells.plasticity import modes_at, plastic_layers, transverse_square
+from crashsolve.elements.shells.records import BLOCK, SLOT, WORK, Law, layer_of
+from crashsolve.elements.shells.resultants import clear_resultants, layer_strain
+from crashsolve.elements.shells.return_mapping import softening
+from crashsolve.elements.shells.tangents.records import (
+    ACROSS_OUT,
+    BENDING,
+    MODES_IN,
+    POINT_ROWS,
+    SEEN,
+    SHEAR_IN,
+    SIDE,
+    TAKEN_OUT,
+)
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.point import LANES
+
+
+@blockwise
+def clear_tangent(seen, at):
+    """Writes: seen."""
+    for row in range(POINT_ROWS * LANES):
+        seen[at + row] = 0.0
+
+
+@kernel
+def layers_of_one_point(first, h, p, scene, material):
+    """The same for the elements of a block with one point in their plane.
+
+    Writes: scene.lanes, work, seen.
+    """
+    clear_resultants(scene.work)
+    layers_and_tangent(first + LANES * BLOCK.SIZE, LANES * SEEN.points, h, p, scene, material)
+
+
+@kernel
+def layers_and_tangent(first, at, h, p, scene, material):
+    """Stresses of the layers at a point of the plane, their resultants, the tangent of these.
+
+    `first`: where its layers begin in scene.lanes; `at`: where its tangent does in scene.seen.
+    Writes: scene.lanes, work, seen.
+    """
+    blocks, work, seen = scene.lanes, scene.work, scene.seen
+    law = Law(p.material, scene.curves, material)
+    clear_tangent(seen, at)
+    for k in range(p.layers):
+        layer = layer_of(p, first, k)
+        if material.VON_MISES:
+            clear_flow(work)
+            plastic_layers(blocks, first, work, work, h, p, (k, k + 1), law)
+            add_plastic(work, seen, at, h, layer, law)
+        else:
+            add_layer(blocks, layer, work, h, law)
+            add_general(scene.lanes_before, blocks, layer, work, seen, at, h, law)
+
+
+@blockwise
+def clear_flow(work):
+    """No layer yields yet. Writes: work."""
+    for e in range(LANES):
+        work[LANES * SLOT.g + e], work[LANES * SLOT.slope + e] = 0.0, 0.0
+        work[LANES * SLOT.flow + e], work[LANES * SLOT.factor + e] = 1.0, 1.0
+
+
+@inlined
+def factor_slopes(d, factor, h, m, material):
+    """Change of the factor on the yield stress with the strains of the step."""
+    x, y, xy = d
+    square = 4.0 / 3.0 * (x * x + y * y + x * y + 0.25 * xy * xy)
+    rate = sqrt(square) / h + 1e-300
+    slope = material.rate_slope(m, rate, factor) if m.rated == 1 else 0.0
+    k = slope / (rate * h * h) * 2.0 / 3.0
+    return k * (2.0 * x + y), k * (2.0 * y + x), k * 0.5 * xy
+
+
+@inlined
+def flow_of(work, e, d, q, zeta, h, law):
+    """g, the stress of the end less alpha as (sum, difference, shear), and slopes of g.
+
+    They are those by the strains d, the stresses q of the hourglass and tau: 0 within yield.
+    """
+    m, _, material = law
+    c1, c2 = softening(m)
+    g, flow, slope = (
+        work[LANES * SLOT.g + e],
+        work[LANES * SLOT.flow + e],
+        work[LANES * SLOT.slope + e],
+    )
+    factor, (x, y, xy) = work[LANES * SLOT.factor + e], three(work, LANES * SLOT.trial + e)
+    u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * slope * g
+    both, apart, s = (x + y) / u1, (x - y) / u2, xy / u2
+    size, transverse = flow / u3, transverse_square(work, e, zeta) / (u2 * u2)
+    square = size * size
+    falls = 0.5 * c1 / u1 * both * both
+    falls += c2 / u2 * (1.5 * apart * apart + 6.0 * s * s + 2.0 * transverse)
+    falls += 4.0 / 3.0 * square * slope / u3
+    over = 1.0 / falls if g > 0.0 else 0.0
+    f_x, f_y, f_s = factor_slopes(d, factor, h, m, material)
+    k = 2.0 * square / (factor * u3)
+    # of the trial stress: its sum and its difference
+    p_1 = 0.5 * both / u1 * m.young / (1.0 - m.poisson)
+    p_2, p_3 = 3.0 * apart / u2 * m.shear, 6.0 * s / u2 * m.shear
+    by = (over * (p_1 + p_2 - k * f_x), over * (p_1 - p_2 - k * f_y), over * (p_3 - k * f_s))
+    more, tau = 2.0 * over / (u2 * u2), LANES * WORK.trial_shear + e
+    by_tau = (3.0 * more * work[tau], 3.0 * more * work[tau + LANES])
+    return (g, u1, u2), (both, apart, s), by, (more * q[0], more * q[1]), by_tau
+
+
+@inlined
+def stress_slopes(g, stress, by, d, m):
+    """Change of the stress, and of the strain across, for a change d of strain and by of g."""
+    (g, u1, u2), (both, apart, s), (c1, c2) = g, stress, softening(m)
+    d_both = (m.young / (1.0 - m.poisson) * (d[0] + d[1]) - c1 * both * by) / u1
+    d_apart = (2.0 * m.shear * (d[0] - d[1]) - c2 * apart * by) / u2
+    d_s = (m.shear * d[2] - c2 * s * by) / u2
+    moves = 2.0 / 3.0 * m.kinematic
+    k = 1.0 + moves * g
+    across = -m.poisson / m.young * (k * d_both + moves * by * both)
+    across -= (by * both + g * d_both) / 3.0
+    x = k * 0.5 * (d_both + d_apart) + moves * by * 0.5 * (both + apart)
+    y = k * 0.5 * (d_both - d_apart) + moves * by * 0.5 * (both - apart)
+    return x, y, k * d_s + moves * by * s, across
+
+
+@inlined
+def column_of(g, stress, q, by, d, dq, m):
+    """Change of stress, what is taken of the hourglass, of all, strain across; by is that of g."""
+    x, y, s, across = stress_slopes(g, stress, by, d, m)
+    (_, c2), u2 = softening(m), g[2]
+    left, taken = 1.0 / u2, c2 / (u2 * u2) * by
+    q_x, q_y = (1.0 - left) * dq[0] + taken * q[0], (1.0 - left) * dq[1] + taken * q[1]
+    return x, y, s, q_x, q_y, taken, across
+
+
+@inlined
+def add_column(seen, at, column, n, t, z, found):
+    """Share n of a layer at the height z in a column of P. Writes: seen."""
+    at += LANES * column
+    for k in range(3):
+        row = at + LANES * SIDE * k
+        seen[row] += n * t * found[k]
+        seen[row + LANES * SIDE * BENDING] += n * t * z * found[k]
+    for k in range(2):
+        row = at + LANES * SIDE * (MODES_IN + k)
+        seen[row] += n * found[3 + k]
+        seen[row + LANES * SIDE * 2] += n * z * found[3 + k]
+    seen[at + LANES * SIDE * TAKEN_OUT] += n * found[5]
+    seen[at + LANES * SIDE * ACROSS_OUT] += n * found[6]
+
+
+@inlined
+def mode_stress(work, e, zeta):
+    """Trial stresses of the hourglass along x and y at a height: roots of their mean squares."""
+    (a_x, a_y), at = modes_at(work, e, zeta), LANES * WORK.mode_square + e
+    return a_x * sqrt(work[at]), a_y * sqrt(work[at + LANES])
+
+
+@blockwise
+def add_plastic(work, seen, at, h, layer, law):
+    """Tangent of a plastic layer after its return. Writes: seen."""
+    m, zeta, n = law.m, layer.zeta, 0.5 * layer.weight
+    no, still = (0.0, 0.0), (0.0, 0.0, 0.0)
+    for e in range(LANES):
+        t, q = work[LANES * WORK.depth + e], mode_stress(work, e, zeta)
+        z = 0.5 * t * zeta
+        d = layer_strain(work, e, z)
+        g, stress, by, by_q, by_tau = flow_of(work, e, d, q, zeta, h, law)
+        for k in range(3):
+            direction = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+            found = column_of(g, stress, q, by[k], direction, no, m)
+            add_column(seen, at + e, k, n, t, z, found)
+            add_column(seen, at + e, BENDING + k, n * z, t, z, found)
+        for k in range(2):
+            one = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0)
+            found = column_of(g, stress, q, by_q[k], still, one, m)
+            add_column(seen, at + e, MODES_IN + k, n, t, z, found)
+            add_column(seen, at + e, MODES_IN + 2 + k, n * z, t, z, found)
+            found = column_of(g, stress, q, by_tau[k], still, no, m)
+            add_column(seen, at + e, SHEAR_IN + k, n, t, z, found)
+
+
+@blockwise
+def add_general(kept, blocks, layer, work, seen, to, h, law):
+    """Tangent of a layer with a law of its own after a step. Writes: seen."""
+    (at, zeta, weight), (m, curves, material) = layer, law
+    for e in range(LANES):
+        t = work[LANES * WORK.depth + e]
+        z, n = 0.5 * t * zeta, 0.5 * weight
+        d = layer_strain(work, e, z)
+        for k in range(3):
+            direction = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
+            (x, y, s), across = material.tangent(m, kept, blocks, at + e, d, direction, h, curves)
+            found = (x, y, s, 0.0, 0.0, 0.0, across)
+            add_column(seen, to + e, k, n, t, z, found)
+            add_column(seen, to + e, BENDING + k, n * z, t, z, found)

@@ -1,0 +1,141 @@
+"""Tangent of the four-node shell with one point in its plane: columns of all its motions.
+
+    K = B_end^T (C B_mid + (dC) S) + (dB_end)^T sigma
+
+as quadrilateral.py has it, with the hourglass stresses that yield with the layers. Consequence to
+test: central differences of the forces give the same, in large turns and beyond yield.
+
+References: those of quadrilateral.py.
+"""
+
+from math import sqrt
+
+from crashsolve.elements.shells.forces.corners import four
+from crashsolve.elements.shells.forces.quadrilateral import hourglass_stiffness, sides
+from crashsolve.elements.shells.forces.reduced import CORNERS as CORNERS
+from crashsolve.elements.shells.forces.reduced import span as span
+from crashsolve.elements.shells.forces.reduced import strain as strain
+from crashsolve.elements.shells.hourglass_return import (
+    mode_sizes,
+    relax_modes,
+    relax_shear,
+    see_modes,
+    see_shear,
+)
+from crashsolve.elements.shells.layers import take_up
+from crashsolve.elements.shells.tangents.columns import enter_strains, put_four, respond
+from crashsolve.elements.shells.tangents.layers import layers_of_one_point
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    enter_shear,
+    stiffness_moved,
+    stress_of_shear,
+)
+from crashsolve.elements.shells.tangents.quadrilateral import push_at_rest as push_at_rest
+from crashsolve.elements.shells.tangents.quadrilateral import push_by_position as push_by_position
+from crashsolve.elements.shells.tangents.quadrilateral import push_by_rotation as push_by_rotation
+from crashsolve.elements.shells.tangents.quadrilateral import see as see
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    strain_by_position as strain_by_position,
+)
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    strain_by_rotation as strain_by_rotation,
+)
+from crashsolve.elements.shells.tangents.records import (
+    ACROSS_OUT,
+    CHANGE,
+    FRAME,
+    MODES_IN,
+    SEEN,
+    TAKEN_OUT,
+)
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.point import LANES
+
+DAMPING = LANES * SEEN.points
+
+
+@kernel
+def stress(first, stride, h, p, scene, material):
+    """Stresses of a block after a step of h [s], and the tangents of its layers.
+
+    Writes: scene.lanes, work, seen.
+    """
+    blocks, work = scene.lanes, scene.work
+    see_shear(blocks, first, work)
+    see_modes(blocks, first, work)
+    layers_of_one_point(first, h, p, scene, material)
+    relax_modes(blocks, first, work)
+    relax_shear(blocks, first, work, p)
+    take_up(blocks, first, stride, work, h, p)
+
+
+@blockwise
+def stress_by(seen, change, p):
+    """Change of the stresses with that of strains and geometry. Writes: change."""
+    enter_strains(change)
+    for e in range(LANES):
+        modes_by(seen, change, e, p)
+        enter_shear(change, e, 5.0 / 6.0 * p.shear)
+    respond(seen, LANES * SEEN.points, change)
+    for row in range(6 * LANES):
+        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
+    for e in range(LANES):
+        change[LANES * CHANGE.taken + e] = change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
+        change[LANES * CHANGE.across + e] = change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
+        relax_modes_by(seen, change, e)
+    stress_of_shear(seen, change, p)
+
+
+@inlined
+def sizes_at(seen, change, e):
+    """r_x and r_y of the middle, and their change."""
+    flat = four(seen, LANES * (SEEN.middle + FRAME.diagonals) + e)
+    (a_x, a_y, b_x, b_y), moved = sides(flat), sides(four(change, LANES * CHANGE.moved + e))
+    x, y = mode_sizes(flat)
+    r_x, r_y = sqrt(x), sqrt(y)
+    d_x = 4.0 / 3.0 * (a_y * moved[1] + b_y * moved[3]) / r_x
+    d_y = 4.0 / 3.0 * (a_x * moved[0] + b_x * moved[2]) / r_y
+    return (r_x, r_y), (d_x, d_y)
+
+
+@inlined
+def modes_by(seen, change, e, p):
+    """Change of the trial stresses of the modes; their amplitudes enter. Writes: change."""
+    frame, to, at = (
+        LANES * SEEN.middle + e,
+        LANES * (CHANGE.stressed + 6) + e,
+        LANES * (CHANGE.strain + 6) + e,
+    )
+    flat, area, t = (
+        four(seen, frame + LANES * FRAME.diagonals),
+        seen[frame + LANES * FRAME.area],
+        seen[LANES * SEEN.thickness_before + e],
+    )
+    moved, more = four(change, LANES * CHANGE.moved + e), change[LANES * (CHANGE.moved + 4) + e]
+    k, _ = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
+    j, _ = stiffness_moved(flat, moved, area, more, p, t)
+    u, d, bend = four(seen, LANES * SEEN.modes + e), four(change, at), t * t / 12.0
+    Q = (
+        k[0] * d[0] + k[2] * d[1] + j[0] * u[0] + j[2] * u[1],
+        k[1] * d[1] + k[2] * d[0] + j[1] * u[1] + j[2] * u[0],
+        bend * (k[0] * d[2] + k[2] * d[3] + j[0] * u[2] + j[2] * u[3]),
+        bend * (k[1] * d[3] + k[2] * d[2] + j[1] * u[3] + j[2] * u[2]),
+    )
+    put_four(change, to, Q)
+    sizes, grow = sizes_at(seen, change, e)
+    for m in range(4):
+        over = (1.0 if m < 2 else 1.0 / bend) / (t * sizes[m % 2])
+        share = grow[m % 2] / sizes[m % 2]
+        amplitude = seen[LANES * (SEEN.amplitude + m) + e]
+        change[LANES * (CHANGE.enters + MODES_IN + m) + e] = over * Q[m] - share * amplitude
+
+
+@inlined
+def relax_modes_by(seen, change, e):
+    """What yielding takes of the change of the stresses of the modes. Writes: change."""
+    t, (sizes, grow) = seen[LANES * SEEN.thickness_before + e], sizes_at(seen, change, e)
+    for m in range(4):
+        taken = seen[LANES * (SEEN.taken_modes + m) + e]
+        more = change[LANES * (CHANGE.comes + MODES_IN + m) + e]
+        less = t * (grow[m % 2] * taken + sizes[m % 2] * more)
+        change[LANES * (CHANGE.stressed + 6 + m) + e] -= less

@@ -1,0 +1,299 @@
+"""Tangent of the three-node shell: its forces by motions of its corners, as of the four-node shell.
+
+    dG = dw_j - dw_i + s . (dbeta_i + dbeta_j) / 2 + ds . (beta_i + beta_j) / 2
+
+of a side s, and the slopes of the plane as those of a quadrilateral whose fourth corner is the
+third: without an hourglass. Consequence to test: central differences of the forces.
+
+References: those of elements/triangle.py and layers.py.
+"""
+
+from crashsolve.elements.shells.forces.corners import before, four, put_corner, three
+from crashsolve.elements.shells.forces.quadrilateral import DRILLING, dot3, plane_axes
+from crashsolve.elements.shells.forces.quadrilateral_block import shape
+from crashsolve.elements.shells.forces.triangle import CORNERS as CORNERS
+from crashsolve.elements.shells.forces.triangle import (
+    of_corners,
+    triangle_diagonals,
+    weakened,
+    whirl_stiffness,
+)
+from crashsolve.elements.shells.forces.triangle import span as span
+from crashsolve.elements.shells.forces.triangle import strain as strain
+from crashsolve.elements.shells.hourglass_return import relax_shear, see_shear
+from crashsolve.elements.shells.layers import clear_growth, take_up
+from crashsolve.elements.shells.records import BLOCK, WORK
+from crashsolve.elements.shells.tangents.columns import (
+    axes_at,
+    enter_strains,
+    put_four,
+    put_three,
+    respond,
+)
+from crashsolve.elements.shells.tangents.layers import layers_of_one_point
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    both_changed,
+    end_moved,
+    geometry_at,
+    motions_at,
+    put_frame,
+    relaxation,
+    see_taken,
+    sum_rotated,
+    times3,
+)
+from crashsolve.elements.shells.tangents.quadrilateral_moved import (
+    NONE,
+    change_of,
+    rotation_of_axes,
+)
+from crashsolve.elements.shells.tangents.records import (
+    ACROSS_OUT,
+    CHANGE,
+    FRAME,
+    SEEN,
+    SHEAR_IN,
+    TAKEN_OUT,
+)
+from crashsolve.elements.shells.tangents.triangle_moved import (
+    pushes,
+    pushes_moved,
+    side_changes,
+    strains,
+    strains_moved,
+    stress_of,
+)
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
+from crashsolve.foundation.point import LANES
+from crashsolve.foundation.vec3 import ZERO
+
+DAMPING = LANES * SEEN.points
+
+
+@kernel
+def stress(first, stride, h, p, scene, material):
+    """Stresses of a block after a step of h [s], and the tangents of its layers.
+
+    Writes: scene.lanes, work, seen.
+    """
+    blocks, work = scene.lanes, scene.work
+    clear_growth(work)
+    see_shear(blocks, first, work)
+    layers_of_one_point(first, h, p, scene, material)
+    relax_shear(blocks, first, work, p)
+    take_up(blocks, first, stride, work, h, p)
+
+
+@inlined
+def shares(b):
+    """Shares of corner b in D and E."""
+    return b - 1.0, 0.5 * b * (3.0 * b - 5.0)
+
+
+@blockwise
+def see(blocks, kept, first, work, seen, h):
+    """Both frames, the motion of the step and the stresses after it; `kept` is from before it.
+
+    Writes: seen.
+    """
+    see_motion(blocks, first, work, seen, h)
+    for e in range(LANES):
+        to, at = LANES * SEEN.stress + e, first + e
+        put_three(seen, to, three(work, LANES * WORK.resultant + e))
+        put_three(seen, to + 3 * LANES, three(work, LANES * WORK.moment + e))
+        t, tau = blocks[at + LANES * BLOCK.thickness], LANES * SEEN.tau + e
+        x, y = blocks[at + LANES * BLOCK.shear], blocks[at + LANES * (BLOCK.shear + 1)]
+        put_four(seen, to + 6 * LANES, (blocks[at + LANES * BLOCK.hourglass_plane], 0.0, 0.0, 0.0))
+        put_four(seen, to + 10 * LANES, (0.0, 0.0, t * x, t * y))
+        seen[to + 14 * LANES] = 0.5 * blocks[at + LANES * BLOCK.drilling]
+        seen[tau], seen[tau + LANES] = x, y
+        seen[LANES * SEEN.thickness_before + e], seen[LANES * SEEN.thickness_after + e] = (
+            kept[at + LANES * BLOCK.thickness],
+            t,
+        )
+        u, rotation = (
+            motions_at(seen, LANES * SEEN.displacement + e),
+            motions_at(seen, LANES * SEEN.rotations + e),
+        )
+        _, _, others = strains(u, rotation, geometry_at(seen, LANES * SEEN.middle + e))
+        put_four(seen, LANES * SEEN.modes + e, others)
+        see_taken(work, seen, e)
+    for e in range(LANES):
+        forces, torques = pushes(stress_at(seen, e), geometry_at(seen, LANES * SEEN.end + e))
+        at = LANES * SEEN.pushed + e
+        for c in range(3):
+            put_three(seen, at + 3 * c * LANES, forces[c])
+            put_three(seen, at + (9 + 3 * c) * LANES, torques[c])
+
+
+@inlined
+def put_corners_of(seen, at, axes, h, a, b, c):
+    """h times three vectors along the axes, and no fourth. Writes: seen."""
+    for k in range(3):
+        x, y, z = dot3(a, axes[k]), dot3(b, axes[k]), dot3(c, axes[k])
+        put_four(seen, at + 4 * LANES * k, (h * x, h * y, h * z, 0.0))
+
+
+@blockwise
+def see_motion(blocks, first, work, seen, h):
+    """Frames of the middle and of the end, displacements and turns of the step. Writes: seen."""
+    half = 0.5 * h
+    for e in range(LANES):
+        G, w = shape(blocks, first + e), of_corners(work, WORK.spin, e)
+        d, c = triangle_diagonals(of_corners(work, WORK.position, e))
+        v_d, v_c = triangle_diagonals(of_corners(work, WORK.velocity, e))
+        put_frame(seen, LANES * SEEN.end + e, plane_axes(d, c, G), ZERO, G)
+        frame = plane_axes(before(d, half, v_d), before(c, half, v_c), G)
+        put_frame(seen, LANES * SEEN.middle + e, frame, ZERO, G)
+        put_corners_of(seen, LANES * SEEN.displacement + e, frame[0], h, v_d, v_c, ZERO)
+        put_corners_of(seen, LANES * SEEN.rotations + e, frame[0], h, w[0], w[1], w[2])
+
+
+@inlined
+def put_strains(change, e, a, b):
+    """The sum of two changes of strains. Writes: change."""
+    (d, bent, others), (d_moved, bent_moved, others_moved) = a, b
+    at = LANES * CHANGE.strain + e
+    for k in range(3):
+        change[at + LANES * k] = d[k] + d_moved[k]
+        change[at + LANES * (3 + k)] = bent[k] + bent_moved[k]
+    for k in range(4):
+        change[at + LANES * (6 + k)] = others[k] + others_moved[k]
+
+
+@blockwise
+def strain_by_position(seen, change, b, k):
+    """Change of the strains as corner b moves along axis k. Writes: change."""
+    d, c = shares(b)
+    for e in range(LANES):
+        at = LANES * SEEN.middle + e
+        row = at + LANES * (FRAME.axes + k)
+        n = (seen[row], seen[row + 3 * LANES], seen[row + 6 * LANES])
+        # the middle of the step moves half as far
+        geometry = geometry_at(seen, at)
+        D, E = times3(0.5 * d, n), times3(0.5 * c, n)
+        rotation = rotation_of_axes(geometry, four(seen, at + LANES * FRAME.spin), D, E)
+        moved = change_of(geometry, rotation, D, E, ZERO)
+        u, w = (
+            motions_at(seen, LANES * SEEN.displacement + e),
+            motions_at(seen, LANES * SEEN.rotations + e),
+        )
+        du, dw = both_changed(rotation, u, n, (d, c, 0.0, 0.0)), both_changed(rotation, w, n, NONE)
+        put_strains(change, e, strains(du, dw, geometry), strains_moved(u, w, geometry, moved))
+        put_four(change, LANES * CHANGE.moved + e, moved[0])
+        change[LANES * (CHANGE.moved + 4) + e] = moved[3]
+
+
+@blockwise
+def strain_by_rotation(seen, change, b):
+    """Change of the strains as corner b turns as `change` says. Writes: change."""
+    s = (0.5 * (b - 1.0) * (b - 2.0), b * (2.0 - b), 0.5 * b * (b - 1.0), 0.0)
+    for e in range(LANES):
+        at = LANES * SEEN.middle + e
+        axes, displacement = (
+            axes_at(seen, at + LANES * FRAME.axes),
+            three(change, LANES * CHANGE.direction + e),
+        )
+        n = (dot3(axes[0], displacement), dot3(axes[1], displacement), dot3(axes[2], displacement))
+        rotation = both_changed(ZERO, (NONE, NONE, NONE), n, s)
+        found = strains((NONE, NONE, NONE), rotation, geometry_at(seen, at))
+        put_strains(change, e, found, (ZERO, ZERO, NONE))
+        put_four(change, LANES * CHANGE.moved + e, NONE)
+        change[LANES * (CHANGE.moved + 4) + e] = 0.0
+
+
+@blockwise
+def stress_by(seen, change, p):
+    """Change of the stresses with that of strains and geometry. Writes: change."""
+    enter_strains(change)
+    for e in range(LANES):
+        tau = LANES * (CHANGE.enters + SHEAR_IN) + e
+        change[tau], change[tau + LANES] = shear_by(seen, change, e, p)
+    respond(seen, LANES * SEEN.points, change)
+    for row in range(6 * LANES):
+        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
+    for e in range(LANES):
+        change[LANES * CHANGE.taken + e] = change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
+        shear_and_tie_by(seen, change, e, p)
+
+
+@inlined
+def shear_by(seen, change, e, p):
+    """Change of the trial transverse shear."""
+    s, t, weaker, _ = side_changes(seen, change, e)
+    k = 5.0 / 6.0 * p.shear * weakened(s, t)
+    u, du = four(seen, LANES * SEEN.modes + e), four(change, LANES * (CHANGE.strain + 6) + e)
+    return k * (du[0] + weaker * u[0]), k * (du[1] + weaker * u[1])
+
+
+@inlined
+def shear_and_tie_by(seen, change, e, p):
+    """Change of what goes round, of transverse shear and of drilling. Writes: change."""
+    s, t, weaker, wider = side_changes(seen, change, e)
+    area, to = geometry_at(seen, LANES * SEEN.middle + e)[3], LANES * CHANGE.stressed + e
+    more, after = change[LANES * (CHANGE.moved + 4) + e], seen[LANES * SEEN.thickness_after + e]
+    u, du = four(seen, LANES * SEEN.modes + e), four(change, LANES * (CHANGE.strain + 6) + e)
+    k = t * whirl_stiffness(s, area, t, p.shear)
+    Q = k * (du[2] + (weaker + wider - more / area) * u[2])
+    put_four(change, to + 6 * LANES, (Q, 0.0, 0.0, 0.0))
+    # large strain grows the logarithm of the thickness
+    across = change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
+    thinner = (after if p.large_strain == 1 else t) * across if p.thins == 1 else 0.0
+    left, less = relaxation(seen, change, e)
+    still, tau, trial = (
+        thinner - after * less,
+        LANES * SEEN.tau + e,
+        LANES * (CHANGE.enters + SHEAR_IN) + e,
+    )
+    V_x = after * left * change[trial] + still * seen[tau]
+    V_y = after * left * change[trial + LANES] + still * seen[tau + LANES]
+    put_four(change, to + 10 * LANES, (0.0, 0.0, V_x, V_y))
+    drill = 0.5 * left * DRILLING * p.shear * t * (area * du[3] + more * u[3])
+    change[to + 14 * LANES] = drill - less * seen[LANES * (SEEN.stress + 14) + e]
+
+
+@inlined
+def stress_at(seen, e):
+    """Stresses after the step."""
+    return stress_of(seen, LANES * SEEN.stress + e)
+
+
+@blockwise
+def push_at_rest(seen, change):
+    """Forces on the corners themselves. Writes: change."""
+    for e in range(LANES):
+        axes, row = axes_at(seen, LANES * (SEEN.end + FRAME.axes) + e), LANES * SEEN.pushed + e
+        for c in range(3):
+            put_corner(change, CHANGE.pushed, c, e, axes, three(seen, row + 3 * c * LANES))
+
+
+@blockwise
+def push_by_rotation(seen, change):
+    """Change of the forces with that of the stresses. Writes: change."""
+    for e in range(LANES):
+        at = LANES * SEEN.end + e
+        forces, torques = pushes(
+            stress_of(change, LANES * CHANGE.stressed + e), geometry_at(seen, at)
+        )
+        axes = axes_at(seen, at + LANES * FRAME.axes)
+        for c in range(3):
+            put_corner(change, CHANGE.pushed, c, e, axes, forces[c])
+            put_corner(change, CHANGE.pushed + 12, c, e, axes, torques[c])
+
+
+@blockwise
+def push_by_position(seen, work, change, b, k):
+    """Change of the forces as corner b moves along axis k. Writes: change."""
+    d, c = shares(b)
+    for e in range(LANES):
+        at, row = LANES * SEEN.end + e, LANES * SEEN.pushed + e
+        geometry, axes = geometry_at(seen, at), axes_at(seen, at + LANES * FRAME.axes)
+        rotation, moved = end_moved(seen, e, k, d, c, 0.0)
+        f, t = pushes(stress_of(change, LANES * CHANGE.stressed + e), geometry)
+        F, T = pushes_moved(stress_at(seen, e), geometry, moved)
+        for j in range(3):
+            own = three(seen, row + 3 * j * LANES), three(seen, row + (9 + 3 * j) * LANES)
+            put_corner(change, CHANGE.pushed, j, e, axes, sum_rotated(f[j], F[j], rotation, own[0]))
+            put_corner(
+                change, CHANGE.pushed + 12, j, e, axes, sum_rotated(t[j], T[j], rotation, own[1])
+            )

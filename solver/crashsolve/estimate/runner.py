@@ -1,0 +1,241 @@
+"""Estimates in a run: before it the steps an accuracy needs, after it the errors and their price.
+
+    pilots at 4 and 2 times a coarseness m predict the error at m:  e(m) = e(2m) / 2^q
+    m <- m (aim / e)^(1/q), until the prediction is below the aim, half the accuracy
+
+q is the method's order, 5 at most where the tolerance is what changes. The last pilots serve a run
+of rattle as its companions. Where its own estimate then misses the accuracy, it is run again with m
+smaller, at most twice; what gaps between samples miss is only reported, for no step mends it.
+"""
+
+import time as clock
+from collections.abc import Callable, Sequence
+from math import inf, isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.estimate.between import widened
+from crashsolve.estimate.companion import Abandoned, coarsen
+from crashsolve.estimate.error import Estimate
+from crashsolve.estimate.estimator import COARSER, Estimator
+from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
+from crashsolve.output.channels import Family
+from crashsolve.output.log import Log
+from crashsolve.recording.samples import Channel, Samples, read
+from crashsolve.recording.sampling import Schedule
+
+AIM = 0.5
+ROUNDS = 12
+RERUNS = 2
+# the coarseness changes by no more than this between two pilots
+STRIDE = 8.0
+# a run shorter than this [s of CPU] may cost less than the estimates of its errors
+SHORT = 5.0
+# and so much at most [s of CPU], for a companion may get stuck
+MOST_OF_SHORT = 2.0 * SHORT
+# an error below this share of the scale is none to warn of, however near to zero the value is
+SMALL = 1e-6
+
+
+class Estimating:
+    """The estimates of one run, reported in its log; `cpu` [s] is their price.
+
+    Raises DeckErrors for a channel that does not exist, or an accuracy of none.
+    """
+
+    def __init__(
+        self, deck: Deck, families: Sequence[Family], stopped: Callable[[], bool], log: Log
+    ) -> None:
+        self.estimator = Estimator(deck, families, stopped)
+        _refuse_hollow(deck, self.estimator.channels)
+        self.accuracy, self.log = deck.control.accuracy, log
+        self.is_full = deck.control.estimate == "full"
+        self.interval = Schedule.of(deck).interval
+        self.coarseness, self.cpu, self.reruns = 1.0, 0.0, 0
+        self.found: list[Estimate] = []
+        self.problems: list[str] = []
+        self._companions: list[Samples] = []
+
+    def set_steps(self, control: np.ndarray, coarseness: float | None) -> None:
+        """Find the steps an accuracy needs, or take those of a dump. Writes: control.
+
+        Raises SolverError when no step will do, RunStopped.
+        """
+        begun = clock.process_time()
+        if coarseness is not None:
+            self.coarseness = coarseness
+        elif self.accuracy is not None:
+            try:
+                self.coarseness = self._calibrate(self.accuracy)
+            except Abandoned:
+                raise RunStopped("stopped on request before the run began") from None
+        self.set_control(control)
+        self.cpu += clock.process_time() - begun
+
+    def set_control(self, control: np.ndarray) -> None:
+        """Writes: control."""
+        coarsen(control, self.coarseness, self.interval, self.estimator.order)
+
+    def judge(
+        self,
+        history: Path,
+        cycles: int,
+        spent: float,
+        missed: Sequence[Any] = (),
+        mass: dict[str, float] | None = None,
+    ) -> bool:
+        """Estimate the errors of a finished run; whether it must be run again with other steps.
+
+        `cycles` are its steps and `spent` [s] its CPU time; `missed` the contacts whose peaks no
+        sample shows (simulation/missed.py) and `mass` [kg] those of the bodies.
+        """
+        begun = clock.process_time()
+        main = read(history, self.estimator.all_channels)
+        main.cycles = cycles
+        self.problems = []
+        try:
+            if not self._companions or not self.estimator.compares_with_coarser:
+                is_free = self.accuracy is not None or self.is_full
+                budget = inf if is_free or spent < SHORT else spent
+                limit = inf if is_free else MOST_OF_SHORT
+                self._companions = self.estimator.companion_runs(
+                    self.coarseness, cycles, self.problems, budget, limit
+                )
+        except Abandoned:
+            self.problems.append("asked to stop")
+        self.found = widened(self.estimator.judge(main, self._companions), missed, mass or {})
+        self._companions.append(main)
+        self.cpu += clock.process_time() - begun
+        self._report(spent)
+        return self._misses()
+
+    def entries(self) -> list[dict[str, Any]]:
+        """The estimates as status.json keeps them."""
+        return [
+            {
+                "channel": e.watch.channels[0],
+                "statistic": e.watch.statistic,
+                "during": e.watch.during,
+                "value": e.value,
+                "unit": e.unit,
+                "error": e.error,
+                "scale": e.scale,
+                "how": e.how,
+            }
+            for e in self.found
+        ]
+
+    def _calibrate(self, accuracy: float) -> float:
+        """The coarseness at which the predicted errors are below the aim."""
+        estimator, m, pilots = self.estimator, 1.0, {}
+        gain = 2.0**estimator.power
+        message = "the pilot runs do not reach the end"
+        for _ in range(ROUNDS):
+            try:
+                for factor in COARSER:
+                    if factor * m not in pilots:
+                        pilots[factor * m] = estimator.companions.run(factor * m)
+            except SolverError as error:
+                message = f"the pilot runs stop: {error.cause}"
+                m /= 2.0
+                continue
+            estimates = estimator.judge(pilots[2.0 * m], [pilots[4.0 * m]])
+            worst = max(estimates, key=_of_steps)
+            predicted = _of_steps(worst) / gain
+            self.log.line(
+                f"pilot runs: {pilots[2.0 * m].cycles} steps, error {gain * predicted:.2g} of "
+                f"{worst.watch.name}; twice as fine {predicted:.2g}"
+            )
+            if predicted <= AIM * accuracy:
+                self._companions = [pilots[factor * m] for factor in COARSER]
+                return m
+            message = f"{worst.watch.name} still has an error of {predicted:.2g}"
+            wanted = (AIM * accuracy / predicted) ** (1.0 / estimator.power)
+            m *= min(max(0.9 * wanted, 1.0 / STRIDE), 0.7)
+        raise _unreachable(accuracy, message)
+
+    def _misses(self) -> bool:
+        """Whether the accuracy is missed by the steps, and another run may mend it."""
+        if self.accuracy is None or not self.found or "asked to stop" in self.problems:
+            return False
+        worst = max(self.found, key=_of_steps)
+        error = _of_steps(worst)
+        if error <= self.accuracy:
+            gap = max((e.gap / e.scale for e in self.found if e.scale and e.error), default=0.0)
+            if gap > self.accuracy:
+                self.log.warning(
+                    f"accuracy {self.accuracy:g} missed by {gap:.2g} between samples; "
+                    "give a shorter output.history.interval"
+                )
+            return False
+        if self.reruns == RERUNS or not isfinite(error):
+            self.log.warning(f"accuracy {self.accuracy:g} missed: {worst.watch.name}, {error:.2g}")
+            return False
+        self.reruns += 1
+        self.coarseness *= max(
+            0.9 * (AIM * self.accuracy / error) ** (1 / self.estimator.power), 0.1
+        )
+        self.log.line(f"accuracy {self.accuracy:g} missed by {worst.watch.name}: once more")
+        return True
+
+    def _report(self, spent: float) -> None:
+        """One line per watched number, and the price of knowing."""
+        lines = [_line(estimate) for estimate in self.found]
+        self.log.section("watched channels", lines)
+        for e in self.found:
+            # what lies between samples has a warning of its own
+            is_missed = "' between samples" in e.how
+            if not e.error or e.value is None or is_missed:
+                continue
+            if e.error > max(abs(e.value), SMALL * e.scale):
+                self.log.warning(
+                    f"{e.watch.name}: the estimated error, {e.error:.2g}, is larger than the "
+                    f"value, {e.value:.2g}: take shorter steps or a smaller control.tolerance"
+                )
+        for problem in self.problems:
+            self.log.line(f"  {problem}")
+        share = 100.0 * self.cpu / spent if spent > 0.0 else 0.0
+        pilots = ", with pilot runs and earlier ones," if self.accuracy else ""
+        self.log.line(
+            "  cost of the error estimates"
+            f"{pilots} {self.cpu:.3g} s of CPU, {share:.0f} % of the run's"
+        )
+
+
+def _refuse_hollow(deck: Deck, channels: dict[str, list[Channel]]) -> None:
+    """Raises DeckErrors for an accuracy where no watched number has an error of its own."""
+    of_run = [any(channel.is_of_the_run for channel in found) for found in channels.values()]
+    if deck.control.accuracy is not None and all(of_run):
+        message = "accuracy: every watched channel is a measure of the run's errors itself"
+        advice = "watch what the answer is about, such as rbdout.BODY.position.x"
+        raise DeckErrors([DeckError(str(deck.path), None, None, "control", message, advice)])
+
+
+def _of_steps(estimate: Estimate) -> float:
+    """Relative error by the length of steps; nothing of what measures the run itself."""
+    if estimate.error is None:
+        return inf if estimate.is_wanted else 0.0
+    return estimate.steps / estimate.scale if estimate.scale else 0.0
+
+
+def _line(estimate: Estimate) -> str:
+    if estimate.value is None:
+        return f"{estimate.watch.name}: {estimate.how}"
+    text = f"{estimate.watch.name} = {estimate.value:.9g} {estimate.unit}".rstrip()
+    if estimate.error is None:
+        return f"{text} ({estimate.how})"
+    relative = "" if estimate.relative is None else f", {estimate.relative:.1e} of its scale"
+    return f"{text} +- {estimate.error:.2g}{relative} ({estimate.how})"
+
+
+def _unreachable(accuracy: float, message: str) -> SolverError:
+    return SolverError(
+        0.0,
+        0,
+        "the model",
+        f"no step gives the accuracy {accuracy:g}: {message}",
+        "watch statistics that converge, as crashsolve study states, or ask for less",
+    )

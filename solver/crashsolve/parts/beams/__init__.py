@@ -1,1 +1,0 @@
-"""Elements of beams: what the files of their types are made of."""

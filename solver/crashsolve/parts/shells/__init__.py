@@ -1,1 +1,0 @@
-"""Elements of shells: what the file of their type is made of."""

@@ -1,0 +1,61 @@
+"""Turn of a force along a line: what its row leaves out, in the blocks of its nodes.
+
+    dF = T (I - u u^T) (dx_b - dx_a) / l,   dx = dr + dtheta x d
+    on a: dF, d_a x dF + T (dtheta_a x d_a) x u;   on b: -dF, -d_b x dF - T (dtheta_b x d_b) x u
+
+The row D^T k D of a spring is all of its tangent where it bears nothing; what it bears turns with
+the line and with the arms. Only where nodes have blocks, for elements of beams or shells: rows
+alone could hold no more than what is symmetric and pulls, in two more of them for each spring.
+Consequence to test: rows and blocks together are the derivative of the force.
+"""
+
+from typing import Any, NamedTuple
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.sparse.bordered import resist_far, resist_own
+from crashsolve.foundation.vec3 import ZERO, add, cross, dot, scale, sub, unit
+from crashsolve.springs._between import SHORTEST, line_of_action
+
+
+class End(NamedTuple):
+    """One end of the line."""
+
+    u: Any  # unit vector to the other end
+    tension: float  # [N]
+    length: float  # between both [m]
+    d: Any  # arm of this end [m]
+    d_far: Any  # arm of the other
+
+
+@kernel
+def add_geometric_stiffness(p, out, nodes, slot, blocks):
+    """Less the derivatives by every motion of both ends. Writes: blocks."""
+    u, length, _, d_a, d_b = line_of_action(p, nodes)
+    if length < SHORTEST:
+        return
+    at_a = End(u, out.force, length, d_a, d_b)
+    at_b = End(scale(-1.0, u), out.force, length, d_b, d_a)
+    for k in range(6):
+        if slot.a >= 0:
+            rotation_end(slot.a, (slot.across, slot.flips == 1), k, at_a, blocks)
+        if slot.b >= 0:
+            rotation_end(slot.b, (slot.across, slot.flips == 0), k, at_b, blocks)
+
+
+@kernel
+def rotation_end(own, far, k, end, blocks):
+    """Motion k of this end, whose block is `own`. Writes: blocks."""
+    direction, (across, is_column) = unit(k % 3), far
+    swung = cross(direction, end.d) if k >= 3 else ZERO
+    f = rotated(end.u, end.tension / end.length, direction if k < 3 else swung)
+    on_own = add(cross(end.d, f), cross(swung, scale(end.tension, end.u)))
+    resist_own(blocks[own], k, f, on_own)
+    if across >= 0:
+        back = scale(-1.0, f)
+        resist_far(blocks[across], k, is_column, back, cross(end.d_far, back))
+
+
+@kernel
+def rotated(u, per, direction):
+    """Change of the force on an end [N/m] as it goes this way; `per` is the tension over l."""
+    return scale(per, sub(scale(dot(u, direction), u), direction))

@@ -1,0 +1,81 @@
+"""Stops of the angle of a joint that has one, beyond which a spring and damper act.
+
+    M = k e + c e_dot >= 0,   e = theta - upper, or lower - theta,   or M = f(e) + c e_dot
+
+Consequence to test: without damping the joint rebounds with its speed after the time
+pi sqrt(J / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
+"""
+
+from typing import Any, ClassVar
+
+from crashsolve.deck.card import quantity
+from crashsolve.foundation.angles import FULL_TURN
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import rotation_tangent, twist
+from crashsolve.foundation.record import Record
+from crashsolve.springs import _joint
+from crashsolve.springs._between import rotated
+
+LEDGER = "joint"
+
+
+class RotationStop(_joint.StopCard):
+    """Stops of the angle of a joint, from its configuration at the start, or the zero posture."""
+
+    curve_axes: ClassVar = {"curve": ("rad", "N m")}
+
+    lower: float | None = quantity("rad", "angle of the lower stop; none when absent", default=None)
+    upper: float | None = quantity("rad", "angle of the upper stop; none when absent", default=None)
+    stiffness: float | None = quantity("N m/rad", "k", default=None, gt=0)
+    damping: float = quantity("N m s/rad", "c", default=0.0, ge=0)
+
+
+COUNTS_ROTATIONS = True
+PARAMETERS = FULL_TURN + _joint.STOPS + Record("start  rad  angle at the start, of a posture")
+HISTORY = _joint.STOPPED + Record("angle  rad  theta, with all turns")
+TANGENTS = 1
+OUTPUT = Record("""
+    torque  N m    positive rotates b back
+    angle   rad    of b from the start, or from the zero posture
+    rate    rad/s  of the angle
+""")
+
+
+def build(card: RotationStop, scene: Any) -> dict[str, Any]:
+    frame = _joint.named_joint(scene, card.joint, "angle").frame
+    start = scene.angles_at_start.get(card.joint, 0.0)
+    columns = FULL_TURN.taken_from(frame) | _joint.stops(card, scene) | {"start": start}
+    past = max(start - columns["upper"], columns["lower"] - start)
+    if start != 0.0 and past > 0.0:
+        raise scene.fail(
+            f"the posture turns '{card.joint}' to {start:.4g} rad, {past:.3g} rad past the range "
+            f"from {columns['lower']:.4g} to {columns['upper']:.4g} rad",
+            "joint",
+        )
+    return columns
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    angle, rate, g = rotated(p, old.angle, nodes)
+    new.angle = angle
+    out.angle = p.start + angle
+    out.torque = _joint.stop(p, new, out.angle, rate, out, curves)
+    out.rate = rate
+    # counted in the gap as well: nothing else shortens the step before the stop is met
+    twist(p, nodes, out.torque, g, p.stiffest, p.damping)
+
+
+@kernel
+def tangent(p, state, nodes, curves, rows, first):
+    """Writes: rows."""
+    angle, rate, g = rotated(p, state.angle, nodes)
+    stiffness, damping = _joint.stop_tangent(p, p.start + angle, rate, curves)
+    rotation_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
+
+
+@kernel
+def event(p, old, h, nodes, curves):
+    """How far the angle has left where it began the step, between the stops or beyond one [rad]."""
+    return _joint.stop_event(p, old, p.start + rotated(p, old.angle, nodes)[0])

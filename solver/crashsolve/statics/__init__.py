@@ -1,0 +1,1 @@
+"""Statics: equilibria under loads, their balance and stability; no integration over time."""

@@ -1,0 +1,450 @@
+"""Quasi-static solution: at every load step the configuration in which all accelerations vanish.
+
+    g(q) = M (v_dot, w_dot) at rest,   Phi(q) = 0
+    (dg/dq - s D^T D) delta = -g + s D^T Phi
+
+A sample at rest gives g, the forces less what the joints hold of them: what vanishes in
+equilibrium. As D M^-1 g = 0 in any configuration, both sides of Newton's equation part into g and
+Phi; s only balances them. The tangent is the whole one, by differences of samples, with the turning
+of forces and the reactions of joints, so that corrections fall quadratically. Equilibrium is a
+matter of forces, beside corrections (`balance.py`), and whether it is stable one of the tangent
+(`stability.py`). Consequence to test: equilibria are those in which damped motion ends.
+
+Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.model import ledger as energy
+from crashsolve.model.model import Model, State
+from crashsolve.statics.balance import Forces, Work
+from crashsolve.statics.elimination import eliminate
+from crashsolve.statics.loading import Loading
+from crashsolve.statics.motions import move, nudge, rotations
+from crashsolve.statics.plastic_flow import PlasticFlow
+from crashsolve.statics.problem import Problem, first_unstable_mode
+from crashsolve.statics.stability import unstable_mode
+from crashsolve.statics.yielding import Yielding
+from crashsolve.system.engine import Engine
+
+# differences: over the model's size, and rad; their errors only slow Newton's method a little
+STEP = 1e-7
+# largest turn [rad] and way (over the model's size) of a correction
+LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
+MOST_ITERATIONS = 40
+# a correction that falls no more is round-off below this, in the model's size or rad
+STAGNATION_TOLERANCE = 1e-9
+# a way that is nothing but round-off, and an energy, over the largest force times the size
+NOWHERE, NOTHING = 1e-15, 1e-12
+# of the largest mobility of the rows of joints: lets redundant ones share
+SHARED = 1e-10
+# a load step is halved so often where no equilibrium is found
+HALVINGS = 7
+# of the largest force, and of the change over a load step: where `control.tolerance` says nothing
+TOLERANCE = 1e-8
+
+Tangent = tuple[np.ndarray, np.ndarray]
+
+
+class StaticEngine(Engine):
+    """Goes from equilibrium to equilibrium instead of stepping through time."""
+
+    def __init__(self, model: Model, state: State, control: Any) -> None:
+        """`control` is the deck's card."""
+        self.loading, self.yielding = Loading(model, control.start_time), Yielding(model)
+        super().__init__(model, state)
+        self.tolerance = control.tolerance or TOLERANCE
+        model.control[0]["tolerance"] = self.tolerance
+        self.limit = 0.0 if control.energy_limit == "off" else float(control.energy_limit)
+        self.has_stages = False
+        attached = set(model.attached_nodes["node"])
+        self.free = np.array([i for i in range(1, len(state.nodes)) if i not in attached], int)
+        self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]
+        self.plastic_flow = PlasticFlow(self.beams)
+        self.differs = self._held_otherwise(attached)
+        self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
+        self.notes: list[str] = []
+        self.origin = state.nodes.copy()
+        self.flutters = False
+        # of the last pass: K (6 n, 6 n) and D (m, 6 n)
+        self.tangent: Tangent | None = None
+        # of the last equilibrium, where there are hinges
+        self.known: Tangent | None = None
+
+    def _held_otherwise(self, attached_nodes: set[int]) -> np.ndarray:
+        """Which free nodes (n,) anything but elements of beams may act on."""
+        named = attached_nodes | set(self.model.attached_nodes["body"])
+        for g in self.model.groups:
+            if not hasattr(g.module, "forces_by_motions"):
+                # any whole number may be a node
+                whole = [
+                    k for k in g.parameters.dtype.names or () if g.parameters[k].dtype.kind in "iu"
+                ]
+                named |= {int(i) for k in whole for i in g.parameters[k].ravel()}
+        for g in self.beams:
+            ends = zip(
+                g.parameters["node_a"].tolist(), g.parameters["node_b"].tolist(), strict=True
+            )
+            # what acts on an attached node acts on its body
+            named |= {i for pair in ends if attached_nodes & set(pair) for i in pair}
+        return np.isin(self.free, list(named))
+
+    def start(self) -> None:
+        """The equilibrium in which the run begins. Raises SolverError."""
+        super().start()
+        loading, clock = self.loading, self.clock
+        if not loading.rising and not self._rest(loading.start, self.state.nodes).any():
+            return
+        # nobody can be answered before the files are open
+        answer, self.on_pause = self.on_pause, lambda: None
+        clock.time = loading.begin
+        self._step(loading.start, loading.start)
+        self.on_pause = answer
+        missing = self._missing_energy()
+        if abs(missing) <= NOTHING * self.forces.energy():
+            # round-off of what is reported as nothing
+            clock.driver_work += missing
+
+    def _step(self, until: float, goal: float) -> None:
+        """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
+        clock, found = self.clock, list[Problem]()
+        least = (until - float(clock.time)) / 2**HALVINGS
+        while clock.time < until:
+            begun, target, kept, known = float(clock.time), until, self.keep(), self.known
+            while (problem := self._tries(target)) is not None:
+                found.append(problem)
+                target = 0.5 * (begun + target)
+                is_last = target - begun < least
+                if is_last and problem.kind == "balance" and begun < self.loading.start:
+                    self._settle()
+                    break
+                self.take_back(kept)
+                self.known = known
+                if is_last:
+                    ahead = [problem for problem in found if problem.target > begun]
+                    raise first_unstable_mode(ahead).error(self, begun)
+            self.on_pause()
+
+    def _tries(self, target: float) -> Problem | None:
+        """Go to the equilibrium of a moment, or of one before it; why it cannot be had."""
+        kept, known, problem = self.keep(), self.known, self._goes(target)
+        if problem is None or not self.yielding.straight or self.yielding.is_least:
+            return problem
+        # a corner that cannot be passed from afar is gone to, and passed from there
+        self.take_back(kept)
+        self.known = known
+        near = self.yielding.before(self, target)
+        return problem if near >= target or self._goes(near) else None
+
+    def _goes(self, target: float) -> Problem | None:
+        """Go to the equilibrium of a moment, or to a corner before it; why it cannot be had."""
+        clock, start = self.clock, self.state.nodes.copy()
+        begun, before = float(clock.time), self._missing_energy()
+        self.work.begin()
+        reached = self._reaches(target)
+        if reached is None:
+            return Problem("lost", target)
+        target = reached
+        self.work.count(start, begun, target)
+        clock.time, clock.step, clock.next_step = target, target - begun, target - begun
+        is_beyond = self.model.curves[0]["fault"] != 0
+        location = self._unstable()
+        if location:
+            return Problem("unstable mode", target, location)
+        missing = abs(self._missing_energy() - before)
+        if self.limit and missing > self.limit * self._largest() + NOTHING * self.forces.energy():
+            return Problem("balance", target)
+        return Problem("end of curve", target) if is_beyond else None
+
+    def _settle(self) -> None:
+        """A first configuration far from equilibrium: there is no way, no balance, from there."""
+        self.clock.driver_work += self._missing_energy()
+        self.notes.append(
+            "the first configuration is far from an equilibrium: the energy lost on the way "
+            "to the one in which the run begins is counted as driver work"
+        )
+
+    def _missing_energy(self) -> float:
+        """Imbalance of the present state [J]."""
+        self._rest(float(self.clock.time), self.state.nodes)
+        self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
+        return float(self.ledger[energy.IMBALANCE])
+
+    def _largest(self) -> float:
+        return float(self.ledger[energy.LARGEST])
+
+    def _kept(self) -> list[np.ndarray]:
+        """Arrays that a load step changes."""
+        s = self.state
+        return [
+            *(s.clock, s.nodes, s.rows, s.ledger, s.points, s.blocks),
+            *(g.history for g in self.model.groups),
+        ]
+
+    def keep(self) -> list[np.ndarray]:
+        return [array.copy() for array in self._kept()]
+
+    def take_back(self, kept: list[np.ndarray]) -> None:
+        """As before a load step. Writes: the State."""
+        for array, old in zip(self._kept(), kept, strict=True):
+            array[...] = old
+
+    def finish(self) -> None:
+        """Judge the balance of the whole run. Raises SolverError."""
+        missing = abs(float(self.ledger[energy.IMBALANCE]))
+        if self.limit and missing > self.limit * self._largest() + NOTHING * self.forces.energy():
+            raise Problem("balance", float(self.clock.time)).error(self, float(self.clock.time))
+
+    def step_warnings(self) -> list[str]:
+        """What the start has met; passes of Newton's method are no sign of long steps."""
+        return self.notes
+
+    def sample(self, time: float | None = None) -> None:
+        """As of a run in time; with the loads of the moment."""
+        self.loading.set_time(float(self.state.clock[0]["time"]) if time is None else time)
+        super().sample(time)
+
+    def _reaches(self, time: float) -> float | None:
+        """The equilibrium at a time, or at the first corner of a law before it; when that is."""
+        start, whole = self.state.nodes.copy(), time
+        if self.yielding.groups:
+            time = self.yielding.predicted(self, time)
+        if self.plastic_flow.groups:
+            time = self.plastic_flow.predicted(self, time)
+        if self.yielding.is_least:
+            self.known = self.yielding.branch(self, whole) or self.known
+        count = self.finds(time)
+        if count and self.yielding.groups:
+            time, count = self.yielding.first(self, start, time, count)
+        if not count:
+            return None
+        self._accept(count)
+        return time
+
+    def finds(self, time: float) -> int:
+        """Passes of Newton's method to the equilibrium at a time [s]; 0 where it leads to none."""
+        start, previous = self.state.nodes.copy(), np.inf
+        for count in range(MOST_ITERATIONS):
+            change = self.correction(time, self.known if count == 0 else None)
+            if count == 0:
+                self.forces.meet(self.imbalance(time)[0], self)
+            worst = self._size(change)
+            if not np.isfinite(worst) or self.plastic_flow.is_lost(self.cut(change)):
+                break
+            self.plastic_flow.take(self, time, change * self.cut(change))
+            share = min(worst / previous, 1.0) if count else 1.0
+            stays = worst >= 0.5 * previous
+            is_still = worst * share <= self.tolerance * self._whole_change(start) + NOWHERE
+            if is_still or (stays and worst <= STAGNATION_TOLERANCE):
+                # trials may lead past the end of a curve, which only the answer must not
+                self.model.curves[0]["fault"] = 0
+                g, _, phi = self.imbalance(time)
+                self.forces.meet_reactions(self)
+                if self._is_closed(phi) and self.forces.balance(g, self._round_off()):
+                    return count + 1
+            self.clock.value, previous = worst, worst
+        return 0
+
+    def _accept(self, count: int) -> None:
+        """What joints remember of the way, and what the run counts."""
+        clock = self.clock
+        for g in (*self.model.joint_groups(), *self.plastic_flow.groups):
+            g.history[:] = g.history[1 - int(clock.current)]
+        clock.cycle += 1
+        clock.iterations += count
+        # where a hinge has just begun to yield, a tangent cannot know which way it goes on
+        self.known = self.tangent if self.yielding.groups or self.plastic_flow.groups else None
+
+    def _is_closed(self, phi: np.ndarray) -> bool:
+        """Whether the joints are. Writes: clock.residual."""
+        scale = self.state.rows["scale"]
+        error = float((np.abs(phi) / scale[self._whole_rows()]).max(initial=0.0))
+        is_closed = error <= float(self.model.control[0]["constraint_tolerance"])
+        if is_closed:
+            self.clock.residual = max(self.clock.residual, error)
+        return is_closed
+
+    def _round_off(self) -> tuple[float, float]:
+        """Forces and moments that round-off of positions leaves [N, N m]."""
+        assert self.tangent is not None
+        n = len(self.free)
+        K = np.abs(self.tangent[0]).reshape(n, 6, n, 6).max(axis=(0, 2))
+        size = self.model.size
+        return size * K[:3, :3].max() + K[:3, 3:].max(), size * K[3:, :3].max() + K[3:, 3:].max()
+
+    def _unstable(self) -> str:
+        """Name of the node that leaves the equilibrium most; empty where it is stable."""
+        assert self.tangent is not None
+        n = len(self.free)
+        K, D = self.tangent
+        mode, flutters = unstable_mode(K, D, self._masses())
+        if flutters and not self.flutters:
+            self.flutters = True
+            self.notes.append(
+                f"vibrations about the equilibrium at t = {float(self.clock.time):.6g} s grow "
+                "unless they are damped (flutter): loads follow the motion, or moments keep their "
+                "axis; see with solution: transient"
+            )
+        if mode is None:
+            return ""
+        most = np.abs(mode.reshape(n, 6)) * [*3 * [1.0], *3 * [self.model.size]]
+        return self.name_of(int(self.free[most.max(axis=1).argmax()]))
+
+    def _masses(self) -> np.ndarray:
+        """Mass matrix (6 n, 6 n) of the free nodes, world axes."""
+        nodes, n = self.state.nodes[self.free], len(self.free)
+        M = np.zeros((n, 6, n, 6))
+        A, J = nodes["A"].reshape(-1, 3, 3), nodes["J"].reshape(-1, 3, 3)
+        M[np.arange(n), :3, np.arange(n), :3] = np.eye(3) / nodes["mass_inv"][:, None, None]
+        M[np.arange(n), 3:, np.arange(n), 3:] = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
+        return M.reshape(6 * n, 6 * n)
+
+    def name_of(self, node: int) -> str:
+        """Of a body, or of a node of a shell."""
+        is_body = node < len(self.model.bodies)
+        return f"body '{self.model.bodies[node]}'" if is_body else self.model.part_at(node)
+
+    def _change_from(self, start: np.ndarray) -> np.ndarray:
+        """Displacements and turns (n, 6) of the free nodes since a configuration."""
+        here = self.state.nodes[self.free]
+        rotated = rotations(start["q"][self.free], here["q"])
+        return np.hstack([here["r"] - start["r"][self.free], rotated])
+
+    def _size(self, change: np.ndarray) -> float:
+        """Of displacements and turns (n, 6): the largest, in the model's size or rad."""
+        far, angle = np.abs(change[:, :3]).max(initial=0.0), np.abs(change[:, 3:]).max(initial=0.0)
+        return float(max(far / self.model.size, angle))
+
+    def cut(self, change: np.ndarray) -> float:
+        """Share of a correction (n, 6) that is not too far."""
+        angle, far = np.abs(change[:, 3:]).max(), np.abs(change[:, :3]).max() / self.model.size
+        return float(1.0 / max(1.0, angle / LARGEST_ROTATION, far / LARGEST_DISPLACEMENT))
+
+    def _whole_change(self, start: np.ndarray) -> float:
+        """The larger of the change over a load step and of that since the first configuration."""
+        return max(self._size(self._change_from(begun)) for begun in (start, self.origin))
+
+    def correction(self, time: float, known: Tangent | None = None) -> np.ndarray:
+        """Newton's correction (n, 6) of positions and rotations, by a known tangent."""
+        g, D, phi = self.imbalance(time)
+        self.tangent = known or (-self._tangent(time, g, D), D)
+        return eliminate(*self.bordered(-self.tangent[0], g, D, phi)).reshape(-1, 6)
+
+    def bordered(
+        self, columns: np.ndarray, g: np.ndarray, D: np.ndarray, phi: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Matrix (6 n, 6 n) and right side (6 n,) of Newton's equation, of dg/dq in columns."""
+        scale = self._balance_of_both(columns) / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
+        held = np.einsum("mi,mj->ij", D, D)
+        return columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi)
+
+    def _balance_of_both(self, columns: np.ndarray) -> float:
+        """A stiffness [N/m] beside which round-off is nothing, also where drivers hold all."""
+        own, held = self.nodes[self.free], np.abs(self.rows["reaction"]).max(initial=0.0)
+        stiffest = (own["stiffness"] / own["mass_inv"]).max(initial=0.0)
+        largest = max(np.abs(columns).max(initial=0.0), stiffest, held / self.model.size)
+        # more, as what softens might take it away
+        return 10.0 * float(largest) or 1.0
+
+    def _tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
+        """Derivative (6 n, 6 n) of g by positions and turns of the free nodes.
+
+        Of nodes that only elements of beams hold it is theirs; other laws, and joints, are sampled.
+        """
+        current, still = int(self.clock.current), self.state.nodes
+        stiff = self._of_free(self.yielding.stiffness(current, still))
+        with self.yielding.held(current):
+            elastic = self._of_free(self.yielding.stiffness(current, still))
+        return self.elastic_tangent(time, g, D) + self.condense(elastic - stiff, D)
+
+    def elastic_tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
+        """The same while no hinge yields that has straight branches."""
+        current, still = int(self.clock.current), self.state.nodes
+        with self.yielding.held(current):
+            nodes, columns = still.copy(), self.condense(self._beams(), D)
+            for k in np.flatnonzero(np.repeat(self.differs, 6)):
+                i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
+                kept = nodes[i].copy()
+                nudge(nodes[i], int(k % 6), size)
+                columns[:, k] = (self._rest(time, nodes) - g) / size
+                nodes[i] = kept
+        return columns
+
+    def _of_free(self, K: np.ndarray) -> np.ndarray:
+        """The part (6 n, 6 n) of the free nodes in a matrix of all (N, 6, N, 6)."""
+        size = 6 * len(self.free)
+        return K[self.free][:, :, self.free].reshape(size, size)
+
+    def condense(self, columns: np.ndarray, D: np.ndarray) -> np.ndarray:
+        """Less what joints hold of it: D^T (D M^-1 D^T)^-1 D M^-1 of forces (6 n, k)."""
+        nodes = self.state.nodes[self.free]
+        A, J = nodes["A"].reshape(-1, 3, 3), nodes["J_inv"].reshape(-1, 3, 3)
+        mobility = np.zeros((len(nodes), 6, 6))
+        mobility[:, :3, :3] = nodes["mass_inv"][:, None, None] * np.eye(3)
+        mobility[:, 3:, 3:] = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
+        moved = np.einsum("mni,nij->mnj", D.reshape(-1, len(nodes), 6), mobility).reshape(D.shape)
+        rows = np.einsum("mi,ki->mk", moved, D)
+        rows += SHARED * np.abs(rows).max(initial=0.0) * np.eye(len(D))
+        held = eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
+        return columns - np.einsum("mi,mk->ik", D, held)
+
+    def _beams(self) -> np.ndarray:
+        """The same of the elements of beams alone."""
+        n, nodes = len(self.free), self.state.nodes
+        columns, location = np.zeros((n + 1, n + 1, 6, 6)), np.full(len(nodes), n)
+        location[self.free] = np.arange(n)
+        for g in self.beams:
+            p = g.parameters
+            state = self.plastic_flow.state(g, int(self.clock.current))
+            curves = self.yielding.curves()
+            found = g.module.forces_by_motions(p, state, nodes, curves).reshape(-1, 2, 6, 2, 6)
+            ends = location[p["node_a"]], location[p["node_b"]]
+            for i, j in np.ndindex(2, 2):
+                np.add.at(columns, (ends[i], ends[j]), found[:, i, :, j])
+        return columns[:n, :n].transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
+
+    def _whole_rows(self) -> np.ndarray:
+        """Rows that stand for themselves: the first parts of the joints'."""
+        return np.array(
+            [j.first_row + k for j in self.model.joints for k in range(j.rows)], dtype=int
+        )
+
+    def imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Forces and moments that nothing holds (6 n,), D (m, 6 n) and Phi (m,)."""
+        g, rows = self._rest(time, self.state.nodes), self.rows
+        D = np.zeros((len(rows), len(self.nodes), 6))
+        index, first = np.arange(len(rows)), np.arange(len(rows))
+        for j in self.model.joints:
+            # the parts of a row of more than two bodies add up
+            first[j.first_row : j.first_row + j.rows * j.parts] = np.tile(
+                j.first_row + np.arange(j.rows), j.parts
+            )
+        np.add.at(D, (first, rows["node_a"]), rows["D"][index, :6])
+        np.add.at(D, (first, rows["node_b"]), rows["D"][index, 6:])
+        whole = self._whole_rows()
+        return g, D[whole][:, self.free].reshape(len(whole), g.size), rows["phi"][whole]
+
+    def _rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
+        """A sample of these nodes: forces and moments (6 n,) that would move the free ones."""
+        self.loading.set_time(time)
+        time = self.loading.time(time)
+        self.nodes[:], self.rows[:] = nodes, self.state.rows
+        self.ledger[:], self.sample_clock[:] = self.state.ledger, self.state.clock
+        self.sample_clock[0]["time"] = time
+        self._advance(time, True, self._sampled)
+        g = np.empty((len(self.free), 6))
+        g[:, :3] = self.nodes["v_dot"][self.free] / self.nodes["mass_inv"][self.free, None]
+        # J w_dot in world axes, J being kept in the nodes' own
+        A = self.nodes["A"][self.free].reshape(-1, 3, 3)
+        own = np.matmul(self.nodes["w_dot"][self.free][:, None], A)
+        J = self.nodes["J"][self.free].reshape(-1, 3, 3)
+        g[:, 3:] = np.matmul(np.matmul(own, J), A.transpose(0, 2, 1))[:, 0]
+        return g.ravel()
+
+    def shift(self, nodes: np.ndarray, change: np.ndarray) -> None:
+        """Move the free nodes by displacements and turns (n, 6). Writes: nodes."""
+        moved = nodes[self.free]
+        move(moved, change)
+        nodes[self.free] = moved

@@ -1,0 +1,88 @@
+"""Segments that yield in quasi-static solutions: how a correction of Newton's method is taken.
+
+A correction turns the bodies of a stiff chain, and so stretches it by the squares of their turns.
+Elastic segments come back from that in the next passes; those that yield give way to it, and the
+iteration goes astray. So what flows over a correction is found to first order, where turns stretch
+nothing, and kept, while some elastic iterations bring the chain back together. The law itself is
+asked again in the next pass, and in the equilibrium.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.model.checks.statics import follows_load_steps
+from crashsolve.springs._segment_yield import FLOWS, FROZEN
+
+if TYPE_CHECKING:
+    from crashsolve.statics.equilibrium import StaticEngine
+
+# elastic iterations at most, and the correction that ends them, over that which they follow
+PASSES, LITTLE = 6, 1e-3
+# a mechanism that flows is not followed by so small a share of a correction
+LOST = 1e-2
+# corrections below this stretch nothing, in the model's size or rad
+NEAR = 1e-5
+
+
+class PlasticFlow:
+    """The segments of a quasi-static run."""
+
+    def __init__(self, groups: list[Any]) -> None:
+        self.groups = [g for g in groups if follows_load_steps(g)]
+
+    def is_lost(self, cut: float) -> bool:
+        """Whether a correction, of which only this share is taken, leads nowhere."""
+        return bool(self.groups) and cut < LOST
+
+    def state(self, group: Any, current: int) -> Any:
+        """What its entries remember: what is accepted, or of a correction."""
+        is_frozen = group in self.groups and bool((group.parameters["at_rest"] == FROZEN).any())
+        return group.history[1 - current if is_frozen else current]
+
+    def predicted(self, engine: "StaticEngine", time: float) -> float:
+        """Moment a little behind the first yield of a segment, by the tangent; at most `time`.
+
+        A step far beyond yield would find a chain of segments that all flow: a mechanism.
+        """
+        change = engine.correction(time, engine.known)
+        if not np.isfinite(change).all():
+            return time
+        begun, cut = float(engine.clock.time), engine.cut(change)
+        whole, current = self._of_all(engine, cut * change), int(engine.clock.current)
+        nodes, curves = engine.state.nodes, engine.yielding.curves()
+        share = min(
+            g.module.load_factor_to_yield(g.parameters, g.history[current], nodes, whole, curves)
+            for g in self.groups
+        )
+        return begun + cut * share * (time - begun) if share < 1.0 else time
+
+    def _of_all(self, engine: "StaticEngine", change: np.ndarray) -> np.ndarray:
+        """Motions (n, 6) of all nodes, of those of the free ones."""
+        whole = np.zeros((len(engine.state.nodes), 6))
+        whole[engine.free] = change
+        return whole
+
+    def take(self, engine: "StaticEngine", time: float, change: np.ndarray) -> None:
+        """Move by a correction (n, 6) of the free nodes. Writes: the State."""
+        nodes, size = engine.state.nodes, engine._size(change)
+        if not self.groups or size < NEAR:
+            engine.shift(nodes, change)
+            return
+        current, kept = int(engine.clock.current), engine.tangent
+        whole = self._of_all(engine, change)
+        for g in self.groups:
+            p, old, new = g.parameters, g.history[current], g.history[1 - current]
+            g.module.predict(p, old, new, nodes, whole, engine.yielding.curves())
+            p["at_rest"] = FROZEN
+        engine.shift(nodes, change)
+        for _ in range(PASSES):
+            more = engine.correction(time)
+            if not np.isfinite(more).all():
+                break
+            engine.shift(nodes, more * engine.cut(more))
+            if engine._size(more) < LITTLE * size:
+                break
+        for g in self.groups:
+            g.parameters["at_rest"] = FLOWS
+        engine.tangent = kept

@@ -1,0 +1,73 @@
+"""Why there is no next equilibrium to go to, as the user reads it."""
+
+from typing import TYPE_CHECKING
+
+from crashsolve.foundation.errors import SolverError
+from crashsolve.model import ledger as energy
+from crashsolve.system.diagnosis import curve_end
+
+if TYPE_CHECKING:
+    from crashsolve.statics.equilibrium import StaticEngine
+
+
+class Problem:
+    """Why there is no next equilibrium: "lost", "balance", "unstable mode", "fork", "end of
+    curve".
+    """
+
+    def __init__(self, kind: str, target: float, location: str = "the model") -> None:
+        self.kind, self.target, self.location = kind, target, location
+
+    def error(self, engine: "StaticEngine", moment: float) -> SolverError:
+        """What the user reads, who has equilibria up to a moment."""
+        time, cycle = engine.loading.time(moment), int(engine.clock.cycle)
+        if self.kind == "end of curve":
+            return SolverError(time, cycle, *curve_end(engine.model, engine.clock))
+        texts = {"lost": self._lost, "balance": self._unbalanced, "unstable mode": self._left}
+        texts["fork"] = self._forked
+        cause, advice = texts[self.kind](engine, moment)
+        return SolverError(time, cycle, self.location, cause, advice)
+
+    def _lost(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        return (
+            f"no equilibrium found behind this one, at {engine.loading.message(self.target)} "
+            f"(last correction {float(engine.clock.value):.2g}, {engine.forces.message()})",
+            "hold what can move freely; let loads rise along a curve, in more steps; beyond a "
+            "limit load there is none: where a structure flows, prescribe its motion by a driver, "
+            "whose reaction is the load; where it snaps through, say solution: transient with "
+            "damping",
+        )
+
+    def _unbalanced(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        share = 100.0 * engine.ledger[energy.IMBALANCE] / (engine.ledger[energy.LARGEST] or 1.0)
+        return (
+            f"the energy balance is off on the way to {engine.loading.message(self.target)} "
+            f"({share:.3g} % of the largest energy): the equilibria there are not neighbours",
+            "take more steps; where a structure collapses, prescribe its motion by a driver, whose "
+            "reaction is the load; where it snaps from one equilibrium to another, say "
+            "solution: transient with damping; control.energy_limit sets the bound",
+        )
+
+    def _left(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        at = engine.loading.message
+        return (
+            f"the equilibrium becomes unstable between {at(moment)} and {at(self.target)}: "
+            "beyond it the model leaves this configuration by itself, as a column buckles or a "
+            "frame collapses",
+            "the load there is the critical one; to go on give a small imperfection or side load, "
+            "prescribe the motion by a driver, whose reaction is the load, or say "
+            "solution: transient; what stands upside down needs something that holds it",
+        )
+
+    def _forked(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        return (
+            "either of them may go on while the others unload, and both ways are equally stable: "
+            "nothing in the model says which",
+            "make one of them a little weaker, or give a small imperfection or side load",
+        )
+
+
+def first_unstable_mode(found: list[Problem]) -> Problem:
+    """An unstable mode says more than what is lost beyond it; else what came last."""
+    displacements = [problem for problem in found if problem.kind == "unstable mode"]
+    return min(displacements, key=lambda problem: problem.target) if displacements else found[-1]

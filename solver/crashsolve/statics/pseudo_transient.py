@@ -1,0 +1,216 @@
+"""Quasi-static solution of path-dependent laws: steps from rest, until forces are in balance.
+
+    2 M / h^2 delta = g(q + delta)         h is not a time, but says how little inertia may hold
+
+One step leaves 1 / (1 + (omega h)^2 / 2) of what is missing to the equilibrium of its load in a
+vibration of frequency omega (`integrators/_rest_stage.py`); what two steps move states what is
+left. h begins at so many periods of the fastest vibration, and grows where steps lead too slowly:
+the course of time has no part in it. Inertia holds what no stiffness does, as some spins of the
+nodes of a shell about its normal. Elements of shells and fibre beams strain on the way from
+equilibrium to equilibrium, as what yields must. Consequence to test: the answer is that of any
+end_time.
+
+Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
+"""
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.keywords import SECTIONS
+from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_TOO_SMALL, UNSOLVED
+from crashsolve.model.model import Model, State
+from crashsolve.statics.balance import EQUAL, ROUND
+from crashsolve.statics.equilibrium import NOWHERE, STAGNATION_TOLERANCE, STEP, StaticEngine
+from crashsolve.statics.motions import nudge
+from crashsolve.statics.stability import unstable_mode, unstable_modes
+from crashsolve.system.diagnosis import diagnose
+
+# steps for one load; what needs more moves freely
+REPEATS = 150
+# h over 1 / omega of the fastest vibration: at first, at most, and how it grows
+FIRST, MOST, GROWTH = 1e3, 1e8, 32.0
+# the same where unstable modes are looked for
+CERTAIN = 1e7
+# of what is missing, that a step may leave
+SLOW, UNKNOWN = 0.1, 0.9
+# how h grows where Newton's method has failed
+CAREFUL, RELENTING = 4.0, 1.2
+STILL = ("v", "w", "L")
+# loads and joints that a warning names
+NAMED = 3
+
+
+class RestEngine(StaticEngine):
+    """Goes from equilibrium to equilibrium by steps from rest."""
+
+    def __init__(self, model: Model, state: State, control: Any) -> None:
+        super().__init__(model, state, control)
+        self.fastest = self.pseudo = 0.0
+        message = turning(model.groups)
+        if message:
+            self.notes.append(message)
+
+    def _reaches(self, time: float) -> float | None:
+        """Steps from rest to the equilibrium at a time; None where there is none."""
+        clock, nodes = self.clock, self.state.nodes
+        begun, start, previous = float(clock.time), nodes.copy(), np.inf
+        growth, highest, good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
+        self.forces.meet(self._rest(time, nodes), self)
+        self._choose_step()
+        for _ in range(REPEATS):
+            kept, used = self.keep(), self.pseudo
+            if not self._relaxes(begun, time):
+                # too far for Newton's method: more inertia, and less at a time
+                self.take_back(kept)
+                self.pseudo = good if good else self.pseudo / GROWTH
+                growth, highest = CAREFUL, self.pseudo * self.fastest * (1.0 if good else GROWTH)
+                if self.pseudo * self.fastest < 0.5 * FIRST:
+                    return None
+                continue
+            change, total = self._size(self._change_from(kept[1])), self._whole_change(start)
+            # of one step alone nobody knows
+            is_known = 0.0 < previous < np.inf
+            left = min(change / previous, UNKNOWN) if is_known else UNKNOWN * (change > 0.0)
+            g = self._rest(time, nodes)
+            self.forces.meet_reactions(self)
+            balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest()
+            # a load step counts as one
+            clock.cycle = cycle + 1
+            clock.value = change
+            is_still = change * left <= self.tolerance * total * (1.0 - left) + NOWHERE
+            if is_still and (balance == EQUAL or (balance == ROUND and is_longest)):
+                return time
+            if (
+                is_longest
+                and balance
+                and left > SLOW
+                and change <= STAGNATION_TOLERANCE * total / SLOW
+            ):
+                return time
+            if (left > SLOW or change == 0.0) and previous < np.inf:
+                self.pseudo = min(self.pseudo * growth, highest / self.fastest)
+            # what has failed far from equilibrium may serve near it
+            highest, good, previous = min(highest * RELENTING, MOST), used, change
+        return None
+
+    def _is_longest(self) -> bool:
+        """Whether h grows no more."""
+        return self.pseudo >= 0.5 * MOST / self.fastest
+
+    def _choose_step(self) -> None:
+        """h from the fastest vibration of elements and of springs. Writes: self."""
+        if self.pseudo:
+            return
+        springs = float(self.nodes["stiffness"][1:].max(initial=0.0))
+        self.fastest = sqrt(max(float(self.sampled.element_rate), 2.0 * springs, 1e-300))
+        self.pseudo = FIRST / self.fastest
+
+    def _relaxes(self, begun: float, time: float) -> bool:
+        """One step from rest, with what acts at a time; whether its iteration converges."""
+        clock, control = self.clock, self.model.control[0]
+        message = clock.impulse.copy(), clock.angular_impulse.copy()
+        clock.time, clock.kinked, clock.factored = 0.0, 1, 0.0
+        clock.goal = self.loading.time(time)
+        control["fixed_step"] = control["step_min"] = clock.next_step = self.pseudo
+        clock.pause = clock.cycle + 1
+        self.loading.set_time(time)
+        self._advance(self.pseudo, False, self._present)
+        clock.pause, clock.time = 0, begun
+        clock.impulse, clock.angular_impulse = message
+        if clock.status == CURVE_END:
+            raise diagnose(self.model, self.state, clock, self.state.ledger)
+        for name in STILL:
+            self.state.nodes[name] = 0.0
+        if clock.status in (UNSOLVED, STEP_TOO_SMALL, NOT_FINITE):
+            clock.rejected += 1
+            return False
+        assert clock.status in (PAUSED, REACHED)
+        return True
+
+    def _round_off(self) -> tuple[float, float]:
+        """Forces and moments that round-off of positions leaves, over epsilon [N, N m]."""
+        columns = self.tableau["columns_0"]
+        diagonal = columns["pivot"][columns["node"] > 0] / (0.5 * self.pseudo**2)
+        stiff, turning = diagonal[:, :3].max(), diagonal[:, 3:].max()
+        size = self.model.size
+        return stiff * size, turning + sqrt(stiff * turning) * size
+
+    def _unstable(self) -> str:
+        """Name of the node that leaves the equilibrium; empty where it is stable.
+
+        A step with hardly any inertia, which would hide an unstable mode, shows the pivots.
+        """
+        now = float(self.clock.time)
+        location = self._unstable_bodies(now)
+        if location:
+            return location
+        kept, pseudo = self.keep(), self.pseudo
+        self.pseudo = CERTAIN / self.fastest
+        self._relaxes(now, now)
+        self.pseudo = pseudo
+        self.take_back(kept)
+        count, node = unstable_modes(self.tableau["columns_0"])
+        return self.name_of(node) if count > 0 else ""
+
+    def _unstable_bodies(self, now: float) -> str:
+        """The same of bodies alone, where elements stand still; with all that turns forces."""
+        theirs = (
+            set(self.model.elements.attached_points["node"].tolist())
+            if self.model.elements
+            else set()
+        )
+        for g in self.model.groups:
+            if g.keyword == "parts" and "node_a" in (g.parameters.dtype.names or ()):
+                theirs |= set(g.parameters["node_a"].tolist())
+                theirs |= set(g.parameters["node_b"].tolist())
+        own = np.flatnonzero(~np.isin(self.free, list(theirs)))
+        if not len(own):
+            return ""
+        imbalance, D, _ = self.imbalance(now)
+        columns, nodes = [], self.state.nodes.copy()
+        for k in range(6 * len(own)):
+            i, size = int(self.free[own[k // 6]]), STEP * (self.model.size if k % 6 < 3 else 1.0)
+            kept = nodes[i].copy()
+            nudge(nodes[i], k % 6, size)
+            columns.append((imbalance - self._rest(now, nodes)) / size)
+            nodes[i] = kept
+        at = (6 * own[:, None] + np.arange(6)).ravel()
+        mode, _ = unstable_mode(np.array(columns).T[at], D[:, at], self._masses()[np.ix_(at, at)])
+        if mode is None:
+            return ""
+        return self.name_of(int(self.free[own[np.abs(mode).argmax() // 6]]))
+
+
+def turning(groups: list[Any]) -> str | None:
+    """What stability is judged without, as a warning; None where that is nothing."""
+    names = [name for g in groups for name in _rotating(g)]
+    if not names:
+        return None
+    listed = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" * (len(names) > NAMED))
+    return (
+        f"{listed}: the force of such a load turns with what it acts on, that of such a joint has "
+        "an arm to a mass centre. Equilibrium has all of it; whether shells and fibre beams are "
+        "stable there is judged without this turning, so that buckling or flutter may be missed, "
+        "or found at another load. To be sure, hold the load in solution: transient, disturb the "
+        "structure a little and see whether it comes to rest there"
+    )
+
+
+def _rotating(group: Any) -> list[str]:
+    """Loads whose forces turn with what they act on, and joints whose forces have an arm."""
+    p = group.parameters
+    names = set(p.dtype.names or ())
+    rotates = np.zeros(len(p), bool)
+    if hasattr(group.module, "CONSTRAINTS"):
+        for side in "ab":
+            if f"point_{side}" in names:
+                rotates |= (p[f"point_{side}"] != 0.0).any(axis=1) & (p[f"node_{side}"] > 0)
+    elif hasattr(group.module, "AMPLITUDE"):
+        if "rotates" in names:
+            rotates |= p["rotates"] != 0
+        # of a pressure, along the normals of the elements
+        rotates |= hasattr(group.module, "load_elements")
+    word = SECTIONS[group.keyword].singular
+    return [f"{word} '{group.names[i]}'" for i in np.flatnonzero(rotates)]

@@ -1,0 +1,101 @@
+"""Stability of an equilibrium: whether anything moves away from it by itself.
+
+    x^T K x > 0   for every x with D x = 0
+
+K is the tangent stiffness with all that turns forces, D that of the joints. Where K is symmetric
+its reduced form has a negative eigenvalue as soon as the equilibrium is unstable: beyond the load
+at which a column buckles, or a shell snaps. Where loads follow the motion, or moments keep their
+axis, K is not symmetric; an equilibrium then is left without vibration where an eigenvalue of
+M^-1 K is real and negative; where one is complex vibrations grow unless they are damped (flutter),
+which is reported. A factor L U shows an unstable mode by the signs of its pivots: one negative for
+each row of a joint, and one for each unstable mode. Consequence to test: Euler's column is left at
+pi^2 E I / 4 L^2.
+
+References: Ziegler (1968), Principles of Structural Stability, 2; Bathe (1996), Finite Element
+Procedures, 8.2 (signs of pivots).
+"""
+
+import numpy as np
+
+# of the largest, with each row over the root of its diagonal: less is round-off, or nothing holds
+NOTHING = 1e-12
+# of the largest stiffness: what has less is scaled no further, or rows of D would lose their rank
+SOFT = 1e-12
+# asymmetry, of the largest entry, which differences leave; and of an eigenvalue of M^-1 K
+ALIKE = 1e-5
+# imaginary part of an eigenvalue, over its size, that differences do not make
+FLUTTER = 1e-2
+
+
+def unstable_mode(K: np.ndarray, D: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
+    """The motion (n,) in which an equilibrium is left, None without; whether it may flutter.
+
+    K and M (n, n), D (m, n).
+    """
+    if not _null_space(D).size:
+        # drivers hold all of it, and K is nothing but round-off
+        return None, False
+    size = np.sqrt(np.maximum(np.abs(np.diag(K)), SOFT * np.abs(K).max(initial=1e-300)))
+    free = _null_space(D / size)
+    reduced = free.T @ (K / np.outer(size, size)) @ free
+    if not reduced.size:
+        return None, False
+    largest = np.abs(reduced).max()
+    if np.abs(reduced - reduced.T).max() <= ALIKE * largest:
+        mode = _of_even(0.5 * (reduced + reduced.T), NOTHING * largest)
+        flutters = False
+    else:
+        mode, flutters = _of_odd(reduced, free.T @ (M / np.outer(size, size)) @ free)
+    return None if mode is None else free @ mode / size, flutters
+
+
+def _of_even(K: np.ndarray, nothing: float) -> np.ndarray | None:
+    """The motion that a symmetric K drives on."""
+    try:
+        np.linalg.cholesky(K + nothing * np.eye(len(K)))
+    except np.linalg.LinAlgError:
+        values, modes = np.linalg.eigh(K)
+        return modes[:, 0] if values[0] < -nothing else None
+    return None
+
+
+def _of_odd(K: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
+    """The same of any K, and whether vibrations grow."""
+    found, displacements = np.linalg.eig(np.linalg.solve(M, K))
+    size = np.abs(found)
+    is_real = np.abs(found.imag) <= ALIKE * size
+    leaves = (found.real < -NOTHING * size.max()) & is_real
+    flutters = bool((np.abs(found.imag) > FLUTTER * size).any())
+    if not leaves.any():
+        return None, flutters
+    return displacements[:, int(np.argmin(np.where(leaves, found.real, np.inf)))].real, flutters
+
+
+def _null_space(D: np.ndarray) -> np.ndarray:
+    """Orthonormal columns (n, k) that D (m, n) takes to nothing; redundant rows count once."""
+    if not len(D):
+        return np.eye(D.shape[1])
+    _, values, rows = np.linalg.svd(D, full_matrices=True)
+    rank = int((values > 1e-9 * values.max(initial=0.0)).sum())
+    return rows[rank:].T
+
+
+def unstable_modes(columns: np.ndarray) -> tuple[int, int]:
+    """How many unstable modes the pivots of a factor show, and the node of the most negative one.
+
+    `columns` are those of foundation/sparse/bordered.py, after the nodes' have been factorised.
+    """
+    negative, worst, location = 0, 0.0, 0
+    for c in columns:
+        used = c["inverse"][: int(c["rows"])]
+        used = used[used != 0.0]
+        if c["node"] > 0:
+            share = 1.0 / (used * c["pivot"][: len(used)])
+            below = share < -NOTHING
+            negative += int(below.sum())
+            if below.any() and share.min() < worst:
+                worst, location = float(share.min()), int(c["node"])
+        else:
+            # a row of a joint is a negative pivot, unless it holds an unstable mode
+            negative -= int((used > 0.0).sum())
+    return negative, location

@@ -1,0 +1,230 @@
+"""A study from end to end: settings, runs, answers, findings, table and picture."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from math import isfinite
+from pathlib import Path
+
+from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.deck.reading.several import Several
+from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
+from crashsolve.foundation.streams import printable, say
+from crashsolve.output.files import replace_text, reported
+from crashsolve.output.lock import Lock
+from crashsolve.study.child_runs import cores
+from crashsolve.study.convergence import NEAR
+from crashsolve.study.findings import Finding, cheapest, find, worst
+from crashsolve.study.plot import draw
+from crashsolve.study.settings import (
+    AUTO,
+    MESHES,
+    Setting,
+    descriptions,
+    divisible,
+    order_of,
+    order_of_mesh,
+    resolved,
+    settings,
+    suited,
+)
+from crashsolve.study.table import csv_text, legend, text_table
+from crashsolve.study.trials import Trial, run_all
+from crashsolve.study.watch import Watch, ask, overall, watched
+
+# an overall number whose estimated error is below this is worth naming
+CONVERGED = 0.01
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be studied, as the command line says it."""
+
+    deck: Path
+    folder: Path
+    overrides: dict[str, str] = field(default_factory=dict)
+    methods: Sequence[str] = ()
+    steps: str | None = None
+    tolerances: str | None = None
+    channels: Sequence[str] = ()
+    meshes: str | None = None
+    vary: str | None = None
+    reference: Path | None = None
+    target: float | None = None
+    jobs: int | None = None
+
+
+def study(request: Request) -> int:
+    """Run a deck over its settings and report; the exit code is that of the runs if all failed.
+
+    Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
+    """
+    deck = read_deck(request.deck, request.overrides, refuses_idle=False)
+    own = [deck.control.integrator] if request.vary else []
+    if request.methods or own:
+        methods = [resolved(deck, method) for method in request.methods or own]
+        notes: list[str] = []
+    else:
+        methods, notes = suited(deck)
+    meshes = request.meshes or (MESHES if divisible(deck) and not request.vary else "1")
+    grid = settings(
+        deck, list(dict.fromkeys(methods)), _steps(request, deck), request.tolerances, meshes,
+        request.vary,
+    )  # fmt: skip
+    _refuse_idle(request, grid)
+    watches = watched(deck, request.channels)
+    # where a path does not converge, these may
+    more = [watch for watch in overall(deck) if watch not in watches]
+    with reported(request.folder):
+        request.folder.mkdir(parents=True, exist_ok=True)
+    with Lock(request.folder):
+        known = _reference(request, watches)
+        for text in (*notes, *_axes(deck, methods, meshes)):
+            say(text)
+        say(f"{len(grid)} runs of {request.deck} in {request.folder}")
+        jobs = max(request.jobs or cores(), 1)
+        trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _announce)
+        good = [trial for trial in trials if trial.is_good]
+        span = deck.control.end_time - deck.control.start_time
+        with ThreadPoolExecutor(jobs) as pool:
+            answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), good)
+            for trial, answer in zip(good, answers, strict=True):
+                trial.step, trial.answers = span / max(trial.cycles, 1), answer
+        order = None if request.vary else order_of_mesh(deck)
+        known = known or _dearest(request, good)
+        findings = [
+            find(watch, at, trials, known[at] if known else None, order)
+            for at, watch in enumerate(watches)
+        ]
+        extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
+        _report(request, deck, trials, findings, extra)
+        return ExitCode.NORMAL if good else max(trial.code for trial in trials)
+
+
+def _refuse_idle(request: Request, grid: Sequence[Setting]) -> None:
+    """Raise DeckErrors for values that change no run, of --set and of --vary."""
+    asked, several = {*request.overrides}, Several()
+    asked |= {request.vary.partition("=")[0]} if request.vary else set()
+    for setting in grid if asked else ():
+        try:
+            several.read(request.deck, {**request.overrides, **setting.overrides})
+        except DeckErrors:
+            # a run that fails; others may go
+            continue
+        if not asked & {*(several.idle or ())}:
+            return
+    if found := [error for name, error in (several.idle or {}).items() if name in asked]:
+        raise DeckErrors(found)
+
+
+def _steps(request: Request, deck: Deck) -> str | None:
+    """Steps that are asked for; where values of a field are compared, the deck's own."""
+    if request.steps or request.tolerances or not request.vary:
+        return request.steps
+    return AUTO if deck.control.step == AUTO else repr(float(deck.control.step))
+
+
+def _dearest(request: Request, good: list[Trial]) -> list[dict[str, object]] | None:
+    """Answers of the dearest run, which others are compared with where a field is varied.
+
+    Different models do not tend to each other, so that nothing can be extrapolated.
+    """
+    if not request.vary or not good:
+        return None
+    best = max(good, key=lambda trial: trial.cpu_steps)
+    say(f"errors are differences from {best.setting.name}, the dearest run; see --reference")
+    return best.answers
+
+
+def _axes(deck: Deck, methods: Sequence[str], meshes: str) -> list[str]:
+    """What is run over, in words; and that there is no choice of descriptions, where so."""
+    message = [f"integrators: {', '.join(methods)}"]
+    if divisible(deck):
+        message.append(f"meshes: elements of all parts times {meshes.replace(',', ', ')}")
+    known = descriptions(deck)
+    if len(known) == 1:
+        message.append(f"deformation: {known[0]}, the only description that these parts know")
+    return message
+
+
+def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]] | None:
+    """The answers of the reference folder. Raises DeckError when it holds no results."""
+    if request.reference is None:
+        return None
+    if not (request.reference / "history.h5").exists():
+        location, advice = f"--reference {request.reference}", "name the results folder of a run"
+        raise DeckError(location, None, None, "", "no results there", advice)
+    known = ask(request.reference, watches)
+    for watch, answer in zip(watches, known, strict=True):
+        if "remark" in answer:
+            say(printable(f"--reference, {watch.name}: {answer['remark']}"))
+    return known
+
+
+def _announce(trial: Trial) -> None:
+    """One line as soon as a run has ended."""
+    how = "kept" if trial.was_kept else "done"
+    words = how if trial.is_good else f"exit code {trial.code}, {trial.message}"
+    say(printable(f"  {trial.setting.name}: {words}"))
+
+
+def _report(
+    request: Request,
+    deck: Deck,
+    trials: list[Trial],
+    findings: list[Finding],
+    extra: list[Finding],
+) -> None:
+    """Write study.csv and study.png, print the table and what it says."""
+    replace_text(request.folder / "study.csv", csv_text(trials, findings))
+    title = deck.title or request.deck.stem
+    missing = draw(request.folder / "study.png", title, trials, findings)
+    say()
+    say(text_table(trials, findings))
+    say()
+    say(legend(findings))
+    if any(finding.diverges for finding in findings):
+        say(_still_converging([*findings, *extra]))
+    if request.target is not None:
+        say()
+        say(_verdict(findings, trials, request.target))
+    say()
+    say(f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png"))
+    if missing:
+        say(missing)
+
+
+def _still_converging(findings: list[Finding]) -> str:
+    """Which numbers converge although a watched channel does not."""
+    names = [
+        f"{finding.watch.name} (to {finding.estimate:.1g})"
+        for finding in findings
+        if finding.estimate < CONVERGED and not (finding.is_absolute or finding.diverges)
+    ]
+    if not names:
+        return "Neither energies, impulses nor the largest speed converge."
+    return "What still converges: " + "; ".join(names) + "."
+
+
+def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str:
+    """The cheapest setting that meets the wanted error, or what would be needed."""
+    absolute = [finding.watch.name for finding in findings if finding.is_absolute]
+    left_out = f" (not judged, its reference is zero: {', '.join(absolute)})" if absolute else ""
+    best = cheapest(findings, trials, target)
+    if best is not None:
+        return (
+            f"target {target:g}: {best.setting.name}, "
+            f"{best.cpu_steps:.3g} s of CPU in steps, error {worst(findings, best):.2g}{left_out}"
+        )
+    text = f"target {target:g}: none of these settings meets it{left_out}"
+    able = [trial for trial in trials if isfinite(worst(findings, trial))]
+    if not able:
+        return text
+    nearest = min(able, key=lambda trial: worst(findings, trial))
+    error = worst(findings, nearest)
+    text += f"; the nearest is {nearest.setting.name}, error {error:.2g}"
+    order = order_of(nearest.setting.series.method)
+    own = [f.order(nearest) for f in findings if not f.is_absolute]
+    if order and error > target and all(abs(p - order) <= NEAR for p in own):
+        text += f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should do"
+    return text

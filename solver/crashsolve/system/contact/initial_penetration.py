@@ -1,0 +1,99 @@
+"""Impact speeds of the touches that a run begins with.
+
+Several positions of a body that are set into another push it out together: a box on its corners, a
+mesh, balls on one body. Each has the impact speed of the free impact in which all went as deep: of
+one alone with the effective mass
+
+    m_i = f_i / a_i,   a_i = sum_j f_j n_i . (acceleration of place i by a unit force at place j)
+
+with f = K d^n, over the touches j of the same two bodies that push to the same side, n_i . n_j > 0.
+What others push deeper meanwhile is as heavy as both bodies are without turning, at most. One touch
+alone has its own effective mass. Consequence to test: a box set in flat leaves with the speed of a
+ball set in as deep.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.rows import as_rows
+from crashsolve.model.model import ContactGroup, Model, State
+from crashsolve.system.contact.touches import closing
+
+
+@dataclass
+class Touch:
+    """A position in which the run begins with two bodies pressed together."""
+
+    group: ContactGroup
+    pair: int
+    bodies: tuple[int, int]
+    depth: float
+    rate: float  # closing speed [m/s]
+    share: float  # of the law's force that acts
+    normal: np.ndarray
+    arms: tuple[np.ndarray, np.ndarray]  # from both mass centres to the position
+
+    @property
+    def spring(self) -> float:
+        """K d^n [N]."""
+        p = self.group.parameters[self.pair]
+        return float(p["stiffness"]) * self.depth ** float(p["exponent"])
+
+    def come_with(self, mass: float) -> None:
+        """Take the impact speed of a free impact with a mass [kg]. Writes: history of the pair."""
+        p = as_rows(self.group.parameters)[self.pair]
+        history = as_rows(self.group.history)[:, self.pair]
+        before = np.zeros_like(history)[0]
+        for after in history:
+            self.group.normal.normal_force(p, before, after, 0.0, self.depth, self.rate, mass, None)
+
+
+def find_impact_speeds(model: Model, state: State) -> bool:
+    """Of touches that begin compressed; returns whether there are any. Writes: their histories."""
+    found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
+    for group in model.contact_groups:
+        if "damping_speed" in (group.history.dtype.names or ()):
+            for touch in _touches(group, as_rows(state.nodes)):
+                found[touch.bodies].append(touch)
+    for (a, b), touches in found.items():
+        for touch, mass in zip(touches, _masses(state.nodes[[a, b]], touches), strict=True):
+            touch.come_with(mass)
+    return bool(found)
+
+
+def _touches(group: ContactGroup, nodes: Any) -> Iterator[Touch]:
+    """Touches of a group, the body with the lower number first."""
+    tables = (group.elements_a, group.elements_b, *group.data)
+    elements_a, elements_b, *data = (as_rows(table) for table in tables)
+    for i in np.flatnonzero(group.history["active"].any(axis=0)):
+        p = group.parameters[i]
+        a, b = elements_a[p["a"]], elements_b[p["b"]]
+        depth, n, x = group.narrow.gap(a, b, nodes, tuple(data))
+        if depth <= 0.0:
+            continue
+        rate, _, *arms = closing(nodes[a.node], nodes[b.node], x, n)
+        share = float(a.share) if group.has_shares else 1.0
+        bodies, normal = (int(a.node), int(b.node)), np.array(n)
+        if bodies[0] > bodies[1]:
+            bodies, normal, arms = bodies[::-1], -normal, arms[::-1]
+        positions = np.array(arms[0]), np.array(arms[1])
+        yield Touch(group, int(i), bodies, float(depth), float(rate), share, normal, positions)
+
+
+def _masses(nodes: np.ndarray, touches: list[Touch]) -> np.ndarray:
+    """Masses with which the touches of two bodies came in [kg], over the shares of their force."""
+    normals = np.array([touch.normal for touch in touches])
+    alike, free = normals @ normals.T, nodes["mass_inv"].sum()
+    ease = free * alike
+    for side, node in enumerate(nodes):
+        levers = np.cross([touch.arms[side] for touch in touches], normals)
+        ease += levers @ node["W"].reshape(3, 3) @ levers.T
+    ease[alike <= 0.0] = 0.0
+    # the law knows of the whole spring, the bodies feel its share
+    springs = np.array([touch.spring for touch in touches])
+    pushes = springs * [touch.share for touch in touches]
+    return np.asarray(springs / np.maximum(ease @ pushes, free * pushes))

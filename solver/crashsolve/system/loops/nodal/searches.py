@@ -1,0 +1,57 @@
+"""What one probe finds: the nearest faces of a shell on both sides of it, or the deepest shape.
+
+It depends on positions alone, and on no force, so several threads may look for different probes.
+"""
+
+from crashsolve.foundation.kernels import apart
+from crashsolve.system.contact import ellipsoids, node_contact, normals, pass_through, projection
+
+
+@apart
+def look_at_faces(group, i, found, nodes, scene):
+    """The nearest face on either side of a probe. Writes: found, lists, turns, balls."""
+    p, totals, points = group.p[0], group.totals[0], scene.points
+    sides, gone = projection.Sides(group.probe_states, group.slot_in_use, found), group.gone
+    lists = (group.first, group.near, group.wait, group.due)
+    mesh = (points, scene.corners, group.beside, group.around_first, group.around, gone)
+    spared = (group.spared_first, group.spared)
+    if group.is_round:
+        ellipsoid = group.ellipsoids[i]
+        ellipsoids.look(i, p, totals, ellipsoid, nodes, sides, mesh, lists)
+        if group.is_smooth:
+            x, pen = ellipsoids.pen_of(ellipsoid, nodes)
+            normals.smoothen(i, x, pen, p, mesh, spared, found)
+    else:
+        x, _ = node_contact.where(group.probes[i], 0.0, nodes, points)
+        projection.look(i, x, p, totals, sides, mesh, lists)
+        if group.is_smooth:
+            normals.smoothen(i, x, None, p, mesh, spared, found)
+
+
+@apart
+def look_at_shapes(group, i, pen, v, hit, nodes, scene):
+    """The shape in which a probe of velocity v is deepest; whether it goes on by its own face,
+    and how far it is past the middle of that. Writes: hit, turns, due, a copy of a body.
+    """
+    p, totals, frames, shapes = group.p[0], group.totals[0], group.frames, group.b
+    x, _ = node_contact.where(group.probes[i], 0.0, nodes, scene.points)
+    node_contact.pose(frames[pen.node], x, hit)
+    old = group.probe_states[node_contact.settle(group.slot_in_use, i), i]
+    held, over = False, -1.0
+    for e in range(shapes.shape[0]):
+        depth, n, _ = group.narrow.gap(pen, shapes[e], frames, group.data)
+        if (
+            group.keeps_faces
+            and old.face == e
+            and pass_through.is_another_face(old, depth, n, p.gap)
+        ):
+            u = node_contact.body_velocity(nodes[group.home[shapes[e].node]], x)
+            kept = group.narrow.gap_by(pen, shapes[e], frames, group.data, old.normal)
+            if pass_through.keeps_face(old, v, u, n, kept):
+                held = True
+                depth, n, _, over = kept
+        if group.has_core_depth and old.face == e and depth > p.gap:
+            over = max(over, depth - group.narrow.middle(pen, shapes[e], frames, n))
+        node_contact.deeper(hit, e, depth, n)
+    node_contact.wait_for(i, hit, totals, group.due)
+    return held, over

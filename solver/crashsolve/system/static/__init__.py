@@ -1,1 +1,0 @@
-"""Quasi-static solution: equilibrium, its loads, its balance and its stability."""

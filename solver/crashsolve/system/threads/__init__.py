@@ -1,1 +1,0 @@
-"""Work shared by two threads."""

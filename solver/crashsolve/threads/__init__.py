@@ -1,0 +1,1 @@
+"""Threads that share a step: who takes which piece, how one waits; no mechanics."""
