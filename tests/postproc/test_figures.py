@@ -380,7 +380,7 @@ def test_too_many_curves_are_refused(tmp_path: Path) -> None:
     )
     result = Result(tmp_path)
     (figure,) = panels([result], ["r"], Wish(["rbdout.*"]))
-    with pytest.raises(PostError, match="can be determined apart"):
+    with pytest.raises(PostError, match="can be distinguished"):
         draw.svg(result, figure, "f")
 
 

@@ -104,7 +104,7 @@ def test_Reporting_leaves_no_trace_in_the_results(
     assert differences(tmp_path, uninterrupted[deck]) == []
 
 
-def test_what_lasts_long_is_distinguished_from_the_first_second_on(
+def test_what_lasts_long_is_reported_from_the_first_second_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(heartbeat, "FIRST", 0.05)

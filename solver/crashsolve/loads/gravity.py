@@ -29,6 +29,12 @@ OUTPUT = Record("force  N  3  total weight")
 
 
 def build(card: Gravity, scene: Any) -> dict[str, Any]:
+    fields = [
+        name for name, entry in scene.deck.entries["loads"].items() if entry.type == "gravity"
+    ]
+    if len(fields) > 1:
+        named = " and ".join(f"'{name}'" for name in fields)
+        scene.warn(f"loads {named} are all gravity on every body: their accelerations add up")
     return {"acceleration": card.acceleration}
 
 

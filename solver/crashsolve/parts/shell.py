@@ -130,6 +130,11 @@ OUTPUT = Record("""
 
 def discretise(card: Shell, scene: Any) -> DiscretisedShell:
     """The part in place."""
+    if card.layers == 1:
+        scene.warn(
+            "a shell of one layer is a membrane: it resists stretching, and no bending; give "
+            "layers: 2 or more (5 where it yields)"
+        )
     return DiscretisedShell(card, scene)
 
 

@@ -1,8 +1,8 @@
 """Signs of life: at least every ten seconds a run says where it is.
 
 Between samples the run itself does so, whenever the compiled loop pauses. What lasts long beside
-that (reading a large deck, compiling, one long step, estimates of errors) is distinguished from a
-thread, which only looks at the clock.
+that (reading a large deck, compiling, one long step, estimates of errors) is reported by a thread
+that only looks at the clock.
 """
 
 import threading

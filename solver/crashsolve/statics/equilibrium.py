@@ -42,6 +42,9 @@ NOWHERE, NOTHING = 1e-15, 1e-12
 SHARED = 1e-10
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
+# over what both tangents give, beyond which a change of configuration has left the path; and share
+# of what the first of them gives, below which the load step is looked at in halves
+FAR, APART = 1.1, 1.5
 # of the largest force, and of the change over a load step: where `control.tolerance` says nothing
 TOLERANCE = 1e-8
 
@@ -68,6 +71,8 @@ class StaticEngine(Engine):
         self.notes: list[str] = []
         self.origin = state.nodes.copy()
         self.flutters = False
+        self._least = 0.0  # shortest load step [s]
+        self._first = 0.0  # size of the change that the tangent of the last equilibrium gives
         # of the last pass: K (6 n, 6 n) and D (m, 6 n)
         self.tangent: Tangent | None = None
         # of the last equilibrium, where there are hinges
@@ -110,9 +115,12 @@ class StaticEngine(Engine):
     def _step(self, until: float, goal: float) -> None:
         """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
         clock, found = self.clock, list[Problem]()
-        least = (until - float(clock.time)) / 2**HALVINGS
+        least = self._least = (until - float(clock.time)) / 2**HALVINGS
+        width = np.inf
         while clock.time < until:
-            begun, target, kept, known = float(clock.time), until, self.keep(), self.known
+            begun, kept, known = float(clock.time), self.keep(), self.known
+            # towards a limit point by steps that double: from close by a long one may not see it
+            target = min(until, begun + 2.0 * width)
             while (problem := self._tries(target)) is not None:
                 found.append(problem)
                 target = 0.5 * (begun + target)
@@ -125,6 +133,8 @@ class StaticEngine(Engine):
                 if is_last:
                     ahead = [problem for problem in found if problem.target > begun]
                     raise first_unstable_mode(ahead).error(self, begun)
+            if any(problem.kind == "jump" for problem in found):
+                width = float(clock.time) - begun
             self.on_pause()
 
     def _tries(self, target: float) -> Problem | None:
@@ -153,10 +163,34 @@ class StaticEngine(Engine):
         location = self._unstable()
         if location:
             return Problem("unstable mode", target, location)
+        if self._jumps(start, begun, target):
+            return Problem("jump", target)
         missing = abs(self._missing_energy() - before)
         if self.limit and missing > self.limit * self._largest() + NOTHING * self.forces.energy():
             return Problem("balance", target)
         return Problem("end of curve", target) if is_beyond else None
+
+    def _jumps(self, start: np.ndarray, begun: float, target: float) -> bool:
+        """Whether the path between two equilibria passes a limit point: it is far longer than both
+        tangents say.
+
+        Along a path the change lies between what the tangents at both ends give for the change of
+        the load, in steps short enough; to an equilibrium beyond a limit point it does not.
+        """
+        if self.yielding.groups or self.plastic_flow.groups or begun < self.loading.start:
+            return False
+        change, forward = self._size(self._change_from(start)), self._first
+        if forward > APART * change + NOWHERE and target - begun > 2.0 * self._least:
+            # near a limit point the tangent of the lower equilibrium says more than there is
+            return True
+        if change <= FAR * forward:
+            return False
+        tangent = self.tangent
+        backward = self._size(self.correction(begun))
+        # as it was: loads of the target, and its tangent
+        self.imbalance(target)
+        self.tangent = tangent
+        return change > FAR * max(forward, backward) + NOWHERE
 
     def _settle(self) -> None:
         """A first configuration far from equilibrium: there is no way, no balance, from there."""
@@ -229,6 +263,7 @@ class StaticEngine(Engine):
         for count in range(MOST_ITERATIONS):
             change = self.correction(time, self.known if count == 0 else None)
             if count == 0:
+                self._first = self._size(change)
                 self.forces.meet(self.imbalance(time)[0], self)
             worst = self._size(change)
             if not np.isfinite(worst) or self.plastic_flow.is_lost(self.cut(change)):

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
 
 class Problem:
-    """Why there is no next equilibrium: "lost", "balance", "unstable mode", "fork", "end of
-    curve".
+    """Why there is no next equilibrium: "lost", "balance", "unstable mode", "fork", "jump",
+    "end of curve".
     """
 
     def __init__(self, kind: str, target: float, location: str = "the model") -> None:
@@ -24,7 +24,7 @@ class Problem:
         if self.kind == "end of curve":
             return SolverError(time, cycle, *curve_end(engine.model, engine.clock))
         texts = {"lost": self._lost, "balance": self._unbalanced, "unstable mode": self._left}
-        texts["fork"] = self._forked
+        texts |= {"fork": self._forked, "jump": self._jumped}
         cause, advice = texts[self.kind](engine, moment)
         return SolverError(time, cycle, self.location, cause, advice)
 
@@ -57,6 +57,16 @@ class Problem:
             "the load there is the critical one; to go on give a small imperfection or side load, "
             "prescribe the motion by a driver, whose reaction is the load, or say "
             "solution: transient; what stands upside down needs something that holds it",
+        )
+
+    def _jumped(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        at = engine.loading.message
+        return (
+            f"a limit point between {at(moment)} and {at(self.target)}: the equilibrium under the "
+            "higher load is far away (snap-through), and no path of equilibria leads there while "
+            "the load rises",
+            "the load there is the limit load; to follow the path beyond it prescribe the motion "
+            "by a driver, whose reaction is the load, or say solution: transient with damping",
         )
 
     def _forked(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
