@@ -160,9 +160,7 @@ class Powers(LogFormatter):
 def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     """Draw references, then curves, then the axes; returns the legend."""
     if len(figure.y) > MOST_LINES:
-        raise PostError(
-            f"{len(figure.y)} curves in one figure; {MOST_LINES} can be distinguished"
-        )
+        raise PostError(f"{len(figure.y)} curves in one figure; {MOST_LINES} can be distinguished")
     scaled = _scaled(_runs(results), figure)
     keys = []
     for number, line in enumerate(scaled.lines):
