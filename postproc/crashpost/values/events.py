@@ -90,7 +90,7 @@ def _force_ends(result: Result, family: Family, column: Column | None) -> np.nda
     largest = result.extremes(family, column).largest
     for first, values in result.slabs(family, column):
         for at in range(len(family.ids)):
-            rows = np.flatnonzero(np.abs(values[:, at]) > LEAST * largest)
+            rows = np.flatnonzero(np.abs(values[:, at]) > LEAST * largest[at])
             if len(rows):
                 after = first + int(rows[-1]) + 1
                 found[at] = result.time[after] if after < len(result.time) else np.inf

@@ -117,7 +117,7 @@ class Work:
         """Of the way from the nodes `start` at `begun` to the present ones at `now` [s]."""
         engine, loading = self.engine, self.engine.loading
         span, clock = now - begun, engine.clock
-        change = engine._change_from(start)
+        change = engine.change_from(start)
         first, last = (
             self._powers(t, at, change / span) for t, at in ((begun, start), (now, None))
         )

@@ -9,7 +9,6 @@ Phi; s only balances them. The tangent is the whole one, by differences of sampl
 of forces and the reactions of joints, so that corrections fall quadratically. Equilibrium is a
 matter of forces, beside corrections (`balance.py`), and whether it is stable one of the tangent
 (`stability.py`). Consequence to test: equilibria are those in which damped motion ends.
-
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
@@ -21,11 +20,12 @@ from crashsolve.model import ledger as energy
 from crashsolve.model.model import Model, State
 from crashsolve.statics.balance import Forces, Work
 from crashsolve.statics.elimination import eliminate
+from crashsolve.statics.limit_point import passes_limit_point
 from crashsolve.statics.loading import Loading
 from crashsolve.statics.motions import move, nudge, rotations
 from crashsolve.statics.plastic_flow import PlasticFlow
 from crashsolve.statics.problem import Problem, first_unstable_mode
-from crashsolve.statics.stability import unstable_mode
+from crashsolve.statics.stability import mass_matrix, unstable_mode
 from crashsolve.statics.yielding import Yielding
 from crashsolve.system.engine import Engine
 
@@ -42,9 +42,6 @@ NOWHERE, NOTHING = 1e-15, 1e-12
 SHARED = 1e-10
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
-# over what both tangents give, beyond which a change of configuration has left the path; and share
-# of what the first of them gives, below which the load step is looked at in halves
-FAR, APART = 1.1, 1.5
 # of the largest force, and of the change over a load step: where `control.tolerance` says nothing
 TOLERANCE = 1e-8
 
@@ -71,8 +68,8 @@ class StaticEngine(Engine):
         self.notes: list[str] = []
         self.origin = state.nodes.copy()
         self.flutters = False
-        self._least = 0.0  # shortest load step [s]
-        self._first = 0.0  # size of the change that the tangent of the last equilibrium gives
+        self.least = self.first = 0.0  # shortest load step [s], change by the last tangent
+        self.sees_jumps = True
         # of the last pass: K (6 n, 6 n) and D (m, 6 n)
         self.tangent: Tangent | None = None
         # of the last equilibrium, where there are hinges
@@ -115,8 +112,7 @@ class StaticEngine(Engine):
     def _step(self, until: float, goal: float) -> None:
         """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
         clock, found = self.clock, list[Problem]()
-        least = self._least = (until - float(clock.time)) / 2**HALVINGS
-        width = np.inf
+        self.least, width = (until - float(clock.time)) / 2**HALVINGS, np.inf
         while clock.time < until:
             begun, kept, known = float(clock.time), self.keep(), self.known
             # towards a limit point by steps that double: from close by a long one may not see it
@@ -124,7 +120,7 @@ class StaticEngine(Engine):
             while (problem := self._tries(target)) is not None:
                 found.append(problem)
                 target = 0.5 * (begun + target)
-                is_last = target - begun < least
+                is_last = target - begun < self.least
                 if is_last and problem.kind == "balance" and begun < self.loading.start:
                     self._settle()
                     break
@@ -163,34 +159,11 @@ class StaticEngine(Engine):
         location = self._unstable()
         if location:
             return Problem("unstable mode", target, location)
-        if self._jumps(start, begun, target):
+        if self.sees_jumps and passes_limit_point(self, start, begun, target):
             return Problem("jump", target)
-        missing = abs(self._missing_energy() - before)
-        if self.limit and missing > self.limit * self._largest() + NOTHING * self.forces.energy():
+        if self._is_off(abs(self._missing_energy() - before)):
             return Problem("balance", target)
         return Problem("end of curve", target) if is_beyond else None
-
-    def _jumps(self, start: np.ndarray, begun: float, target: float) -> bool:
-        """Whether the path between two equilibria passes a limit point: it is far longer than both
-        tangents say.
-
-        Along a path the change lies between what the tangents at both ends give for the change of
-        the load, in steps short enough; to an equilibrium beyond a limit point it does not.
-        """
-        if self.yielding.groups or self.plastic_flow.groups or begun < self.loading.start:
-            return False
-        change, forward = self._size(self._change_from(start)), self._first
-        if forward > APART * change + NOWHERE and target - begun > 2.0 * self._least:
-            # near a limit point the tangent of the lower equilibrium says more than there is
-            return True
-        if change <= FAR * forward:
-            return False
-        tangent = self.tangent
-        backward = self._size(self.correction(begun))
-        # as it was: loads of the target, and its tangent
-        self.imbalance(target)
-        self.tangent = tangent
-        return change > FAR * max(forward, backward) + NOWHERE
 
     def _settle(self) -> None:
         """A first configuration far from equilibrium: there is no way, no balance, from there."""
@@ -206,8 +179,10 @@ class StaticEngine(Engine):
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         return float(self.ledger[energy.IMBALANCE])
 
-    def _largest(self) -> float:
-        return float(self.ledger[energy.LARGEST])
+    def _is_off(self, missing: float) -> bool:
+        """Whether an energy [J] that is missing is more than the limit, and than nothing."""
+        least = NOTHING * self.forces.energy()
+        return bool(self.limit and missing > self.limit * self.ledger[energy.LARGEST] + least)
 
     def _kept(self) -> list[np.ndarray]:
         """Arrays that a load step changes."""
@@ -227,8 +202,7 @@ class StaticEngine(Engine):
 
     def finish(self) -> None:
         """Judge the balance of the whole run. Raises SolverError."""
-        missing = abs(float(self.ledger[energy.IMBALANCE]))
-        if self.limit and missing > self.limit * self._largest() + NOTHING * self.forces.energy():
+        if self._is_off(abs(float(self.ledger[energy.IMBALANCE]))):
             raise Problem("balance", float(self.clock.time)).error(self, float(self.clock.time))
 
     def step_warnings(self) -> list[str]:
@@ -263,9 +237,9 @@ class StaticEngine(Engine):
         for count in range(MOST_ITERATIONS):
             change = self.correction(time, self.known if count == 0 else None)
             if count == 0:
-                self._first = self._size(change)
+                self.first = self.size_of(change)
                 self.forces.meet(self.imbalance(time)[0], self)
-            worst = self._size(change)
+            worst = self.size_of(change)
             if not np.isfinite(worst) or self.plastic_flow.is_lost(self.cut(change)):
                 break
             self.plastic_flow.take(self, time, change * self.cut(change))
@@ -314,7 +288,7 @@ class StaticEngine(Engine):
         assert self.tangent is not None
         n = len(self.free)
         K, D = self.tangent
-        mode, flutters = unstable_mode(K, D, self._masses())
+        mode, flutters = unstable_mode(K, D, mass_matrix(self.state.nodes[self.free]))
         if flutters and not self.flutters:
             self.flutters = True
             self.notes.append(
@@ -327,27 +301,18 @@ class StaticEngine(Engine):
         most = np.abs(mode.reshape(n, 6)) * [*3 * [1.0], *3 * [self.model.size]]
         return self.name_of(int(self.free[most.max(axis=1).argmax()]))
 
-    def _masses(self) -> np.ndarray:
-        """Mass matrix (6 n, 6 n) of the free nodes, world axes."""
-        nodes, n = self.state.nodes[self.free], len(self.free)
-        M = np.zeros((n, 6, n, 6))
-        A, J = nodes["A"].reshape(-1, 3, 3), nodes["J"].reshape(-1, 3, 3)
-        M[np.arange(n), :3, np.arange(n), :3] = np.eye(3) / nodes["mass_inv"][:, None, None]
-        M[np.arange(n), 3:, np.arange(n), 3:] = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
-        return M.reshape(6 * n, 6 * n)
-
     def name_of(self, node: int) -> str:
         """Of a body, or of a node of a shell."""
         is_body = node < len(self.model.bodies)
         return f"body '{self.model.bodies[node]}'" if is_body else self.model.part_at(node)
 
-    def _change_from(self, start: np.ndarray) -> np.ndarray:
+    def change_from(self, start: np.ndarray) -> np.ndarray:
         """Displacements and turns (n, 6) of the free nodes since a configuration."""
         here = self.state.nodes[self.free]
         rotated = rotations(start["q"][self.free], here["q"])
         return np.hstack([here["r"] - start["r"][self.free], rotated])
 
-    def _size(self, change: np.ndarray) -> float:
+    def size_of(self, change: np.ndarray) -> float:
         """Of displacements and turns (n, 6): the largest, in the model's size or rad."""
         far, angle = np.abs(change[:, :3]).max(initial=0.0), np.abs(change[:, 3:]).max(initial=0.0)
         return float(max(far / self.model.size, angle))
@@ -359,7 +324,7 @@ class StaticEngine(Engine):
 
     def _whole_change(self, start: np.ndarray) -> float:
         """The larger of the change over a load step and of that since the first configuration."""
-        return max(self._size(self._change_from(begun)) for begun in (start, self.origin))
+        return max(self.size_of(self.change_from(begun)) for begun in (start, self.origin))
 
     def correction(self, time: float, known: Tangent | None = None) -> np.ndarray:
         """Newton's correction (n, 6) of positions and rotations, by a known tangent."""

@@ -65,7 +65,7 @@ class PlasticFlow:
 
     def take(self, engine: "StaticEngine", time: float, change: np.ndarray) -> None:
         """Move by a correction (n, 6) of the free nodes. Writes: the State."""
-        nodes, size = engine.state.nodes, engine._size(change)
+        nodes, size = engine.state.nodes, engine.size_of(change)
         if not self.groups or size < NEAR:
             engine.shift(nodes, change)
             return
@@ -81,7 +81,7 @@ class PlasticFlow:
             if not np.isfinite(more).all():
                 break
             engine.shift(nodes, more * engine.cut(more))
-            if engine._size(more) < LITTLE * size:
+            if engine.size_of(more) < LITTLE * size:
                 break
         for g in self.groups:
             g.parameters["at_rest"] = FLOWS

@@ -24,7 +24,7 @@ from crashsolve.model.model import Model, State
 from crashsolve.statics.balance import EQUAL, ROUND
 from crashsolve.statics.equilibrium import NOWHERE, STAGNATION_TOLERANCE, STEP, StaticEngine
 from crashsolve.statics.motions import nudge
-from crashsolve.statics.stability import unstable_mode, unstable_modes
+from crashsolve.statics.stability import mass_matrix, unstable_mode, unstable_modes
 from crashsolve.system.diagnosis import diagnose
 
 # steps for one load; what needs more moves freely
@@ -47,6 +47,8 @@ class RestEngine(StaticEngine):
 
     def __init__(self, model: Model, state: State, control: Any) -> None:
         super().__init__(model, state, control)
+        # elements that yield load by one tangent and unload by another
+        self.sees_jumps = False
         self.fastest = self.pseudo = 0.0
         message = turning(model.groups)
         if message:
@@ -69,7 +71,7 @@ class RestEngine(StaticEngine):
                 if self.pseudo * self.fastest < 0.5 * FIRST:
                     return None
                 continue
-            change, total = self._size(self._change_from(kept[1])), self._whole_change(start)
+            change, total = self.size_of(self.change_from(kept[1])), self._whole_change(start)
             # of one step alone nobody knows
             is_known = 0.0 < previous < np.inf
             left = min(change / previous, UNKNOWN) if is_known else UNKNOWN * (change > 0.0)
@@ -177,7 +179,11 @@ class RestEngine(StaticEngine):
             columns.append((imbalance - self._rest(now, nodes)) / size)
             nodes[i] = kept
         at = (6 * own[:, None] + np.arange(6)).ravel()
-        mode, _ = unstable_mode(np.array(columns).T[at], D[:, at], self._masses()[np.ix_(at, at)])
+        mode, _ = unstable_mode(
+            np.array(columns).T[at],
+            D[:, at],
+            mass_matrix(self.state.nodes[self.free])[np.ix_(at, at)],
+        )
         if mode is None:
             return ""
         return self.name_of(int(self.free[own[np.abs(mode).argmax() // 6]]))

@@ -99,3 +99,13 @@ def unstable_modes(columns: np.ndarray) -> tuple[int, int]:
             # a row of a joint is a negative pivot, unless it holds an unstable mode
             negative -= int((used > 0.0).sum())
     return negative, location
+
+
+def mass_matrix(nodes: np.ndarray) -> np.ndarray:
+    """Mass matrix (6 n, 6 n) of nodes (n,), world axes."""
+    n = len(nodes)
+    M = np.zeros((n, 6, n, 6))
+    A, J = nodes["A"].reshape(-1, 3, 3), nodes["J"].reshape(-1, 3, 3)
+    M[np.arange(n), :3, np.arange(n), :3] = np.eye(3) / nodes["mass_inv"][:, None, None]
+    M[np.arange(n), 3:, np.arange(n), 3:] = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
+    return M.reshape(6 * n, 6 * n)

@@ -68,7 +68,10 @@ def half_kicks(clock, nodes, scene):
                 f, d, torque = group.law.present(group.parameters[i], group.output[i], body.A)
                 rotation = add(cross(d, f), torque)
                 total += body.mass_inv * dot(f, f) + dot(rotation, matvec(body.W, rotation))
-    return 0.125 * clock.kicked_over * clock.kicked_over * total
+    if clock.cycle == 0:
+        clock.loads_at_start = total
+    rise = max(total - clock.loads_at_start, 0.0)
+    return 0.125 * clock.kicked_over * clock.kicked_over * rise
 
 
 @stage
