@@ -1,7 +1,8 @@
 """The estimated error of one watched number, from coarser runs, a finer one, and its own samples.
 
     two coarser runs    error = |x1 - x2| / ((h2/h1)^p - 1), the observed order p as in a study;
-                        at least a quarter of what |x2 - x4| says with the method's order
+                        at least a quarter of what |x2 - x4| says with the method's order,
+                        and all of it where p is greater than any order of the method
     one coarser run     the same with the method's order
     one finer run       error = |x1 - xf| / (1 - (hf/h1)^2), enough for any order from 2 on
     samples             refined - plain, added with its sign where that of the rest is known
@@ -31,7 +32,7 @@ from crashsolve.channels.statistic import (
 from crashsolve.channels.statistics._top import plateau
 from crashsolve.deck.run_cards.statistic import PATH
 from crashsolve.recording.samples import Channel, Samples
-from crashsolve.study.convergence import Convergence, distance, examine
+from crashsolve.study.convergence import NEAR, Convergence, distance, examine
 from crashsolve.study.watch import Watch
 
 # a run with fewer steps than this many times those of another is as fine as that
@@ -192,7 +193,13 @@ class Judge:
         signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
         if found.stalls is None and self.order:
             a, b, c = (step**self.order for step in steps)
+<<<<<<< ours
             least = CHANCE_MARGIN * apart[0] * c / (a - b)
+=======
+            # an order that the method cannot have is a last difference that is small by chance
+            share = 1.0 if found.order > self.order + NEAR else LUCK
+            least = share * apart[0] * c / (a - b)
+>>>>>>> theirs
             if least > size:
                 size, signed = least, None
         return _Steps(size, signed if found.is_extrapolated else None, how)
