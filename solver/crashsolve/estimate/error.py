@@ -193,13 +193,9 @@ class Judge:
         signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
         if found.stalls is None and self.order:
             a, b, c = (step**self.order for step in steps)
-<<<<<<< ours
-            least = CHANCE_MARGIN * apart[0] * c / (a - b)
-=======
             # an order that the method cannot have is a last difference that is small by chance
-            share = 1.0 if found.order > self.order + NEAR else LUCK
+            share = 1.0 if found.order > self.order + NEAR else CHANCE_MARGIN
             least = share * apart[0] * c / (a - b)
->>>>>>> theirs
             if least > size:
                 size, signed = least, None
         return _Steps(size, signed if found.is_extrapolated else None, how)
