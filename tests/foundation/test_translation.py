@@ -82,7 +82,7 @@ def first_of(x, i):
 def truths(i, x):
     """Every way to be true."""
     a = 0 < i < 5 and x < 1.0 or not x > -0.5
-    b = i and 1 <= i <= 3 != x
+    b = bool(i and 1 <= i <= 3 != x)
     c = (i == 2) | (x > 0.0)
     d = 1 if i else 0
     return a, (1 if b else 0), c, d, i != 0, not i, x == x, x != x
@@ -125,6 +125,7 @@ def loops(n, step):
 @kernel
 def set_within(n):
     """A variable that a loop sets, of one kind here and of another there."""
+    seen = 0
     for k in range(n):
         seen = k
         if k > 2:
@@ -272,9 +273,64 @@ WRONG = {
     "an unknown word": ("del number", "kernels have no Delete"),
     "a text": ("x = 'word'", "a kernel cannot use 'word'"),
     "in": ("x = 1 in (1, 2)", "no kernel compares with In"),
+    # what would have another value than in Python
+    "or as a value": ("x = number or 0.5", "as a value `and` or `or` of numbers"),
+    "and as a value": ("x = flag and number", "as a value `and` or `or` of numbers"),
+    "or of a tuple": ("x = (1, 2) or (3, 4)", "as a value `and` or `or` of numbers"),
+    "or within an argument": ("x = twice(number or 2.0)", "as a value `and` or `or` of numbers"),
+    "or that is compared": ("x = 1 if (number or 2.0) > 1.0 else 0", "as a value `and` or `or`"),
+    "one branch alone": ("if flag:\n        x = 1\n    y = x", "`x` may have no value here"),
+    "the other branch": (
+        "if flag:\n        y = 1\n    else:\n        x = 1\n    y = x",
+        "`x` may have no value here",
+    ),
+    "a loop alone": (
+        "for k in range(scene.small[0]):\n        x = k\n    y = x",
+        "`x` may have no value here",
+    ),
+    "a loop's own variable": (
+        "for k in range(int(number)):\n        pass\n    y = k",
+        "`k` may have no value here",
+    ),
+    "a while loop alone": (
+        "while number > 1.0:\n        x = 1\n        number = 0.0\n    y = x",
+        "`x` may have no value here",
+    ),
+    "set before the break": (
+        "for k in range(5):\n        if flag:\n            break\n        x = k\n    y = x",
+        "`x` may have no value here",
+    ),
+    "beyond a column": ("scene.table[0].slot[3] = 1.0", "of 3 numbers has no item 3"),
+    "beyond a column, read": ("x = scene.table[0].slot[1 + 3]", "of 3 numbers has no item 4"),
+    "before a column": ("x = scene.table[0].slot[-1]", "no item -1"),
+    "before a vector": ("scene.out[-1] = 1.0", "no item -1"),
+    "before a table": ("x = scene.table[-1].width", "no row -1"),
+    "a large constant": ("x = 2**70 + scene.small[0]", "beyond 64 bits"),
+    "a large sum": ("x = (2**63 - 1) + 1", "beyond 64 bits"),
+    "a large literal": ("x = 9223372036854775808", "beyond 64 bits"),
+    "a large constant in a column": ("scene.small[0] = 2**31", "of 32 bits cannot hold"),
+    "shifted far": ("x = scene.small[0] << 64", "no shift by 64"),
+    "shifted back": ("x = scene.small[0] >> -1", "no shift by -1"),
+    "divided by zero": ("x = scene.small[0] // 0", "division of an integer by zero"),
+    "the rest by zero": ("x = scene.small[0] % 0", "division of an integer by zero"),
+    "an integer of nan": ("x = int(NAN)", "nan is no integer"),
+    "max of nothing": ("x = max()", "max and min take numbers"),
+    "max of an empty tuple": ("x = max(())", "max and min take numbers"),
+    "range of nothing": ("for k in range():\n        pass", "range takes one to three"),
+    "range of four": ("for k in range(1, 2, 3, 4):\n        pass", "range takes one to three"),
+    "range that stands": ("for k in range(1, 2, 0):\n        pass", "no step of 0"),
+    "floor of nothing": ("x = floor()", "takes 1 argument"),
+    "int of nothing": ("x = int()", "int takes 1 argument"),
+    "float of two": ("x = float(1, 2)", "float takes 1 argument"),
+    "bool of nothing": ("x = bool()", "bool takes 1 argument"),
+    "abs of nothing": ("x = abs()", "abs takes 1 argument"),
 }
 HEAD = """\
+from math import floor
+
 from crashsolve.foundation.kernels import entry, kernel
+
+NAN = float("nan")
 
 def bare(x):
     return x

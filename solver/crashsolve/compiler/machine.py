@@ -29,11 +29,27 @@ from crashsolve.compiler.table import Tables
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
 
+class BoundsError(CrashsolveError):
+    """A kernel has left the bounds of a table, a column, a tuple or an integer."""
+
+
 class CompileError(CrashsolveError):
     """A kernel is none that can be translated: a law's, or one of the solver."""
 
 
 Function = Callable[[float, bool, Tables], None]
+
+
+class Failure(ctypes.Structure):
+    """What code that checks bounds tells: where, the number that was wrong, and its limit."""
+
+    _fields_ = (
+        ("site", ctypes.c_char_p),
+        ("number", ctypes.c_int64),
+        ("limit", ctypes.c_int64),
+    )
+
+
 # functions by the file they are kept in
 _linked: dict[Path, tuple[Function, ...]] = {}
 # function(number, flag, tables)
@@ -57,7 +73,9 @@ def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple
     Raises: CompileError with the compiler's message when they cannot be compiled, CacheError where
     compiled code cannot be kept.
     """
-    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{tables.layout}.{processor()}.o"
+    checked = ".checked" * runs_checked()
+    kind = f"{tables.layout}.{processor()}{checked}"
+    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{kind}.o"
     # once: the broad phase asks again at every renewal
     if path not in _linked:
         content = read_sealed(path) or _compile_once(source, names, tables, path)
@@ -75,6 +93,11 @@ def processor() -> str:
 def runs_plain() -> bool:
     """Whether nothing is to be compiled."""
     return os.environ.get("CRASHSOLVE_PLAIN", "0") not in ("", "0")
+
+
+def runs_checked() -> bool:
+    """Whether compiled code checks the bounds of every access."""
+    return os.environ.get("CRASHSOLVE_CHECKED", "0") not in ("", "0")
 
 
 def plain(source: Path, name: str) -> Function:
@@ -154,9 +177,22 @@ def _function(engine: Any, name: str) -> Function:
     """A compiled function, as Python calls it."""
     call = SIGNATURE(engine.get_function_address(name))
 
+    if runs_checked():
+        address = ctypes.CFUNCTYPE(ctypes.c_void_p)(engine.get_function_address("first_failure"))()
+        failure = Failure.from_address(address)
+
     def function(number: float, flag: bool, tables: Tables) -> None:
         call(number, flag, tables.pointer)
 
+    def checked(number: float, flag: bool, tables: Tables) -> None:
+        call(number, flag, tables.pointer)
+        if failure.site:
+            said = failure.site.decode(errors="replace")
+            failure.site = None
+            message = f"{said}: {failure.number} is out of bounds, the limit is {failure.limit}"
+            raise BoundsError(message)
+
+    function = checked if runs_checked() else function
     # the code lives as long as its engine
     function.keep = engine  # type: ignore[attr-defined]
     return function

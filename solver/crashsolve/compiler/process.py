@@ -44,7 +44,7 @@ def main(source: Path, path: Path, names: list[str]) -> None:
     # the compiler's garbage goes with the process: a tenth of the time
     gc.disable()
     slots = pickle.load(sys.stdin.buffer)
-    functions, kernels = machine.import_file(source), Module(slots)
+    functions, kernels = machine.import_file(source), Module(slots, machine.runs_checked())
     for name in names:
         kernels.entry(getattr(functions, name), name)
     text = kernels.text()

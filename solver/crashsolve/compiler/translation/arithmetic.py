@@ -1,15 +1,17 @@
 """What operators do to numbers, as Python does it; division by zero goes on with infinity.
 
 Numbers of different kinds are brought to the one that holds both. Integers are those of the
-machine: 64 bits.
+machine: 64 bits. COMPILER.md says what that means.
 """
 
 import ast
+import math
 
 from crashsolve.compiler.translation.kinds import (
     BOOL,
     FLOAT,
     INT,
+    Column,
     Kind,
     Number,
     Tuple,
@@ -18,8 +20,9 @@ from crashsolve.compiler.translation.kinds import (
     float_word,
     tuple_of,
     unify,
+    whole,
 )
-from crashsolve.compiler.translation.text import FLAGS, Text
+from crashsolve.compiler.translation.text import Text
 
 FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
 INTEGERS = {
@@ -51,6 +54,8 @@ def convert(text: Text, value: Value, kind: Kind) -> Value:
     if isinstance(kind, Tuple):
         pairs = zip(value.items, kind.items, strict=True)
         return tuple_of([convert(text, item, wanted) for item, wanted in pairs], kind.names)
+    if isinstance(kind, Column) and isinstance(value.kind, Column) and kind.count is None:
+        return Value(kind, (value.words[0], str(value.kind.count)))
     if not isinstance(kind, Number) or not isinstance(value.kind, Number):
         raise Untranslatable(f"{value.kind} where {kind} is wanted")
     return _convert_number(text, value, kind)
@@ -65,10 +70,23 @@ def _convert_number(text: Text, value: Value, kind: Number) -> Value:
         return Value(FLOAT, (text.value(f"{how} {value.words[0]} to double"),))
     if kind == INT:
         if known is not None:
-            return Value(INT, (str(int(known)),), int(known))
-        how = "zext i1" if value.kind == BOOL else "fptosi double"
-        return Value(INT, (text.value(f"{how} {value.words[0]} to i64"),))
+            if not math.isfinite(known):
+                raise Untranslatable(f"{known} is no integer")
+            return whole(int(known))
+        if value.kind == BOOL:
+            return Value(INT, (text.value(f"zext i1 {value.words[0]} to i64"),))
+        return Value(INT, (_whole_of(text, value.words[0]),))
     return truth(text, value)
+
+
+def _whole_of(text: Text, word: str) -> str:
+    """The integer of a floating point number: 0 of NaN, the nearest one beyond 64 bits."""
+    found = text.value(f"call i64 @llvm.fptosi.sat.i64.f64(double {word})")
+    if text.site is not None:
+        size = text.value(f"call double @llvm.fabs.f64(double {word})")
+        held = text.value(f"fcmp olt double {size}, {float_word(2.0**63)}")
+        text.test(held, found, str(2**63 - 1))
+    return found
 
 
 def truth(text: Text, value: Value) -> Value:
@@ -81,7 +99,7 @@ def truth(text: Text, value: Value) -> Value:
         return Value(BOOL, (text.value(f"icmp ne i64 {value.words[0]}, 0"),))
     if value.kind == FLOAT:
         zero = float_word(0.0)
-        return Value(BOOL, (text.value(f"fcmp {FLAGS} une double {value.words[0]}, {zero}"),))
+        return Value(BOOL, (text.value(f"fcmp {text.flags} une double {value.words[0]}, {zero}"),))
     raise Untranslatable("only a number can be a condition")
 
 
@@ -102,7 +120,7 @@ def compare(text: Text, how: ast.cmpop, one: Value, other: Value) -> Value:
     integer, real = ORDERS[type(how)]
     words = f"{a.words[0]}, {b.words[0]}"
     if a.kind == FLOAT:
-        return Value(BOOL, (text.value(f"fcmp {FLAGS} {real} double {words}"),))
+        return Value(BOOL, (text.value(f"fcmp {text.flags} {real} double {words}"),))
     return Value(BOOL, (text.value(f"icmp {integer} i64 {words}"),))
 
 
@@ -116,12 +134,31 @@ def operate(text: Text, how: ast.operator, one: Value, other: Value) -> Value:
     a, b = common(text, one, other, FLOAT if isinstance(how, ast.Div) else INT)
     if isinstance(how, (ast.FloorDiv, ast.Mod)):
         return _divide(text, how, a, b)
+    if a.kind == INT and isinstance(how, (ast.LShift, ast.RShift)):
+        return _shift(text, how, a, b)
     words = f"{a.words[0]}, {b.words[0]}"
     if a.kind == FLOAT and type(how) in FLOATS:
-        return Value(FLOAT, (text.value(f"{FLOATS[type(how)]} {FLAGS} double {words}"),))
+        return Value(FLOAT, (text.value(f"{FLOATS[type(how)]} {text.flags} double {words}"),))
     if a.kind == INT and type(how) in INTEGERS:
         return Value(INT, (text.value(f"{INTEGERS[type(how)]} i64 {words}"),))
     raise Untranslatable(f"no kernel does {type(how).__name__} to such numbers")
+
+
+def _shift(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
+    """Bits to the left or right by any count; those beyond 64 are lost. Constants: 0 to 63."""
+    count, known = b.words[0], b.constant
+    if known is not None and not 0 <= known < 64:
+        raise Untranslatable(f"integers have 64 bits: no shift by {known}")
+    word = INTEGERS[type(how)]
+    if known is not None:
+        return Value(INT, (text.value(f"{word} i64 {a.words[0]}, {count}"),))
+    fits = text.value(f"icmp ult i64 {count}, 64")
+    text.test(fits, count, "64")
+    few = text.value(f"select i1 {fits}, i64 {count}, i64 63")
+    found = text.value(f"{word} i64 {a.words[0]}, {few}")
+    if isinstance(how, ast.RShift):
+        return Value(INT, (found,))
+    return Value(INT, (text.value(f"select i1 {fits}, i64 {found}, i64 0"),))
 
 
 def _divide(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
@@ -129,10 +166,20 @@ def _divide(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
     if a.kind != INT:
         raise Untranslatable("// and % are for integers")
     x, y = a.words[0], b.words[0]
-    if not b.constant:
+    if b.constant == 0:
+        raise Untranslatable("division of an integer by zero")
+    if b.constant is None:
         by_zero = text.value(f"icmp eq i64 {y}, 0")
+        if text.site is not None:
+            text.test(text.value(f"icmp ne i64 {y}, 0"), x, y)
         y = text.value(f"select i1 {by_zero}, i64 1, i64 {y}")
         x = text.value(f"select i1 {by_zero}, i64 0, i64 {x}")
+    if b.constant in (None, -1):
+        # the machine stops at -2**63 // -1
+        is_minus = text.value(f"icmp eq i64 {y}, -1")
+        turned = text.value(f"sub i64 0, {x}")
+        x = text.value(f"select i1 {is_minus}, i64 {turned}, i64 {x}")
+        y = text.value(f"select i1 {is_minus}, i64 1, i64 {y}")
     rest = text.value(f"srem i64 {x}, {y}")
     uneven = text.value(f"icmp ne i64 {rest}, 0")
     signs = text.value(f"xor i64 {rest}, {y}")
@@ -152,7 +199,7 @@ def power(text: Text, base: Value, exponent: Value) -> Value:
     if not isinstance(n, int) or n < 0:
         a, b = convert(text, base, FLOAT), convert(text, exponent, FLOAT)
         words = f"double {a.words[0]}, double {b.words[0]}"
-        return Value(FLOAT, (text.value(f"call {FLAGS} double @llvm.pow.f64({words})"),))
+        return Value(FLOAT, (text.value(f"call {text.flags} double @llvm.pow.f64({words})"),))
     result, square = Value(INT, ("1",), 1), base
     while n:
         if n & 1:
@@ -168,10 +215,10 @@ def negative(text: Text, value: Value) -> Value:
     if value.kind == FLOAT:
         if value.constant is not None:
             return Value(FLOAT, (float_word(-value.constant),), -value.constant)
-        return Value(FLOAT, (text.value(f"fneg {FLAGS} double {value.words[0]}"),))
+        return Value(FLOAT, (text.value(f"fneg {text.flags} double {value.words[0]}"),))
     number = convert(text, value, INT)
     if number.constant is not None:
-        return Value(INT, (str(-number.constant),), -number.constant)
+        return whole(-number.constant)
     return Value(INT, (text.value(f"sub i64 0, {number.words[0]}"),))
 
 

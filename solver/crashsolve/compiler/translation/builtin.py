@@ -5,7 +5,6 @@ import math
 from crashsolve.compiler.translation import arithmetic
 from crashsolve.compiler.translation.expressions import BUILTINS, Builtin, Expressions
 from crashsolve.compiler.translation.kinds import FLOAT, INT, Untranslatable, Value
-from crashsolve.compiler.translation.text import FLAGS
 
 # LLVM's own, and those of the library of C
 OWN = {
@@ -39,7 +38,10 @@ def _count_of(name: str) -> int:
 
 def declarations() -> list[str]:
     """What LLVM must know of these functions."""
-    lines = ["declare double @llvm.pow.f64(double, double)"]
+    lines = [
+        "declare double @llvm.pow.f64(double, double)",
+        "declare i64 @llvm.fptosi.sat.i64.f64(double)",
+    ]
     for name in (*OWN.values(), *ROUNDING.values()):
         given = ", ".join(["double"] * _count_of(name))
         lines.append(f"declare double @llvm.{name}.f64({given})")
@@ -55,7 +57,7 @@ def _call(symbol: str, count: int) -> Builtin:
             raise Untranslatable(f"{symbol} takes {count} arguments")
         words = [arithmetic.convert(of.text, value, FLOAT).words[0] for value in given]
         listed = ", ".join(f"double {word}" for word in words)
-        return Value(FLOAT, (of.text.value(f"call {FLAGS} double @{symbol}({listed})"),))
+        return Value(FLOAT, (of.text.value(f"call {of.text.flags} double @{symbol}({listed})"),))
 
     return translate
 
@@ -65,30 +67,37 @@ def _rounding(symbol: str) -> Builtin:
     return lambda of, given: _to_integer(of, [whole(of, given)])
 
 
+def _only(given: list[Value], name: str) -> Value:
+    """The one argument. Raises Untranslatable."""
+    if len(given) != 1:
+        raise Untranslatable(f"{name} takes 1 argument")
+    return given[0]
+
+
 def _to_integer(of: Expressions, given: list[Value]) -> Value:
-    (value,) = given
-    return arithmetic.convert(of.text, value, INT)
+    return arithmetic.convert(of.text, _only(given, "int"), INT)
 
 
 def _to_float(of: Expressions, given: list[Value]) -> Value:
-    (value,) = given
-    return arithmetic.convert(of.text, value, FLOAT)
+    return arithmetic.convert(of.text, _only(given, "float"), FLOAT)
 
 
 def _to_truth(of: Expressions, given: list[Value]) -> Value:
-    return arithmetic.truth(of.text, *given)
+    return arithmetic.truth(of.text, _only(given, "bool"))
 
 
 def _extreme(how: str) -> Builtin:
     """The first of the largest or smallest, as Python finds it."""
 
     def translate(of: Expressions, given: list[Value]) -> Value:
-        values = given if len(given) > 1 else given[0].items
+        values = given[0].items if len(given) == 1 else given
+        if not values:
+            raise Untranslatable("max and min take numbers, or a tuple of some")
         found = values[0]
         for value in values[1:]:
             a, b = arithmetic.common(of.text, found, value, INT)
             x, y, word = a.words[0], b.words[0], a.kind.words[0]
-            order = f"fcmp {FLAGS} o{how}" if a.kind == FLOAT else f"icmp s{how}"
+            order = f"fcmp {of.text.flags} o{how}" if a.kind == FLOAT else f"icmp s{how}"
             which = of.text.value(f"{order} {word} {y}, {x}")
             line = f"select i1 {which}, {word} {y}, {word} {x}"
             found = Value(a.kind, (of.text.value(line),))
@@ -98,7 +107,7 @@ def _extreme(how: str) -> Builtin:
 
 
 def _absolute(of: Expressions, given: list[Value]) -> Value:
-    (value,) = given
+    value = _only(given, "abs")
     if value.kind == FLOAT:
         return _call("llvm.fabs.f64", 1)(of, given)
     number = arithmetic.convert(of.text, value, INT)

@@ -25,7 +25,7 @@ from crashsolve.compiler.translation.kinds import (
     tuple_of,
     unify,
 )
-from crashsolve.compiler.translation.text import Text
+from crashsolve.compiler.translation.text import FLAGS, Text
 
 # what becomes of calls of functions that are no kernels, by the function
 Builtin = Callable[["Expressions", list[Value]], Value]
@@ -46,8 +46,18 @@ class Expressions:
     `bound` are its variables; `call` translates a call of a kernel, `keep` puts constants aside.
     """
 
+    # what LLVM may do to sums and products
+    flags = FLAGS
+
     def __init__(self, names: dict[str, Any], module: Any) -> None:
-        self.names, self.module, self.text = names, module, Text()
+        self.names, self.module = names, module
+        # what is looked up by an index, for messages
+        self.indexed: ast.expr | None = None
+        self.text = Text(self.site if module.is_checked else None, self.flags)
+
+    def site(self) -> str:
+        """A constant with file, line and expression."""
+        raise NotImplementedError
 
     def variable(self, name: str) -> Value | None:
         """The value of a variable of the function, or None."""
@@ -113,19 +123,22 @@ class Expressions:
     def _value_Subscript(self, node: ast.Subscript) -> Value:
         owner = self.value(node.value)
         if isinstance(owner.kind, Tuple):
-            return self._item(owner, node.slice)
+            return self._item(owner, node)
         if isinstance(owner.kind, Column):
-            slot = memory.slot_of_number(self.text, owner, self.number(node.slice))
+            index, self.indexed = self.number(node.slice), node
+            slot = memory.slot_of_number(self.text, owner, index)
             return memory.read_number(self.text, slot, owner.kind.dtype)
         if isinstance(owner.kind, Table):
             several = isinstance(node.slice, ast.Tuple)
             nodes = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
             assert several or len(nodes) == 1
-            return memory.row_of(self.text, owner, [self.number(part) for part in nodes])
+            indices, self.indexed = [self.number(part) for part in nodes], node
+            return memory.row_of(self.text, owner, indices)
         raise Untranslatable("only tables, columns and tuples have items")
 
-    def _item(self, owner: Value, index: ast.expr) -> Value:
+    def _item(self, owner: Value, node: ast.Subscript) -> Value:
         """An item of a tuple, or several by constant bounds."""
+        index = node.slice
         if isinstance(index, ast.Slice):
             ends = [None if e is None else self.number(e) for e in (index.lower, index.upper)]
             if index.step is not None or any(e is not None and e.constant is None for e in ends):
@@ -137,11 +150,17 @@ class Expressions:
             if not -len(owner.items) <= at.constant < len(owner.items):
                 raise Untranslatable(f"a tuple of {len(owner.items)} has no item {at.constant}")
             return owner.items[at.constant]
+        self.indexed = node
         return self._any_item(owner, at)
 
     def _any_item(self, owner: Value, at: Value) -> Value:
         """An item of a tuple whose number is known in the run alone."""
         items = owner.items
+        count = str(len(items))
+        inside = self.text.value(f"icmp ult i64 {at.words[0]}, {count}")
+        self.text.test(inside, at.words[0], count)
+        if self.text.site is not None:
+            at = Value(INT, (self.text.value(f"select i1 {inside}, i64 {at.words[0]}, i64 0"),))
         kind: Kind | None = items[0].kind if items else None
         for item in items:
             kind = kind and unify(kind, item.kind)
@@ -176,9 +195,9 @@ class Expressions:
         return arithmetic.operate(self.text, node.op, one, other)
 
     def _value_UnaryOp(self, node: ast.UnaryOp) -> Value:
-        value = self.value(node.operand)
         if isinstance(node.op, ast.Not):
-            return arithmetic.opposite(self.text, value)
+            return arithmetic.opposite(self.text, self.condition(node.operand))
+        value = self.value(node.operand)
         if isinstance(node.op, ast.USub):
             return arithmetic.negative(self.text, value)
         raise Untranslatable(f"kernels have no {type(node.op).__name__}")
@@ -215,13 +234,28 @@ class Expressions:
         self.text.begin(end)
         return Value(BOOL, (self.text.join("i1", edges),))
 
+    def condition(self, node: ast.expr) -> Value:
+        """Whether an expression holds: there alone `and` and `or` may join numbers."""
+        if isinstance(node, ast.BoolOp):
+            return self._settled(node)
+        return arithmetic.truth(self.text, self.value(node))
+
     def _value_BoolOp(self, node: ast.BoolOp) -> Value:
+        return self._settled(node, is_value=True)
+
+    def _settled(self, node: ast.BoolOp, is_value: bool = False) -> Value:
+        """Parts from left to right, as far as one of them settles it. Raises Untranslatable."""
         is_and, text = isinstance(node.op, ast.And), self.text
         settles, end = (FALSE if is_and else TRUE), text.new_label()
         edges: list[tuple[str, str]] = []
         last = TRUE if is_and else FALSE
         for k, part in enumerate(node.values):
-            last = arithmetic.truth(text, self.value(part))
+            last = self.value(part) if is_value else self.condition(part)
+            if last.kind != BOOL:
+                raise Untranslatable(
+                    "as a value `and` or `or` of numbers is one of them in Python; "
+                    "write `a if a != 0 else b`"
+                )
             if last.constant is settles.constant:
                 break
             if last.constant is not None or k + 1 == len(node.values):
@@ -233,7 +267,7 @@ class Expressions:
         return self._joined(last, end, edges)
 
     def _value_IfExp(self, node: ast.IfExp) -> Value:
-        text, whether = self.text, arithmetic.truth(self.text, self.value(node.test))
+        text, whether = self.text, self.condition(node.test)
         if whether.constant is not None:
             return self.value(node.body if whether.constant else node.orelse)
         starts, ends = [text.new_label() for _ in "ab"], [text.new_label() for _ in "ab"]
@@ -263,7 +297,10 @@ class Expressions:
         called = self.value(node.func)
         if not isinstance(called.kind, Known) or node.keywords:
             raise Untranslatable("kernels call functions by name, with arguments by place")
-        function, given = called.kind.what, self._listed(node.args)
+        function = called.kind.what
+        if function is bool and len(node.args) == 1:
+            return self.condition(node.args[0])
+        given = self._listed(node.args)
         if function in BUILTINS:
             return BUILTINS[function](self, given)
         if isinstance(function, type) and hasattr(function, "_fields"):
@@ -278,4 +315,8 @@ def _folded(how: ast.operator, a: int, b: int) -> int | None:
         return a + b
     if isinstance(how, ast.Sub):
         return a - b
+    if isinstance(how, ast.Pow) and b >= 0:
+        if b >= 64 and abs(a) > 1:
+            raise Untranslatable(f"{a}**{b} is beyond 64 bits")
+        return int(a**b)
     return a * b if isinstance(how, ast.Mult) else None

@@ -6,7 +6,6 @@ loop brings back to its start is known late: then the function is translated aga
 """
 
 import ast
-from dataclasses import dataclass, field
 from functools import cache
 from types import FunctionType
 from typing import Any
@@ -26,46 +25,20 @@ from crashsolve.compiler.translation.kinds import (
     tuple_of,
     unify,
 )
+from crashsolve.compiler.translation.text import FLAGS_OF_LANES
+from crashsolve.compiler.translation.variables import (
+    LOST,
+    UNSET,
+    Bound,
+    Edge,
+    Loop,
+    Slots,
+    wider,
+)
 
 
 class Again(Exception):
     """The function must be translated once more: more is known of its variables."""
-
-
-class Lost(Kind):
-    """Of a variable that is of one kind or another."""
-
-
-LOST = Lost()
-
-
-@dataclass(frozen=True)
-class Slots:
-    """Where a variable lies."""
-
-    kind: Kind
-    names: tuple[str, ...]
-
-
-Bound = dict[str, Slots | Value]
-
-
-@dataclass
-class Edge:
-    """One of several ways to where control comes together: its label, and the variables on it."""
-
-    label: str
-    bound: Bound
-
-
-@dataclass
-class Loop:
-    """The ways by `continue` and by `break`, and the variables at the start of every turn."""
-
-    start: str
-    begun: Bound = field(default_factory=dict)
-    continued: list[Edge] = field(default_factory=list)
-    broken: list[Edge] = field(default_factory=list)
 
 
 @cache
@@ -81,8 +54,10 @@ class Function(Expressions):
     def __init__(
         self, tree: ast.FunctionDef, function: FunctionType, kinds: tuple[Kind, ...], module: Any
     ) -> None:
+        if getattr(function, "compiled_as", "") == "blockwise":
+            self.flags = FLAGS_OF_LANES
         super().__init__(function.__globals__, module)
-        self.tree, self.kinds = tree, kinds
+        self.tree, self.function, self.kinds = tree, function, kinds
         self.where = tree.lineno
         self.stored = _stored(tree)
         self.returns: Kind | None = None
@@ -94,7 +69,6 @@ class Function(Expressions):
         while True:
             super().__init__(self.names, self.module)
             self.slots: dict[tuple[str, Kind], Slots] = {}
-            self.partial: set[str] = set()
             self.loops: list[Loop] = []
             self.bound: Bound = {}
             try:
@@ -117,6 +91,14 @@ class Function(Expressions):
         if not self.text.ended:
             self._return(Value(NOTHING))
 
+    def site(self) -> str:
+        code = self.function.__code__
+        what = "" if self.indexed is None else f": `{ast.unparse(self.indexed)}`"
+        said = f"{code.co_filename}:{self.where}: {self.tree.name}{what}".encode()
+        listed = "".join(f"\\{byte:02X}" for byte in said + b"\0")
+        found: str = self.module.keep(f'[{len(said) + 1} x i8] c"{listed}"')
+        return found
+
     def arguments(self, k: int) -> tuple[str, ...]:
         """Names of the words of an argument."""
         return tuple(f"%a{k}_{i}" for i in range(len(self.kinds[k].words)))
@@ -132,6 +114,8 @@ class Function(Expressions):
         return self._read(found, name)
 
     def _read(self, found: Slots, name: str) -> Value:
+        if found.kind == UNSET:
+            raise Untranslatable(f"`{name}` may have no value here: not every way gives it one")
         if found.kind == LOST:
             raise Untranslatable(f"`{name}` is not of one kind here")
         pairs = zip(found.kind.words, found.names, strict=True)
@@ -181,16 +165,20 @@ class Function(Expressions):
         for name in dict.fromkeys(name for edge in edges for name in edge):
             kinds = [edge[name].kind for edge in edges if name in edge]
             if len(kinds) < len(edges):
-                self.partial.add(name)
+                found[name] = UNSET
+                continue
             widest = kinds[0]
             for kind in kinds[1:]:
-                widest = _wider(widest, kind)
+                widest = wider(widest, kind)
             found[name] = widest
         return found
 
     def _rotate_into(self, name: str, kind: Kind) -> None:
         """Have a variable be of the kind that it has on every way."""
         had = self.bound.get(name)
+        if kind == UNSET:
+            self.bound[name] = Slots(UNSET, ())
+            return
         if had is None or had.kind == kind:
             return
         if kind == LOST:
@@ -206,7 +194,7 @@ class Function(Expressions):
         for node in nodes:
             if self.text.ended:
                 return
-            self.where = node.lineno
+            self.where, self.indexed = node.lineno, None
             translate = getattr(self, f"_do_{type(node).__name__}", None)
             if translate is None:
                 raise Untranslatable(f"kernels have no {type(node).__name__}")
@@ -267,7 +255,7 @@ class Function(Expressions):
         elif isinstance(target, ast.Subscript):
             column = self.value(target.value)
             if isinstance(column.kind, Column):
-                index = self.number(target.slice)
+                index, self.indexed = self.number(target.slice), target
                 return memory.slot_of_number(self.text, column, index), column.kind.dtype
         raise Untranslatable("kernels write numbers, to rows and columns")
 
@@ -286,7 +274,7 @@ class Function(Expressions):
         self.text.ret(kind.words, arithmetic.convert(self.text, value, kind).words)
 
     def _do_If(self, node: ast.If) -> None:
-        text, whether = self.text, arithmetic.truth(self.text, self.value(node.test))
+        text, whether = self.text, self.condition(node.test)
         if whether.constant is not None:
             self.statements(node.body if whether.constant else node.orelse)
             return
@@ -301,8 +289,8 @@ class Function(Expressions):
         self.join(edges)
 
     def _do_While(self, node: ast.While) -> None:
-        text, loop = self.text, self._open(node)
-        whether = arithmetic.truth(text, self.value(node.test))
+        loop = self._open(node)
+        whether = self.condition(node.test)
         out = self._enter(whether)
         self._rotation(node, loop)
         self._close(node, loop, out)
@@ -320,6 +308,8 @@ class Function(Expressions):
         called = node.iter
         whose = self.value(called.func).kind if isinstance(called, ast.Call) else None
         if isinstance(called, ast.Call) and isinstance(whose, Known) and whose.what is range:
+            if not 1 <= len(called.args) <= 3 or called.keywords:
+                raise Untranslatable("range takes one to three numbers")
             self._for_range(node, [self.number(part) for part in called.args])
         else:
             self._for_each(node)
@@ -328,6 +318,11 @@ class Function(Expressions):
         first = numbers[0] if len(numbers) > 1 else Value(INT, ("0",), 0)
         last = numbers[1] if len(numbers) > 1 else numbers[0]
         step = numbers[2] if len(numbers) > 2 else Value(INT, ("1",), 1)
+        if step.constant == 0:
+            raise Untranslatable("a range has no step of 0")
+        if step.constant is None and self.text.site is not None:
+            by = step.words[0]
+            self.text.test(self.text.value(f"icmp ne i64 {by}, 0"), by, "0")
         text, count = self.text, self.text.slot("i64")
         text.store("i64", first.words[0], count)
         loop = self._open(node)
@@ -338,7 +333,8 @@ class Function(Expressions):
         if not text.ended:
             after = text.value(f"add nsw i64 {now}, {step.words[0]}")
             text.store("i64", after, count)
-        self._close(node, loop, out)
+        ends = (first.constant, last.constant, step.constant)
+        self._close(node, loop, out, None not in ends and len(range(*ends)) > 0)
 
     def _is_within(self, now: str, last: str, step: Value) -> str:
         """Whether a range has not come to its end."""
@@ -384,12 +380,17 @@ class Function(Expressions):
         if loop.continued:
             self.join(loop.continued + self.edge())
 
-    def _close(self, node: ast.For | ast.While, loop: Loop, out: list[Edge]) -> None:
-        """Back to the start of a loop with variables of the same kinds, and on after it."""
+    def _close(
+        self, node: ast.For | ast.While, loop: Loop, out: list[Edge], is_entered: bool = False
+    ) -> None:
+        """Back to the start of a loop with variables of the same kinds, and on after it.
+
+        `is_entered`: whether its body has been done at least once then.
+        """
         gained: Bound = {}
         if not self.text.ended:
             for name, had in loop.begun.items():
-                widest = _wider(had.kind, self.bound[name].kind)
+                widest = wider(had.kind, self.bound[name].kind)
                 if widest != had.kind:
                     self.wider[id(node), name] = widest
                     raise Again
@@ -397,8 +398,8 @@ class Function(Expressions):
             gained = {name: p for name, p in self.bound.items() if name not in loop.begun}
             self.text.go(loop.start)
         for edge in out:
-            self.partial |= gained.keys()
-            edge.bound = gained | edge.bound
+            for name, found in gained.items():
+                edge.bound.setdefault(name, found if is_entered else Slots(UNSET, ()))
         self.join(out + loop.broken)
 
     def _do_Break(self, node: ast.Break) -> None:
@@ -410,14 +411,7 @@ class Function(Expressions):
     def rooms(self) -> list[str]:
         """Lines that make room for the variables."""
         lines = list(self.text.slots)
-        for (name, kind), slots in self.slots.items():
+        for (_, kind), slots in self.slots.items():
             for word, slot in zip(kind.words, slots.names, strict=True):
                 lines.append(f"{slot} = alloca {word}")
-                if name in self.partial:
-                    lines.append(f"store {word} zeroinitializer, ptr {slot}")
         return lines
-
-
-def _wider(one: Kind, other: Kind) -> Kind:
-    """The kind that holds both, or that of what is lost."""
-    return LOST if LOST in (one, other) else unify(one, other) or LOST

@@ -79,9 +79,17 @@ class Row(Kind):
 
 @dataclass(frozen=True)
 class Column(Kind):
-    """Several numbers one after the other: the address of the first."""
+    """Several numbers one after the other: the address of the first, and how many.
+
+    `count` is known for a column of a row; otherwise a second word holds it.
+    """
 
     dtype: np.dtype
+    count: int | None = None
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        return ("ptr",) if self.count is not None else ("ptr", "i64")
 
 
 @dataclass(frozen=True)
@@ -164,7 +172,7 @@ def known(thing: Any) -> Value:
     if isinstance(thing, (bool, np.bool_)):
         return Value(BOOL, ("true" if thing else "false",), bool(thing))
     if isinstance(thing, Integral):
-        return Value(INT, (str(int(thing)),), int(thing))
+        return whole(int(thing))
     if isinstance(thing, float):
         return Value(FLOAT, (float_word(thing),), float(thing))
     if isinstance(thing, tuple):
@@ -172,6 +180,13 @@ def known(thing: Any) -> Value:
     if isinstance(thing, (ModuleType, FunctionType, type)) or callable(thing):
         return Value(Known(thing))
     raise Untranslatable(f"a kernel cannot use {thing!r}")
+
+
+def whole(number: int) -> Value:
+    """A constant integer. Raises Untranslatable beyond 64 bits."""
+    if not -(2**63) <= number < 2**63:
+        raise Untranslatable(f"{number} is beyond 64 bits")
+    return Value(INT, (str(number),), number)
 
 
 def float_word(number: float) -> str:
@@ -185,6 +200,8 @@ def unify(one: Kind, other: Kind) -> Kind | None:
         return one
     if isinstance(one, Number) and isinstance(other, Number):
         return max(one, other, key=lambda kind: kind.rank)
+    if isinstance(one, Column) and isinstance(other, Column) and one.dtype == other.dtype:
+        return Column(one.dtype)
     if isinstance(one, Tuple) and isinstance(other, Tuple) and len(one.items) == len(other.items):
         items = [unify(a, b) for a, b in zip(one.items, other.items, strict=True)]
         if all(item is not None for item in items):

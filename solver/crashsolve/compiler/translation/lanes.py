@@ -6,7 +6,6 @@ Targets with shorter vectors split them.
 from crashsolve.compiler.translation import arithmetic, memory
 from crashsolve.compiler.translation.expressions import BUILTINS, Expressions
 from crashsolve.compiler.translation.kinds import INT, NOTHING, Table, Untranslatable, Value
-from crashsolve.compiler.translation.text import FLAGS
 from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
 from crashsolve.foundation.point import LANES
 
@@ -90,7 +89,7 @@ def _add(of: Expressions, given: list[Value]) -> Value:
         text.choose(text.value(f"icmp sgt i64 {slots.numbers[3].words[0]}, {e}"), inside, after)
         text.begin(inside)
         slot = slots.number(e, "force")
-        total = text.value(f"fadd {FLAGS} {VECTOR} {slots.load(slot)}, {forces}")
+        total = text.value(f"fadd {text.flags} {VECTOR} {slots.load(slot)}, {forces}")
         slots.store(total, slot)
         text.begin(after)
     return Value(NOTHING)

@@ -1,5 +1,6 @@
 """Numbers to and from tables, rows and columns."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -46,16 +47,26 @@ def read_number(text: Text, slot: str, dtype: np.dtype) -> Value:
 def write_number(text: Text, slot: str, dtype: np.dtype, value: Value) -> None:
     """Put a number there."""
     kind, stored = kind_in(dtype)
+    known = value.constant
+    if kind == INT and isinstance(known, int):
+        limit = 2 ** (8 * dtype.itemsize - 1)
+        if not -limit <= known < limit:
+            raise Untranslatable(f"a column of {8 * dtype.itemsize} bits cannot hold {known}")
     (word,) = convert(text, value, kind).words
     if kind == BOOL:
         word = text.value(f"zext i1 {word} to i8")
     elif kind == INT and stored != "i64":
-        word = text.value(f"trunc i64 {word} to {stored}")
+        number = word
+        word = text.value(f"trunc i64 {number} to {stored}")
+        if text.site is not None:
+            back = text.value(f"sext {stored} {word} to i64")
+            same = text.value(f"icmp eq i64 {back}, {number}")
+            text.test(same, number, str(2 ** (8 * dtype.itemsize - 1)))
     text.store(stored, word, slot)
 
 
-def slot_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, bool]:
-    """Where a column of a row lies: address, type of a number, whether there are several."""
+def slot_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, int]:
+    """Where a column of a row lies: address, type of a number, how many; 0 for a single one."""
     assert isinstance(row.kind, Row)
     fields: Any = row.kind.dtype.fields or {}
     if name not in fields:
@@ -63,7 +74,7 @@ def slot_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, bo
         raise Untranslatable(f"these rows have no column `{name}`, but {known}")
     dtype, offset = fields[name][:2]
     slot = text.at("i8", row.words[0], str(offset))
-    return slot, dtype.base, bool(dtype.shape)
+    return slot, dtype.base, math.prod(dtype.shape) if dtype.shape else 0
 
 
 def read_column(text: Text, row: Value, name: str) -> Value:
@@ -71,19 +82,33 @@ def read_column(text: Text, row: Value, name: str) -> Value:
     slot, dtype, several = slot_of_column(text, row, name)
     if dtype.names:
         return Value(Row(dtype), (slot,))
-    return Value(Column(dtype), (slot,)) if several else read_number(text, slot, dtype)
+    if not several:
+        return read_number(text, slot, dtype)
+    return Value(Column(dtype, several), (slot,))
 
 
 def slot_of_number(text: Text, column: Value, index: Value) -> str:
-    """Address of column[index]."""
-    assert isinstance(column.kind, Column)
-    return text.at(kind_in(column.kind.dtype)[1], column.words[0], index.words[0])
+    """Address of column[index]. Raises Untranslatable for a constant that it does not have."""
+    kind = column.kind
+    assert isinstance(kind, Column)
+    at = index.constant
+    if at is not None and (at < 0 or (kind.count is not None and at >= kind.count)):
+        held = "" if kind.count is None else f" of {kind.count} numbers"
+        raise Untranslatable(f"a column{held} has no item {at}: kernels count from 0")
+    slot = text.at(kind_in(kind.dtype)[1], column.words[0], index.words[0])
+    if at is not None and kind.count is not None:
+        return slot
+    count = column.words[1] if kind.count is None else str(kind.count)
+    return text.checked(slot, index.words[0], count)
 
 
 def row_of(text: Text, table: Value, indices: list[Value]) -> Value:
     """table[i] or table[i, j]; of a table of two dimensions table[i] is one of rows."""
     kind, data = table.kind, table.words[0]
     assert isinstance(kind, Table)
+    for index in indices:
+        if index.constant is not None and index.constant < 0:
+            raise Untranslatable(f"a table has no row {index.constant}: kernels count from 0")
     count = indices[0].words[0]
     if kind.ndim == 2:
         count = text.value(f"mul i64 {count}, {table.words[2]}")
@@ -91,6 +116,8 @@ def row_of(text: Text, table: Value, indices: list[Value]) -> Value:
         count = text.value(f"add i64 {count}, {indices[1].words[0]}")
     offset = text.value(f"mul i64 {count}, {kind.dtype.itemsize}")
     slot = text.at("i8", data, offset)
+    for index, limit in zip(indices, table.words[1:], strict=False):
+        slot = text.checked(slot, index.words[0], limit)
     if len(indices) == kind.ndim:
         return Value(Row(kind.dtype), (slot,))
     if len(indices) > kind.ndim:

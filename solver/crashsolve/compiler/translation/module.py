@@ -17,7 +17,28 @@ from crashsolve.compiler.translation.kinds import (
     Value,
     tables_of,
 )
-from crashsolve.compiler.translation.text import Text, struct_of
+from crashsolve.compiler.translation.text import REPORT, SCRATCH, Text, struct_of
+
+
+# the first failure: its position in the source, the number that was wrong, and its limit
+CHECKS = (
+    f"{SCRATCH} = internal global [65536 x i8] zeroinitializer, align 64",
+    "@failed = internal global { ptr, i64, i64 } zeroinitializer",
+    f"define void {REPORT}(ptr %site, i64 %number, i64 %limit) nounwind noinline cold {{",
+    "%pair = cmpxchg ptr @failed, ptr null, ptr %site acq_rel acquire",
+    "%first = extractvalue { ptr, i1 } %pair, 1",
+    "br i1 %first, label %keep, label %end",
+    "keep:",
+    "%a = getelementptr i64, ptr @failed, i64 1",
+    "store i64 %number, ptr %a",
+    "%b = getelementptr i64, ptr @failed, i64 2",
+    "store i64 %limit, ptr %b",
+    "br label %end",
+    "end:",
+    "ret void",
+    "}",
+    'define ptr @"first_failure"() nounwind { ret ptr @failed }',
+)
 
 
 class TranslationError(Exception):
@@ -35,7 +56,8 @@ class Known:
 class Module:
     """Functions of a module, each for every combination of kinds it is called with."""
 
-    def __init__(self, slots: dict[str, Slot]) -> None:
+    def __init__(self, slots: dict[str, Slot], is_checked: bool = False) -> None:
+        self.is_checked = is_checked
         self.tables = tables_of(slots)
         self.has_lanes = "lanes" in slots
         self.parts: list[str] = []
@@ -49,7 +71,9 @@ class Module:
     def text(self) -> str:
         """The module. Constants stand first, by name."""
         constants = [f"{name} = private constant {text}" for text, name in self.constants.items()]
-        return "\n".join([*builtin.declarations(), *threads.DECLARED, *constants, *self.parts])
+        checks = CHECKS if self.is_checked else ()
+        heads = [*builtin.declarations(), *threads.DECLARED, *checks]
+        return "\n".join([*heads, *constants, *self.parts])
 
     def keep(self, text: str) -> str:
         """The name of a constant."""

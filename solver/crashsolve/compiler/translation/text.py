@@ -1,15 +1,25 @@
 """The text of one function in LLVM's language, written from top to bottom."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
-# contraction and reassociation only: NaN and infinity must keep their meaning for the guards
-FLAGS = "contract nsz arcp reassoc"
+# contraction and reciprocals only: NaN and infinity must keep their meaning for the guards.
+# Sums of several lanes are done side by side, in any order; elsewhere the order is that of the
+# source, so that compensated sums are what they are meant to be.
+FLAGS = "contract nsz arcp"
+FLAGS_OF_LANES = f"{FLAGS} reassoc"
+
+# of the checked mode: where an index out of bounds leads to, and what reports it
+SCRATCH, REPORT = "@scratch", "@report"
 
 
 class Text:
     """Lines of a function; what its variables lie in comes first."""
 
-    def __init__(self) -> None:
+    def __init__(self, site: Callable[[], str] | None = None, flags: str = FLAGS) -> None:
+        """`site` keeps the position in the source that is being translated, where bounds are
+        checked, and returns the name of the constant.
+        """
+        self.site, self.flags = site, flags
         self.lines: list[str] = []
         self.slots: list[str] = []
         self.label = "entry"
@@ -53,7 +63,24 @@ class Text:
 
     def at(self, word: str, slot: str, count: str) -> str:
         """Address of the count-th value from a position."""
-        return self.value(f"getelementptr inbounds {word}, ptr {slot}, i64 {count}")
+        return self.value(f"{self._step} {word}, ptr {slot}, i64 {count}")
+
+    def checked(self, slot: str, index: str, count: str) -> str:
+        """The slot of an item; in checked mode another one where the index is out of bounds."""
+        if self.site is None:
+            return slot
+        inside = self.test(self.value(f"icmp ult i64 {index}, {count}"), index, count)
+        return self.value(f"select i1 {inside}, ptr {slot}, ptr {SCRATCH}")
+
+    def test(self, holds: str, number: str, limit: str) -> str:
+        """In checked mode, report that a condition does not hold; returns the condition."""
+        if self.site is not None:
+            failed, after = self.new_label(), self.new_label()
+            self.choose(holds, after, failed)
+            self.begin(failed)
+            self.put(f"call void {REPORT}(ptr {self.site()}, i64 {number}, i64 {limit})")
+            self.begin(after)
+        return holds
 
     def go(self, label: str) -> None:
         """End this block: go on at a label."""
@@ -73,6 +100,11 @@ class Text:
             for k, (word, value) in enumerate(zip(words, values, strict=True)):
                 whole = self.value(f"insertvalue {kind} {whole}, {word} {value}, {k}")
         self._end(f"ret {struct_of(words)} {whole}")
+
+    @property
+    def _step(self) -> str:
+        """An address out of bounds may be formed where it is then replaced."""
+        return "getelementptr" if self.site else "getelementptr inbounds"
 
     def _end(self, line: str) -> None:
         if not self.ended:

@@ -1,0 +1,56 @@
+"""Variables of a kernel: where they lie, and what is known of them where ways come together."""
+
+from dataclasses import dataclass, field
+
+from crashsolve.compiler.translation.kinds import Kind, Value, unify
+
+
+class Lost(Kind):
+    """Of a variable that is of one kind or another."""
+
+
+LOST = Lost()
+
+
+class Unset(Kind):
+    """Of a variable that has a value on some ways only."""
+
+
+UNSET = Unset()
+
+
+@dataclass(frozen=True)
+class Slots:
+    """Where a variable lies."""
+
+    kind: Kind
+    names: tuple[str, ...]
+
+
+Bound = dict[str, Slots | Value]
+
+
+@dataclass
+class Edge:
+    """One of several ways to where control comes together: its label, and the variables on it."""
+
+    label: str
+    bound: Bound
+
+
+@dataclass
+class Loop:
+    """The ways by `continue` and by `break`, and the variables at the start of every turn."""
+
+    start: str
+    begun: Bound = field(default_factory=dict)
+    continued: list[Edge] = field(default_factory=list)
+    broken: list[Edge] = field(default_factory=list)
+
+
+def wider(one: Kind, other: Kind) -> Kind:
+    """The kind that holds both, or that of what is lost."""
+    for kind in (UNSET, LOST):
+        if kind in (one, other):
+            return kind
+    return unify(one, other) or LOST
