@@ -19,7 +19,6 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.compiler.translation.text import REPORT, SCRATCH, Text, struct_of
 
-
 # the first failure: its position in the source, the number that was wrong, and its limit
 CHECKS = (
     f"{SCRATCH} = internal global [65536 x i8] zeroinitializer, align 64",
