@@ -41,7 +41,7 @@ Function = Callable[[float, bool, Tables], None]
 
 
 class Failure(ctypes.Structure):
-    """What code that checks bounds tells: where, the number that was wrong, and its limit."""
+    """What code that checks bounds reports: where, the number that was wrong, and its limit."""
 
     _fields_ = (
         ("site", ctypes.c_char_p),
