@@ -2,7 +2,7 @@
 
     two coarser runs    error = |x1 - x2| / ((h2/h1)^p - 1), the observed order p as in a study;
                         at least a quarter of what |x2 - x4| says with the method's order,
-                        and all of it where p is greater than any order of the method
+                        and all of it where p is none, or greater than any order of the method
     one coarser run     the same with the method's order
     one finer run       error = |x1 - xf| / (1 - (hf/h1)^2), enough for any order from 2 on
     samples             refined - plain, added with its sign where that of the rest is known
@@ -193,8 +193,8 @@ class Judge:
         signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
         if found.stalls is None and self.order:
             a, b, c = (step**self.order for step in steps)
-            # an order that the method cannot have is a last difference that is small by chance
-            share = 1.0 if found.order > self.order + NEAR else CHANCE_MARGIN
+            # an order that the method cannot have, or none, is a last difference small by chance
+            share = CHANCE_MARGIN if found.order <= self.order + NEAR else 1.0
             least = share * apart[0] * c / (a - b)
             if least > size:
                 size, signed = least, None
