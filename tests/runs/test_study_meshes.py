@@ -72,8 +72,8 @@ def test_structures_lead_to_one_answer(word: str, order: float, tmp_path: Path) 
         *("--integrators", "rattle", "--steps", "2e-6,1e-6", "--meshes", "1,2,4"),
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    told = done.stdout.split("away; order ")[1].split(" in the")[0]
-    seen, apart = map(float, told.split(" +- "))
+    printed = done.stdout.split("away; order ")[1].split(" in the")[0]
+    seen, apart = map(float, printed.split(" +- "))
     # three meshes from 4 elements on have not come to their order yet
     assert seen == pytest.approx(order, abs=0.15)
     assert apart == pytest.approx(abs(seen - order), abs=0.011)

@@ -69,6 +69,7 @@ class Estimate:
     steps: float = 0.0  # the part of the error that the steps make
     gap: float = 0.0  # and that of the gaps between samples
     is_wanted: bool = True  # False for what measures the run's own errors
+    mesh: float | None = None  # the part of the mesh; infinite where meshes state none
 
     @property
     def relative(self) -> float | None:
@@ -97,6 +98,18 @@ class Judge:
         units = {c.name: c.unit for found in self.channels.values() for c in found}
         main, *rest = (replace(samples, units=units) for samples in (main, *others))
         return replace(self._estimate(resolved, main, rest), watch=watch)
+
+    def numbers(self, watch: Watch, runs: Sequence[Samples]) -> list[np.ndarray]:
+        """What runs are compared in, each (n,): a number, or a history at their common times.
+
+        Raises ValueError for samples that do not serve.
+        """
+        resolved = self._resolved(watch, runs[0])
+        units = {c.name: c.unit for found in self.channels.values() for c in found}
+        times = runs[0].time
+        for run in runs[1:]:
+            times = np.intersect1d(times, run.time)
+        return [_value(resolved, replace(run, units=units).at(times)) for run in runs]
 
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
         """What states a largest value of any step: the course where a sample has caught it.

@@ -17,6 +17,7 @@ from math import inf, isfinite
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
+from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mesh
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
@@ -25,6 +26,7 @@ from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.questions import look_up
 from crashsolve.recording.samples import Channel, Samples
+from crashsolve.study.meshes import has_mesh
 from crashsolve.study.settings import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
 
@@ -49,6 +51,7 @@ class Estimator:
         self.channels = look_up(deck, families)
         self.order = order_of(deck.control.integrator)
         self.companions = Companions(deck, self.all_channels, stopped)
+        self.stopped = stopped
 
     @property
     def all_channels(self) -> list[Channel]:
@@ -122,14 +125,31 @@ class Estimator:
         # no whole part of the step, which would meet some of the same points
         return (min(FINER[0], APART / (coarseness * max(shares))),)
 
-    def judge(self, main: Samples, others: Sequence[Samples]) -> list[Estimate]:
-        """The estimates of all watched numbers."""
+    def mesh_runs(self, coarseness: float, spent: float) -> Meshes:
+        """Runs on coarser meshes of a run that took `spent` [s] of CPU. Raises Abandoned."""
+        is_asked = self.deck.control.estimate in ("mesh", "full")
+        budget = inf if is_asked else max(SHARE * spent, LEAST)
+        return coarse_runs(self.deck, self.all_channels, self.stopped, coarseness, budget)
+
+    def judge(
+        self, main: Samples, others: Sequence[Samples], meshes: Sequence[Samples] = ()
+    ) -> list[Estimate]:
+        """The estimates of all watched numbers; `meshes` are runs on ever coarser ones."""
         judge = Judge(self.channels, self.order)
         found = [judge.estimate(watch, main, others) for watch in self.watches]
-        if not self.deck.entries["parts"]:
+        if not has_mesh(self.deck):
             return found
-        # all runs have the same mesh
-        return [replace(e, how=f"{e.how}; without the mesh") if e.error else e for e in found]
+        return [self._with_mesh(judge, e, [main, *meshes]) for e in found]
+
+    def _with_mesh(self, judge: Judge, found: Estimate, runs: Sequence[Samples]) -> Estimate:
+        """An estimate with the error by the mesh, or that says that it is without."""
+        without = replace(found, how=f"{found.how}; without the mesh") if found.error else found
+        if len(runs) == 1:
+            return without
+        try:
+            return with_mesh(found, judge.numbers(found.watch, runs), self.deck)
+        except ValueError:
+            return without
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
@@ -138,4 +158,6 @@ def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     estimator = Estimator(deck, families)
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])
-    return main, estimator.judge(main, others), sum(run.cpu for run in others) / main.cpu
+    meshes = estimator.mesh_runs(1.0, inf).runs
+    spent = sum(run.cpu for run in (*others, *meshes))
+    return main, estimator.judge(main, others, meshes), spent / main.cpu
