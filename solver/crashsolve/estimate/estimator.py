@@ -129,7 +129,12 @@ class Estimator:
         """Runs on coarser meshes of a run that took `spent` [s] of CPU. Raises Abandoned."""
         is_asked = self.deck.control.estimate in ("mesh", "full")
         budget = inf if is_asked else max(SHARE * spent, LEAST)
-        return coarse_runs(self.deck, self.all_channels, self.stopped, coarseness, budget)
+        return coarse_runs(self.deck, self._companions_of, coarseness, budget)
+
+    def _companions_of(self, deck: Deck) -> Companions:
+        """Companions of the deck with another mesh, whose channels are other columns."""
+        families = Histories(engine_of(deck, *build(deck))).families
+        return Estimator(deck, families, self.stopped).companions
 
     def judge(
         self, main: Samples, others: Sequence[Samples], meshes: Sequence[Samples] = ()

@@ -20,7 +20,7 @@ from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.estimate.companion import Companions, TooDear
 from crashsolve.estimate.error import Estimate
 from crashsolve.foundation.errors import CrashsolveError, SolverError
-from crashsolve.recording.samples import Channel, Samples
+from crashsolve.recording.samples import Samples
 from crashsolve.study.convergence import NEAR, SHRINKS, distance
 from crashsolve.study.meshes import coarser, has_mesh
 from crashsolve.study.settings import order_of_mesh
@@ -45,19 +45,18 @@ class Meshes:
 
 
 def coarse_runs(
-    deck: Deck,
-    channels: Sequence[Channel],
-    stopped: Callable[[], bool],
-    coarseness: float,
-    budget: float = inf,
+    deck: Deck, made: Callable[[Deck], Companions], coarseness: float, budget: float = inf
 ) -> Meshes:
-    """Runs of a deck on coarser meshes for at most `budget` [s] of CPU. Raises Abandoned."""
+    """Runs of a deck on coarser meshes for at most `budget` [s] of CPU. Raises Abandoned.
+
+    `made` are the companions of another deck: its channels are columns of its own.
+    """
     found = Meshes([])
     if not has_mesh(deck):
         return found
     for factor in FACTORS:
         try:
-            companions = Companions(_coarse(deck, factor), channels, stopped)
+            companions = made(_coarse(deck, factor))
             companions.budget = budget
             found.runs.append(companions.run(coarseness))
             budget = companions.budget
