@@ -7,7 +7,7 @@ import pytest
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.error import Estimate
-from crashsolve.estimate.estimator import estimate_in_memory
+from crashsolve.estimate.estimator import estimate_in_memory, left_out
 from crashsolve.estimate.mesh import mesh_error
 
 FACTOR = 10.0
@@ -140,3 +140,34 @@ def test_the_error_is_near_the_true_one(
     assert true / FACTOR <= found.error <= FACTOR * true, found.how
     assert found.how.startswith("time ")
     assert "; mesh " in found.how
+
+
+CONTACT = """
+control: {end_time: 0.01}
+bodies: {b: {mass: 1, inertia: [1, 1, 1], position: [0, 0, 1], velocity: [1, 0, 0]}}
+surfaces:
+  s: {type: sphere, body: b, radius: 0.1}
+  p: {type: plane, at: [0, 0, 0], normal: [0, 0, 1]}
+contacts: {c: {a: [s], b: [p], normal: NORMAL, friction: FRICTION}}
+watch: [rbdout.b.position.x]
+"""
+COULOMB = "{type: coulomb, coefficient: 0.3, none_below: 1e-3, full_above: 1e-2}"
+
+
+@pytest.mark.parametrize(
+    ("normal", "friction", "words"),
+    [
+        ("{type: hertz, stiffness: 1e6}", "null", []),
+        ("{type: penalty, stiffness: 1e6}", "null", ["the stiffness of penalty contacts"]),
+        ("{type: hertz, stiffness: 1e6}", COULOMB, ["the speeds over which friction sets in"]),
+    ],
+)
+def test_an_error_says_which_laws_it_leaves_out(
+    normal: str, friction: str, words: list[str], tmp_path: Path
+) -> None:
+    text = CONTACT.replace("NORMAL", normal).replace("FRICTION", friction)
+    (tmp_path / "deck.yaml").write_text(text, "utf-8")
+    deck = read_deck(tmp_path / "deck.yaml")
+    assert left_out(deck) == words
+    _, (found,), _ = estimate_in_memory(deck)
+    assert found.how.endswith(f"; without {words[0]}" if words and found.error else found.how)

@@ -12,6 +12,7 @@ step then gets one coarser run.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from importlib import import_module
 from math import inf, isfinite
 
 from crashsolve.deck.reading.deck import Deck
@@ -31,6 +32,7 @@ from crashsolve.study.settings import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
+MESH = "the mesh"
 DEAR = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
@@ -142,19 +144,39 @@ class Estimator:
         """The estimates of all watched numbers; `meshes` are runs on ever coarser ones."""
         judge = Judge(self.channels, self.order)
         found = [judge.estimate(watch, main, others) for watch in self.watches]
-        if not has_mesh(self.deck):
-            return found
-        return [self._with_mesh(judge, e, [main, *meshes]) for e in found]
+        if has_mesh(self.deck):
+            found = [self._with_mesh(judge, e, [main, *meshes]) for e in found]
+        without = left_out(self.deck)
+        return [replace(e, how=_without(e.how, without)) if e.error else e for e in found]
 
     def _with_mesh(self, judge: Judge, found: Estimate, runs: Sequence[Samples]) -> Estimate:
         """An estimate with the error by the mesh, or that says that it is without."""
-        without = replace(found, how=f"{found.how}; without the mesh") if found.error else found
+        without = replace(found, how=_without(found.how, [MESH])) if found.error else found
         if len(runs) == 1:
             return without
         try:
             return with_mesh(found, judge.numbers(found.watch, runs), self.deck)
         except ValueError:
             return without
+
+
+def left_out(deck: Deck) -> list[str]:
+    """What laws of the contacts approximate, and no run of the deck changes: their LEFT_OUT."""
+    cards = [contact.card for contact in deck.entries["contacts"].values()]
+    laws = [getattr(card, word, None) for card in cards for word in ("normal", "friction")]
+    modules = [import_module(type(law).__module__) for law in laws if law is not None]
+    found = [getattr(module, "LEFT_OUT", "") for module in modules]
+    return sorted({words for words in found if words})
+
+
+def _without(how: str, words: Sequence[str]) -> str:
+    """How an error was found, and what is not in it."""
+    if not words:
+        return how
+    joined = " and ".join(words)
+    if how.endswith(f"without {MESH}"):
+        return f"{how} and {joined}"
+    return f"{how}; without {joined}"
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
