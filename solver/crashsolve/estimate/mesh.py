@@ -81,7 +81,15 @@ def _coarse(deck: Deck, factor: int) -> Deck:
     """The deck on a coarser mesh, with the control and output that it has by now."""
     given = deck.given | coarser(deck, factor)
     made = read_deck(deck.path, given, refuses_idle=False)
-    return replace(made, control=deck.control, output=deck.output, watch=deck.watch)
+    return replace(
+        made,
+        control=deck.control,
+        output=deck.output,
+        watch=deck.watch,
+        watch_at=deck.watch_at,
+        expect=deck.expect,
+        expect_at=deck.expect_at,
+    )
 
 
 def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> Estimate:
@@ -115,11 +123,11 @@ def mesh_error(
     if len(numbers) == 2:
         return one, "a mesh twice as coarse"
     two = distance(numbers[1], numbers[2])
-    turns = (
+    reverses = (
         len(numbers[0]) == 1
         and float((numbers[0] - numbers[1])[0] * (numbers[1] - numbers[2])[0]) < 0.0
     )
-    if turns or one > SHRINKS * two:
+    if reverses or one > SHRINKS * two:
         if one > NOTABLE * scale:
             return None, "three meshes do not lead to one value"
         return max(one, two), "2 coarser meshes, differences do not shrink"
