@@ -579,7 +579,7 @@ def kinds() -> list[list[Scene]]:
         (driven, (100.0, 900.0)),
         (rigid_bar, (1.2e8, 1.2e6)),
         (beams, (0.0, 1e-4)),
-        (meshes, (8, 16, 32)),
+        (meshes, (16, 32, 64)),
         (hinges, (12.0, 5.0)),
     ]
     found = [[make(value) for value in values] for make, values in made]
