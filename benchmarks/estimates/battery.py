@@ -85,7 +85,7 @@ def judge(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
         path = folder / "deck.yaml"
         path.write_text(f"control: {{end_time: {float(scene.end)!r}}}\n{scene.deck}\n", "utf-8")
     for method, words, overrides, samples in settings(scene):
-        deck = with_watches(read_deck(path, LIMITS | overrides), method, samples, scene)
+        deck = with_watches(read_deck(path, LIMITS | overrides, False), method, samples, scene)
         main, estimates, price = estimate_in_memory(deck)
         numbers = [(k, s) for k in scene.known for s in k.statistics]
         yield [

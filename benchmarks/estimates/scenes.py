@@ -497,6 +497,38 @@ def beams(damping: float) -> Scene:
     )
 
 
+def meshes(count: float) -> Scene:
+    """Rods of few elements, clamped and pulled or twisted at the end: true are those of no mesh."""
+    end, rod = 0.006, exact.Rod(length=1.0, radius=0.05, density=1e3, young=1e7)
+    area = np.pi * rod.radius**2
+    polar, shear = 0.5 * area * rod.radius**2, rod.young / 2.6
+    deck = f"""
+materials: {{soft: {{type: elastic, young: 1e7, poisson: 0.3, density: 1000}}}}
+sections: {{round: {{type: circle, radius: 0.05}}}}
+parts:
+  pulled: {{type: beam, section: round, material: soft, side: [0, 1, 0],
+    mesh: {{shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: {int(count)}}}}}
+  twisted: {{type: beam, section: round, material: soft, side: [0, 1, 0],
+    mesh: {{shape: line, from: [0, 1, 0], to: [1, 1, 0], elements: {int(count)}}}}}
+joints:
+  pulled: {{type: weld, b: pulled_start, at: [0, 0, 0]}}
+  twisted: {{type: weld, b: twisted_start, at: [0, 1, 0]}}
+loads:
+  pulled: {{type: force, body: pulled_end, force: [100, 0, 0]}}
+  twisted: {{type: torque, body: twisted_end, torque: [1, 0, 0]}}
+sensors: {{turn: {{type: angle, b: twisted_end, axis: [1, 0, 0]}}}}
+"""
+    # behind a front that has not come to the clamp the end moves at F / (A sqrt(E rho))
+    speed = 100.0 / (area * np.sqrt(rod.young * rod.density))
+    spin = 1.0 / (polar * np.sqrt(shear * rod.density))
+    known = [
+        Known("rbdout.pulled_end.position.x - 1", ("final", "path", "mean"), lambda t: speed * t),
+        Known("disbout.turn.angle", ("final", "path", "mean"), lambda t: spin * t),
+    ]
+    steps = (4e-5, 2e-5, 1e-5)
+    return Scene(f"meshes of {int(count)}", deck, end, known, steps, (2e-4, 1e-4), (1e-4, 1e-6))
+
+
 def hinges(speed: float) -> Scene:
     """A rotor bends a hinge that yields, and a slider one on an ellipse of force and moment."""
     moment, inertia, k = 300.0, 2.0, 3e5
@@ -547,6 +579,7 @@ def kinds() -> list[list[Scene]]:
         (driven, (100.0, 900.0)),
         (rigid_bar, (1.2e8, 1.2e6)),
         (beams, (0.0, 1e-4)),
+        (meshes, (16, 32, 64)),
         (hinges, (12.0, 5.0)),
     ]
     found = [[make(value) for value in values] for make, values in made]

@@ -64,8 +64,22 @@ def test_differences_that_do_not_shrink_are_the_error() -> None:
 def test_a_lucky_difference_does_not_make_the_error_small() -> None:
     lucky = {1 / 20: 0.01, 1 / 10: 0.01 + 1e-9, 1 / 5: 0.16}
     found = estimate(2.0, "final", lucky.__getitem__, 20, 10, 5)
-    # a quarter of what the longer steps say: 0.15 / 12 / 4
-    assert found.error == pytest.approx(0.15 / 48, rel=1e-6)
+    # no order leads from one difference to the other: all that the longer steps say, 0.15 / 12
+    assert found.error == pytest.approx(0.15 / 12, rel=1e-6)
+
+
+def test_an_order_below_that_of_the_method_keeps_its_own_error() -> None:
+    # differences that shrink by 3.5 in place of 4: order 1.81, which is believed
+    slow = {1 / 20: 0.0, 1 / 10: 1.0, 1 / 5: 4.5}
+    found = estimate(2.0, "final", lambda h: 0.01 * slow[h], 20, 10, 5)
+    assert found.error == pytest.approx(0.01 / 3.0, rel=0.2)
+
+
+def test_an_order_above_that_of_any_method_takes_the_whole_first_difference() -> None:
+    # differences 16 times smaller where steps are halved: order 4 of a method of order 2
+    high = {1 / 20: 0.0, 1 / 10: 0.01, 1 / 5: 0.17}
+    found = estimate(2.0, "final", high.__getitem__, 20, 10, 5)
+    assert found.error == pytest.approx(0.16 / 12.0, rel=1e-6)
 
 
 def test_without_a_run_of_other_steps_nothing_is_reported() -> None:

@@ -154,6 +154,8 @@ def test_estimates_say_that_they_leave_the_mesh_out(tmp_path: Path) -> None:
     done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stdout + done.stderr
     assert watched(tmp_path)["rbdout.bar_end.velocity.z"]["how"].endswith("; without the mesh")
+    log = (tmp_path / "log.txt").read_text("utf-8")
+    assert "has 1, which cannot be divided by 2 and stay above 1" in log
 
 
 def test_a_balance_above_its_limit_is_said_though_it_closes_again() -> None:

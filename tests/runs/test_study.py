@@ -11,7 +11,7 @@ from command import crashsolve
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.integrators.rattle import ORDER
-from crashsolve.study.convergence import examine, parting_time
+from crashsolve.study.convergence import examine, order_of_errors, parting_time
 from crashsolve.study.findings import cheapest, find
 from crashsolve.study.settings import Series, Setting, settings, suited
 from crashsolve.study.trials import Trial
@@ -241,7 +241,7 @@ def test_steps_and_meshes_have_orders_of_their_own() -> None:
     assert found.mesh_order(trials[8]) == pytest.approx(2.0)
     # of the finest run what shorter steps and finer meshes would still change
     assert found.error(trials[8]) == pytest.approx(0.05**2 + 0.3 / 16)
-    assert "0.3, 0.075, 0.019 away; order 2.00 in the length of elements" in found.notes[-1]
+    assert "0.3, 0.075, 0.019 away; order 2.00 +- 0.00 in the length of elements" in found.notes[-1]
 
 
 def test_methods_that_contradict_each_other_are_not_believed() -> None:
@@ -271,6 +271,41 @@ def test_a_mesh_is_not_its_own_judge() -> None:
     # the finest mesh differs from the one before by 0.07: a third of that, if its order is 2
     assert min(found.error(t) for t in finest) > 0.02
     assert cheapest([found], trials, 1e-2) is None
+
+
+def test_orders_are_those_that_steps_and_methods_can_have() -> None:
+    assert order_of_errors((0.2, 0.1), (0.04, 0.01)) == pytest.approx(2.0)
+    # steps bound by samples hardly differ, and round-off shrinks by any factor
+    assert np.isnan(order_of_errors((1.003e-3, 1e-3), (2e-6, 1e-6)))
+    assert np.isnan(order_of_errors((0.2, 0.1), (1e-3, 1e-9)))
+
+
+def test_a_series_that_does_not_converge_is_not_recommended() -> None:
+    trials = []
+    for method, values in (
+        ("dormand_prince_5", (1.3, 1.3, 1.7, 1.0)),
+        ("rattle", (1.04, 1.01, 1.0025, 1.000625)),
+    ):
+        for h, value in zip((0.2, 0.1, 0.05, 0.025), values, strict=True):
+            t = trial(1, h, value)
+            t.setting = Setting(Series(method), f"{h}", {})
+            t.cpu_steps = 1.0 if method == "dormand_prince_5" else 10.0 + t.cycles
+            trials.append(t)
+    found = find(Watch("x", ("x",), "final"), 0, trials, None)
+    # its last run is right by luck, and cheaper
+    assert found.error(trials[3]) > 0.5
+    best = cheapest([found], trials, 1e-2)
+    assert best is not None
+    assert best.setting.series.method == "rattle"
+
+
+def test_times_below_the_noise_are_not_ranked() -> None:
+    trials = [trial(1, h, 1.0 + h**2) for h in (0.1, 0.05, 0.025, 0.0125)]
+    # shorter steps cannot cost less
+    for t, cpu in zip(trials, (0.013, 0.012, 0.011, 0.010), strict=True):
+        t.cpu_steps = cpu
+    found = find(Watch("x", ("x",), "final"), 0, trials, None)
+    assert cheapest([found], trials, 0.02) is trials[0]
 
 
 BAR = """

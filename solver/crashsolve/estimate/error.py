@@ -2,7 +2,7 @@
 
     two coarser runs    error = |x1 - x2| / ((h2/h1)^p - 1), the observed order p as in a study;
                         at least a quarter of what |x2 - x4| says with the method's order,
-                        and all of it where p is greater than any order of the method
+                        and all of it where p is none, or greater than any order of the method
     one coarser run     the same with the method's order
     one finer run       error = |x1 - xf| / (1 - (hf/h1)^2), enough for any order from 2 on
     samples             refined - plain, added with its sign where that of the rest is known
@@ -69,6 +69,7 @@ class Estimate:
     steps: float = 0.0  # the part of the error that the steps make
     gap: float = 0.0  # and that of the gaps between samples
     is_wanted: bool = True  # False for what measures the run's own errors
+    mesh: float | None = None  # the part of the mesh; infinite where meshes state none
 
     @property
     def relative(self) -> float | None:
@@ -97,6 +98,18 @@ class Judge:
         units = {c.name: c.unit for found in self.channels.values() for c in found}
         main, *rest = (replace(samples, units=units) for samples in (main, *others))
         return replace(self._estimate(resolved, main, rest), watch=watch)
+
+    def numbers(self, watch: Watch, runs: Sequence[Samples]) -> list[np.ndarray]:
+        """What runs are compared in, each (n,): a number, or a history at their common times.
+
+        Raises ValueError for samples that do not serve.
+        """
+        resolved = self._resolved(watch, runs[0])
+        units = {c.name: c.unit for found in self.channels.values() for c in found}
+        times = runs[0].time
+        for run in runs[1:]:
+            times = np.intersect1d(times, run.time)
+        return [_value(resolved, replace(run, units=units).at(times)) for run in runs]
 
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
         """What states a largest value of any step: the course where a sample has caught it.
@@ -193,8 +206,8 @@ class Judge:
         signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
         if found.stalls is None and self.order:
             a, b, c = (step**self.order for step in steps)
-            # an order that the method cannot have is a last difference that is small by chance
-            share = 1.0 if found.order > self.order + NEAR else CHANCE_MARGIN
+            # an order that the method cannot have, or none, is a last difference small by chance
+            share = CHANCE_MARGIN if found.order <= self.order + NEAR else 1.0
             least = share * apart[0] * c / (a - b)
             if least > size:
                 size, signed = least, None

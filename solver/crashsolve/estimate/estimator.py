@@ -12,11 +12,13 @@ step then gets one coarser run.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from importlib import import_module
 from math import inf, isfinite
 
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
+from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mesh
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
@@ -25,10 +27,12 @@ from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.questions import look_up
 from crashsolve.recording.samples import Channel, Samples
+from crashsolve.study.meshes import has_mesh
 from crashsolve.study.settings import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
+MESH = "the mesh"
 DEAR = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
@@ -49,6 +53,7 @@ class Estimator:
         self.channels = look_up(deck, families)
         self.order = order_of(deck.control.integrator)
         self.companions = Companions(deck, self.all_channels, stopped)
+        self.stopped = stopped
 
     @property
     def all_channels(self) -> list[Channel]:
@@ -122,14 +127,56 @@ class Estimator:
         # no whole part of the step, which would meet some of the same points
         return (min(FINER[0], APART / (coarseness * max(shares))),)
 
-    def judge(self, main: Samples, others: Sequence[Samples]) -> list[Estimate]:
-        """The estimates of all watched numbers."""
+    def mesh_runs(self, coarseness: float, spent: float) -> Meshes:
+        """Runs on coarser meshes of a run that took `spent` [s] of CPU. Raises Abandoned."""
+        is_asked = self.deck.control.estimate in ("mesh", "full")
+        budget = inf if is_asked else max(SHARE * spent, LEAST)
+        return coarse_runs(self.deck, self._companions_of, coarseness, budget)
+
+    def _companions_of(self, deck: Deck) -> Companions:
+        """Companions of the deck with another mesh, whose channels are other columns."""
+        families = Histories(engine_of(deck, *build(deck))).families
+        return Estimator(deck, families, self.stopped).companions
+
+    def judge(
+        self, main: Samples, others: Sequence[Samples], meshes: Sequence[Samples] = ()
+    ) -> list[Estimate]:
+        """The estimates of all watched numbers; `meshes` are runs on ever coarser ones."""
         judge = Judge(self.channels, self.order)
         found = [judge.estimate(watch, main, others) for watch in self.watches]
-        if not self.deck.entries["parts"]:
-            return found
-        # all runs have the same mesh
-        return [replace(e, how=f"{e.how}; without the mesh") if e.error else e for e in found]
+        if has_mesh(self.deck):
+            found = [self._with_mesh(judge, e, [main, *meshes]) for e in found]
+        without = left_out(self.deck)
+        return [replace(e, how=_without(e.how, without)) if e.error else e for e in found]
+
+    def _with_mesh(self, judge: Judge, found: Estimate, runs: Sequence[Samples]) -> Estimate:
+        """An estimate with the error by the mesh, or that says that it is without."""
+        without = replace(found, how=_without(found.how, [MESH])) if found.error else found
+        if len(runs) == 1:
+            return without
+        try:
+            return with_mesh(found, judge.numbers(found.watch, runs), self.deck)
+        except ValueError:
+            return without
+
+
+def left_out(deck: Deck) -> list[str]:
+    """What laws of the contacts approximate, and no run of the deck changes: their LEFT_OUT."""
+    cards = [contact.card for contact in deck.entries["contacts"].values()]
+    laws = [getattr(card, word, None) for card in cards for word in ("normal", "friction")]
+    modules = [import_module(type(law).__module__) for law in laws if law is not None]
+    found = [getattr(module, "LEFT_OUT", "") for module in modules]
+    return sorted({words for words in found if words})
+
+
+def _without(how: str, words: Sequence[str]) -> str:
+    """How an error was found, and what is not in it."""
+    if not words:
+        return how
+    joined = " and ".join(words)
+    if how.endswith(f"without {MESH}"):
+        return f"{how} and {joined}"
+    return f"{how}; without {joined}"
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
@@ -138,4 +185,6 @@ def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     estimator = Estimator(deck, families)
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])
-    return main, estimator.judge(main, others), sum(run.cpu for run in others) / main.cpu
+    meshes = estimator.mesh_runs(1.0, inf).runs
+    spent = sum(run.cpu for run in (*others, *meshes))
+    return main, estimator.judge(main, others, meshes), spent / main.cpu

@@ -106,11 +106,22 @@ class Estimating:
                 )
         except Abandoned:
             self.problems.append("asked to stop")
-        self.found = widened(self.estimator.judge(main, self._companions), missed, mass or {})
+        found = self.estimator.judge(main, self._companions, self._meshes(spent))
+        self.found = widened(found, missed, mass or {})
         self._companions.append(main)
         self.cpu += clock.process_time() - begun
         self._report(spent)
         return self._misses()
+
+    def _meshes(self, spent: float) -> list[Samples]:
+        """Runs on coarser meshes. Writes: why there are none."""
+        try:
+            meshes = self.estimator.mesh_runs(self.coarseness, spent)
+        except Abandoned:
+            self.problems.append("asked to stop")
+            return []
+        self.problems += [meshes.problem] if meshes.problem else []
+        return meshes.runs
 
     def entries(self) -> list[dict[str, Any]]:
         """The estimates as status.json keeps them."""
@@ -122,6 +133,7 @@ class Estimating:
                 "value": e.value,
                 "unit": e.unit,
                 "error": e.error,
+                "mesh": e.mesh if e.mesh is None or isfinite(e.mesh) else None,
                 "scale": e.scale,
                 "how": e.how,
             }
@@ -216,7 +228,7 @@ def _refuse_hollow(deck: Deck, channels: dict[str, list[Channel]]) -> None:
 
 def _of_steps(estimate: Estimate) -> float:
     """Relative error by the length of steps; nothing of what measures the run itself."""
-    if estimate.error is None:
+    if estimate.error is None and estimate.mesh is None:
         return inf if estimate.is_wanted else 0.0
     return estimate.steps / estimate.scale if estimate.scale else 0.0
 

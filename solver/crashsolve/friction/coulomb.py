@@ -20,6 +20,8 @@ from crashsolve.foundation.vec3 import vec
 from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import against, speed, without_friction
 
+LEFT_OUT = "the speeds over which friction sets in"
+
 
 class Coulomb(Card):
     """Coulomb friction that fades out at low sliding speed; nothing rests on a slope."""

@@ -24,6 +24,8 @@ from crashsolve.friction._regularised import against, speed, without_friction
 # of the slip without friction, that which is left; a dozen iterations find it
 CLOSED, PASSES = 1e-13, 60
 
+LEFT_OUT = "the speeds over which friction sets in"
+
 
 class Stribeck(Card):
     """Smooth friction: static peak, dynamic level, viscous part; nothing rests on a slope."""

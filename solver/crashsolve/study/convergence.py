@@ -27,6 +27,8 @@ NEAR = 0.5
 # differences that stay, but this far below the largest, are a floor and no divergence
 FLOOR = 1e-3
 HIGHEST = 16.0
+# steps that are nearer to each other than this ratio state no order
+RATIO = 1.1
 
 
 @dataclass(frozen=True)
@@ -129,11 +131,14 @@ def observed_order(steps: Sequence[float], apart: Sequence[float]) -> float:
 
 
 def order_of_errors(steps: Sequence[float], errors: Sequence[float]) -> float:
-    """Order [1] from two steps [s] and their errors; NaN when an error is zero or unknown."""
+    """Order [1] from two steps [s] and their errors; NaN when an error is zero or unknown, the
+    steps are nearly the same, or no method has such an order.
+    """
     (h1, h2), (e1, e2) = steps, errors
-    if not (h1 > h2 > 0.0 and e1 > 0.0 and e2 > 0.0):
+    if not (h1 > RATIO * h2 > 0.0 and e1 > 0.0 and e2 > 0.0):
         return nan
-    return log(e1 / e2) / log(h1 / h2)
+    order = log(e1 / e2) / log(h1 / h2)
+    return order if abs(order) < HIGHEST else nan
 
 
 def parting_time(time: np.ndarray, values: Sequence[np.ndarray]) -> float | None:

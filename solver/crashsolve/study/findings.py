@@ -34,12 +34,14 @@ from crashsolve.study.curve import (
     ladder_of,
     sources,
 )
-from crashsolve.study.settings import order_of
+from crashsolve.study.settings import Series, order_of
 from crashsolve.study.trials import Trial
 from crashsolve.study.watch import PATH, Watch
 
 # two answers that are farther apart than this many times both errors contradict each other
 EXPLAINED = 3.0
+# CPU times [s] below this, and those this near to the least, do not tell which run is cheaper
+NOISE, SAME_TIME = 0.05, 1.1
 
 
 @dataclass
@@ -47,7 +49,8 @@ class Finding:
     """One watched channel: its reference, and the error and observed order of each trial.
 
     `errors`, `orders` and `mesh_orders` are by the folder of the setting; `notes` are for people.
-    `estimate` is the least estimated error of a method that converges steadily.
+    `estimate` is the least estimated error of a method that converges steadily; `doubts` are the
+    differences that stay between the runs of a series that does not converge.
     """
 
     watch: Watch
@@ -61,13 +64,20 @@ class Finding:
     notes: list[str] = field(default_factory=list)
     diverges: bool = False
     estimate: float = inf
+    doubts: dict[Series, float] = field(default_factory=dict)
 
     def error(self, trial: Trial) -> float:
         """Error of a trial over the scale of its channel [1], or as it is where that is judged.
 
-        NaN when it has none.
+        NaN when it has none; no less than what its series leaves in doubt.
         """
-        return self.errors.get(trial.setting.folder, nan)
+        error = self.errors.get(trial.setting.folder, nan)
+        return error if error != error else max(error, self.doubts.get(trial.setting.series, 0.0))
+
+    def is_doubtful(self, target: float) -> bool:
+        """Whether what is left in doubt of every series is more than a wanted error."""
+        judged = not self.is_absolute and self.diverges
+        return judged and all(doubt > target for doubt in self.doubts.values())
 
     def order(self, trial: Trial) -> float:
         """Observed order that ends with a trial, NaN when it has none."""
@@ -110,7 +120,7 @@ def find(
         _set_mesh_orders(finding, ladder)
     if ladders:
         lead = min(ladders, key=lambda ladder: doubt(Source("", ladder.lead, ladder.curves[-1])))
-        finding.notes.append(_mesh_reported(finding, lead, scale))
+        finding.notes.append(_mesh_reported(finding, lead, scale, mesh_order))
     judged = [curve.convergence.diverges for curve in curves if len(curve.values) > 2]
     if finding.is_absolute and around > 0.0:
         finding.notes = [f"zero to the round-off of its vector, {around:.3g} {finding.unit}"]
@@ -134,6 +144,9 @@ def _judge(
 ) -> None:
     """Errors, orders and notes of one curve. Writes: finding."""
     is_own = best is not None and best.finest is curve
+    left = curve.convergence.error
+    if curve.convergence.diverges and isfinite(left):
+        finding.doubts[curve.series] = left / scale
     _set_errors(finding, curve, scale, best)
     # the error of a mesh would hide the order of its steps
     by_differences = is_own or ladder is not None
@@ -147,7 +160,14 @@ def _set_mesh_orders(finding: Finding, ladder: Ladder) -> None:
         finding.mesh_orders[curve.trials[-1].setting.folder] = order
 
 
-def _mesh_reported(finding: Finding, ladder: Ladder, scale: float) -> str:
+def _order_of_meshes(found: Convergence, declared: float | None) -> str:
+    """The last order, with its distance from the others that are seen and from the elements'."""
+    others = [p for p in found.orders[:-1] if isfinite(p)] + ([declared] if declared else [])
+    apart = max((abs(p - found.order) for p in others), default=None)
+    return f"{found.order:.2f}" if apart is None else f"{found.order:.2f} +- {apart:.2f}"
+
+
+def _mesh_reported(finding: Finding, ladder: Ladder, scale: float, order: float | None) -> str:
     """What the mesh does, by the method that states it best."""
     found, left = ladder.convergence, ladder.lead.error / scale
     errors = [distance(c.convergence.value, finding.reference) / scale for c in ladder.curves]
@@ -156,7 +176,7 @@ def _mesh_reported(finding: Finding, ladder: Ladder, scale: float) -> str:
     if found.diverges:
         words.append("finer meshes do not converge")
     elif isfinite(found.order):
-        words.append(f"order {found.order:.2f} in the length of elements")
+        words.append(f"order {_order_of_meshes(found, order)} in the length of elements")
     if isfinite(left):
         words.append(f"estimated error of the finest mesh {_size(left, finding)}")
     if "elout." in finding.watch.name:
@@ -337,7 +357,7 @@ def _order_reported(curve: Curve, finding: Finding) -> str:
     seen = [(trial, order) for trial, order in seen if isfinite(order)]
     declared = order_of(curve.series.method)
     if not seen:
-        return "no order to be seen: the runs differ by round-off"
+        return "no order to be seen: the runs differ by round-off, or their steps too little"
     if declared is None:
         return f"order {seen[-1][1]:.2f}"
     near = [(trial, order) for trial, order in seen if abs(order - declared) <= NEAR]
@@ -376,7 +396,17 @@ def cheapest(findings: Sequence[Finding], trials: Sequence[Trial], target: float
             missing.add(kind)
         if kind not in missing:
             meeting += passed
-    return min(meeting, key=lambda trial: trial.cpu_steps, default=None)
+    return _cheapest_of(meeting, usable)
+
+
+def _cheapest_of(meeting: Sequence[Trial], usable: Sequence[Trial]) -> Trial | None:
+    """The least CPU time; where times do not tell, the first method and its fewest steps."""
+    least = min((trial.cpu_steps for trial in meeting), default=0.0)
+    as_cheap = [t for t in meeting if t.cpu_steps <= max(SAME_TIME * least, NOISE)]
+    methods = list(dict.fromkeys(trial.setting.series.method for trial in usable))
+    return min(
+        as_cheap, default=None, key=lambda t: (methods.index(t.setting.series.method), t.cycles)
+    )
 
 
 def worst(findings: Sequence[Finding], trial: Trial) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from math import isfinite
+from math import ceil, isfinite
 from pathlib import Path
 
 from crashsolve.deck.reading.deck import Deck, read_deck
@@ -14,14 +14,14 @@ from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import Lock
 from crashsolve.study.child_runs import cores
 from crashsolve.study.convergence import NEAR
-from crashsolve.study.findings import Finding, cheapest, find, worst
+from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst
+from crashsolve.study.meshes import divisible, finer
 from crashsolve.study.plot import draw
 from crashsolve.study.settings import (
     AUTO,
     MESHES,
     Setting,
     descriptions,
-    divisible,
     order_of,
     order_of_mesh,
     resolved,
@@ -32,6 +32,8 @@ from crashsolve.study.table import csv_text, legend, text_table
 from crashsolve.study.trials import Trial, run_all
 from crashsolve.study.watch import Watch, ask, overall, watched
 
+# relative error that the last sentence is about where no target is asked for
+USUAL = 0.05
 # an overall number whose estimated error is below this is worth naming
 CONVERGED = 0.01
 
@@ -66,7 +68,7 @@ def study(request: Request) -> int:
         notes: list[str] = []
     else:
         methods, notes = suited(deck)
-    meshes = request.meshes or (MESHES if divisible(deck) and not request.vary else "1")
+    meshes = request.meshes or _usual_meshes(deck, request)
     grid = settings(
         deck, list(dict.fromkeys(methods)), _steps(request, deck), request.tolerances, meshes,
         request.vary,
@@ -99,6 +101,18 @@ def study(request: Request) -> int:
         extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
         _report(request, deck, trials, findings, extra)
         return ExitCode.NORMAL if good else max(trial.code for trial in trials)
+
+
+def _usual_meshes(deck: Deck, request: Request) -> str:
+    """The meshes where none are asked for: those of parts whose refinement keeps their names."""
+    if request.vary or not divisible(deck):
+        return "1"
+    try:
+        finer(deck, 2)
+    except ValueError as why:
+        say(f"no finer meshes: {why}")
+        return "1"
+    return MESHES
 
 
 def _refuse_idle(request: Request, grid: Sequence[Setting]) -> None:
@@ -185,9 +199,8 @@ def _report(
     say(legend(findings))
     if any(finding.diverges for finding in findings):
         say(_still_converging([*findings, *extra]))
-    if request.target is not None:
-        say()
-        say(_verdict(findings, trials, request.target))
+    say()
+    say(_verdict(findings, trials, USUAL if request.target is None else request.target))
     say()
     say(f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png"))
     if missing:
@@ -212,19 +225,39 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
     left_out = f" (not judged, its reference is zero: {', '.join(absolute)})" if absolute else ""
     best = cheapest(findings, trials, target)
     if best is not None:
-        return (
-            f"target {target:g}: {best.setting.name}, "
-            f"{best.cpu_steps:.3g} s of CPU in steps, error {worst(findings, best):.2g}{left_out}"
-        )
+        cost = f"{best.cpu_steps:.3g} s of CPU in steps"
+        if best.cpu_steps <= NOISE:
+            cost = f"no more than {NOISE:g} s of CPU in steps, below which none is ranked"
+        error = worst(findings, best)
+        return f"target {target:g}: {best.setting.name}, {cost}, error {error:.2g}{left_out}"
     text = f"target {target:g}: none of these settings meets it{left_out}"
+    doubtful = [f.watch.name for f in findings if f.is_doubtful(target)]
+    if doubtful:
+        return f"{text}; not to be believed: {', '.join(doubtful)}"
     able = [trial for trial in trials if isfinite(worst(findings, trial))]
+    if len({trial.setting.label for trial in trials}) == 1:
+        text += "; one step alone does not tell its error: give --steps two or more"
     if not able:
         return text
     nearest = min(able, key=lambda trial: worst(findings, trial))
     error = worst(findings, nearest)
     text += f"; the nearest is {nearest.setting.name}, error {error:.2g}"
+    if error > target and (needed := _mesh_needed(findings, nearest, target)):
+        return text + needed
     order = order_of(nearest.setting.series.method)
     own = [f.order(nearest) for f in findings if not f.is_absolute]
     if order and error > target and all(abs(p - order) <= NEAR for p in own):
         text += f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should do"
     return text
+
+
+def _mesh_needed(findings: list[Finding], nearest: Trial, target: float) -> str:
+    """The mesh that the orders of the meshes lead to; nothing where there are none."""
+    factors = []
+    for finding in (f for f in findings if not f.is_absolute and f.error(nearest) > target):
+        order = finding.mesh_order(nearest)
+        if not isfinite(order) or order <= 0.0:
+            return ""
+        factors.append((finding.error(nearest) / target) ** (1.0 / order))
+    mesh = nearest.setting.series.mesh * max(factors, default=1.0)
+    return f"; elements divided by {ceil(mesh)} should do" if factors else ""

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple, get_args
 from crashsolve.deck.card import Card
 from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.deck.reading.items import Entry
 from crashsolve.deck.run_cards.control import Control
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.build import build
+from crashsolve.study import meshes as mesh_fields
 
 FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
@@ -136,16 +136,18 @@ def _meshes(deck: Deck, text: str) -> list[int]:
     if list(map(float, words)) != list(map(float, whole)):
         message = "an element can be divided only into a whole number of them"
         raise DeckError(f"--meshes {text}", None, None, "", message, "write --meshes 1,2,4")
-    if whole != [1] and not divisible(deck):
+    if whole != [1] and not mesh_fields.divisible(deck):
         message = "the deck has no part whose elements can be divided"
-        raise DeckError(f"--meshes {text}", None, None, "", message, "leave it out")
+        advice = "leave it out"
+        if mesh_fields.undivided(deck):
+            message += f"; {mesh_fields.undivided(deck)[0]} has a listed mesh, or that of a file"
+        raise DeckError(f"--meshes {text}", None, None, "", message, advice)
+    try:
+        mesh_fields.finer(deck, max(whole))
+    except ValueError as why:
+        advice = "leave --meshes out, or name points that stay"
+        raise DeckError(f"--meshes {text}", None, None, "", str(why), advice) from None
     return sorted(whole)
-
-
-def divisible(deck: Deck) -> list[Entry]:
-    """The parts whose elements can be divided."""
-    parts = deck.entries["parts"].values()
-    return [part for part in parts if hasattr(getattr(part.card, "mesh", None), "division")]
 
 
 def descriptions(deck: Deck) -> list[str]:
@@ -155,7 +157,9 @@ def descriptions(deck: Deck) -> list[str]:
 
 def order_of_mesh(deck: Deck) -> float | None:
     """Declared order of the parts in the length of their elements; None without parts."""
-    return min((float(module.ORDER) for module in _part_modules(deck)), default=None)
+    orders = [float(module.ORDER) for module in _part_modules(deck)]
+    orders += [mesh_fields.SEGMENTS_ORDER] * mesh_fields.has_segments(deck)
+    return min(orders, default=None)
 
 
 def _part_modules(deck: Deck) -> list[ModuleType]:
@@ -165,11 +169,10 @@ def _part_modules(deck: Deck) -> list[ModuleType]:
 
 def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
     """What a mesh and a description change in the deck."""
-    parts = divisible(deck) if mesh > 1 else []
-    found = {f"parts.{p.name}.mesh.division": str(p.card.mesh.division * mesh) for p in parts}
+    found = mesh_fields.finer(deck, mesh)
     if description:
-        words = {f"parts.{name}.description": description for name in deck.entries["parts"]}
-        found |= words
+        own = [name for name, part in deck.entries["parts"].items() if not part.item.owner]
+        found |= {f"parts.{name}.description": description for name in own}
     return found
 
 

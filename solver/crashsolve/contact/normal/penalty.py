@@ -17,6 +17,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 SHARE = 0.5
+LEFT_OUT = "the stiffness of penalty contacts"
 
 
 class Penalty(Card):

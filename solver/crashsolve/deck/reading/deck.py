@@ -67,6 +67,8 @@ class Deck:
     # values set from outside that change nothing, and warnings of parameters unread
     idle: dict[str, DeckError]
     unread: list[str]
+    # all values set from outside, by their paths
+    given: dict[str, str]
 
     @cached_property
     def text(self) -> str:
@@ -196,6 +198,7 @@ class _Reader:
             written_out=self.written_out,
             idle=idle(self.items, self.parameters, self.unused, self.overrides),
             unread=unread(self.parameters, self.unused, next(iter(self.tables))),
+            given=dict(self.overrides),
         )
 
     def expand(self) -> None:

@@ -44,9 +44,10 @@ class Control(Card):
         gt=0,
         lt=1,
     )
-    estimate: Literal["auto", "full", "off"] = word(
+    estimate: Literal["auto", "mesh", "full", "off"] = word(
         "auto: the errors of watched channels, from one or two further runs in memory, which after "
-        "a run of 5 s or more cost no more than it did; full: whatever they cost",
+        "a run of 5 s or more cost no more than it did, and from runs on coarser meshes where "
+        "these cost less than a quarter of it; mesh: these whatever they cost; full: all of them",
         "auto",
     )
     spectral_radius: float = quantity(

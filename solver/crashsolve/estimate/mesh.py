@@ -1,0 +1,140 @@
+"""The error by the mesh: a run on elements twice as long, and one on elements four times as long.
+
+    d1 = |x1 - x2|,  d2 = |x2 - x4|,  p = log2(d2 / d1), no more than the elements' order q
+    three meshes        error = d1 / (2^p - 1), at least d2 / (2^q (2^q - 1))
+    two meshes          error = d1, that of order 1: whatever touches or yields has no more
+
+The meshes state no error where x1 and x2 are farther apart than half the scale of the number, or
+where d1 is no smaller than d2, or goes back on it, and is more than a twentieth of the scale: so
+folding, softening and perforation are said in place of a number. Consequence to test: x = 1 + l^q
+gives the error l^q.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import inf, log2
+
+import numpy as np
+
+from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.estimate.companion import Companions, TooDear
+from crashsolve.estimate.error import Estimate
+from crashsolve.foundation.errors import CrashsolveError, SolverError
+from crashsolve.recording.samples import Samples
+from crashsolve.study.convergence import NEAR, SHRINKS, distance
+from crashsolve.study.meshes import coarser, has_mesh
+from crashsolve.study.settings import order_of_mesh
+
+FACTORS = (2, 4)
+# shares of the scale
+TOO_FAR, NOTABLE = 0.5, 0.05
+# share of the cost of the run, and CPU time [s], that its coarser meshes may cost unasked
+SHARE, LEAST = 0.25, 0.3
+DEAR = (
+    "the errors leave the mesh out: a run on elements twice as long would cost more than a quarter "
+    "of this one; control.estimate: mesh makes it"
+)
+
+
+@dataclass
+class Meshes:
+    """Runs on coarser meshes, from elements twice as long on, and why there are no more."""
+
+    runs: list[Samples]
+    problem: str = ""
+
+
+def coarse_runs(
+    deck: Deck, made: Callable[[Deck], Companions], coarseness: float, budget: float = inf
+) -> Meshes:
+    """Runs of a deck on coarser meshes for at most `budget` [s] of CPU. Raises Abandoned.
+
+    `made` are the companions of another deck: its channels are columns of its own.
+    """
+    found = Meshes([])
+    if not has_mesh(deck):
+        return found
+    for factor in FACTORS:
+        try:
+            companions = made(_coarse(deck, factor))
+            companions.budget = budget
+            found.runs.append(companions.run(coarseness))
+            budget = companions.budget
+        except TooDear:
+            problem = DEAR
+        except ValueError as why:
+            problem = f"the errors leave the mesh out: {why}"
+        except SolverError as error:
+            problem = f"the run on elements {factor} times as long stopped: {error.cause}"
+        except CrashsolveError as error:
+            reason = str(error).splitlines()[0]
+            problem = f"the errors leave the mesh out: elements {factor} times as long: {reason}"
+        else:
+            continue
+        if not found.runs:
+            found.problem = problem
+        break
+    return found
+
+
+def _coarse(deck: Deck, factor: int) -> Deck:
+    """The deck on a coarser mesh, with the control and output that it has by now."""
+    given = deck.given | coarser(deck, factor)
+    made = read_deck(deck.path, given, refuses_idle=False)
+    return replace(
+        made,
+        control=deck.control,
+        output=deck.output,
+        watch=deck.watch,
+        watch_at=deck.watch_at,
+        expect=deck.expect,
+        expect_at=deck.expect_at,
+    )
+
+
+def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> Estimate:
+    """An estimate with the error by the mesh in it; `numbers` of this mesh and coarser ones."""
+    if estimate.error is None:
+        return estimate
+    size, how = mesh_error(numbers, estimate.scale, order_of_mesh(deck) or 1.0)
+    if size is None:
+        is_one = len(numbers[1]) == 1
+        other = float(numbers[1][0] if is_one else np.max(np.abs(numbers[1])))
+        there = f"{other:.6g} {estimate.unit}".rstrip()
+        how = (
+            f"no error is stated: {how}; {there} on elements twice as long; "
+            f"by the steps alone +- {estimate.error:.2g}"
+        )
+        return replace(estimate, error=None, how=how, mesh=inf)
+    how = f"time {estimate.error:.2g}: {estimate.how}; mesh {size:.2g}: {how}"
+    return replace(estimate, error=estimate.error + size, how=how, mesh=size)
+
+
+def mesh_error(
+    numbers: Sequence[np.ndarray], scale: float, order: float
+) -> tuple[float | None, str]:
+    """The error of the first of numbers on ever coarser meshes, and how it was found.
+
+    None where the meshes do not state it. `numbers` (n,) and `scale` in their unit.
+    """
+    one = distance(numbers[0], numbers[1])
+    if one > TOO_FAR * scale:
+        return None, "the mesh changes it by more than half"
+    if len(numbers) == 2:
+        return one, "a mesh twice as coarse"
+    two = distance(numbers[1], numbers[2])
+    reverses = (
+        len(numbers[0]) == 1
+        and float((numbers[0] - numbers[1])[0] * (numbers[1] - numbers[2])[0]) < 0.0
+    )
+    if reverses or one > SHRINKS * two:
+        if one > NOTABLE * scale:
+            return None, "three meshes do not lead to one value"
+        return max(one, two), "2 coarser meshes, differences do not shrink"
+    if one == 0.0:
+        return 0.0, "2 coarser meshes, no difference"
+    power = log2(two / one)
+    least = two / (2.0**order * (2.0**order - 1.0)) if power > order + NEAR else 0.0
+    size = max(one / (2.0 ** min(power, order) - 1.0), least)
+    # an order near nothing makes an error of any size
+    return min(size, max(one, two) * 2.0), f"2 coarser meshes, order {power:.2f}"

@@ -1,0 +1,180 @@
+"""Meshes of a deck, finer and coarser: what divides its elements, and what a division would break.
+
+    beam                        mesh.division, so that the names of nodes stay where they are
+    frame                       elements of each bar
+    shell, generated mesh       mesh.elements, in all directions
+    structure                   divisions of segments and beams, across of shells
+
+Hinges and rigid members have no mesh, and meshes that are listed or of a file are as they are. On
+another mesh the inner nodes of a frame, a beam made coarser and a structure have other names: a
+deck that names one is not divided. Consequence to test: a deck divided by 2 and made coarser by 2
+has its own numbers of elements.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.deck.reading.items import Entry
+
+# deformations of a structure's members, the word that divides them, and the order in its length
+STRUCTURE = {"segments": "divisions", "beams": "divisions", "shells": "across"}
+# segments yield in the middle of their length
+SEGMENTS_ORDER = 1.0
+Numbers = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Divisible:
+    """A field whose numbers divide elements: its path, and names of nodes that move if it changes.
+
+    `coarser` is what serves in its place where the elements become longer.
+    """
+
+    part: str
+    path: str
+    numbers: Numbers
+    is_list: bool = False
+    names: frozenset[str] = frozenset()
+    coarser: "Divisible | None" = None
+
+    def overrides(self, numbers: Numbers) -> dict[str, str]:
+        """Numbers as values for --set."""
+        if not self.is_list:
+            return {self.path: str(numbers[0])}
+        return {f"{self.path}.{k}": str(n) for k, n in enumerate(numbers, 1)}
+
+
+def divisible(deck: Deck) -> list[Divisible]:
+    """Every field that divides elements of a part or structure."""
+    own = [part for part in deck.entries["parts"].values() if not part.item.owner]
+    found = [d for part in own for d in _of_part(part)]
+    return found + [d for entry in deck.written_out for d in _of_structure(deck, entry)]
+
+
+def finer(deck: Deck, factor: int) -> dict[str, str]:
+    """Overrides that divide all elements into `factor`. Raises ValueError for why it cannot be."""
+    found: dict[str, str] = {}
+    for field in divisible(deck) if factor > 1 else ():
+        _check_names(deck, field)
+        found |= field.overrides(tuple(n * factor for n in field.numbers))
+    return found
+
+
+def coarser(deck: Deck, factor: int) -> dict[str, str]:
+    """Overrides that make all elements `factor` times as long. Raises ValueError likewise."""
+    if rest := undivided(deck):
+        raise ValueError(f"{rest[0]} has a mesh that cannot be made coarser")
+    found: dict[str, str] = {}
+    for field in divisible(deck):
+        own = field
+        if field.coarser and any(n % factor for n in field.numbers):
+            own = field.coarser
+        if wrong := [n for n in own.numbers if n % factor or n <= factor]:
+            raise ValueError(
+                f"{own.path} has {wrong[0]}, which cannot be divided by {factor} and stay above 1"
+            )
+        _check_names(deck, own)
+        found |= own.overrides(tuple(n // factor for n in own.numbers))
+    return found
+
+
+def undivided(deck: Deck) -> list[str]:
+    """Names of the parts that have elements and cannot be divided."""
+    able = {field.part for field in divisible(deck)}
+    parts = deck.entries["parts"].values()
+    return [part.name for part in parts if not part.item.owner and part.name not in able]
+
+
+def has_mesh(deck: Deck) -> bool:
+    """Whether errors of elements, or of segments, are among those of a deck."""
+    return bool(deck.entries["parts"] or divisible(deck))
+
+
+def has_segments(deck: Deck) -> bool:
+    """Whether a structure has members of segments."""
+    return any("segments" in _deformations(entry.card) for entry in _structures(deck))
+
+
+def _of_part(part: Entry) -> Iterator[Divisible]:
+    card: Any = part.card
+    name, mesh = part.name, _mesh_of(card)
+    if hasattr(mesh, "division"):
+        inner = frozenset(card.node_names(name)[1:-1]) | frozenset(card.element_names(name))
+        plain = Divisible(name, f"parts.{name}.mesh.elements", (mesh.elements,), names=inner)
+        path = f"parts.{name}.mesh.division"
+        yield Divisible(name, path, (mesh.division,), coarser=plain)
+    elif mesh is not None and _is_count(getattr(mesh, "elements", None)):
+        given = mesh.elements
+        numbers = tuple(given) if isinstance(given, tuple) else (given,)
+        yield Divisible(name, f"parts.{name}.mesh.elements", numbers, isinstance(given, tuple))
+    elif hasattr(card, "bars"):
+        points = {f"{name}_{k}" for k in range(1, len(card.points) + 1)}
+        inner = frozenset(card.node_names(name)) - points
+        inner |= frozenset(card.element_names(name)) - points
+        yield Divisible(name, f"parts.{name}.elements", (card.elements,), names=inner)
+
+
+def _mesh_of(card: Any) -> Any:
+    return getattr(card, "mesh", None)
+
+
+def _is_count(elements: Any) -> bool:
+    return isinstance(elements, int | tuple) and elements != ()
+
+
+def _structures(deck: Deck) -> list[Entry]:
+    return [entry for entry in deck.written_out if hasattr(entry.card, "deformation")]
+
+
+def _deformations(card: Any) -> list[str]:
+    return [member.deformation or card.deformation for member in card.members]
+
+
+def _of_structure(deck: Deck, entry: Entry) -> Iterator[Divisible]:
+    card: Any = entry.card
+    if not hasattr(card, "deformation"):
+        return
+    base, inner = f"parts.{entry.name}", _inner_names(deck, entry)
+    words, own = set(), {}
+    for k, (member, deformation) in enumerate(zip(card.members, _deformations(card), strict=True)):
+        word = STRUCTURE.get(deformation)
+        if word == "divisions" and member.divisions is not None:
+            own[f"{base}.members.{k + 1}.divisions"] = member.divisions
+        elif word is not None:
+            words.add(word)
+    own |= {f"{base}.{word}": getattr(card, word) for word in sorted(words)}
+    for path, number in own.items():
+        yield Divisible(entry.name, path, (number,), names=inner)
+
+
+def _inner_names(deck: Deck, entry: Entry) -> frozenset[str]:
+    """Names of bodies and nodes within members, which stand elsewhere on another mesh."""
+    points = {f"{entry.name}_{point.name}" for point in entry.card.points}
+    names = set()
+    for keyword in ("bodies", "springs", "parts"):
+        for made in deck.entries[keyword].values():
+            if made.item.owner != entry.item.title:
+                continue
+            if keyword == "parts":
+                for word in ("node_names", "element_names"):
+                    names |= set(getattr(made.card, word, lambda _: ())(made.name))
+            else:
+                names.add(made.name)
+    return frozenset(names - points)
+
+
+def _check_names(deck: Deck, field: Divisible) -> None:
+    """Raise ValueError where the deck names a node that would stand elsewhere."""
+    for name in sorted(_words(deck) & field.names):
+        raise ValueError(f"the deck names {name}, which is elsewhere if {field.path} changes")
+
+
+def _words(deck: Deck) -> set[str]:
+    texts = [path.read_text("utf-8", "replace") for path in deck.files]
+    # a run in memory may watch what no file names
+    cards: list[Any] = [*deck.watch, *deck.expect]
+    texts += [str(card.channel) for card in cards] + list(deck.given.values())
+    return {word for text in texts for word in re.findall(r"\w+", text)}

@@ -1,0 +1,173 @@
+"""Claim: an error has the mesh in it, within a factor of ten, or says that meshes state none."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.estimate.error import Estimate
+from crashsolve.estimate.estimator import estimate_in_memory, left_out
+from crashsolve.estimate.mesh import mesh_error
+
+FACTOR = 10.0
+
+
+def error(order: float, *numbers: float) -> tuple[float | None, str]:
+    """The error of the first of numbers of scale 1."""
+    return mesh_error([np.array([x]) for x in numbers], 1.0, order)
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0])
+def test_three_meshes_of_an_order_state_the_error(order: float) -> None:
+    size, how = error(order, *(1.0 + 0.01 * m**order for m in (1, 2, 4)))
+    assert size == pytest.approx(0.01)
+    assert f"order {order:.2f}" in how
+
+
+def test_two_meshes_state_their_difference() -> None:
+    assert error(2.0, 1.0, 1.03)[0] == pytest.approx(0.03)
+
+
+def test_a_lucky_difference_does_not_make_the_error_small() -> None:
+    # the coarser ones say 0.12 / 4 / 3
+    assert error(2.0, 1.0, 1.0 + 1e-9, 1.12)[0] == pytest.approx(0.01)
+
+
+def test_an_order_near_nothing_makes_no_error_of_any_size() -> None:
+    size, _ = error(2.0, 1.0, 1.045, 1.095)
+    assert size is not None
+    # an order of 0.15: two and a half times the larger difference, were it believed
+    assert size <= 2.0 * 0.05 * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        # more than half; no smaller than before; back again
+        ((1.0, 1.6, 2.4), "more than half"),
+        ((1.0, 1.2, 1.39), "do not lead to one value"),
+        ((1.0, 1.1, 0.8), "do not lead to one value"),
+    ],
+)
+def test_meshes_that_state_no_error_say_so(numbers: tuple[float, ...], words: str) -> None:
+    size, how = error(2.0, *numbers)
+    assert size is None
+    assert words in how
+
+
+def test_differences_that_do_not_shrink_and_are_small_are_the_error() -> None:
+    assert error(2.0, 1.0, 1.01, 0.97)[0] == pytest.approx(0.04)
+
+
+# the tip of a cantilever that is loaded at once; the end of a bar that is pulled, until the wave
+# comes back; the middle of a struck plate
+SCENES = {
+    "cantilever": """
+control: {end_time: 4e-3, estimate: mesh}
+materials: {m: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
+sections: {s: {type: circle, radius: 0.02}}
+parts:
+  arm:
+    type: structure
+    points: [{name: foot, at: [0, 0, 0], joint: 1e-6}, {name: tip, at: [1, 0, 0], joint: 1e-6}]
+    members: [{from: foot, to: tip}]
+    section: s
+    material: m
+    divisions: COUNT
+    deformation: WORD
+joints: {c: {type: weld, b: arm_foot, at: [0, 0, 0]}}
+loads: {f: {type: force, body: arm_tip, at: [0, 0, 0], force: [0, 0, 100]}}
+watch: [{channel: rbdout.arm_tip.position.z, statistic: final}]
+""",
+    "bar": """
+control: {end_time: 0.06, estimate: mesh}
+materials: {m: {type: elastic, young: 1e5, poisson: 0, density: 1000}}
+sections: {s: {type: circle, radius: 0.05}}
+parts:
+  bar: {type: beam, section: s, material: m,
+        mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: COUNT}}
+joints: {clamp: {type: weld, b: bar_start, at: [0, 0, 0]}}
+loads: {f: {type: force, body: bar_end, at: [0, 0, 0], force: [10, 0, 0]}}
+watch: [{channel: rbdout.bar_end.position.x - 1, statistic: final}]
+""",
+    "plate": """
+control: {end_time: 1e-3, estimate: mesh}
+materials: {m: {type: elastic, young: 2.1e11, poisson: 0.3, density: 7850}}
+parts:
+  p:
+    type: shell
+    mesh: {type: grid, along: [0.2, 0, 0], across: [0, 0.2, 0], elements: [COUNT, COUNT]}
+    thickness: 0.004
+    material: m
+    nodes: [{name: middle, at: [0.1, 0.1, 0]}]
+    supports: [{nodes: u0}, {nodes: u1}, {nodes: v0}, {nodes: v1}]
+loads: {f: {type: force, body: p_middle, force: [0, 0, 100]}}
+watch: [{channel: rbdout.p_middle.position.z, statistic: max}]
+""",
+}
+
+
+def estimate(folder: Path, name: str, count: int, word: str = "") -> Estimate:
+    """The estimate of a scene on so many elements."""
+    path = folder / f"{name}{count}.yaml"
+    text = SCENES[name].replace("COUNT", str(count)).replace("WORD", word)
+    path.write_text(text, "utf-8")
+    _, (found,), _ = estimate_in_memory(read_deck(path))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "word", "count", "fine"),
+    [
+        ("cantilever", "segments", 8, 32),
+        ("cantilever", "beams", 8, 32),
+        ("bar", "", 8, 0),
+        ("plate", "", 16, 48),
+    ],
+)
+def test_the_error_is_near_the_true_one(
+    name: str, word: str, count: int, fine: int, tmp_path: Path
+) -> None:
+    found = estimate(tmp_path, name, count, word)
+    # a constant force sends a front along the bar: u = F c t / (E A)
+    front = 10.0 * 10.0 * 0.06 / (1e5 * np.pi * 0.05**2)
+    truth = front if name == "bar" else estimate(tmp_path, name, fine, word).value
+    assert found.value is not None
+    assert truth is not None
+    true = abs(found.value - truth)
+    assert found.error is not None, found.how
+    assert true / FACTOR <= found.error <= FACTOR * true, found.how
+    assert found.how.startswith("time ")
+    assert "; mesh " in found.how
+
+
+CONTACT = """
+control: {end_time: 0.01}
+bodies: {b: {mass: 1, inertia: [1, 1, 1], position: [0, 0, 1], velocity: [1, 0, 0]}}
+surfaces:
+  s: {type: sphere, body: b, radius: 0.1}
+  p: {type: plane, at: [0, 0, 0], normal: [0, 0, 1]}
+contacts: {c: {a: [s], b: [p], normal: NORMAL, friction: FRICTION}}
+watch: [rbdout.b.position.x]
+"""
+COULOMB = "{type: coulomb, coefficient: 0.3, none_below: 1e-3, full_above: 1e-2}"
+
+
+@pytest.mark.parametrize(
+    ("normal", "friction", "words"),
+    [
+        ("{type: hertz, stiffness: 1e6}", "null", []),
+        ("{type: penalty, stiffness: 1e6}", "null", ["the stiffness of penalty contacts"]),
+        ("{type: hertz, stiffness: 1e6}", COULOMB, ["the speeds over which friction sets in"]),
+    ],
+)
+def test_an_error_says_which_laws_it_leaves_out(
+    normal: str, friction: str, words: list[str], tmp_path: Path
+) -> None:
+    text = CONTACT.replace("NORMAL", normal).replace("FRICTION", friction)
+    (tmp_path / "deck.yaml").write_text(text, "utf-8")
+    deck = read_deck(tmp_path / "deck.yaml")
+    assert left_out(deck) == words
+    _, (found,), _ = estimate_in_memory(deck)
+    assert found.how.endswith(f"; without {words[0]}" if words and found.error else found.how)
