@@ -12,7 +12,7 @@ from command import crashsolve
 from crashpost.cli import main as crashpost
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
-FOLDERS = ("tutorial", "verification", "benchmark", "queue")
+FOLDERS = ("tutorial", "verification", "benchmark", "queue", "occupants/tests")
 
 
 def _decks() -> list[object]:

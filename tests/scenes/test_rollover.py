@@ -1,0 +1,95 @@
+"""Claims of the roll-over: the sequence of events of the chapter, and what holds exactly."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import crashsolve
+
+from crashpost.results.result import Result
+
+DECK = Path(__file__).parents[2] / "decks" / "scenes" / "rollover.yaml"
+# 25 mph in m/s, and the masses of the deck in kg
+SPEED = 11.176
+VEHICLE, OCCUPANT = 1100 + 4 * (15 + 19.8), 75.3366
+# one worker runs all of them, and compiles the scene once
+pytestmark = pytest.mark.xdist_group("rollover")
+
+
+def run(folder: Path, end_time: float, *changes: str) -> Result:
+    words = ["--set", f"control.end_time={end_time}", "--set", "control.estimate=off", *changes]
+    done = crashsolve(DECK, "-o", folder, *words)
+    assert done.returncode == 0, done.stderr
+    assert "N o r m a l" in done.stdout
+    return Result(folder)
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """The first 0.22 s: the fall and the blow of the left tyres."""
+    return run(tmp_path_factory.mktemp("rollover"), 0.22)
+
+
+def first(result: Result, channel: str) -> float:
+    """Time at which a channel first has a value [s]; infinite where it never has."""
+    found = result.series(channel)
+    at = np.flatnonzero(found.values)
+    return float(found.time[at[0]]) if len(at) else np.inf
+
+
+def test_all_fly_as_one_until_the_tyres_touch(result: Result) -> None:
+    # gravity alone acts from outside: the momentum grows by m g t, and none of it goes aside
+    vertical, across = (result.series(f"glstat.model.momentum.{axis}") for axis in "zy")
+    touch = min(first(result, f"tyrout.tyre_{end}_left.normal") for end in ("front", "rear"))
+    assert 0.1 < touch < 0.2
+    flying = vertical.time < touch
+    mass = VEHICLE + 3 * OCCUPANT
+    fallen = vertical.values - vertical.values[0] + mass * 9.81 * vertical.time
+    # constraints are kept to 1e-10 of the model's size
+    assert np.abs(fallen[flying]).max() < 1e-6 * mass * SPEED
+    # all mass centres go aside at the speed of the cart, but for the roll rate: the heads are
+    # 0.4 m higher at most, so that 1.5 rad/s change their momentum by less than a tenth
+    assert across.values[0] == pytest.approx(mass * SPEED, rel=0.02)
+    assert np.ptp(across.values[flying]) < 1e-6 * mass * SPEED
+
+
+def test_the_left_tyres_strike_first(result: Result) -> None:
+    right = min(first(result, f"tyrout.tyre_{end}_right.normal") for end in ("front", "rear"))
+    assert np.isinf(right)
+    assert np.isinf(first(result, "rcforc.bar_on_ground.normal"))
+
+
+def test_the_belts_hold_the_front_and_not_the_rear(result: Result) -> None:
+    for who in ("driver", "passenger"):
+        straps = ("lap_outer", "lap_inner", "shoulder_upper", "shoulder_lower")
+        forces = [result.series(f"deforc.{who}_{strap}.force").values for strap in straps]
+        # straps only pull
+        assert min(force.min() for force in forces) >= 0.0
+
+
+def test_energy_closes(result: Result) -> None:
+    # 0.5 % is asked for
+    assert np.abs(result.series("glstat.model.balance").values).max() < 0.1  # %
+
+
+@pytest.mark.long
+def test_the_sequence_of_the_chapter(tmp_path: Path) -> None:
+    """Left tyres, roll bar, ejection of the rear occupant, and after a whole turn the tyres."""
+    found = run(tmp_path, 3.0)
+    assert np.abs(found.series("glstat.model.balance").values).max() < 0.5  # %
+    tyres = min(first(found, f"tyrout.tyre_{end}_left.normal") for end in ("front", "rear"))
+    bar = first(found, "rcforc.bar_on_ground.normal")
+    right = min(first(found, f"tyrout.tyre_{end}_right.normal") for end in ("front", "rear"))
+    assert tyres < bar < right
+    # out of his seat while the vehicle is on its side; the belted ones stay
+    away = found.series("disbout.rear_seat.distance")
+    assert bar - 0.1 < away.time[np.flatnonzero(away.values > 1.0)[0]] < right
+    roll = -np.degrees(found.series("disbout.roll.angle").values)
+    assert roll.max() > 337.0
+    for who in ("driver", "passenger"):
+        seat = np.array(
+            [found.series(f"rbdout.{who}_lower_torso.position.{a}").values for a in "xyz"]
+        )
+        vehicle = np.array([found.series(f"rbdout.vehicle.position.{a}").values for a in "xyz"])
+        # both mass centres: 0.4 m apart at the start, never a metre
+        assert np.linalg.norm(seat - vehicle, axis=0).max() < 1.0
