@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from command import crashsolve
 
+from crashpost.cli import main as crashpost
 from crashpost.results.result import Result
 
 DECK = Path(__file__).parents[2] / "decks" / "scenes" / "rollover.yaml"
@@ -93,3 +94,9 @@ def test_the_sequence_of_the_chapter(tmp_path: Path) -> None:
         vehicle = np.array([found.series(f"rbdout.vehicle.position.{a}").values for a in "xyz"])
         # both mass centres: 0.4 m apart at the start, never a metre
         assert np.linalg.norm(seat - vehicle, axis=0).max() < 1.0
+
+
+def test_the_bus_on_the_edge_meets_its_closed_form(tmp_path: Path) -> None:
+    done = crashsolve(DECK.with_name("tilting_bus.yaml"), "-o", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert crashpost(["expect", str(tmp_path)]) == 0
