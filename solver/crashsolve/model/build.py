@@ -18,6 +18,7 @@ from crashsolve.model import attachments
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.checks.gyration import gyration_warnings
 from crashsolve.model.checks.methods import refuse_incomplete_method, refuse_methods
+from crashsolve.model.checks.sampling import step_warnings
 from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
@@ -97,7 +98,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     contact_groups, nodal_groups = build_contacts(deck, scene)
     scene.raise_errors()
     refuse_motion(deck, groups)
-    scene.warnings += gyration_warnings(scene, groups, joints)
+    scene.warnings += gyration_warnings(scene, groups, joints) + step_warnings(deck)
 
     saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
     model = Model(

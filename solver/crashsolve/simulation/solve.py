@@ -44,6 +44,7 @@ from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
+from crashsolve.simulation.redundant import arbitrary_reactions
 from crashsolve.simulation.remarks import (
     deleted,
     hourglass_share,
@@ -352,12 +353,12 @@ class Run:
             unbalanced = contact_warnings(engine.model, engine.state, engine.ledger)
         history = self.folder / "history.h5"
         missed = [c.words(self.schedule.interval) for c in missed_contacts(engine, history)]
+        arbitrary = arbitrary_reactions(engine, self.deck)
         met = (*read_beyond(engine), *pressed_deep(engine), *missed, *hourglass_share(engine))
         for text in (
             *self.overlapping,
             *engine.law_warnings(),
-            *met,
-            *unbalanced,
+            *(*met, *arbitrary, *unbalanced),
             *engine.step_warnings(),
         ):
             self.log.warning(text)

@@ -2,6 +2,7 @@
 
 from crashsolve.model.ledger import ENTRIES, LARGEST
 from crashsolve.simulation.progress import Account, balance
+from crashsolve.simulation.redundant import undetermined
 from crashsolve.system.engine import Engine
 
 
@@ -33,8 +34,10 @@ def _constraints(engine: Engine) -> dict[str, str]:
     clock, saddle = engine.clock, engine.model.saddle
     if not engine.model.joints:
         return {}
+    split = undetermined(engine)
     return {
         "constraint rows, redundant": f"{saddle.rows()}, {saddle.redundant()}",
+        **({"joints whose split of a force is arbitrary": ", ".join(split)} if split else {}),
         "iterations per step": f"{clock['iterations'] / max(int(clock['cycle']), 1):.2f}",
         "largest constraint error, in position and velocity": (
             f"{float(clock['residual']):.2g} and {float(clock['rate_residual']):.2g} 1/s, "

@@ -1,0 +1,22 @@
+"""A stated step that samples cut short: the run takes another one than the deck asks for."""
+
+from typing import Any
+
+# a step longer than the interval by this share is cut
+SAME = 1e-9
+
+
+def step_warnings(deck: Any) -> list[str]:
+    """The warning of a `control.step` longer than the time between samples."""
+    control, step = deck.control, deck.control.step
+    if step == "auto" or control.solution == "quasi_static" or control.integrator == "auto":
+        return []
+    given = deck.output.history.interval
+    interval = given or (control.end_time - control.start_time) / 1000.0
+    if not 0.0 < interval < step * (1.0 - SAME):
+        return []
+    whose = "that output.history.interval asks for" if given else "that a run has by default"
+    return [
+        f"control.step: {step:.6g} s is cut to the {interval:.6g} s between samples {whose}; "
+        f"give output.history.interval: {step:.6g} to take the step"
+    ]
