@@ -36,7 +36,7 @@ def undetermined(engine: Engine) -> list[str]:
 
 def arbitrary_reactions(engine: Engine, deck: Deck) -> list[str]:
     """The warning of channels under watch or expect that name such a joint."""
-    watched = [card.channel for card in (*deck.watch, *deck.expect)]
+    watched = [card.channel for card in deck.watch] + [card.channel for card in deck.expect]
     if not any("jntforc." in text for text in watched):
         return []
     joints = undetermined(engine)
