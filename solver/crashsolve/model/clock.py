@@ -20,8 +20,7 @@ from crashsolve.foundation.record import Record
     UNHELD,
     ROTATED,
     CONTACT_GAIN,
-    TOUCHED,
-) = range(17)
+) = range(16)
 
 # of `kinked`: at a corner of a curve of time, which the next step begins behind
 CORNER = 2

@@ -21,7 +21,6 @@ from crashsolve.model.clock import (
     POSITION,
     REACHED,
     REBUILD,
-    TOUCHED,
 )
 from crashsolve.model.contact.node_to_surface import give_room
 from crashsolve.model.contact.pairs import renew
@@ -31,7 +30,6 @@ from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.system.compose import compose, load
-from crashsolve.system.contact.effective_mass import find_masses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
@@ -151,7 +149,7 @@ class Engine:
         for count in range(PASSES):
             known = reactions
             self._advance(self.clock["time"], True, self._present)
-            if count == 0 and any([find_impact_speeds(self.model, s), find_masses(self.model, s)]):
+            if count == 0 and find_impact_speeds(self.model, s):
                 continue
             reactions = s.rows["reaction"].tolist()
             change = max((abs(a - b) for a, b in zip(reactions, known, strict=True)), default=0.0)
@@ -200,9 +198,6 @@ class Engine:
                 return
             if status == PAUSED:
                 self.on_pause()
-            elif status == TOUCHED:
-                find_masses(self.model, s)
-                self._renew_forces()
             elif status == REBUILD:
                 self._refuse_passing()
                 renew(self.model.contact_groups, s)
@@ -248,16 +243,12 @@ class Engine:
 
     def _rotate_corner(self) -> None:
         """What methods keep of the end of a step, as it is after the corner there."""
-        if self.has_stages:
-            self._renew_forces()
-        self.state.clock[0]["kinked"] = 1
-
-    def _renew_forces(self) -> None:
-        """Forces at the present time, with which the next step begins, once more."""
         clock = self.state.clock[0]
-        step = float(clock["step"])
-        self._advance(clock["time"], True, self._present)
-        clock["step"] = step
+        if self.has_stages:
+            step = float(clock["step"])
+            self._advance(clock["time"], True, self._present)
+            clock["step"] = step
+        clock["kinked"] = 1
 
     def _call(self, until: float) -> int:
         """One call of the compiled loop, of about LONGEST_CALL at most; returns its status."""
