@@ -18,6 +18,7 @@ joints:
   upper: {{type: {upper}, b: door, at: [0, 0, 0.8]{axis}}}
   lower: {{type: {lower}, b: door, at: [0, 0, -0.8], axis: [0, 0, 1]}}
 loads: {{weight: {{type: gravity}}}}
+sensors: {{upper_force: {{type: section_force, joint: upper, axes: door}}}}
 watch: [{{channel: {channel}, statistic: final}}]
 """
 WORDS = "not determined"
@@ -41,6 +42,12 @@ def test_two_hinges_share_the_weight_in_any_way(tmp_path: Path) -> None:
     )
     # the sum is a result: m g
     assert abs(total) == pytest.approx(196.2, rel=1e-9)
+
+
+def test_a_sensor_of_such_a_joint_is_doubted_too(tmp_path: Path) -> None:
+    said, _ = run(tmp_path, "secforc.upper_force.force.z", "revolute", "revolute", AXIS)
+    assert WORDS in said
+    assert "reactions of 'upper' are" in said
 
 
 def test_other_channels_of_the_same_door_are_not_doubted(tmp_path: Path) -> None:

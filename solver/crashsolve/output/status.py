@@ -45,6 +45,7 @@ class Status:
     watched: list[dict[str, Any]] = field(default_factory=list)
     untouched: list[str] = field(default_factory=list)
     undeformed: list[str] = field(default_factory=list)
+    undetermined: list[str] = field(default_factory=list)
     deleted: dict[str, dict[str, Any]] = field(default_factory=dict)
     pid: int = field(default_factory=os.getpid)
     host: str = field(default_factory=socket.gethostname)

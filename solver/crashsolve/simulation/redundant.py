@@ -6,15 +6,13 @@ such joints is arbitrary, sums over them are not. Consequence to test: two hinge
 its weight in any way; a ball and a point on a line, which have no redundant row, do not.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
+from crashsolve.model.jacobian import jacobian, null_space
 from crashsolve.system.engine import Engine
 
-# singular values below this share of the largest belong to redundant rows; shares of the null space
-# below it are round-off
+# shares of the null space below this are round-off
 NOTHING = 1e-9
 # more rows than this are counted, not looked at: the singular values of so many take a second
 MANY = 1000
@@ -25,7 +23,11 @@ def undetermined(engine: Engine) -> list[str]:
     model = engine.model
     if not model.joints or not model.saddle.redundant() or model.saddle.rows() > MANY:
         return []
-    null = _null_space_of_rows(_jacobian(engine))
+    D = jacobian(model.joints, engine.state.rows, len(model.mass))[:, 1:]
+    if not np.isfinite(D).all():
+        # a run that has stopped with numbers beyond all bounds
+        return []
+    null = null_space(D.reshape(len(D), -1).T)
     found, first = [], 0
     for joint in model.joints:
         if np.abs(null[first : first + joint.rows]).max(initial=0.0) > NOTHING:
@@ -34,13 +36,17 @@ def undetermined(engine: Engine) -> list[str]:
     return found
 
 
-def arbitrary_reactions(engine: Engine, deck: Deck) -> list[str]:
-    """The warning of channels under watch or expect that name such a joint."""
+def arbitrary_reactions(joints: list[str], deck: Deck) -> list[str]:
+    """The warning of channels under watch or expect that read one of these joints."""
     watched = [card.channel for card in deck.watch] + [card.channel for card in deck.expect]
-    if not any("jntforc." in text for text in watched):
-        return []
-    joints = undetermined(engine)
-    named = [name for name in joints if any(f"jntforc.{name}." in text for text in watched)]
+    channels = {name: [f"jntforc.{name}."] for name in joints}
+    for name, entry in deck.entries["sensors"].items():
+        channels.get(getattr(entry.card, "joint", ""), []).append(f"secforc.{name}.")
+    named = [
+        name
+        for name, prefixes in channels.items()
+        if any(prefix in text for prefix in prefixes for text in watched)
+    ]
     if not named:
         return []
     some, every = (", ".join(repr(name) for name in names) for names in (named, joints))
@@ -51,28 +57,3 @@ def arbitrary_reactions(engine: Engine, deck: Deck) -> list[str]:
         "(a spherical joint and a point_on_line hold a door as two revolute joints do), or let a "
         "bushing bear them"
     ]
-
-
-def _jacobian(engine: Engine) -> np.ndarray:
-    """D (rows, 6 nodes) of all joints now, in the order of the joints."""
-    model, rows = engine.model, engine.state.rows
-    D = np.zeros((sum(joint.rows for joint in model.joints), 6 * len(model.mass)))
-    first = 0
-    for joint in model.joints:
-        for k in range(joint.rows * joint.parts):
-            part: Any = rows[joint.first_row + k]
-            row = D[first + k % joint.rows]
-            for name, half in (("node_a", slice(0, 6)), ("node_b", slice(6, 12))):
-                node = int(part[name])
-                if node:
-                    row[6 * node : 6 * node + 6] += part["D"][half]
-        first += joint.rows
-    return D
-
-
-def _null_space_of_rows(D: np.ndarray) -> np.ndarray:
-    """Orthonormal columns (m, k) n with D^T n = 0."""
-    left, values, _ = np.linalg.svd(D, full_matrices=True)
-    rank = int((values > NOTHING * values.max(initial=0.0)).sum())
-    null: np.ndarray = left[:, rank:]
-    return null

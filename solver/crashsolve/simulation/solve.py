@@ -44,7 +44,7 @@ from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
-from crashsolve.simulation.redundant import arbitrary_reactions
+from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
 from crashsolve.simulation.remarks import (
     deleted,
     hourglass_share,
@@ -345,20 +345,21 @@ class Run:
             "untouched": untouched(self.engine),
             "undeformed": undeformed(self.engine, self.history.extremes),
             "deleted": deleted(self.engine, self.folder / "history.h5"),
+            "undetermined": undetermined(self.engine),
         }
         self.account.status(state, code, message)
         engine = self.engine
-        unbalanced = []
-        if self.deck.control.solution == "transient":
-            unbalanced = contact_warnings(engine.model, engine.state, engine.ledger)
+        moves = self.deck.control.solution == "transient"
+        unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
         history = self.folder / "history.h5"
         missed = [c.words(self.schedule.interval) for c in missed_contacts(engine, history)]
-        arbitrary = arbitrary_reactions(engine, self.deck)
         met = (*read_beyond(engine), *pressed_deep(engine), *missed, *hourglass_share(engine))
         for text in (
             *self.overlapping,
             *engine.law_warnings(),
-            *(*met, *arbitrary, *unbalanced),
+            *met,
+            *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
+            *unbalanced,
             *engine.step_warnings(),
         ):
             self.log.warning(text)

@@ -2,7 +2,6 @@
 
 from crashsolve.model.ledger import ENTRIES, LARGEST
 from crashsolve.simulation.progress import Account, balance
-from crashsolve.simulation.redundant import undetermined
 from crashsolve.system.engine import Engine
 
 
@@ -34,10 +33,8 @@ def _constraints(engine: Engine) -> dict[str, str]:
     clock, saddle = engine.clock, engine.model.saddle
     if not engine.model.joints:
         return {}
-    split = undetermined(engine)
     return {
         "constraint rows, redundant": f"{saddle.rows()}, {saddle.redundant()}",
-        **({"joints whose split of a force is arbitrary": ", ".join(split)} if split else {}),
         "iterations per step": f"{clock['iterations'] / max(int(clock['cycle']), 1):.2f}",
         "largest constraint error, in position and velocity": (
             f"{float(clock['residual']):.2g} and {float(clock['rate_residual']):.2g} 1/s, "
@@ -59,11 +56,12 @@ def _cost(account: Account) -> dict[str, str]:
 
 
 def _remarks(account: Account) -> dict[str, str]:
-    """What never happened, and which elements were deleted."""
+    """What never happened, what is not determined, and which elements were deleted."""
     found, remarks = {}, account.remarks
     for name, what in (
         ("untouched", "contacts that never touched"),
         ("undeformed", "parts that never deformed"),
+        ("undetermined", "joints whose split of a force is arbitrary"),
     ):
         if remarks.get(name):
             found[what] = ", ".join(remarks[name])

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.model import ledger as energy
+from crashsolve.model.jacobian import jacobian, whole_rows
 from crashsolve.model.model import Model, State
 from crashsolve.statics.balance import Forces, Work
 from crashsolve.statics.elimination import eliminate
@@ -269,7 +270,7 @@ class StaticEngine(Engine):
     def _is_closed(self, phi: np.ndarray) -> bool:
         """Whether the joints are. Writes: clock.residual."""
         scale = self.state.rows["scale"]
-        error = float((np.abs(phi) / scale[self._whole_rows()]).max(initial=0.0))
+        error = float((np.abs(phi) / scale[whole_rows(self.model.joints)]).max(initial=0.0))
         is_closed = error <= float(self.model.control[0]["constraint_tolerance"])
         if is_closed:
             self.clock.residual = max(self.clock.residual, error)
@@ -405,26 +406,12 @@ class StaticEngine(Engine):
                 np.add.at(columns, (ends[i], ends[j]), found[:, i, :, j])
         return columns[:n, :n].transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
 
-    def _whole_rows(self) -> np.ndarray:
-        """Rows that stand for themselves: the first parts of the joints'."""
-        return np.array(
-            [j.first_row + k for j in self.model.joints for k in range(j.rows)], dtype=int
-        )
-
     def imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Forces and moments that nothing holds (6 n,), D (m, 6 n) and Phi (m,)."""
         g, rows = self._rest(time, self.state.nodes), self.rows
-        D = np.zeros((len(rows), len(self.nodes), 6))
-        index, first = np.arange(len(rows)), np.arange(len(rows))
-        for j in self.model.joints:
-            # the parts of a row of more than two bodies add up
-            first[j.first_row : j.first_row + j.rows * j.parts] = np.tile(
-                j.first_row + np.arange(j.rows), j.parts
-            )
-        np.add.at(D, (first, rows["node_a"]), rows["D"][index, :6])
-        np.add.at(D, (first, rows["node_b"]), rows["D"][index, 6:])
-        whole = self._whole_rows()
-        return g, D[whole][:, self.free].reshape(len(whole), g.size), rows["phi"][whole]
+        D = jacobian(self.model.joints, rows, len(self.nodes))[:, self.free]
+        phi = rows["phi"][whole_rows(self.model.joints)]
+        return g, D.reshape(len(phi), g.size), phi
 
     def _rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
         """A sample of these nodes: forces and moments (6 n,) that would move the free ones."""

@@ -17,6 +17,8 @@ Procedures, 8.2 (signs of pivots).
 
 import numpy as np
 
+from crashsolve.model.jacobian import null_space
+
 # of the largest, with each row over the root of its diagonal: less is round-off, or nothing holds
 NOTHING = 1e-12
 # of the largest stiffness: what has less is scaled no further, or rows of D would lose their rank
@@ -32,11 +34,11 @@ def unstable_mode(K: np.ndarray, D: np.ndarray, M: np.ndarray) -> tuple[np.ndarr
 
     K and M (n, n), D (m, n).
     """
-    if not _null_space(D).size:
+    if not null_space(D).size:
         # drivers hold all of it, and K is nothing but round-off
         return None, False
     size = np.sqrt(np.maximum(np.abs(np.diag(K)), SOFT * np.abs(K).max(initial=1e-300)))
-    free = _null_space(D / size)
+    free = null_space(D / size)
     reduced = free.T @ (K / np.outer(size, size)) @ free
     if not reduced.size:
         return None, False
@@ -69,15 +71,6 @@ def _of_odd(K: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
     if not leaves.any():
         return None, flutters
     return displacements[:, int(np.argmin(np.where(leaves, found.real, np.inf)))].real, flutters
-
-
-def _null_space(D: np.ndarray) -> np.ndarray:
-    """Orthonormal columns (n, k) that D (m, n) takes to nothing; redundant rows count once."""
-    if not len(D):
-        return np.eye(D.shape[1])
-    _, values, rows = np.linalg.svd(D, full_matrices=True)
-    rank = int((values > 1e-9 * values.max(initial=0.0)).sum())
-    return rows[rank:].T
 
 
 def unstable_modes(columns: np.ndarray) -> tuple[int, int]:
