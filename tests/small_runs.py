@@ -9,6 +9,21 @@ from command import crashsolve
 
 from crashpost.results.result import Result
 
+# a cantilever of COUNT elements, described as WORD, whose tip is loaded at once
+CANTILEVER = """materials: {m: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
+sections: {s: {type: circle, radius: 0.02}}
+parts:
+  arm:
+    type: structure
+    points: [{name: foot, at: [0, 0, 0], joint: 1e-6}, {name: tip, at: [1, 0, 0], joint: 1e-6}]
+    members: [{from: foot, to: tip}]
+    section: s
+    material: m
+    divisions: COUNT
+    deformation: WORD
+joints: {c: {type: weld, b: arm_foot, at: [0, 0, 0]}}
+loads: {f: {type: force, body: arm_tip, at: [0, 0, 0], force: [0, 0, 100]}}"""
+
 
 def run(
     folder: Path,

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from command import crashsolve
+from small_runs import CANTILEVER
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.study.meshes import coarser, finer
@@ -21,22 +22,10 @@ MESHES = {
     "{type: box, size: [1, 1, 1], elements: [4, 4, 4]}": (0, 0),
     "{type: sphere, radius: 0.1, elements: 4}": (0, 0),
 }
-STRUCTURE = """
-control: {end_time: 2e-3, step: 2e-6}
-materials: {m: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
-sections: {s: {type: circle, radius: 0.02}}
-parts:
-  arm:
-    type: structure
-    points: [{name: foot, at: [0, 0, 0], joint: 1e-6}, {name: tip, at: [1, 0, 0], joint: 1e-6}]
-    members: [{from: foot, to: tip}]
-    section: s
-    material: m
-    divisions: 4
-    deformation: WORD
-joints: {c: {type: weld, b: arm_foot, at: [0, 0, 0]}}
-loads: {f: {type: force, body: arm_tip, at: [0, 0, 0], force: [0, 0, 100]}}
-watch: [{channel: CHANNEL, statistic: final}]
+STRUCTURE = f"""
+control: {{end_time: 2e-3, step: 2e-6}}
+{CANTILEVER}
+watch: [{{channel: CHANNEL, statistic: final}}]
 """
 TIP = "rbdout.arm_tip.position.z"
 
@@ -44,7 +33,8 @@ TIP = "rbdout.arm_tip.position.z"
 def structure(folder: Path, word: str, channel: str = TIP) -> Path:
     """A cantilever as a structure of this description."""
     path = folder / f"{word}.yaml"
-    path.write_text(STRUCTURE.replace("WORD", word).replace("CHANNEL", channel), "utf-8")
+    text = STRUCTURE.replace("WORD", word).replace("COUNT", "4").replace("CHANNEL", channel)
+    path.write_text(text, "utf-8")
     return path
 
 

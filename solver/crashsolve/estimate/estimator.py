@@ -144,20 +144,17 @@ class Estimator:
         """The estimates of all watched numbers; `meshes` are runs on ever coarser ones."""
         judge = Judge(self.channels, self.order)
         found = [judge.estimate(watch, main, others) for watch in self.watches]
-        if has_mesh(self.deck):
+        is_meshed, laws = has_mesh(self.deck), left_out(self.deck)
+        if is_meshed and meshes:
             found = [self._with_mesh(judge, e, [main, *meshes]) for e in found]
-        without = left_out(self.deck)
-        return [replace(e, how=_without(e.how, without)) if e.error else e for e in found]
+        return [_without(e, [MESH, *laws] if is_meshed and e.mesh is None else laws) for e in found]
 
     def _with_mesh(self, judge: Judge, found: Estimate, runs: Sequence[Samples]) -> Estimate:
-        """An estimate with the error by the mesh, or that says that it is without."""
-        without = replace(found, how=_without(found.how, [MESH])) if found.error else found
-        if len(runs) == 1:
-            return without
+        """An estimate with the error by the mesh, where the samples serve to tell it."""
         try:
             return with_mesh(found, judge.numbers(found.watch, runs), self.deck)
         except ValueError:
-            return without
+            return found
 
 
 def left_out(deck: Deck) -> list[str]:
@@ -169,14 +166,11 @@ def left_out(deck: Deck) -> list[str]:
     return sorted({words for words in found if words})
 
 
-def _without(how: str, words: Sequence[str]) -> str:
-    """How an error was found, and what is not in it."""
-    if not words:
-        return how
-    joined = " and ".join(words)
-    if how.endswith(f"without {MESH}"):
-        return f"{how} and {joined}"
-    return f"{how}; without {joined}"
+def _without(found: Estimate, words: Sequence[str]) -> Estimate:
+    """An estimate that says what is not in its error."""
+    if not words or not found.error:
+        return found
+    return replace(found, how=f"{found.how}; without {' and '.join(words)}")
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:

@@ -81,6 +81,8 @@ def _coarse(deck: Deck, factor: int) -> Deck:
     """The deck on a coarser mesh, with the control and output that it has by now."""
     given = deck.given | coarser(deck, factor)
     made = read_deck(deck.path, given, refuses_idle=False)
+    if made.written != deck.written:
+        raise ValueError("the files of the deck have been written anew since the run began")
     return replace(
         made,
         control=deck.control,

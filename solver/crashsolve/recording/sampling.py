@@ -30,8 +30,7 @@ class Schedule:
     def of(cls, deck: Deck) -> "Schedule":
         """The schedule a deck asks for."""
         start, end = deck.control.start_time, deck.control.end_time
-        count = deck.control.steps if deck.control.solution == "quasi_static" else 1000
-        plain = cls(start, end, deck.output.history.interval or (end - start) / count or 1.0)
+        plain = cls(start, end, deck.sample_interval or 1.0)
         return plain.with_times(_asked(deck))
 
     def with_times(self, times: set[float]) -> "Schedule":

@@ -253,7 +253,7 @@ def _automatic(deck: Deck, factor: float) -> Words:
     control = deck.control
     span = control.end_time - control.start_time
     # a step never passes a sample
-    longest = min(control.step_max or span, deck.output.history.interval or span / 1000) or 1.0
+    longest = min(control.step_max or span, deck.sample_interval) or 1.0
     overrides = {
         "control.step": AUTO,
         "control.safety": repr(min(control.safety * factor, 1.0)),

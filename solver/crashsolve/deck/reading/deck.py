@@ -53,6 +53,8 @@ class Deck:
     title: str
     path: Path
     files: list[Path]
+    # when each was last written [ns]
+    written: list[int]
     parameters: dict[str, float]
     control: Control
     output: Output
@@ -74,6 +76,13 @@ class Deck:
     def text(self) -> str:
         """The deck as one YAML text in SI, with includes, parameters and defaults written out."""
         return as_text(self)
+
+    @property
+    def sample_interval(self) -> float:
+        """Time between samples [s]: as asked for, or a 1000th of the run, or a load step."""
+        control = self.control
+        count = control.steps if control.solution == "quasi_static" else 1000
+        return self.output.history.interval or (control.end_time - control.start_time) / count
 
     @cached_property
     def threads(self) -> int:
@@ -186,6 +195,7 @@ class _Reader:
             title=title,
             path=self.path,
             files=self.paths,
+            written=[path.stat().st_mtime_ns for path in self.paths],
             parameters={name: float(v) for name, v in self.parameters.values.items()},
             control=control,
             output=output,

@@ -11,11 +11,11 @@ def step_warnings(deck: Any) -> list[str]:
     control, step = deck.control, deck.control.step
     if step == "auto" or control.solution == "quasi_static" or control.integrator == "auto":
         return []
-    given = deck.output.history.interval
-    interval = given or (control.end_time - control.start_time) / 1000.0
+    interval = deck.sample_interval
     if not 0.0 < interval < step * (1.0 - SAME):
         return []
-    whose = "that output.history.interval asks for" if given else "that a run has by default"
+    is_asked = deck.output.history.interval is not None
+    whose = "that output.history.interval asks for" if is_asked else "that a run has by default"
     return [
         f"control.step: {step:.6g} s is cut to the {interval:.6g} s between samples {whose}; "
         f"give output.history.interval: {step:.6g} to take the step"
