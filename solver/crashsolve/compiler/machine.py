@@ -177,25 +177,28 @@ def _function(engine: Any, name: str) -> Function:
     """A compiled function, as Python calls it."""
     call = SIGNATURE(engine.get_function_address(name))
 
-    if runs_checked():
-        address = ctypes.CFUNCTYPE(ctypes.c_void_p)(engine.get_function_address("first_failure"))()
-        failure = Failure.from_address(address)
-
     def function(number: float, flag: bool, tables: Tables) -> None:
         call(number, flag, tables.pointer)
 
+    # the code lives as long as its engine
+    function.keep = engine  # type: ignore[attr-defined]
+    return _checked(function, engine) if runs_checked() else function
+
+
+def _checked(function: Function, engine: Any) -> Function:
+    """The same, which raises BoundsError after the first access out of bounds."""
+    address = ctypes.CFUNCTYPE(ctypes.c_void_p)(engine.get_function_address("first_failure"))()
+    failure = Failure.from_address(address)
+
     def checked(number: float, flag: bool, tables: Tables) -> None:
-        call(number, flag, tables.pointer)
+        function(number, flag, tables)
         if failure.site:
             said = failure.site.decode(errors="replace")
             failure.site = None
             message = f"{said}: {failure.number} is out of bounds, the limit is {failure.limit}"
             raise BoundsError(message)
 
-    function = checked if runs_checked() else function
-    # the code lives as long as its engine
-    function.keep = engine  # type: ignore[attr-defined]
-    return function
+    return checked
 
 
 def host_machine(vectors: bool = False) -> Any:
