@@ -17,8 +17,8 @@ VEHICLE, OCCUPANT = 1100 + 4 * (15 + 19.8), 75.3366
 pytestmark = pytest.mark.xdist_group("rollover")
 
 
-def run(folder: Path, end_time: float, *changes: str) -> Result:
-    words = ["--set", f"control.end_time={end_time}", "--set", "control.estimate=off", *changes]
+def run(folder: Path, end_time: float) -> Result:
+    words = ["--set", f"control.end_time={end_time}", "--set", "control.estimate=off"]
     done = crashsolve(DECK, "-o", folder, *words)
     assert done.returncode == 0, done.stderr
     assert "N o r m a l" in done.stdout
@@ -48,8 +48,8 @@ def test_all_fly_as_one_until_the_tyres_touch(result: Result) -> None:
     fallen = vertical.values - vertical.values[0] + mass * 9.81 * vertical.time
     # constraints are kept to 1e-10 of the model's size
     assert np.abs(fallen[flying]).max() < 1e-6 * mass * SPEED
-    # all mass centres go aside at the speed of the cart, but for the roll rate: the heads are
-    # 0.4 m higher at most, so that 1.5 rad/s change their momentum by less than a tenth
+    # all mass centres go aside at the speed of the cart, but for the roll rate: those of people,
+    # a sixth of the mass, are 0.5 m higher, and 1.5 rad/s change the whole by a hundredth
     assert across.values[0] == pytest.approx(mass * SPEED, rel=0.02)
     assert np.ptp(across.values[flying]) < 1e-6 * mass * SPEED
 
@@ -60,12 +60,12 @@ def test_the_left_tyres_strike_first(result: Result) -> None:
     assert np.isinf(first(result, "rcforc.bar_on_ground.normal"))
 
 
-def test_the_belts_hold_the_front_and_not_the_rear(result: Result) -> None:
-    for who in ("driver", "passenger"):
-        straps = ("lap_outer", "lap_inner", "shoulder_upper", "shoulder_lower")
-        forces = [result.series(f"deforc.{who}_{strap}.force").values for strap in straps]
-        # straps only pull
-        assert min(force.min() for force in forces) >= 0.0
+@pytest.mark.parametrize("who", ["driver", "passenger"])
+def test_straps_bear_and_only_pull(result: Result, who: str) -> None:
+    straps = ("lap_outer", "lap_inner", "shoulder_upper", "shoulder_lower")
+    forces = [result.series(f"deforc.{who}_{strap}.force").values for strap in straps]
+    assert min(force.min() for force in forces) >= 0.0
+    assert max(force.max() for force in forces) > 0.0
 
 
 def test_energy_closes(result: Result) -> None:
