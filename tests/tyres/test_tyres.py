@@ -186,12 +186,36 @@ def test_the_distance_from_a_profile_is_the_least(seed: int) -> None:
     curves = as_rows(points)
     rng = np.random.default_rng(seed)
     at = (rng.uniform(-2, 2), 0.0, rng.uniform(0.3, 0.6))
-    distance, n = above_profile(curves, starts[0], at)
+    distance, n = above_profile(curves, starts[0], 2.0, at)
     s = np.linspace(-3, 3, 60001)
     brute = np.hypot(s - at[0], 0.15 * np.sin(2 * s) - at[2]).min()
     # the grid is 1e-4 fine and the cubics follow the sine to 1e-6
     assert distance == pytest.approx(brute, abs=3e-6)
     assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_corners_steps_and_troughs_of_a_profile_have_their_true_distance(seed: int) -> None:
+    from crashsolve.foundation.curve import pack
+
+    rng = np.random.default_rng(seed)
+    # steps of 1 mm and slopes of 45 degrees: a wheel may lie on any corner, or on two
+    x = np.cumsum(rng.choice([1e-3, 0.05, 0.3], 40))
+    z = np.cumsum(rng.choice([-0.1, 0.0, 0.1], 40))
+    c = np.column_stack([z[:-1], np.diff(z) / np.diff(x), np.zeros((39, 2))])
+    points, starts = pack([(x, c, 1)])
+    curves = as_rows(points)
+    s = x[0] + (x[-1] - x[0]) * rng.uniform(0.2, 0.8)
+    at = (s, 0.0, np.interp(s, x, z) + rng.uniform(0.0, 0.4))
+    distance, n = above_profile(curves, starts[0], 2.0, at)
+    # the exact distance from every chord
+    a, d = np.column_stack([x, z])[:-1], np.column_stack([np.diff(x), np.diff(z)])
+    t = (((s, at[2]) - a) * d).sum(1) / (d * d).sum(1)
+    foot = a + np.clip(t, 0.0, 1.0)[:, None] * d
+    exact = np.hypot(*(foot - (s, at[2])).T).min()
+    # round-off of metres
+    assert distance == pytest.approx(exact, abs=1e-13)
+    assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-12)
 
 
 WRONG = {

@@ -2,9 +2,10 @@
 
     distance d of the wheel's centre, unit normal n from the nearest point to the centre
 
-A profile is a height z = y(s) over the way s along a road: s_0 of the nearest point solves
-(s - s_0) + (z - y) y' = 0. Consequence to test: the distance from every road against a brute-force
-search, and a rigid disc that crosses a step of height h lifts when it is sqrt(2 R h - h^2) away.
+A profile is a height z = y(s) over the way s along a road: on a smooth piece s_0 of the nearest
+point solves (s_0 - s) + (y - z) y' = 0. Consequence to test: the distance from every road against
+a brute-force search, and a rigid disc that crosses a step of height h lifts when it is
+sqrt(2 R h - h^2) away.
 """
 
 from collections.abc import Sequence
@@ -19,13 +20,14 @@ from crashsolve.contact.narrow.sphere_box import from_box
 from crashsolve.contact.narrow.sphere_mesh import nearest, outward
 from crashsolve.deck.card import Card, CurveName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
-from crashsolve.foundation.curve import curve_value
+from crashsolve.foundation.curve import curve_value, segment
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, norm, scale, sub
 
 MOST = 6  # roads of one tyre
+STARTS = 3  # of the search on a curved piece of a profile
 PLANE, BOX, MESH, PROFILE = range(4)
 KINDS = {"plane": PLANE, "box": BOX, "mesh": MESH}
 
@@ -131,7 +133,7 @@ def above_road(p, i, nodes, x, curves, data):
     elif p.kind[i] == PROFILE:
         # its axes are rows of the ground
         y = matvec(axes, displacement)
-        distance, m = above_profile(curves, p.road_root[i], y)
+        distance, m = above_profile(curves, p.road_root[i], p.radius, y)
         return distance, matvec_t(axes, m)
     else:
         distance, m = 1e300, (0.0, 0.0, 1.0)
@@ -158,19 +160,64 @@ def road_axes(p, i):
 
 
 @kernel
-def above_profile(curves, curve, y):
-    """Distance of (s, across, z) from a profile, and the normal in its axes; Newton from above."""
-    s = y[0]
-    height, slope, bend = curve_value(curves, curve, s)
-    for _ in range(8):
-        off = (s - y[0]) + (height - y[2]) * slope
-        rise = 1.0 + slope * slope + (height - y[2]) * bend
-        # a trough narrower than the wheel has no single nearest point: go on with the flat estimate
-        s -= off / (rise if rise > 0.2 else 1.0 + slope * slope)
-        height, slope, bend = curve_value(curves, curve, s)
-    length = sqrt(1.0 + slope * slope)
-    n = (-slope / length, 0.0, 1.0 / length)
-    return (y[0] - s) * n[0] + (y[2] - height) * n[2], n
+def above_profile(curves, curve, radius, y):
+    """Distance of (s, across, z) from a profile, and the normal in its axes; exact up to `radius`.
+
+    All pieces that may be nearer than the road straight below are searched, so that corners, steps
+    and troughs narrower than the wheel have their true distance, which has no jumps.
+    """
+    height, slope, _ = curve_value(curves, curve, y[0])
+    last = curves[curve].last
+    at, z = y[0], height
+    if y[0] < curves[curve].x or y[0] > curves[last].x:
+        # straight on beyond an end
+        at += (y[2] - height) * slope / (1.0 + slope * slope)
+        z += slope * (at - y[0])
+    least = (at - y[0]) ** 2 + (z - y[2]) ** 2
+    reach = min(sqrt(least), radius)
+    i = segment(curves, curve, last, max(y[0] - reach, curves[curve].x))
+    while i < last and curves[i].x <= y[0] + reach:
+        start, end = curves[i].x, curves[i + 1].x
+        is_straight = curves[i].c[2] == 0.0 and curves[i].c[3] == 0.0
+        # a cubic has up to three nearest points: one from each third is found
+        for j in range(1 if is_straight else STARTS):
+            begin = (j + 0.5) / STARTS * (end - start)
+            s = nearest_on_piece(curves[i].c, begin, end - start, y, start)
+            h = piece_height(curves[i].c, s)
+            square = (start + s - y[0]) ** 2 + (h - y[2]) ** 2
+            if square < least:
+                at, z, least = start + s, h, square
+        i += 1
+    d, rise = y[0] - at, y[2] - z
+    distance = sqrt(least)
+    if distance <= 1e-12:
+        length = sqrt(1.0 + slope * slope)
+        return y[2] - height, (-slope / length, 0.0, 1.0 / length)
+    sign = -1.0 if y[2] < height else 1.0
+    return sign * distance, (sign * d / distance, 0.0, sign * rise / distance)
+
+
+@kernel
+def piece_height(c, s):
+    """Height of a piece at s from its start [m]."""
+    return c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+
+
+@kernel
+def nearest_on_piece(c, s, end, y, start):
+    """Where a cubic of that length is nearest to y, from its start [m]; Newton from s."""
+    for _ in range(12):
+        rise = piece_height(c, s) - y[2]
+        slope = c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])
+        bend = 2.0 * c[2] + 6.0 * s * c[3]
+        curvature = 1.0 + slope * slope + rise * bend
+        # where the distance has no minimum nearby: downhill at least
+        flat = 1.0 + slope * slope
+        step = (start + s - y[0] + rise * slope) / (curvature if curvature > 0.2 else flat)
+        s = min(max(s - step, 0.0), end)
+        if abs(step) <= 1e-14 * flat:
+            break
+    return s
 
 
 @kernel
