@@ -241,6 +241,16 @@ def test_the_elastic_stiffness_at_the_tip_is_that_of_the_beam(tmp_path: Path, wo
         assert found[0] == pytest.approx(wanted[0], rel=tolerance)
 
 
+def test_hinges_of_a_material_with_a_rate_have_that_of_eq_7(tmp_path: Path) -> None:
+    text = FRAME.replace("DESCRIPTION", "hinges\n    hinge_arm: 0.4")
+    text = text.replace("density: 7850, ", "density: 7850, rate_D: 40, ", 1)
+    deck = read_deck(written(tmp_path, text))
+    hinges = [entry.card for entry in deck.hinges.values()]
+    assert len(hinges) == 9
+    for hinge in hinges:
+        assert (hinge.rate.arm, hinge.rate.power_law()) == (0.4, (0.07, 0.82))
+
+
 @pytest.mark.parametrize("word", ALL)
 def test_the_expanded_deck_runs_by_itself_to_the_same_bits(tmp_path: Path, word: str) -> None:
     text = CANTILEVER.replace("DESCRIPTION", word).replace("end_time: 0.4", "end_time: 2e-3")
@@ -298,7 +308,10 @@ WRONG = {
     "material: steel": ("material: soft", "hinges need one of type elastoplastic"),
     "name: beam": ("name: beam, section: rod, deformation: shells", "is no closed thin wall"),
     "density: 7850, yield": ("density: 7850, hardening: 1e9, yield", "hardens, and hinges do not"),
-    "density: 7850, ": ("density: 7850, rate_D: 40, ", "has rate_D, which hinges do not follow"),
+    "density: 7850, ": (
+        "density: 7850, rate_D: 40, ",
+        "has rate_D, and hinges follow no strain rate",
+    ),
     "sections:": ("bodies: {frame_A: {mass: 1, inertia: [1, 1, 1]}}\nsections:", "of another"),
 }
 

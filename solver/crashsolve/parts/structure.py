@@ -115,6 +115,13 @@ class Structure(Card):
         default=None,
         gt=0,
     )
+    hinge_arm: float | None = quantity(
+        "m",
+        "hinges yield at 1 + 0.07 V^0.82 of their moment, V the rate of rotation times this "
+        "length; needed where the material has rate_D",
+        default=None,
+        gt=0,
+    )
     damping: float = quantity(
         "s", "beta, damping over stiffness, of segments, beams and shells", default=0.0, ge=0
     )

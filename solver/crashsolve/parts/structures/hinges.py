@@ -19,7 +19,7 @@ from crashsolve.parts.structures.cards import bar, plain
 from crashsolve.parts.structures.plan import Member, Plan
 
 # of the card of the structure
-WORDS = ("collapse", "collapse_curve", "hinge_stress")
+WORDS = ("collapse", "collapse_curve", "hinge_stress", "hinge_arm")
 
 
 def stub(member: Member) -> float:
@@ -54,22 +54,30 @@ def material_of(member: Member, whole: Plan) -> tuple[str, list[Made]]:
     if law.type != "elastoplastic":
         message = f"material '{law.name}' is {law.type}: hinges need one of type elastoplastic"
         raise Problem(member.path, message, "or take another deformation")
-    for word in ("rate_D", "failure_strain", "kinematic"):
+    if card.rate_D and whole.card.hinge_arm is None:
+        message = f"material '{law.name}' has rate_D, and hinges follow no strain rate"
+        raise Problem(
+            member.path, message, "say by hinge_arm at which distance Eq. 7 has its speed"
+        )
+    for word in ("failure_strain", "kinematic"):
         if getattr(card, word):
             message = f"material '{law.name}' has {word}, which hinges do not follow"
             raise Problem(member.path, message, "take segments, beams or shells for it")
-    if whole.card.hinge_stress is None:
+    stress = whole.card.hinge_stress
+    if stress is None:
         if card.hardening or card.curve is not None:
             message = f"material '{law.name}' hardens, and hinges do not"
             raise Problem(member.path, message, "say by hinge_stress at which stress they yield")
-        return law.name, []
+        if not card.rate_D:
+            return law.name, []
+        stress = card.yield_stress
     name = f"{whole.name}_hinges_of_{law.name}"
     fields = {
         "type": "elastoplastic",
         "young": card.young,
         "poisson": card.poisson,
         "density": card.density,
-        "yield_stress": whole.card.hinge_stress,
+        "yield_stress": stress,
     }
     return name, [Made("materials", name, fields, member.path)]
 
@@ -120,6 +128,8 @@ def hinge(
         "curve": curves[0],
         "second_curve": curves[1],
     }
+    if whole.card.hinge_arm is not None:
+        fields["rate"] = {"arm": whole.card.hinge_arm}
     return Made("hinges", f"{member.name}_{side}", fields, member.path)
 
 
