@@ -4,6 +4,9 @@ from pathlib import Path
 
 import pytest
 from command import crashsolve
+from small_runs import last
+
+from crashpost.results.result import Result
 
 DECK = """
 title: a ball meets a stiff floor in steps that are far too long
@@ -44,3 +47,35 @@ def test_the_work_of_a_pulse_is_the_energy_it_gives(tmp_path: Path) -> None:
     done = crashsolve(deck, "-o", tmp_path / "out")
     assert done.returncode == 0, done.stdout
     assert "external work          5.000000e-01 J" in done.stdout
+
+
+CRUSH = """
+title: two masses go on together after a crush at constant force
+control: {{end_time: 0.5, safety: {safety}, estimate: "off"}}
+curves: {{f: {{points: [[0, 0], [{ramp}, 1.0e+7], [10, 1.0e+7]]}}}}
+bodies:
+  a: {{mass: 340000, inertia: [1, 1, 1], position: [-1, 0, 0], velocity: [15, 0, 0]}}
+  b: {{mass: 340000, inertia: [1, 1, 1], position: [1, 0, 0]}}
+surfaces:
+  a: {{type: point_set, body: a, points: [[0.99, 0, 0]]}}
+  b: {{type: plane, body: b, at: [-1, 0, 0], normal: [-1, 0, 0]}}
+contacts:
+  c: {{a: [a], b: [b], normal: {{type: crush_curve, curve: f, unloading_stiffness: {k}}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("k", "safety", "ramp"), [(1e10, 0.3, 1e-3), (1e10, 0.5, 2e-3), (2e10, 0.5, 5e-4)]
+)
+def test_no_more_is_lost_than_there_was(
+    k: float, safety: float, ramp: float, tmp_path: Path
+) -> None:
+    """M v^2 / 4 less F^2 / (2 k), which the ends give back, though one step passes the ramp."""
+    deck = tmp_path / "deck.yaml"
+    text = CRUSH.format(k=f"{k:.1e}", safety=safety, ramp=f"{ramp:.1e}")
+    deck.write_text(text, "utf-8")
+    assert crashsolve(deck, "-o", tmp_path / "out").returncode == 0
+    there = 340000 * 15**2 / 4
+    # steps of the order of the unloading: the speed given back, 0.24 m/s, to a hundredth
+    expected = pytest.approx(there - 1e14 / (2 * k), abs=0.02 * 1e14 / (2 * k))
+    assert last(Result(tmp_path / "out"), "rcforc.c.dissipated") == expected

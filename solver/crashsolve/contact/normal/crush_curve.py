@@ -4,9 +4,12 @@
     f = max(0, F(d) - k (d - delta))          below d, unloading and reloading
     stored = f^2 / (2 k),   lost so far = area of F to d - F(d)^2 / (2 k)
 
-The loss is a function of d alone, so it does not depend on the step. A dashpot may act beside it
-while the end is loaded; the sum is never tensile. Consequence to test: pushed to d and let go, the
-end keeps the set d - F(d)/k and has taken the area under the curve less the triangle F(d)^2/(2 k).
+The loss is a function of d alone, so it does not depend on the step. Where a method knows the work
+that its forces do over a step (LOSS_IS_WORK), what they took and do not hold is the loss instead: a
+step that passes a corner of the curve takes another area than that under it. A dashpot may act
+beside it while the end is loaded; the sum is never tensile. Consequence to test: pushed to d and
+let go, the end keeps the set d - F(d)/k and has taken the area under the curve less the triangle
+F(d)^2/(2 k).
 
 References: Ambrosio (2003), 5.1, crushable ends of trains; how they unload is left open there.
 """
@@ -31,12 +34,17 @@ class CrushCurve(Card):
     damping: float = quantity("N s/m", "c of the dashpot, while loaded", 0.0, ge=0)
 
 
+# what is lost is what the force took in a step and does not hold
+LOSS_IS_WORK = True
 PARAMETERS = Record("""
     curve                index  force over penetration
     unloading_stiffness  N/m    k
     damping              N s/m  c
 """)
-HISTORY = Record("crush  m  deepest loading so far, d")
+HISTORY = Record("""
+    crush        m  deepest loading so far, d
+    recoverable  J  energy that the end gives back
+""")
 
 
 def build(card: CrushCurve, scene: Any, pair: Any) -> dict[str, Any]:
@@ -81,7 +89,8 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
     if h > 0.0 and new.crush > old.crush:
         loss = lost(p, new.crush, curves) - lost(p, old.crush, curves)
     f = max(0.0, spring + p.damping * rate) if spring > 0.0 else 0.0
-    return f, 0.5 * spring * spring / k, (f - spring) * rate, loss, k, p.damping
+    new.recoverable = 0.5 * spring * spring / k
+    return f, new.recoverable, (f - spring) * rate, loss, k, p.damping
 
 
 @kernel
@@ -95,6 +104,7 @@ def lost(p, crush, curves):
 def release(p, old, new):
     """The end stays crushed. Writes: new."""
     new.crush = old.crush
+    new.recoverable = 0.0
 
 
 @kernel

@@ -93,6 +93,11 @@ class ContactGroup(Touching):
         return hasattr(self.narrow, "patch")
 
     @property
+    def loses_work(self) -> bool:
+        """Whether what its normal force loses is the work of a step that it does not hold."""
+        return hasattr(self.normal, "LOSS_IS_WORK") and not self.is_flat
+
+    @property
     def has_radius(self) -> bool:
         """Whether its cards give a radius with which friction resists a spin."""
         return "torsion_radius" in (self.parameters.dtype.names or ())

@@ -110,6 +110,15 @@ def begin_push(applied, u, f, n, x, out, new, card):
 
 
 @kernel
+def of_push(old, motion, a, push, n, u):
+    """Work of the normal force on both sides in both halves of the step [J]; `push` at its end."""
+    work = 0.5 * push * dot(n, u)
+    if old.active == 1:
+        work += 0.5 * dot(vec(old.push), displacement_from(motion, a, vec(old.position)))
+    return work
+
+
+@kernel
 def end_first_half(h, old, motion, a, card):
     """Work of the forces of the start of the step, of which that of friction is returned [J].
 

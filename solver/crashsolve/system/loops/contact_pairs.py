@@ -149,6 +149,13 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0
     out.friction_stored = 0.0
     displacement = work.displacement_to(motion, m, x) if KICK_DRIFT_KICK else None
+    if KICK_DRIFT_KICK and group.loses_work and h > 0.0:
+        push = share_of_step(clock, h, old, depth, rate) * f
+        growth = new.recoverable - old.recoverable
+        if group.has_shares:
+            growth *= a.share
+        power = 0.0
+        loss = -work.of_push(old, motion, m, push, n, displacement) - growth
     sliding = Sliding(n, slip, displacement, f, mass, d_a, d_b)
     if group.resists_spin:
         friction_force, sliding_displacement, t_power, t_loss = friction_in_area(
