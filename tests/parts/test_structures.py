@@ -245,7 +245,7 @@ def test_hinges_of_a_material_with_a_rate_have_that_of_eq_7(tmp_path: Path) -> N
     text = FRAME.replace("DESCRIPTION", "hinges\n    hinge_arm: 0.4")
     text = text.replace("density: 7850, ", "density: 7850, rate_D: 40, ", 1)
     deck = read_deck(written(tmp_path, text))
-    hinges = [entry.card for entry in deck.hinges.values()]
+    hinges = [entry.card for entry in deck.entries["hinges"].values()]
     assert len(hinges) == 9
     for hinge in hinges:
         assert (hinge.rate.arm, hinge.rate.power_law()) == (0.4, (0.07, 0.82))
