@@ -130,8 +130,7 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     mass = 1.0 / (mob_a + mob_b)
     if group.is_flat or group.has_radius:
         corners, radius = patch_of(group, pair, meeting, nodes, scene)
-    if group.is_flat:
-        applied = share_of_step(clock, h, old, depth, rate)
+    applied = share_of_step(clock, h, old, depth, rate)
     f, out.stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, depth, rate, mass, curves
     )
@@ -150,12 +149,7 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     out.friction_stored = 0.0
     displacement = work.displacement_to(motion, m, x) if KICK_DRIFT_KICK else None
     if KICK_DRIFT_KICK and group.loses_work and h > 0.0:
-        push = share_of_step(clock, h, old, depth, rate) * f
-        growth = new.recoverable - old.recoverable
-        if group.has_shares:
-            growth *= a.share
-        power = 0.0
-        loss = -work.of_push(old, motion, m, push, n, displacement) - growth
+        power, loss = 0.0, work_lost(group, pair, meeting, applied * f, displacement)
     sliding = Sliding(n, slip, displacement, f, mass, d_a, d_b)
     if group.resists_spin:
         friction_force, sliding_displacement, t_power, t_loss = friction_in_area(
@@ -168,7 +162,6 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
         touches.touch(pair, totals, sliding, applied, 0.0, t, x)
         areas.add_pressure(f, n, out)
     else:
-        applied = share_of_step(clock, h, old, depth, rate)
         touches.touch(pair, totals, sliding, applied, f, t, x)
         touches.count_stiffness(on_a, on_b, mob_a, mob_b, k, c)
     if group.resists_spin:
@@ -183,6 +176,16 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
         work.begin_second_half(applied, pair, sliding, x, t, count)
     elif KICK_DRIFT_KICK:
         work.begin_push(applied, displacement, f, n, x, out, new, count)
+
+
+@stage
+def work_lost(group, pair, meeting, push, displacement):
+    """Work done on a pair over a step that it does not hold [J]."""
+    growth = pair.new.recoverable - pair.old.recoverable
+    if group.has_shares:
+        growth *= pair.first.share
+    done = work.of_push(pair.old, meeting.motion, pair.a, push, meeting.n, displacement)
+    return -done - growth
 
 
 @stage
