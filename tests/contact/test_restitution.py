@@ -5,8 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import crashsolve
+from small_runs import last
 from touching import Contact, pressed_apart
 
+from crashpost.cli import main as crashpost
+from crashpost.results.result import Result
 from crashsolve.contact.normal._restitution import damping_factor, returned
 from crashsolve.contact.normal.kelvin_voigt import damping_ratio
 
@@ -102,3 +106,40 @@ def test_impacts_beyond_the_range_are_flagged_and_remembered(tmp_path: Path) -> 
 
 def test_without_a_density_the_range_is_unknown(tmp_path: Path) -> None:
     assert np.isinf(Contact(tmp_path, "{type: hertz, stiffness: 1e6}").p.speed_limit)
+
+
+FLAT = """
+title: a box falls on its face, or nearly
+control: {{end_time: 2.0e-3, estimate: "off"}}
+bodies:
+  a:
+    mass: 1
+    primitive: {{shape: box, size: [0.4, 0.2, 0.1]}}
+    position: [0, 0, 0.0502]
+    rotation: {{axis: [0, 1, 0], angle: {tilt}}}
+    velocity: [0, 0, -1]
+surfaces: {{a: {{type: box, body: a, size: [0.4, 0.2, 0.1]}}, f: {{type: plane}}}}
+contacts:
+  c: {{a: [a], b: [f], normal: {{type: kelvin_voigt, stiffness: 1.0e8, restitution: {e}}}}}
+"""
+
+
+@pytest.mark.parametrize(("e", "tilt"), [(0.5, 0.0), (0.2, 1e-9), (0.5, 1e-7), (0.8, 1e-6)])
+def test_all_corners_share_the_damping(e: float, tilt: float, tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(FLAT.format(e=e, tilt=f"{tilt:.1e}"), "utf-8")
+    assert crashsolve(deck, "-o", tmp_path / "out").returncode == 0
+    # 2e-4 by a step of the default length; 300 times the tilt by corners that begin one by one
+    assert last(Result(tmp_path / "out"), "rbdout.a.velocity.z") == pytest.approx(
+        e, abs=3e-4 + 300.0 * tilt
+    )
+
+
+WHOLE = Path(__file__).resolve().parents[2] / "decks/verification/contact/kelvin_voigt_whole.yaml"
+
+
+@pytest.mark.parametrize("e", (0.2, 0.9))
+def test_joints_and_edges_are_part_of_the_mass(e: float, tmp_path: Path) -> None:
+    done = crashsolve(WHOLE, "-o", tmp_path, "--set", f"e={e}", "--set", "control.estimate=off")
+    assert done.returncode == 0, done.stdout
+    assert crashpost(["expect", str(tmp_path)]) == 0

@@ -7,7 +7,8 @@ The same for every method; what a step and a sample are is said by its stepper (
 from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.integrators.rattle import finish, prepare_sample, take_step
-from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING
+from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING, TOUCHED
+from crashsolve.system.contact.effective_mass import has_unweighed
 from crashsolve.system.energy import check, check_contacts
 from crashsolve.system.loops.energy import energy
 from crashsolve.system.loops.events import need_rebuild
@@ -17,6 +18,7 @@ from crashsolve.system.placeholders import (
     KICK_DRIFT_KICK,
     LOOKS_AHEAD,
     NODAL,
+    WEIGHED,
 )
 from crashsolve.system.timestep import count_rotations
 
@@ -56,5 +58,8 @@ def advance(until, sampling, scene):
             clock.status = CURVE_END
         elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
             clock.status = PAUSED
+        for group in WEIGHED:
+            if clock.status == RUNNING and has_unweighed(group.history, clock.current):
+                clock.status = TOUCHED
     if clock.status == RUNNING:
         clock.status = REACHED

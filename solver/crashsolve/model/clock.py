@@ -20,7 +20,8 @@ from crashsolve.foundation.record import Record
     UNHELD,
     ROTATED,
     CONTACT_GAIN,
-) = range(16)
+    TOUCHED,
+) = range(17)
 
 # of `kinked`: at a corner of a curve of time, which the next step begins behind
 CORNER = 2

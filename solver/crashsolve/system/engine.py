@@ -21,6 +21,7 @@ from crashsolve.model.clock import (
     POSITION,
     REACHED,
     REBUILD,
+    TOUCHED,
 )
 from crashsolve.model.contact.node_to_surface import give_room
 from crashsolve.model.contact.pairs import renew
@@ -30,6 +31,7 @@ from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.system.compose import compose, load
+from crashsolve.system.contact.effective_mass import find_masses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
@@ -149,7 +151,7 @@ class Engine:
         for count in range(PASSES):
             known = reactions
             self._advance(self.clock["time"], True, self._present)
-            if count == 0 and find_impact_speeds(self.model, s):
+            if count == 0 and any([find_impact_speeds(self.model, s), find_masses(self.model, s)]):
                 continue
             reactions = s.rows["reaction"].tolist()
             change = max((abs(a - b) for a, b in zip(reactions, known, strict=True)), default=0.0)
@@ -198,6 +200,9 @@ class Engine:
                 return
             if status == PAUSED:
                 self.on_pause()
+            elif status == TOUCHED:
+                find_masses(self.model, s)
+                self._renew_forces()
             elif status == REBUILD:
                 self._refuse_passing()
                 renew(self.model.contact_groups, s)
@@ -243,12 +248,16 @@ class Engine:
 
     def _rotate_corner(self) -> None:
         """What methods keep of the end of a step, as it is after the corner there."""
-        clock = self.state.clock[0]
         if self.has_stages:
-            step = float(clock["step"])
-            self._advance(clock["time"], True, self._present)
-            clock["step"] = step
-        clock["kinked"] = 1
+            self._renew_forces()
+        self.state.clock[0]["kinked"] = 1
+
+    def _renew_forces(self) -> None:
+        """Forces at the present time, with which the next step begins, once more."""
+        clock = self.state.clock[0]
+        step = float(clock["step"])
+        self._advance(clock["time"], True, self._present)
+        clock["step"] = step
 
     def _call(self, until: float) -> int:
         """One call of the compiled loop, of about LONGEST_CALL at most; returns its status."""

@@ -7,7 +7,9 @@ With `restitution` e the damping ratio zeta solves
     e = exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)),   acosh and zeta^2 - 1 where zeta > 1
 
 which is the damped half period cut where the force would turn tensile, and m is the effective mass
-of the two bodies along the normal. Consequence to test: a free central impact returns exactly e.
+of the whole touch along the normal: of all positions in which the bodies strike at once, and of
+what joints hold together with them (system/contact/effective_mass.py). Consequence to test: a free
+central impact returns exactly e, and so do a box on its corners and a ball welded to another.
 
 References: Schwager and Poeschel (2007), Granular Matter 9, 465-469.
 """
@@ -38,14 +40,14 @@ class KelvinVoigt(Card):
         return self
 
 
-# shapes that touch in more than one position
-MANY_PLACES = {"box", "cylinder", "mesh"}
 PARAMETERS = Record("""
     stiffness      N/m    k
     damping        N s/m  c
     damping_ratio  1      zeta, adds 2 zeta sqrt(k m) to c
 """)
-HISTORY = Record()
+HISTORY = Record("""
+    mass_ratio  1  effective mass of the touch over that of its two bodies alone; 0: not known yet
+""")
 
 
 def build(card: KelvinVoigt, scene: Any, pair: Any) -> dict[str, Any]:
@@ -79,8 +81,9 @@ def damping_ratio(e: float) -> float:
 
 @kernel
 def normal_force(p, old, new, h, depth, rate, mass, curves):
-    """Returns force, stored energy, dissipated power, loss, stiffness, damping."""
-    c = p.damping + 2.0 * p.damping_ratio * sqrt(p.stiffness * mass)
+    """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
+    new.mass_ratio = old.mass_ratio if old.active == 1 else 0.0
+    c = damping_of(p, new, mass)
     spring = p.stiffness * depth
     f = max(0.0, spring + c * rate)
     return f, 0.5 * spring * depth, (f - spring) * rate, 0.0, p.stiffness, c
@@ -88,34 +91,22 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
 
 @kernel
 def release(p, old, new):
-    """Nothing is remembered after separation."""
+    """Writes: new."""
+    new.mass_ratio = 0.0
+
+
+@kernel
+def damping_of(p, state, mass):
+    """Damping c with the effective mass of the touch, of the two bodies until it is known."""
+    if state.mass_ratio > 0.0:
+        mass *= state.mass_ratio
+    return p.damping + 2.0 * p.damping_ratio * sqrt(p.stiffness * mass)
 
 
 @kernel
 def normal_tangent(p, state, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate."""
-    c = p.damping + 2.0 * p.damping_ratio * sqrt(p.stiffness * mass)
+    c = damping_of(p, state, mass)
     if p.stiffness * depth + c * rate <= 0.0:
         return 0.0, 0.0
     return p.stiffness, c
-
-
-def check(card: KelvinVoigt, scene: Any, bodies_a: set[int], bodies_b: set[int]) -> None:
-    """Warn where the damping is not that of the whole touch."""
-    if card.restitution is None or card.restitution == 1.0:
-        return
-    for name, entry in scene.deck.entries["contacts"].items():
-        if getattr(entry.card, "normal", None) is not card:
-            continue
-        used = [scene.surfaces[n] for n in (*entry.card.a, *entry.card.b) if n in scene.surfaces]
-        many = [s.entry.name for s in used if s.shape in MANY_PLACES or len(s.elements) > 1]
-        nodes = {node for joint in scene.joints.values() for node in joint.nodes}
-        held = sorted((bodies_a | bodies_b) & nodes - {0})
-        cause = f"surface '{many[0]}' may touch in several positions at once" if many else ""
-        cause = f"joints hold body '{scene.names[held[0]]}'" if held else cause
-        if cause:
-            scene.warn(
-                f"contact '{name}': {cause}, and the damping of kelvin_voigt by restitution is "
-                "that of one position on free bodies: it returns more than was asked; "
-                "exact_restitution returns what is asked"
-            )

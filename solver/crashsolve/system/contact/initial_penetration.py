@@ -57,7 +57,7 @@ def find_impact_speeds(model: Model, state: State) -> bool:
     found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
     for group in model.contact_groups:
         if "damping_speed" in (group.history.dtype.names or ()):
-            for touch in _touches(group, as_rows(state.nodes)):
+            for touch in touches_of(group, as_rows(state.nodes)):
                 found[touch.bodies].append(touch)
     for (a, b), touches in found.items():
         for touch, mass in zip(touches, _masses(state.nodes[[a, b]], touches), strict=True):
@@ -65,7 +65,7 @@ def find_impact_speeds(model: Model, state: State) -> bool:
     return bool(found)
 
 
-def _touches(group: ContactGroup, nodes: Any) -> Iterator[Touch]:
+def touches_of(group: ContactGroup, nodes: Any) -> Iterator[Touch]:
     """Touches of a group, the body with the lower number first."""
     tables = (group.elements_a, group.elements_b, *group.data)
     elements_a, elements_b, *data = (as_rows(table) for table in tables)
