@@ -59,7 +59,9 @@ def advance(until, sampling, scene):
         elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
             clock.status = PAUSED
         for group in WEIGHED:
-            if clock.status == RUNNING and has_unweighed(group.history, clock.current):
+            if clock.status == RUNNING and has_unweighed(
+                group.parameters, group.history, clock.current
+            ):
                 clock.status = TOUCHED
     if clock.status == RUNNING:
         clock.status = REACHED

@@ -31,7 +31,7 @@ from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
 from crashsolve.system.compose import compose, load
-from crashsolve.system.contact.effective_mass import find_masses
+from crashsolve.system.contact.effective_mass import EffectiveMasses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
@@ -84,6 +84,7 @@ class Engine:
         self._copied = self._in_bytes()
         self.bind()
         self._advance = load(compose(model), self._present)
+        self.masses = EffectiveMasses(self.model)
         # asked now and then between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
@@ -151,7 +152,7 @@ class Engine:
         for count in range(PASSES):
             known = reactions
             self._advance(self.clock["time"], True, self._present)
-            if count == 0 and any([find_impact_speeds(self.model, s), find_masses(self.model, s)]):
+            if count == 0 and any([find_impact_speeds(self.model, s), self.masses.find(s)]):
                 continue
             reactions = s.rows["reaction"].tolist()
             change = max((abs(a - b) for a, b in zip(reactions, known, strict=True)), default=0.0)
@@ -201,7 +202,7 @@ class Engine:
             if status == PAUSED:
                 self.on_pause()
             elif status == TOUCHED:
-                find_masses(self.model, s)
+                self.masses.find(s)
                 self._renew_forces()
             elif status == REBUILD:
                 self._refuse_passing()

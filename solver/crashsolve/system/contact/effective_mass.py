@@ -31,8 +31,10 @@ REDUNDANT = 1e-11
 
 
 def weighed_groups(model: Model) -> tuple[ContactGroup, ...]:
-    """Groups whose law asks for the mass of the whole touch, and have more than lone bodies."""
-    asking = [g for g in model.contact_groups if "mass_ratio" in (g.history.dtype.names or ())]
+    """Groups with a restitution whose law asks for the mass of the whole touch, and have more than
+    lone bodies.
+    """
+    asking = [group for group in model.contact_groups if _has_restitution(group)]
     if not asking:
         return ()
     joined = {node for joint in model.joints for node in joint.nodes} - {0}
@@ -47,44 +49,91 @@ def weighed_groups(model: Model) -> tuple[ContactGroup, ...]:
     return tuple(g for g in asking if many & (_bodies(g.elements_a) | _bodies(g.elements_b)))
 
 
+def _has_restitution(group: ContactGroup) -> bool:
+    """Whether some pair of a group is damped by its mass."""
+    if "mass_ratio" not in (group.history.dtype.names or ()):
+        return False
+    rows = group.parameters if group.search is None else group.search.pairing.laws
+    return bool((np.asarray(rows["damping_ratio"]) > 0.0).any())
+
+
 def _bodies(elements: np.ndarray) -> set[int]:
     return set(elements["node"].tolist())
 
 
 @kernel
-def has_unweighed(history, current):
-    """Whether a touch has begun whose effective mass is not known yet."""
+def has_unweighed(params, history, current):
+    """Whether a touch has begun whose effective mass is wanted and not known yet."""
     for i in range(history.shape[1]):
-        if history[current, i].active == 1 and history[current, i].mass_ratio == 0.0:
+        now = history[current, i]
+        if now.active == 1 and now.mass_ratio == 0.0 and params[i].damping_ratio > 0.0:
             return True
     return False
 
 
-def find_masses(model: Model, state: State) -> bool:
-    """Of touches that have begun; returns whether there were any. Writes: their histories."""
-    clusters, current = _clusters(model), int(state.clock[0]["current"])
-    found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
-    groups = weighed_groups(model)
-    for group in groups:
-        for touch in touches_of(group, as_rows(state.nodes)):
-            a, b = (int(clusters[node]) for node in touch.bodies)
-            found[min(a, b), max(a, b)].append(touch)
-    is_any = False
-    for sides, touches in found.items():
+class EffectiveMasses:
+    """Finds the masses of touches of a model as they begin."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.groups = weighed_groups(model)
+        self.clusters = _clusters(model) if self.groups else np.zeros(0, int)
+
+    def find(self, state: State) -> bool:
+        """Of touches that have begun; returns whether there were any. Writes: their histories."""
+        current = int(state.clock[0]["current"])
+        sides = [self._sides(group) for group in self.groups]
+        new = [_new(group, current) for group in self.groups]
+        wanted = {tuple(row) for pairs, rows in zip(new, sides, strict=True) for row in rows[pairs]}
+        if not wanted:
+            return False
+        found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
+        for group, rows in zip(self.groups, sides, strict=True):
+            chosen = [i for i, row in enumerate(rows.tolist()) if tuple(row) in wanted]
+            for touch in touches_of(group, as_rows(state.nodes), chosen):
+                found[tuple(rows[touch.pair].tolist())].append(touch)
+        for key, touches in found.items():
+            self._weigh(key, touches, current, state)
+        for group, pairs in zip(self.groups, new, strict=True):
+            # one that has parted again when it is looked at was as if alone
+            ratio = group.history["mass_ratio"]
+            ratio[current, pairs[ratio[current, pairs] == 0.0]] = 1.0
+        return True
+
+    def _sides(self, group: ContactGroup) -> np.ndarray:
+        """Clusters of both bodies of each pair (n, 2), the lower first."""
+        ends = [
+            self.clusters[elements["node"][group.parameters[side]]]
+            for elements, side in ((group.elements_a, "a"), (group.elements_b, "b"))
+        ]
+        return np.sort(np.column_stack(ends), axis=1)
+
+    def _weigh(
+        self, key: tuple[int, int], touches: list[Touch], current: int, state: State
+    ) -> None:
+        """Writes: the histories of all touches between two clusters, if one has begun."""
+        histories = [touch.group.history["mass_ratio"] for touch in touches]
         known = np.array(
-            [touch.group.history["mass_ratio"][current, touch.pair] for touch in touches]
+            [row[current, touch.pair] for row, touch in zip(histories, touches, strict=True)]
         )
-        if not known.all():
-            within = np.flatnonzero(np.isin(clusters, [side for side in sides if side]))
-            ratios = _ratios(touches, known == 0.0, within, model, state)
-            for touch, ratio in zip(touches, np.maximum(known, ratios), strict=True):
-                touch.group.history["mass_ratio"][:, touch.pair] = ratio
-            is_any = True
-    for group in groups:
-        # one that has parted again when it is looked at was as if alone
-        ratio = group.history["mass_ratio"]
-        ratio[current, (group.history["active"][current] == 1) & (ratio[current] == 0.0)] = 1.0
-    return is_any
+        if known.all():
+            return
+        within = np.flatnonzero(np.isin(self.clusters, [side for side in key if side]))
+        is_free = len(within) == sum(side > 0 for side in key)
+        if is_free and len(touches) == 1 and touches[0].share == 1.0:
+            # a lone touch of free bodies
+            ratios = np.ones(1)
+        else:
+            ratios = _ratios(touches, known == 0.0, within, self.model, state)
+        masses = np.maximum(known, ratios)
+        for row, touch, ratio in zip(histories, touches, masses, strict=True):
+            row[:, touch.pair] = ratio
+
+
+def _new(group: ContactGroup, current: int) -> np.ndarray:
+    """Pairs whose touch has begun and whose mass is wanted."""
+    history, wanted = group.history[current], group.parameters["damping_ratio"] > 0.0
+    return np.flatnonzero((history["active"] == 1) & (history["mass_ratio"] == 0.0) & wanted)
 
 
 def _clusters(model: Model) -> np.ndarray:
@@ -130,7 +179,8 @@ def _least_mobility(within: np.ndarray, model: Model) -> float:
 def _one_sided(touches: list[Touch], mobility: np.ndarray) -> np.ndarray:
     """Mobilities without those of touches that push the same two bodies to opposite sides."""
     normals = np.array([touch.normal for touch in touches])
-    same = np.array([[one.bodies == other.bodies for other in touches] for one in touches])
+    bodies = np.array([touch.bodies for touch in touches])
+    same = (bodies[:, None] == bodies[None, :]).all(axis=2)
     return np.where(same & (normals @ normals.T <= 0.0), 0.0, mobility)
 
 

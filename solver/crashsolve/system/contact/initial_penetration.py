@@ -13,7 +13,7 @@ ball set in as deep.
 """
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,11 +65,16 @@ def find_impact_speeds(model: Model, state: State) -> bool:
     return bool(found)
 
 
-def touches_of(group: ContactGroup, nodes: Any) -> Iterator[Touch]:
-    """Touches of a group, the body with the lower number first."""
+def touches_of(
+    group: ContactGroup, nodes: Any, pairs: Sequence[int] | None = None
+) -> Iterator[Touch]:
+    """Touches of a group, or of some of its pairs; the body with the lower number first."""
     tables = (group.elements_a, group.elements_b, *group.data)
     elements_a, elements_b, *data = (as_rows(table) for table in tables)
-    for i in np.flatnonzero(group.history["active"].any(axis=0)):
+    touching = group.history["active"].any(axis=0)
+    for i in np.flatnonzero(touching) if pairs is None else pairs:
+        if not touching[i]:
+            continue
         p = group.parameters[i]
         a, b = elements_a[p["a"]], elements_b[p["b"]]
         depth, n, x = group.narrow.gap(a, b, nodes, tuple(data))
