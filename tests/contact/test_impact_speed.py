@@ -1,12 +1,16 @@
 """The impact speed of laws of restitution where a touch begins compressed, or others drive it."""
 
+import json
 from math import sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command import crashsolve
+from small_runs import last
 from touching import Contact, pressed_apart
 
+from crashpost.results.result import Result
 from crashsolve.contact.normal._restitution import damping_factor, returned
 
 LAWS = (
@@ -130,3 +134,45 @@ def chain(folder: Path, name: str, gap: float) -> list[float]:
         if max(y) < 0.0 and v[1] < 0.0 and v[0] < v[1]:
             break
     return [-float(v[0]), -float(v[1])]
+
+
+SLOW = """
+title: a ball with restitution 0.2 comes slowly
+control: {{end_time: 0.1, integrator: {method}, estimate: "off"}}
+bodies:
+  a:
+    primitive: {{shape: sphere, radius: 0.1}}
+    mass: 1
+    position: [0, 0, {top:.9f}]
+    velocity: [0, 0, {speed:.1e}]
+surfaces: {{a: {{type: sphere, body: a, radius: 0.1}}, f: {{type: plane}}}}
+contacts:
+  c: {{a: [a], b: [f], {floor}
+    normal: {{type: exact_restitution, stiffness: 1.0e+9, restitution: 0.2}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("speed", "floor", "method"),
+    [
+        (1e-4, 1e-3, "rattle"),
+        (3e-4, 1e-3, "dormand_prince_5"),
+        (2e-3, 1e-3, "rattle"),
+        (1e-5, None, "rattle"),
+    ],
+)
+def test_a_floor_that_acted_is_named(
+    speed: float, floor: float | None, method: str, tmp_path: Path
+) -> None:
+    deck, words = tmp_path / "deck.yaml", f"speed_floor: {floor:.1e}," if floor else ""
+    top = 0.1 + 1e-2 * speed
+    deck.write_text(SLOW.format(top=top, speed=-speed, floor=words, method=method), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stdout
+    share = min(1.0, speed / floor) if floor else 1.0
+    status = json.loads((tmp_path / "out/status.json").read_text("utf-8"))
+    assert bool(status["below_floor"]) == (share < 1.0)
+    assert ("slower than their speed floor" in done.stdout) == (share < 1.0)
+    back = last(Result(tmp_path / "out"), "rbdout.a.velocity.z") / speed
+    # damped as if it came at the floor: (E1) with chi over that; steps err by less than 1e-3
+    assert back == pytest.approx(returned(damping_factor(0.2) * share), abs=1e-3)

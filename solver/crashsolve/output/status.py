@@ -44,6 +44,7 @@ class Status:
     real_time_factor: float | None = None
     watched: list[dict[str, Any]] = field(default_factory=list)
     untouched: list[str] = field(default_factory=list)
+    below_floor: list[str] = field(default_factory=list)
     undeformed: list[str] = field(default_factory=list)
     undetermined: list[str] = field(default_factory=list)
     deleted: dict[str, dict[str, Any]] = field(default_factory=dict)

@@ -45,6 +45,30 @@ def pressed_deep(engine: Engine) -> list[str]:
     ]
 
 
+def remarks(engine: Engine, extremes: Extremes, history: Path) -> dict[str, Any]:
+    """What is worth a line at the end of a run, for status.json; empty where there is nothing."""
+    return {
+        "untouched": untouched(engine),
+        "below_floor": below_floor(engine),
+        "undeformed": undeformed(engine, extremes),
+        "deleted": deleted(engine, history),
+    }
+
+
+def below_floor(engine: Engine) -> list[str]:
+    """Contacts with a restitution whose touches all began slower than their speed floor."""
+    now, found = engine.state.card_history[int(engine.clock["current"])], {}
+    for group in engine.model.contact_groups:
+        if "damping_speed" not in (group.history.dtype.names or ()):
+            continue
+        for p in group.parameters:
+            fastest, floor = float(now["fastest"][p["card"]]), float(p["speed_floor"])
+            if 0.0 < fastest < floor and p["chi"] > 0.0:
+                name = engine.model.contacts[p["card"]]
+                found[name] = f"{name} ({fastest:.3g} m/s at most, speed_floor {floor:.3g} m/s)"
+    return list(found.values())
+
+
 def read_beyond(engine: Engine) -> list[str]:
     """Curves of a displacement or a turn that were read beyond their last point, and how far."""
     model, found = engine.model, []

@@ -46,13 +46,11 @@ from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
 from crashsolve.simulation.remarks import (
-    deleted,
     hourglass_share,
     pressed_at_start,
     pressed_deep,
     read_beyond,
-    undeformed,
-    untouched,
+    remarks,
 )
 from crashsolve.simulation.requests import Requests
 from crashsolve.simulation.resume import FREE, OF_ERRORS, changing, differing, restore
@@ -342,9 +340,7 @@ class Run:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
         self.account.remarks = {
-            "untouched": untouched(self.engine),
-            "undeformed": undeformed(self.engine, self.history.extremes),
-            "deleted": deleted(self.engine, self.folder / "history.h5"),
+            **remarks(self.engine, self.history.extremes, self.folder / "history.h5"),
             "undetermined": undetermined(self.engine),
         }
         self.account.status(state, code, message)

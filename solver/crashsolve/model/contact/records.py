@@ -86,6 +86,7 @@ CARD_HISTORY = Record("""
     peak_share                1         the same over the half thicknesses of both sides, where
                                         round sides have an end
     onsets                    count     number of onsets
+    fastest                   m/s       largest impact speed of any step
     held                      J         recoverable energy of the normal force
     bristled                  J         recoverable energy of friction
     work                      J         of the normal force on both sides

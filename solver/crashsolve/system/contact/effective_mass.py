@@ -37,7 +37,6 @@ def weighed_groups(model: Model) -> tuple[ContactGroup, ...]:
     asking = [group for group in model.contact_groups if _has_restitution(group)]
     if not asking:
         return ()
-    joined = {node for joint in model.joints for node in joint.nodes} - {0}
     positions = defaultdict(set)
     for group in model.contact_groups:
         for elements in (group.elements_a, group.elements_b):
@@ -45,8 +44,13 @@ def weighed_groups(model: Model) -> tuple[ContactGroup, ...]:
                 # shares of one surface may have one point in common
                 where = (group.word, i) if group.has_shares else tuple(element["point"])
                 positions[int(element["node"])].add(where)
-    many = joined | {node for node, some in positions.items() if len(some) > 1}
+    many = _joined(model) | {node for node, some in positions.items() if len(some) > 1}
     return tuple(g for g in asking if many & (_bodies(g.elements_a) | _bodies(g.elements_b)))
+
+
+def _joined(model: Model) -> set[int]:
+    """Nodes that joints hold, but for the ground."""
+    return {node for joint in model.joints for node in joint.nodes} - {0}
 
 
 def _has_restitution(group: ContactGroup) -> bool:
@@ -76,7 +80,7 @@ class EffectiveMasses:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self.groups = weighed_groups(model)
+        self.groups, self.joined = weighed_groups(model), _joined(model)
         self.clusters = _clusters(model) if self.groups else np.zeros(0, int)
 
     def find(self, state: State) -> bool:
@@ -119,7 +123,7 @@ class EffectiveMasses:
         if known.all():
             return
         within = np.flatnonzero(np.isin(self.clusters, [side for side in key if side]))
-        is_free = len(within) == sum(side > 0 for side in key)
+        is_free = not self.joined & set(within.tolist())
         if is_free and len(touches) == 1 and touches[0].share == 1.0:
             # a lone touch of free bodies
             ratios = np.ones(1)

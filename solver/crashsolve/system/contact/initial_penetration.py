@@ -71,7 +71,7 @@ def touches_of(
     """Touches of a group, or of some of its pairs; the body with the lower number first."""
     tables = (group.elements_a, group.elements_b, *group.data)
     elements_a, elements_b, *data = (as_rows(table) for table in tables)
-    touching = group.history["active"].any(axis=0)
+    touching = np.asarray(group.history["active"].any(axis=0))
     for i in np.flatnonzero(touching) if pairs is None else pairs:
         if not touching[i]:
             continue

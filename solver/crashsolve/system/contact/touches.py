@@ -117,6 +117,7 @@ def close_cards(clock, cards, history):
         new.left_friction_dissipated = old.left_friction_dissipated
         new.peak_normal = max(old.peak_normal, c.normal)
         new.peak_depth = max(old.peak_depth, c.depth)
+        new.fastest = max(old.fastest, c.impact_speed)
         pushed, friction_loss = new.held + c.dissipated, new.bristled + c.friction_dissipated
         new.handled = max(old.handled, abs(pushed))
         new.friction_handled = max(old.friction_handled, abs(friction_loss))
