@@ -158,7 +158,7 @@ def _missing(law: tuple[str, str], seed: int, steps: int) -> float:
 def _ends(one: Law) -> list[int]:
     """Bodies that it acts on."""
     columns = [name for name in one.p.dtype.names if name.startswith("node")]
-    return [int(one.p[name]) for name in columns]
+    return sorted({int(node) for name in columns for node in np.atleast_1d(one.p[name])})
 
 
 @each(BETWEEN)

@@ -29,6 +29,8 @@ from crashpost.renders.shapes import (
 )
 from crashpost.results.states import States
 
+# lines from point to point, and how thick they are drawn
+THICKNESS = {"springs": 1.6, "belts": 4.0}
 WHOLE = ("bodies", "links", "mass_centres", "hinges")
 # a moment this near a state is that state; edges drawn between two states may be this short
 LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
@@ -65,8 +67,8 @@ class Scene:
             points = self.positions(number, name)
             if name == "beams":
                 self._beams(drawing, number, points)
-            elif name == "springs":
-                self._springs(drawing, number, points)
+            elif name in THICKNESS:
+                self._lines(drawing, number, name, points)
             elif name == "mass_centres":
                 self._dots(drawing, points)
             elif name == "links":
@@ -368,11 +370,11 @@ class Scene:
         shown = self._cells_shown("beams")
         return outlines(self.states, int(number), points, shown, self.look.magnify)
 
-    def _springs(self, drawing: Drawing, number: float, points: np.ndarray) -> None:
+    def _lines(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:
         if self.look.show:
             return
-        values = self.values(number, "springs")
-        drawing.lines.append(Lines(points.reshape(-1, 2, 3), LINE, 1.6, values))
+        values = self.values(number, name)
+        drawing.lines.append(Lines(points.reshape(-1, 2, 3), LINE, THICKNESS[name], values))
 
     def _dots(self, drawing: Drawing, points: np.ndarray) -> None:
         """Mass centres of bodies without surfaces."""

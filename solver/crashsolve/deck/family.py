@@ -21,6 +21,7 @@ from crashsolve.foundation.record import Record
 
 PACKAGE = __name__.partition(".")[0]
 LINE = "line"  # a picture: from point a of one body to point b of another
+ROUTE = "route"  # from point to point, of columns points, node and point
 ELEMENTS = "elements"  # as elements between nodes
 MARK = "mark"  # a ball in its point, with what it has yielded
 ANY = ("any",)  # integrators
@@ -46,7 +47,7 @@ class Family:
     law: Any = _Missing  # which Protocol says what the file of a law must provide?
     energy: Any = _Missing  # entries of the ledger, the default first: NAME_stored and _dissipated
     channels: Any = _Missing  # first words of its channels and what they hold, the default first
-    picture: Any = _Missing  # how is it drawn: LINE, ELEMENTS, MARK, or None
+    picture: Any = _Missing  # how is it drawn: LINE, ROUTE, ELEMENTS, MARK, or None
     uses: Any = _Missing  # of which other families may its files import?
     integrators: Any = _Missing  # by which methods can it be stepped: names, or ANY
     default: str = ""  # type of an entry that names none
@@ -94,8 +95,8 @@ class Family:
             ),
             (
                 "picture",
-                self.picture is None or self.picture in (LINE, ELEMENTS, MARK),
-                "LINE, ELEMENTS, MARK or None",
+                self.picture is None or self.picture in (LINE, ROUTE, ELEMENTS, MARK),
+                "LINE, ROUTE, ELEMENTS, MARK or None",
             ),
             ("uses", _are_paths(self.uses), 'families in a tuple, as ("joints",)'),
             (

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.family import ELEMENTS, LINE, families
+from crashsolve.deck.family import ELEMENTS, LINE, ROUTE, families
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.orientation import crosses, matrix, rotated_by
 from crashsolve.model.model import Group
@@ -115,7 +115,7 @@ class Pictures:
                 and {"point_a", "point_b"} <= set(g.parameters.dtype.names or ())
                 and "force" in (g.output.dtype.names or ())
                 and g.output["force"].ndim == 1
-            ):
+            ) or families()[g.keyword].picture == ROUTE:
                 found.setdefault(g.keyword, []).append(g)
         return found
 
@@ -170,7 +170,7 @@ class Pictures:
         for name, pieces in self._skin.items():
             fields[name] = self._skin_fields(name, pieces)
         for section, groups in self._lines.items():
-            tension = np.concatenate([g.output["force"] for g in groups])
+            tension = np.concatenate([_tension(g) for g in groups])
             moved = self._line_points(groups) - self._block(section).points
             fields[section] = {"displacement": moved, "tension": tension}
         if self._beams:
@@ -219,6 +219,9 @@ class Pictures:
         """Both ends of every entry, one after the other."""
         nodes, ends = self.engine.nodes, []
         for g in groups:
+            if families()[g.keyword].picture == ROUTE:
+                ends += _spans(g, nodes)
+                continue
             both = []
             for side in ("a", "b"):
                 body = nodes[g.parameters[f"node_{side}"]]
@@ -279,6 +282,27 @@ class Pictures:
         points, forces, cards = self._contact_points.found()
         hidden = DELETED * ~np.any(forces, axis=1)
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
+
+
+def _spans(g: Group, nodes: np.ndarray) -> list[np.ndarray]:
+    """Both ends of every span of the routes of a group, one after the other."""
+    found = []
+    for row in g.parameters:
+        bodies = nodes[row["node"]]
+        arms = row["point"].reshape(-1, 3)
+        x = bodies["r"] + np.einsum("nij,nj->ni", bodies["A"].reshape(-1, 3, 3), arms)
+        x = x[: row["points"]]
+        found.append(np.stack([x[:-1], x[1:]], axis=1).reshape(-1, 3))
+    return found
+
+
+def _tension(g: Group) -> np.ndarray:
+    """Of every line of a group [N]."""
+    force = g.output["force"]
+    if force.ndim == 1:
+        return np.asarray(force)
+    counts = g.parameters["points"] - 1
+    return np.concatenate([row[:count] for row, count in zip(force, counts, strict=True)])
 
 
 def _cells(pieces: list[Piece]) -> tuple[tuple[str, np.ndarray], ...]:
