@@ -241,6 +241,48 @@ def test_the_elastic_stiffness_at_the_tip_is_that_of_the_beam(tmp_path: Path, wo
         assert found[0] == pytest.approx(wanted[0], rel=tolerance)
 
 
+STRUCK = (
+    """title: A post is struck along its axis
+control: {end_time: 0.004, safety: 0.8, estimate: off}
+parts:
+  frame:
+    type: structure
+    points: [{name: foot, at: [0, 0, 0]}, {name: tip, at: [0, 0, 0.3]}]
+    members: [{name: post, from: foot, to: tip}]
+    section: tube
+    material: steel
+    side: [0, 1, 0]
+    deformation: DESCRIPTION
+bodies: {ram: {mass: 100, inertia: [1, 1, 1], position: [0, 0, 0.34], velocity: [0, 0, SPEED]}}
+joints:
+  floor: {type: weld, b: frame_foot, at: [0, 0, 0]}
+  guide: {type: prismatic, b: ram, at: [0, 0, 0.34], axis: [0, 0, 1]}
+surfaces:
+  striker: {type: plane, body: ram, normal: [0, 0, -1]}
+  fender: {type: sphere, body: frame_tip, radius: 0.039}
+contacts: {c: {a: [striker], b: [fender], normal: {type: penalty, stiffness: 1e8}}}
+"""
+    + LAWS
+)
+
+
+@pytest.mark.parametrize("word, speed", [("hinges", -15), ("hinges", -0.2), ("segments", -15)])
+def test_hinges_that_bear_more_than_their_section_are_named(
+    tmp_path: Path, word: str, speed: float
+) -> None:
+    text = STRUCK.replace("DESCRIPTION", word).replace("SPEED", str(speed))
+    result = Result(run(written(tmp_path, text), tmp_path / "results"))
+    # Y A of a tube of 50 x 70 x 2 mm
+    limit = 3e8 * (0.05 * 0.07 - 0.046 * 0.066)
+    force = result.series("rcforc.c.normal").values.max()
+    named = "along its beam" in result.log
+    if word == "segments":
+        # they yield: what is above is the inertia of the tip that is struck
+        assert force < 3 * limit and not named
+    else:
+        assert named == (force > limit) == (speed == -15)
+
+
 def test_hinges_of_a_material_with_a_rate_have_that_of_eq_7(tmp_path: Path) -> None:
     text = FRAME.replace("DESCRIPTION", "hinges\n    hinge_arm: 0.4")
     text = text.replace("density: 7850, ", "density: 7850, rate_D: 40, ", 1)

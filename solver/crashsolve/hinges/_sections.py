@@ -37,6 +37,16 @@ def section_of(card: Any, field: str, scene: Any) -> tuple[Any, Any, dict[str, A
     return module, section, module.build(section, 0.3)
 
 
+def squash_load(card: Any, scene: Any) -> float:
+    """N_p of the section of a curve of moments [N]; infinite where it names none, or no yield."""
+    if card.section is None:
+        return float("inf")
+    stress = getattr(scene.law("materials", card.material)[1], "yield_stress", None)
+    if not stress:
+        return float("inf")
+    return float(stress) * float(section_of(card, "curve", scene)[2]["area"])
+
+
 def plastic_curve(start: float, limit: float, until: float | None, field: str, scene: Any) -> Any:
     """From 0 to the limit at `start`, and level to `until`, 1 when absent; level beyond."""
     until = until or 1.0

@@ -40,6 +40,7 @@ from crashsolve.hinges._card import MomentCurve, Motion, PairCard, law, pair_bac
 from crashsolve.hinges._joint import COMMON, LEDGER, across, at_start, motion_of, release_rows
 from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.hinges._pair import PAIR, WORK, Motions
+from crashsolve.hinges._sections import squash_load
 from crashsolve.joints._card import FRAME, direction
 from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
 from crashsolve.joints.basic import point, rows_of
@@ -89,17 +90,25 @@ PARAMETERS = (
     + LAW
     + PAIR
     + Record("""
-        reference  1       4  q_a^-1 q_b at the start
-        tip        m or 1     speed of the factor over the rate
+        reference    1       4  q_a^-1 q_b at the start
+        tip          m or 1     speed of the factor over the rate
+        axial_yield  N          N_p of the section, which the joint exceeds; infinite if unknown
     """)
 )
-HISTORY = PATH + WORK
+HISTORY = (
+    PATH
+    + WORK
+    + Record("""
+        peak_axial  N  largest force along the beam so far, in magnitude
+    """)
+)
 OUTPUT = COMMON + Record("""
     moment          N m    2  about side and about axis x side, positive rotates b back
     angle           rad    2  theta
     rate            rad/s  2  of the angle
     plastic_angle   rad    2  sum of plastic turns in both directions
     residual_angle  rad    2  that would be left without moment
+    peak_axial      N         largest force along the beam so far, in magnitude
 """)
 
 
@@ -117,6 +126,7 @@ def build(card: Biaxial, scene: Any) -> dict[str, Any]:
             "is_elliptic": card.interaction == "elliptic",
             "reference": relative(scene.q[frame["node_a"]], scene.q[frame["node_b"]]),
             "tip": tip(card),
+            "axial_yield": squash_load(card.curve, scene),
         }
     )
 
@@ -184,6 +194,8 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     for c in range(2):
         out.plastic_angle[c], out.residual_angle[c] = new.flow[c], new.plastic[c]
     a, b = nodes[p.node_a], nodes[p.node_b]
+    new.peak_axial = max(old.peak_axial, abs(axial_force(p, a, rows)))
+    out.peak_axial = new.peak_axial
     torque = add_scaled(scale(first, g), second, q)
     apply_torque(a, torque)
     apply_torque(b, scale(-1.0, torque))
@@ -194,6 +206,14 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
             u = arm(a, vec(p.side_a if c == 0 else p.third_a))
             add_stiffness_bound(a, spin_mobility(a, u), stretch * p.stiffness[c], drag)
             add_stiffness_bound(b, spin_mobility(b, u), stretch * p.stiffness[c], drag)
+
+
+@kernel
+def axial_force(p, a, rows):
+    """Reaction of the point along the beam, of the last step [N]."""
+    k = p.first_row
+    reaction = (rows[k].reaction, rows[k + 1].reaction, rows[k + 2].reaction)
+    return dot(reaction, arm(a, vec(p.axis_a)))
 
 
 @kernel

@@ -45,6 +45,12 @@ def pressed_deep(engine: Engine) -> list[str]:
     ]
 
 
+def met_by(engine: Engine) -> list[str]:
+    """Warnings of what the run met outside the range of its laws."""
+    found = (read_beyond, pressed_deep, hourglass_share, overloaded)
+    return [text for of in found for text in of(engine)]
+
+
 def remarks(engine: Engine, extremes: Extremes, history: Path) -> dict[str, Any]:
     """What is worth a line at the end of a run, for status.json; empty where there is nothing."""
     return {
@@ -98,6 +104,29 @@ def hourglass_share(engine: Engine) -> list[str]:
         f"hourglass modes hold {at_most:.4g} J, {100.0 * at_most / internal:.3g} % of the internal "
         f"energy, {internal:.4g} J: more than {100.0 * MUCH_HOURGLASS:.0f} % is a sign of elements "
         "too coarse for what they do; take smaller ones, or element: fully_integrated"
+    ]
+
+
+def overloaded(engine: Engine) -> list[str]:
+    """Hinges that bore more along their beam than its section does when it is crushed."""
+    worst: tuple[float, str, float] = (1.0, "", 0.0)
+    count = 0
+    for g in engine.model.groups:
+        if "axial_yield" not in (g.parameters.dtype.names or ()):
+            continue
+        peak = g.history["peak_axial"][int(engine.clock["current"])]
+        over = peak / g.parameters["axial_yield"]
+        count += int((over > 1.0).sum())
+        k = int(over.argmax())
+        worst = max(worst, (float(over[k]), g.names[k], float(peak[k])))
+    if not count:
+        return []
+    share, name, force = worst
+    others = f", and {count - 1} others more than theirs" if count > 1 else ""
+    return [
+        f"hinge '{name}' bore {force:.4g} N along its beam, {share:.3g} times what its section "
+        f"yields at{others}: hinges bend and do not shorten, so that such a force is too "
+        "large; take deformation: segments, beams or shells"
     ]
 
 

@@ -46,10 +46,8 @@ from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
 from crashsolve.simulation.remarks import (
-    hourglass_share,
+    met_by,
     pressed_at_start,
-    pressed_deep,
-    read_beyond,
     remarks,
 )
 from crashsolve.simulation.requests import Requests
@@ -349,7 +347,7 @@ class Run:
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
         history = self.folder / "history.h5"
         missed = [c.words(self.schedule.interval) for c in missed_contacts(engine, history)]
-        met = (*read_beyond(engine), *pressed_deep(engine), *missed, *hourglass_share(engine))
+        met = (*met_by(engine), *missed)
         for text in (
             *self.overlapping,
             *engine.law_warnings(),
