@@ -14,7 +14,12 @@ def is_static(deck: Deck) -> bool:
 def engine_of(deck: Deck, model: Model, state: State) -> Engine:
     """Through time, or from equilibrium to equilibrium."""
     if not is_static(deck):
-        return Engine(model, state)
+        engine = Engine(model, state)
+        if deck.control.start == "equilibrium":
+            from crashsolve.statics.start import begin_at_rest
+
+            engine.notes.append(begin_at_rest(engine))
+        return engine
     if is_incremental(model.groups):
         from crashsolve.statics.pseudo_transient import RestEngine
 

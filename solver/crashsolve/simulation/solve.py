@@ -220,7 +220,7 @@ class Run:
             self.engine.start()
             refuse_inconsistencies(self.deck, self.engine)
             self.overlapping = pressed_at_start(self.engine)
-            for text in self.overlapping:
+            for text in (*self.engine.notes, *self.overlapping):
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         metadata = provenance(self.deck, self.engine)
@@ -281,7 +281,7 @@ class Run:
     def _start_anew(self) -> None:
         """The same deck from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
-        self._take_up(Engine(*build(self.deck)))
+        self._take_up(engine_of(self.deck, *build(self.deck)))
         self.account.phases = None
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}

@@ -85,6 +85,8 @@ class Engine:
         self.bind()
         self._advance = load(compose(model), self._present)
         self.masses = EffectiveMasses(self.model)
+        # of how the run begins, for the log
+        self.notes: list[str] = []
         # asked now and then between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
@@ -297,6 +299,12 @@ class Engine:
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         for name in MISSING:
             self.state.clock[0][name] = clock[name]
+
+    def sample_of(self, nodes: np.ndarray) -> None:
+        """A sample of other positions and velocities, at present; the run is as before."""
+        self.nodes[:], self.rows[:] = nodes, self.state.rows
+        self.ledger[:], self.sample_clock[:] = self.state.ledger, self.state.clock
+        self._advance(self.sample_clock[0]["time"], True, self._sampled)
 
     def probe(self, arrays: dict[str, np.ndarray]) -> None:
         """A sample of other tables of this scene, of other lengths. Writes: arrays."""

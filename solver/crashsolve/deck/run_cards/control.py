@@ -22,6 +22,10 @@ class Control(Card):
 
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
+    start: Literal["as_given", "equilibrium"] = word(
+        "equilibrium: positions are moved first to where nothing accelerates the bodies at rest",
+        "as_given",
+    )
     integrator: Integrator = word(
         "method of integration; auto: from stiffness and smoothness of the deck", integrators()[0]
     )
@@ -123,6 +127,8 @@ class Control(Card):
             found["step"] = "solution quasi_static has load steps, by steps"
         elif self.integrator == "rattle":
             found["tolerance"] = "steps of rattle are not chosen by their error, but by safety"
+        if is_static:
+            found["start"] = "solution quasi_static begins in equilibrium"
         if is_static or self.integrator not in ("generalized_alpha", "auto"):
             found["spectral_radius"] = "it belongs to integrator generalized_alpha"
         if not is_static:

@@ -1,0 +1,271 @@
+"""Equilibrium from which a run begins: its bodies are moved to where nothing accelerates them.
+
+    Z^T g(q) = 0,   Phi(q) = 0,   D Z = 0
+    (M / tau^2 - dg/dq) projected on Z, times y = Z^T (g + dg/dq delta_c),   delta = delta_c + Z y
+
+g are the forces at rest that joints do not hold, delta_c closes the joints. tau grows as g falls
+(pseudo-transient continuation): small steps along the forces at first, so that what hangs above its
+springs settles on them, Newton's steps in the end. Directions in which nothing acts, as those in
+which a car rolls, keep their coordinate. Forces are those without motion: dampers, friction and
+slip of tyres rest. Velocities of the deck stay, but for what joints of the new configuration do not
+allow. Consequence to test: loads sum to the weight and divide by their lever arms, and the motion
+that follows stays below 1 % of them.
+
+Reference: Kelley and Keyes (1998), Convergence analysis of pseudo-transient continuation, SIAM
+Journal on Numerical Analysis 35, 508-523.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crashsolve.foundation.errors import SolverError
+from crashsolve.model.contact.pairs import renew
+from crashsolve.model.jacobian import jacobian, null_space, whole_rows
+from crashsolve.statics.motions import move, nudge
+from crashsolve.system.engine import Engine
+
+# differences: over the model's size, and rad
+STEP = 1e-7
+# largest displacement (over the model's size) and rotation [rad] of a pass
+FAR, ANGLE = 0.05, 0.1
+# of tau [s]: that of the first pass, the largest, which leaves neutral directions alone, the least
+FIRST, LONGEST, SHORTEST = 0.01, 10.0, 1e-7
+PASSES = 300
+# a correction that is none, in the model's size or rad
+STILL = 1e-11
+# growth of a motion away from the equilibrium that is none of round-off [1/s]
+GROWTH, ROUND_OFF = 0.1, 1e-9
+# coordinates; differences of so many take minutes
+MOST = 3000
+
+
+def begin_at_rest(engine: Engine) -> str:
+    """Move the nodes to equilibrium; returns what was moved. Writes: state.nodes.
+
+    Raises SolverError where there is none.
+    """
+    return _Settling(engine).run()
+
+
+@dataclass
+class _Rest:
+    """What acts in a configuration: g (6 n,), D (m, 6 n), Phi (m,) and accelerations (n, 6)."""
+
+    g: np.ndarray
+    D: np.ndarray
+    phi: np.ndarray
+    rates: np.ndarray
+
+    @property
+    def worst(self) -> float:
+        return float(np.abs(self.rates).max(initial=0.0))
+
+    @property
+    def ways(self) -> np.ndarray:
+        """Z (6 n, k): motions that the joints allow."""
+        return null_space(self.D) if len(self.D) else np.eye(self.g.size)
+
+
+@dataclass
+class _Pass:
+    """A correction (n, 6), its size before it is cut, and the matrices it is made by."""
+
+    D: np.ndarray
+    Z: np.ndarray
+    G: np.ndarray
+    inverse: np.ndarray
+    change: np.ndarray
+    size: float
+
+    def again(self, rest: "_Rest") -> np.ndarray:
+        """The correction (n, 6) that these matrices make of another configuration."""
+        n = rest.g.size
+        closing = np.linalg.lstsq(self.D, -rest.phi, rcond=1e-12)[0] if len(self.D) else np.zeros(n)
+        free = self.Z @ (self.inverse @ (self.Z.T @ (rest.g + self.G @ closing)))
+        return np.asarray((closing + free).reshape(-1, 6))
+
+
+class _Settling:
+    """Configurations on the way, as nodes without velocities."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine, self.model = engine, engine.model
+        attached = set(self.model.attached_nodes["node"])
+        nodes = engine.state.nodes
+        self.free = np.array([i for i in range(1, len(nodes)) if i not in attached], int)
+        if len(engine.state.points):
+            raise self._refusal(1, "the model has shells, whose points it does not move")
+        if 6 * len(self.free) > MOST:
+            message = f"the model has {6 * len(self.free)} coordinates, and it takes {MOST} at most"
+            raise self._refusal(1, message)
+        self.nodes = nodes.copy()
+        self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
+
+    def run(self) -> str:
+        """The whole search; returns what it found."""
+        first, here = self.nodes.copy(), self._at_rest(self.nodes)
+        tau, passes = FIRST, 0
+        while True:
+            pass_ = self._pass(here, tau)
+            is_still = pass_.size <= STILL and (tau == LONGEST or here.worst == 0.0)
+            if is_still and np.abs(here.phi).max(initial=0.0) <= self._closed():
+                break
+            if passes == PASSES:
+                raise self._no_equilibrium(here)
+            passes += 1
+            tried = self.nodes.copy()
+            self._shift(tried, pass_.change)
+            there = self._at_rest(tried)
+            # the correction that the same matrix would make there: natural monotonicity
+            growth = self._size(pass_.again(there)) / max(pass_.size, 1e-300)
+            if not growth <= 2.0 and tau > SHORTEST and pass_.size > STILL:
+                tau *= 0.25
+                continue
+            self.nodes, here = tried, there
+            if growth <= 1.0 or pass_.size <= STILL:
+                tau = min(2.0 * tau / max(growth, 0.1), LONGEST)
+            self._look_again()
+        self._refuse_unstable(here)
+        self._take_over(here.D)
+        return self._words(first, passes)
+
+    def _at_rest(self, nodes: np.ndarray) -> "_Rest":
+        """What acts in a configuration without velocities."""
+        engine = self.engine
+        engine.sample_of(nodes)
+        found = engine.nodes[self.free]
+        g = np.empty((len(self.free), 6))
+        g[:, :3] = found["v_dot"] / found["mass_inv"][:, None]
+        A, J = (found[name].reshape(-1, 3, 3) for name in ("A", "J"))
+        own = np.einsum("nji,nj->ni", A, found["w_dot"])
+        g[:, 3:] = np.einsum("nij,njk,nk->ni", A, J, own)
+        D = jacobian(self.model.joints, engine.rows, len(nodes))[:, self.free]
+        phi = engine.rows["phi"][whole_rows(self.model.joints)].copy()
+        # rotations count by the model's size
+        rates = np.hstack([found["v_dot"], found["w_dot"] * self.model.size])
+        return _Rest(g.ravel(), D.reshape(len(D), g.size), phi, rates)
+
+    def _mass(self) -> np.ndarray:
+        """M (6 n, 6 n) of the present configuration."""
+        nodes, n = self.nodes[self.free], len(self.free)
+        M = np.zeros((n, 6, n, 6))
+        A, J = (nodes[name].reshape(-1, 3, 3) for name in ("A", "J"))
+        turned = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
+        for i in range(n):
+            M[i, :3, i, :3] = np.eye(3) / nodes["mass_inv"][i]
+            M[i, 3:, i, 3:] = turned[i]
+        return M.reshape(6 * n, 6 * n)
+
+    def _tangent(self, g: np.ndarray) -> np.ndarray:
+        """dg/dq (6 n, 6 n) by differences."""
+        nodes, columns = self.nodes.copy(), np.empty((g.size, g.size))
+        for k in range(g.size):
+            i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
+            kept = nodes[i].copy()
+            nudge(nodes[i], k % 6, size)
+            columns[:, k] = (self._at_rest(nodes).g - g) / size
+            nodes[i] = kept
+        return columns
+
+    def _pass(self, here: "_Rest", tau: float) -> "_Pass":
+        """The correction of one pass."""
+        Z, G = here.ways, self._tangent(here.g)
+        matrix = Z.T @ (self._mass() / tau**2 - G) @ Z
+        found = _Pass(here.D, Z, G, np.linalg.pinv(matrix, rcond=1e-15), np.zeros((0, 6)), 0.0)
+        change = found.again(here)
+        found.size = self._size(change)
+        far = np.abs(change[:, :3]).max(initial=0.0) / (FAR * self.model.size)
+        angle = np.abs(change[:, 3:]).max(initial=0.0) / ANGLE
+        found.change = change / max(1.0, far, angle)
+        return found
+
+    def _size(self, change: np.ndarray) -> float:
+        """Of a correction (n, 6): in the model's size or rad."""
+        far = np.abs(change[:, :3]).max(initial=0.0) / self.model.size
+        return float(max(far, np.abs(change[:, 3:]).max(initial=0.0)))
+
+    def _shift(self, nodes: np.ndarray, change: np.ndarray) -> None:
+        moved = nodes[self.free]
+        move(moved, change)
+        nodes[self.free] = moved
+
+    def _closed(self) -> float:
+        return float(self.model.control[0]["constraint_tolerance"]) * self.model.size
+
+    def _look_again(self) -> None:
+        """Pairs that are near in the new configuration."""
+        state = self.engine.state
+        if any(group.search is not None for group in self.model.contact_groups):
+            state.nodes["r"], state.nodes["q"] = self.nodes["r"], self.nodes["q"]
+            state.nodes["A"] = self.nodes["A"]
+            renew(self.model.contact_groups, state)
+            self.engine.bind()
+
+    def _refuse_unstable(self, here: "_Rest") -> None:
+        """Raises SolverError for an equilibrium that any disturbance ends."""
+        Z = here.ways
+        if not Z.shape[1]:
+            return
+        K, M = -Z.T @ self._tangent(here.g) @ Z, Z.T @ self._mass() @ Z
+        half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
+        values, modes = np.linalg.eigh(half @ (0.5 * (K + K.T)) @ half.T)
+        # differences err by a share of the stiffest mode
+        if values[0] < -max(GROWTH**2, ROUND_OFF * values[-1]):
+            mode = np.abs((Z @ half.T @ modes[:, 0]).reshape(-1, 6))
+            mode[:, 3:] *= self.model.size
+            node = int(self.free[mode.max(axis=1).argmax()])
+            raise self._refusal(
+                node,
+                f"the equilibrium is unstable: it leaves it with exp({(-values[0]) ** 0.5:.3g} t)",
+            )
+
+    def _take_over(self, D: np.ndarray) -> None:
+        """The configuration, and velocities that its joints allow. Writes: state.nodes."""
+        nodes = self.engine.state.nodes
+        for name in ("r", "q", "A"):
+            nodes[name] = self.nodes[name]
+        self.engine.sample_of(nodes)
+        given = np.hstack([nodes["v"][self.free], nodes["w"][self.free]]).ravel()
+        if len(D):
+            inverse = np.linalg.inv(self._mass())
+            nu = self.engine.rows["nu"][whole_rows(self.model.joints)]
+            moved = inverse @ D.T
+            given -= moved @ np.linalg.lstsq(D @ moved, D @ given - nu, rcond=1e-12)[0]
+        v, w = np.split(given.reshape(-1, 6), 2, axis=1)
+        nodes["v"][self.free], nodes["w"][self.free] = v, w
+        A, J = (nodes[name][self.free].reshape(-1, 3, 3) for name in ("A", "J"))
+        nodes["L"][self.free] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, w)
+
+    def _words(self, first: np.ndarray, passes: int) -> str:
+        """What was moved, for the log."""
+        moved = np.linalg.norm(self.nodes["r"] - first["r"], axis=1)
+        node = int(moved.argmax())
+        far = f"by {moved[node]:.4g} m at most, {self._name(node)}"
+        return f"equilibrium found in {passes} passes: mass centres were moved {far}"
+
+    def _no_equilibrium(self, here: "_Rest") -> SolverError:
+        k, axis = divmod(int(np.abs(here.rates).argmax()), 6)
+        kind = "turned" if axis > 2 else "accelerated"
+        rate = abs(here.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
+        unit = "rad/s^2 about" if axis > 2 else "m/s^2 along"
+        return self._refusal(
+            int(self.free[k]),
+            f"there is no equilibrium: after {PASSES} passes it is still {kind} by "
+            f"{rate:.4g} {unit} {'xyz'[axis % 3]}, which nothing bears",
+        )
+
+    def _refusal(self, node: int, cause: str) -> SolverError:
+        return SolverError(
+            float(self.engine.clock["time"]),
+            0,
+            self._name(node),
+            cause,
+            "hold it, or set it on what bears it at rest (friction, dampers and tyres that slip "
+            "bear nothing without motion), or leave out control.start",
+        )
+
+    def _name(self, node: int) -> str:
+        if node < len(self.model.bodies):
+            return f"body '{self.model.bodies[node]}'"
+        return self.model.part_at(node)

@@ -1,0 +1,154 @@
+"""Claims of `control: {start: equilibrium}`: loads in closed form, no transient, refusals."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crashpost.results.result import Result
+from crashsolve import run
+from crashsolve.scripting import RunFailed
+
+CONTROL = "control: {start: equilibrium, end_time: 1, estimate: off}\n"
+WEIGHT = "loads: {weight: {type: gravity, acceleration: [0, 0, -10]}}\n"
+
+
+def solved(folder: Path, text: str) -> Result:
+    path = folder / "deck.yaml"
+    path.write_text("title: An equilibrium\n" + CONTROL + WEIGHT + text, "utf-8")
+    return Result(run(path, folder / "results"))
+
+
+def swing(result: Result, channel: str) -> tuple[float, float]:
+    """Value at the start, and the largest difference from it."""
+    values = result.series(channel).values
+    return float(values[0]), float(np.abs(values - values[0]).max())
+
+
+@pytest.mark.parametrize("height", [1.0, 0.999, 0.5, 1.2])
+def test_a_mass_hangs_on_its_spring(tmp_path: Path, height: float) -> None:
+    text = f"""
+bodies: {{ball: {{mass: 2, inertia: [1, 1, 1], position: [0, 0, {-height}]}}}}
+springs: {{s: {{type: linear, b: ball, stiffness: 200, length: 0.9}}}}
+"""
+    result = solved(tmp_path, text)
+    # 20 N stretch it by 0.1 m; left of accelerations is 1e-9 of gravity
+    start, far = swing(result, "rbdout.ball.position.z")
+    assert start == pytest.approx(-1.0, abs=1e-9)
+    assert far < 1e-8
+
+
+def test_a_plank_divides_its_weight_by_lever_arms(tmp_path: Path) -> None:
+    text = """
+bodies:
+  plank: {mass: 30, inertia: [1, 4, 4], mass_centre: [0.2, 0.05, 0], position: [0, 0, 0.1]}
+springs:
+  a: {type: linear, b: plank, at_a: [-1, 0.5, 9], at_b: [-1, 0.5, 0], stiffness: 4e3, length: 9}
+  b: {type: linear, b: plank, at_a: [1, 0.5, 9], at_b: [1, 0.5, 0], stiffness: 3e3, length: 9}
+  c: {type: linear, b: plank, at_a: [0, -0.7, 9], at_b: [0, -0.7, 0], stiffness: 5e3, length: 9}
+"""
+    result = solved(tmp_path, text)
+    forces = {name: result.series(f"deforc.{name}.force").values for name in "abc"}
+    loads = {name: float(force[0]) for name, force in forces.items()}
+    # it hangs askew by some hundredths, which changes the arms by their square
+    assert sum(loads.values()) == pytest.approx(300, rel=1e-3)
+    assert -loads["a"] + loads["b"] == pytest.approx(300 * 0.2, rel=5e-3)
+    assert 0.5 * (loads["a"] + loads["b"]) - 0.7 * loads["c"] == pytest.approx(15, rel=5e-3)
+    for force in forces.values():
+        assert np.abs(force - force[0]).max() < 1e-6 * 300
+
+
+@pytest.mark.parametrize("speed", [0.0, 30.0])
+def test_a_cart_rolls_without_a_transient(tmp_path: Path, speed: float) -> None:
+    # set 10 mm too high on its wheels: it would fall and pitch first
+    text = f"""
+bodies:
+  cart: {{mass: 200, inertia: [10, 60, 60], position: [0, 0, 0.5], velocity: [{speed}, 0, 0]}}
+"""
+    for k, (x, y) in enumerate(((1.2, 0.6), (1.2, -0.6), (-0.8, 0.6), (-0.8, -0.6))):
+        text += f"""  wheel_{k}: {{mass: 10, inertia: [0.3, 0.5, 0.3], position: [{x}, {y}, 0.298],
+    velocity: [{speed}, 0, 0], angular_velocity: [0, {speed / 0.297}, 0]}}
+"""
+    text += "joints:\n"
+    for k in range(4):
+        text += (
+            f"  axle_{k}: {{type: revolute, a: cart, b: wheel_{k}, at: [0, 0, 0], "
+            f"axis: [0, 1, 0], frame: wheel_{k}}}\n"
+        )
+    text += "surfaces: {road: {type: plane}}\ntyres:\n"
+    for k in range(4):
+        text += (
+            f"  tyre_{k}: {{type: gim, wheel: wheel_{k}, road: [road], radius: 0.3, "
+            "stiffness: 2e5, damping: 200, slip_stiffness: 5e4, cornering_stiffness: 4e4, "
+            "friction_max: 0.9}\n"
+        )
+    result = solved(tmp_path, text)
+    loads = [result.series(f"tyrout.tyre_{k}.normal").values for k in range(4)]
+    whole = 2400.0
+    front = loads[0] + loads[1]
+    # 2 m apart, the mass centre 0.8 m before the rear ones; wheels bear themselves
+    # but for the lever arms, which change by 1e-4 as it pitches on its tyres
+    assert front == pytest.approx(np.full(len(front), 2000 * 0.4 + 200), rel=3e-4)
+    assert sum(loads) == pytest.approx(np.full(len(front), whole), rel=1e-4)
+    assert swing(result, "rbdout.cart.velocity.x")[1] < 1e-3 * max(speed, 1e-3)
+
+
+def test_a_body_above_the_floor_is_set_down(tmp_path: Path) -> None:
+    text = """
+bodies: {ball: {mass: 2, inertia: [1, 1, 1], position: [0, 0, 0.3]}}
+surfaces: {floor: {type: plane}, ball: {type: sphere, body: ball, radius: 0.1}}
+contacts: {c: {a: [ball], b: [floor], normal: {type: hertz, stiffness: 1e6}}}
+"""
+    result = solved(tmp_path, text)
+    start, far = swing(result, "rbdout.ball.position.z")
+    assert start == pytest.approx(0.1 - (20 / 1e6) ** (2 / 3), abs=1e-9)
+    assert far < 1e-8
+
+
+def test_velocities_follow_the_joints(tmp_path: Path) -> None:
+    # a pendulum that sags on its spring keeps turning about its hinge
+    text = """
+bodies: {rod: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [1, 0, 0], velocity: [0, 0, -2],
+  angular_velocity: [0, 2, 0]}}
+joints: {hinge: {type: revolute, b: rod, at: [0, 0, 0], axis: [0, 1, 0]}}
+springs: {s: {type: linear, b: rod, at_a: [1, 0, 1], stiffness: 100, length: 0.95}}
+"""
+    result = solved(tmp_path, text)
+    x, v = (
+        np.array([result.series(f"rbdout.rod.{what}.{axis}").values[0] for axis in "xyz"])
+        for what in ("position", "velocity")
+    )
+    w = np.array([result.series(f"rbdout.rod.angular_velocity.{a}").values[0] for a in "xyz"])
+    assert v == pytest.approx(np.cross(w, x), abs=1e-12)
+    # the nearest of what the hinge allows, by the kinetic energy of the difference
+    assert w[1] == pytest.approx(2.0, rel=1e-2)
+    assert x[2] < -0.01
+
+
+REFUSED = {
+    "body 'ball': there is no equilibrium": "bodies: {ball: {mass: 2, inertia: [1, 1, 1]}}",
+    "the equilibrium is unstable": """
+bodies: {rod: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [0, 0, 1]}}
+joints: {hinge: {type: revolute, b: rod, at: [0, 0, 0], axis: [0, 1, 0]}}
+""",
+}
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_what_has_no_equilibrium_is_refused(tmp_path: Path, message: str) -> None:
+    with pytest.raises(RunFailed, match=message):
+        solved(tmp_path, REFUSED[message])
+
+
+def test_shells_are_not_moved(tmp_path: Path) -> None:
+    text = """
+materials: {m: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
+parts:
+  plate:
+    type: shell
+    mesh: {type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [2, 2]}
+    thickness: 0.01
+    material: m
+"""
+    with pytest.raises(RunFailed, match="the model has shells"):
+        solved(tmp_path, text)
