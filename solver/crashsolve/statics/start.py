@@ -62,7 +62,7 @@ class _Rest:
         return float(np.abs(self.rates).max(initial=0.0))
 
     @property
-    def ways(self) -> np.ndarray:
+    def motions(self) -> np.ndarray:
         """Z (6 n, k): motions that the joints allow."""
         return null_space(self.D) if len(self.D) else np.eye(self.g.size)
 
@@ -170,7 +170,7 @@ class _Settling:
 
     def _pass(self, here: "_Rest", tau: float) -> "_Pass":
         """The correction of one pass."""
-        Z, G = here.ways, self._tangent(here.g)
+        Z, G = here.motions, self._tangent(here.g)
         matrix = Z.T @ (self._mass() / tau**2 - G) @ Z
         found = _Pass(here.D, Z, G, np.linalg.pinv(matrix, rcond=1e-15), np.zeros((0, 6)), 0.0)
         change = found.again(here)
@@ -204,7 +204,7 @@ class _Settling:
 
     def _refuse_unstable(self, here: "_Rest") -> None:
         """Raises SolverError for an equilibrium that any disturbance ends."""
-        Z = here.ways
+        Z = here.motions
         if not Z.shape[1]:
             return
         K, M = -Z.T @ self._tangent(here.g) @ Z, Z.T @ self._mass() @ Z

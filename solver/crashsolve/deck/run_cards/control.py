@@ -22,10 +22,6 @@ class Control(Card):
 
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
-    start: Literal["as_given", "equilibrium"] = word(
-        "equilibrium: positions are moved first to where nothing accelerates the bodies at rest",
-        "as_given",
-    )
     integrator: Integrator = word(
         "method of integration; auto: from stiffness and smoothness of the deck", integrators()[0]
     )
@@ -95,6 +91,11 @@ class Control(Card):
         default=None,
         ge=1,
         le=MOST_THREADS,
+    )
+
+    start: Literal["as_given", "equilibrium"] = word(
+        "equilibrium: positions are moved first to where nothing accelerates the bodies at rest",
+        "as_given",
     )
 
     @model_validator(mode="after")
