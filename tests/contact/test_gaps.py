@@ -1,6 +1,7 @@
 """What every gap promises: the true depth, and a normal and point that move as it changes."""
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from touching import Contact
 
 from crashsolve.contact import narrow
 from crashsolve.contact.shape.box import ROUNDING
+from crashsolve.foundation.rows import as_rows
 
 # each shape as a card on body %s, and how far it reaches along directions u (n, 3) in its body
 AXES = np.array([[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]]) / 3.0
@@ -72,6 +74,26 @@ class Pair(Contact):
 @pytest.fixture(params=PAIRS)
 def pair(request: pytest.FixtureRequest, tmp_path: Path) -> Pair:
     return Pair(tmp_path, request.param)
+
+
+BOUNDED = [word for word in PAIRS if hasattr(import_module(f"{narrow.__name__}.{word}"), "bound")]
+
+
+@pytest.mark.parametrize("word", BOUNDED)
+def test_no_depth_exceeds_its_bound(word: str, tmp_path: Path) -> None:
+    """What is skipped is apart: a bound below a depth would hide a touch."""
+    pair = Pair(tmp_path, word)
+    group = pair.group
+    a, b = as_rows(group.elements_a), as_rows(group.elements_b)
+    apart = 0
+    for seed in range(30):
+        pair.approach(seed)
+        bound = group.narrow.bound(a[0], b[0], pair.bench.nodes, group.data)
+        depth = pair.deepest()[0]
+        # round-off of half a metre
+        assert bound >= depth - 1e-14
+        apart += bound < 0.0
+    assert apart > 5
 
 
 def test_the_rotation_of_the_cards_is_that_of_the_reach() -> None:

@@ -73,6 +73,21 @@ def gap(a, b, nodes, data):
 
 
 @kernel
+def bound(a, b, nodes, data):
+    """Depth that the bodies do not exceed [m]: along the line of centres and the axes of b."""
+    body_a, body_b = nodes[a.node], nodes[b.node]
+    c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
+    length = norm(c)
+    if length == 0.0:
+        return 1e300
+    best = apart(a, b, body_a, body_b, c, scale(1.0 / length, c))
+    for k in range(3, 6):
+        n = axis_of(a, b, body_a, body_b, k)
+        best = max(best, apart(a, b, body_a, body_b, c, n if dot(n, c) >= 0.0 else scale(-1.0, n)))
+    return -best
+
+
+@kernel
 def next_start(a, b, body_a, body_b, c, bound):
     """The direction along which the bodies are farthest apart, but less than `bound`."""
     best, best_n = -1e300, (0.0, 0.0, 1.0)

@@ -4,7 +4,7 @@ from crashsolve.contact.narrow import _convex
 from crashsolve.contact.shape import box, ellipsoid
 
 PARAMETERS_A = PARAMETERS_B = _convex.PARAMETERS
-gap = _convex.gap
+gap, bound = _convex.gap, _convex.bound
 
 
 def expand_a(elements):
