@@ -1,0 +1,24 @@
+"""Belts: webbing that runs through rings from anchor to anchor, and pulls only."""
+
+from typing import Protocol
+
+from crashsolve.deck.family import Family
+from crashsolve.deck.roles import Built, Force
+
+
+class BeltLaw(Built, Force, Protocol):
+    """What the file of a belt provides beside its card."""
+
+
+FAMILY = Family(
+    entry="belt",
+    follows="springs",
+    law=BeltLaw,
+    energy=("belt",),
+    channels={"beltout": "forces, lengths, slips and losses of belts"},
+    picture=None,
+    uses=("springs",),
+    # webbing flows over whole steps
+    integrators=("rattle",),
+    default="belt",
+)

@@ -1,0 +1,191 @@
+"""Belt: webbing through rings from anchor to anchor, without mass, which pulls only.
+
+    T_high <= T_low exp(mu beta) at rings,   sum L_i constant
+
+as in `_webbing.py`, `_flow.py` and `_route.py`. Consequence to test: a ring is drawn through with
+exp(mu beta), whatever the step, and one where the belt goes straight changes nothing.
+"""
+
+from typing import Any
+
+import numpy as np
+from pydantic import model_validator
+
+from crashsolve.belts._flow import PASSES, settle
+from crashsolve.belts._route import (
+    MOST,
+    ROUTE,
+    SEGMENTS,
+    Fitting,
+    check_route,
+    lay,
+    pull_segments,
+    route_columns,
+)
+from crashsolve.belts._webbing import WEBBING, Webbing, force_at, refuse_torn, webbing_columns
+from crashsolve.deck.card import Card, quantity, word
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.record import Record
+
+STEPWISE = True
+WARNINGS = {
+    "short": "a segment came to an end, with its ring at the next fitting: there it was taken as "
+    "0.001 of the belt; move the ring, or give it more webbing",
+    "unsettled": "the flow through rings was not found in all steps; take shorter ones",
+}
+
+
+class Belt(Card):
+    """Webbing through rings from anchor to anchor; it pulls only, and weighs nothing."""
+
+    webbing: Webbing = word("what it is woven of")
+    route: tuple[Fitting, ...] = word("anchor, rings in their order, anchor")
+    slack: float = quantity(
+        "m", "webbing beyond the route at the start; negative pretensions it", 0.0
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Belt":
+        check_route(self.route)
+        return self
+
+
+PARAMETERS = (
+    ROUTE
+    + WEBBING
+    + Record(f"""
+    start  m  {SEGMENTS}  unstrained length of each segment at the start
+    total  m              their sum
+    first  N              force at the start
+""")
+)
+HISTORY = Record(f"""
+    webbing     m    {SEGMENTS}  L, unstrained length
+    residual    m    {SEGMENTS}  S, residual elongation
+    tension     N    {SEGMENTS}  T
+    slip        m    {MOST}  webbing that has passed each fitting, towards the end
+    friction    J        lost at rings
+    drawn       J        lost in webbing
+    short       flag     a segment has come to no length
+    unsettled   flag     the flows of some step are not found
+    passes      count    of the search for the flows
+    along       1    {3 * SEGMENTS}  directions of the segments
+    flow        m    {MOST}  q, that passes each fitting in the step
+    grip        1    {MOST}  exp(mu beta)
+    softens     N/m  {SEGMENTS}  fall of T over webbing that flows in
+    moved       m    {SEGMENTS}  growth of S in the step
+    way         flag  {MOST}  1 onwards, -1 back, 0 not
+    above       1    {MOST}  part of the tridiagonal matrix
+    change      m    {MOST}  of the flow in a pass
+""")
+OUTPUT = Record(f"""
+    force       N    {SEGMENTS}  tension of each segment from the start of the route on
+    length      m    {SEGMENTS}  present length of each segment
+    webbing     m    {SEGMENTS}  its unstrained length
+    strain      1    {SEGMENTS}  of each segment; negative: slack
+    slip        m    {MOST}  webbing that has passed each fitting, towards the end of the route
+    angle       rad  {MOST}  by which the belt turns at each fitting
+    friction    J        lost at rings so far
+    hysteresis  J        lost in webbing so far
+""")
+
+
+def build(card: Belt, scene: Any) -> dict[str, Any]:
+    route, webbing = route_columns(card.route, scene), webbing_columns(card.webbing, scene)
+    lengths = start_lengths(route, scene)
+    straight = float(lengths.sum())
+    total = straight + card.slack
+    if not total > 0.0:
+        message = f"must be more than -{straight:.6g} m, or no webbing is left"
+        raise scene.fail(message, "slack")
+    strain = straight / total - 1.0
+    if webbing["curve"]:
+        curve = scene.curve_points[webbing["curve"]]
+        last = float(scene.curve_points[curve["last"]]["x"])
+        if strain > last and curve["beyond"] == 0:
+            message = f"strains the webbing by {strain:.3g} at the start, and its curve ends at "
+            raise scene.fail(f"{message}{last:g}", "slack")
+    start = np.zeros(SEGMENTS)
+    start[: len(lengths)] = lengths * (total / straight)
+    first = force_at(webbing, strain, scene)
+    return route | webbing | {"start": start, "total": total, "first": first}
+
+
+def start_lengths(route: dict[str, Any], scene: Any) -> np.ndarray:
+    """Lengths of the segments at the start [m]."""
+    count = route["segments"] + 1
+    points = route["point"].reshape(-1, 3)
+    places = [scene.r[n] + scene.matrix(n) @ x for n, x in zip(route["node"], points, strict=True)]
+    found: np.ndarray = np.linalg.norm(np.diff(places[:count], axis=0), axis=1)
+    return found
+
+
+def initial_history(card: Belt, p: Any, scene: Any) -> dict[str, Any]:
+    used = np.arange(SEGMENTS) < p["segments"]
+    strained = start_lengths(ROUTE.taken_from(p), scene)
+    residual = np.zeros(SEGMENTS)
+    if p["curve"]:
+        n = len(strained)
+        # what is pretensioned has reached its curve
+        L = p["start"][:n]
+        residual[:n] = np.maximum(strained - L - L * p["first"] / p["k"], 0.0)
+    return {"webbing": p["start"], "residual": residual, "tension": used * p["first"]}
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    clear(p, old, new, out)
+    lay(p, new, out, nodes)
+    settle(p, old, new, out, curves)
+    pull_segments(p, new, out, nodes)
+    account(p, old, new, out, h)
+    for i in range(p.segments):
+        refuse_torn(p, out.strain[i], curves)
+
+
+@kernel
+def clear(p, old, new, out):
+    """Columns of fittings and segments that there are not. Writes: new, out."""
+    for i in range(p.segments, SEGMENTS):
+        new.webbing[i] = new.residual[i] = new.tension[i] = 0.0
+        new.softens[i] = new.moved[i] = 0.0
+        out.force[i] = out.length[i] = out.webbing[i] = out.strain[i] = 0.0
+        for k in range(3):
+            new.along[3 * i + k] = 0.0
+    for j in range(p.segments, MOST):
+        new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
+        new.grip[j], new.way[j] = 1.0, 0
+        out.slip[j] = out.angle[j] = 0.0
+    new.above[0] = new.change[0] = 0.0
+    new.way[0] = 0
+    if p.segments == 1:
+        new.above[1] = new.change[1] = 0.0
+    new.short, new.unsettled, new.passes = old.short, old.unsettled, 0
+
+
+@kernel
+def account(p, old, new, out, h):
+    """What is stored and lost, and what is shown. Writes: new, out."""
+    out.stored = out.power = friction = drawn = 0.0
+    for i in range(p.segments):
+        T_0, T_1 = old.tension[i], out.force[i]
+        mean, L = 0.5 * (T_0 + T_1), new.webbing[i]
+        dL, dS = L - old.webbing[i], new.residual[i] - old.residual[i]
+        friction += mean * (dL + dS - new.moved[i]) + 0.5 * T_0 * T_1 * dL / p.k
+        drawn += mean * new.moved[i]
+        out.stored += 0.5 * T_1 * T_1 * L / p.k
+        new.tension[i], out.webbing[i] = T_1, L
+        out.strain[i] = out.length[i] / L - 1.0
+        if out.length[i] < p.shortest and T_1 > 0.0:
+            new.short = 1
+    if new.passes >= PASSES:
+        new.unsettled = 1
+    new.friction, new.drawn, out.loss = old.friction, old.drawn, 0.0
+    if h > 0.0:
+        new.friction += friction
+        new.drawn += drawn
+        out.loss = friction + drawn
+    out.friction, out.hysteresis = new.friction, new.drawn
+    for j in range(p.segments + 1):
+        out.slip[j] = new.slip[j]
