@@ -109,7 +109,7 @@ def test_a_declaration_of_a_wrong_kind_is_refused(name: str, value: Any) -> None
         ({"energy": ("spring",)}, "energy 'spring' is that of crashsolve/springs"),
         ({"channels": {"rcforc": "x"}}, "channels 'rcforc' is that of crashsolve/contact"),
         ({"channels": {"glstat": "x"}}, "channels 'glstat' is that of the whole model"),
-        ({"uses": ("ropes",)}, "uses names 'ropes', which is none of bodies, "),
+        ({"uses": ("ropes",)}, "uses names 'ropes', which is none of belts, bodies, "),
         ({"integrators": ("rattl",)}, "integrators names 'rattl', which is none of dormand_"),
         ({"default": "rope"}, "default 'rope' has no file in its folder"),
     ],

@@ -43,12 +43,12 @@ def angles(law: Law) -> np.ndarray:
     return np.array(law.out.angle[1 : law.p.segments])
 
 
-def go(law: Law, ways: Iterable[Any], node: int = 1, steps: int = 1) -> None:
+def go(law: Law, moves: Iterable[Any], node: int = 1, steps: int = 1) -> None:
     """Move a body by each of some displacements [m], in equal steps."""
-    for way in ways:
+    for move in moves:
         for _ in range(steps):
             body = law.bench.nodes[node]
-            law.bench.move(node, r=body.r + np.asarray(way) / steps)
+            law.bench.move(node, r=body.r + np.asarray(move) / steps)
             law.force(1e-3)
             law.accept()
 
@@ -101,7 +101,7 @@ def test_drawn_one_way_the_step_does_not_matter(tmp_path: Path, webbing: str) ->
         go(law, [(0.3, 0, 0)], steps=steps)
         found.append(np.concatenate([forces(law), law.out.slip]))
     if webbing is ELASTIC:
-        # every ring slips all the way, but as beta turns with it: flows of 0.02 m, steps of 1/100
+        # every ring slips, but beta changes: flows of 0.02 m, steps of 1/100
         np.testing.assert_allclose(found[1], found[2], rtol=2e-3, atol=1e-5)
     assert np.abs(found[0] - found[2]).max() <= 0.05 * np.abs(found[2]).max()
 
@@ -204,9 +204,9 @@ def test_rings_on_a_straight_line_change_nothing(tmp_path: Path, rings: int, web
         )
         for count in (rings, 0)
     )
-    for way in (0.1, 0.2, -0.15, -0.2, 0.3):
+    for move in (0.1, 0.2, -0.15, -0.2, 0.3):
         for one in (law, alone):
-            go(one, [(way, 0, 0)], steps=3)
+            go(one, [(move, 0, 0)], steps=3)
         # round-off of lengths of 2 m times a stiffness of 1e5 N
         assert forces(law) == pytest.approx(forces(alone)[0], rel=1e-9, abs=1e-8)
         assert law.out.hysteresis == pytest.approx(alone.out.hysteresis, rel=1e-9, abs=1e-9)

@@ -141,8 +141,8 @@ def settle_ring(p, j, old, new, out, curves):
 
 
 @kernel
-def way_of(new, out, j):
-    """Which way webbing passes ring j: 1 onwards, -1 back, 0 not; 2 either, without friction."""
+def direction_of(new, out, j):
+    """1 if webbing may pass ring j onwards, -1 back, 0 if it holds; 2 both, without friction."""
     T_a, T_b, c, q = out.force[j - 1], out.force[j], new.grip[j], new.flow[j]
     if c == 1.0:
         return 2
@@ -157,14 +157,14 @@ def correct(p, new, out):
     new.above[0] = new.change[0] = 0.0
     n = p.segments
     for j in range(1, n):
-        way, c = way_of(new, out, j), new.grip[j]
-        new.way[j] = way
+        direction, c = direction_of(new, out, j), new.grip[j]
+        new.direction[j] = direction
         g_a, g_b = new.softens[j - 1], new.softens[j]
         lower, diagonal, upper, right = 0.0, 0.0, 0.0, 0.0
-        if way > 0:
+        if direction > 0:
             lower, diagonal, upper = -c * g_a, g_b + c * g_a, -g_b
             right = out.force[j] - c * out.force[j - 1]
-        elif way == -1:
+        elif direction == -1:
             lower, diagonal, upper = -g_a, g_a + c * g_b, -c * g_b
             right = c * out.force[j] - out.force[j - 1]
         pivot = diagonal - lower * new.above[j - 1]
@@ -187,6 +187,6 @@ def correct(p, new, out):
     for j in range(1, n):
         now = new.flow[j] + share * new.change[j]
         # one that would turn back sticks first
-        new.flow[j] = 0.0 if now * new.way[j] < 0.0 and new.way[j] < 2 else now
+        new.flow[j] = 0.0 if now * new.direction[j] < 0.0 and new.direction[j] < 2 else now
         largest = max(largest, abs(share * new.change[j]))
     return largest

@@ -92,13 +92,13 @@ def check_route(route: tuple[Fitting, ...]) -> None:
 def route_columns(route: tuple[Fitting, ...], scene: Any) -> dict[str, Any]:
     """Columns of ROUTE."""
     nodes, points = np.zeros(MOST, int), np.zeros((MOST, 3))
-    places = np.zeros((len(route), 3))
+    positions = np.zeros((len(route), 3))
     for i, fitting in enumerate(route):
         nodes[i] = scene.node(fitting.held.body)
         points[i] = scene.from_mass_centre(nodes[i], fitting.held.at)
-        places[i] = scene.world_point(nodes[i], fitting.held.at)
+        positions[i] = scene.world_point(nodes[i], fitting.held.at)
     nodes[len(route) :], points[len(route) :] = nodes[len(route) - 1], points[len(route) - 1]
-    lengths = refuse_route(route, places, nodes, scene)
+    lengths = refuse_route(route, positions, nodes, scene)
     friction = np.zeros(MOST)
     friction[: len(route)] = [f.ring.friction if f.ring else 0.0 for f in route]
     return {
@@ -111,10 +111,10 @@ def route_columns(route: tuple[Fitting, ...], scene: Any) -> dict[str, Any]:
 
 
 def refuse_route(
-    route: tuple[Fitting, ...], places: np.ndarray, nodes: np.ndarray, scene: Any
+    route: tuple[Fitting, ...], positions: np.ndarray, nodes: np.ndarray, scene: Any
 ) -> np.ndarray:
     """Lengths (n,) of the segments at the start [m]; what makes no route is refused."""
-    legs = np.diff(places, axis=0)
+    legs = np.diff(positions, axis=0)
     lengths: np.ndarray = np.linalg.norm(legs, axis=1)
     for i, length in enumerate(lengths):
         if not length > 2.0 * SHORT * lengths.sum():
@@ -141,18 +141,18 @@ def fitting_arm(p, j, nodes):
 @kernel
 def lay(p, new, out, nodes):
     """Lengths and directions of the segments, and the angles at rings. Writes: new, out."""
-    place = point_at(nodes[p.node[0]], fitting_arm(p, 0, nodes))
+    position = point_at(nodes[p.node[0]], fitting_arm(p, 0, nodes))
     before = (0.0, 0.0, 0.0)
     for i in range(p.segments):
         there = point_at(nodes[p.node[i + 1]], fitting_arm(p, i + 1, nodes))
-        leg = sub(there, place)
+        leg = sub(there, position)
         length = norm(leg)
         u = scale(1.0 / length, leg) if length > 1e-12 else (1.0, 0.0, 0.0)
         for k in range(3):
             new.along[3 * i + k] = u[k]
         out.length[i] = length
         out.angle[i] = atan2(norm(cross(before, u)), dot(before, u)) if i > 0 else 0.0
-        place, before = there, u
+        position, before = there, u
 
 
 @kernel

@@ -74,7 +74,7 @@ HISTORY = Record(f"""
     grip        1    {MOST}  exp(mu beta)
     softens     N/m  {SEGMENTS}  fall of T over webbing that flows in
     moved       m    {SEGMENTS}  growth of S in the step
-    way         flag  {MOST}  1 onwards, -1 back, 0 not
+    direction   flag  {MOST}  1 onwards, -1 back, 0 not
     above       1    {MOST}  part of the tridiagonal matrix
     change      m    {MOST}  of the flow in a pass
 """)
@@ -115,8 +115,10 @@ def start_lengths(route: dict[str, Any], scene: Any) -> np.ndarray:
     """Lengths of the segments at the start [m]."""
     count = route["segments"] + 1
     points = route["point"].reshape(-1, 3)
-    places = [scene.r[n] + scene.matrix(n) @ x for n, x in zip(route["node"], points, strict=True)]
-    found: np.ndarray = np.linalg.norm(np.diff(places[:count], axis=0), axis=1)
+    positions = [
+        scene.r[n] + scene.matrix(n) @ x for n, x in zip(route["node"], points, strict=True)
+    ]
+    found: np.ndarray = np.linalg.norm(np.diff(positions[:count], axis=0), axis=1)
     return found
 
 
@@ -155,10 +157,10 @@ def clear(p, old, new, out):
             new.along[3 * i + k] = 0.0
     for j in range(p.segments, MOST):
         new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
-        new.grip[j], new.way[j] = 1.0, 0
+        new.grip[j], new.direction[j] = 1.0, 0
         out.slip[j] = out.angle[j] = 0.0
     new.above[0] = new.change[0] = 0.0
-    new.way[0] = 0
+    new.direction[0] = 0
     if p.segments == 1:
         new.above[1] = new.change[1] = 0.0
     new.short, new.unsettled, new.passes = old.short, old.unsettled, 0
