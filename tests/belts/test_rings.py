@@ -256,7 +256,7 @@ WRONG = {
     "both": (
         "- {anchor: {}, ring: {}}\n      - {anchor: {body: a}}",
         "",
-        "one of anchor and ring",
+        "one of anchor, ring and wrap",
     ),
 }
 

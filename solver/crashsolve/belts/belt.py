@@ -13,24 +13,36 @@ from pydantic import model_validator
 
 from crashsolve.belts._flow import PASSES, settle
 from crashsolve.belts._route import (
+    LAID,
     MOST,
     ROUTE,
     SEGMENTS,
+    SHORT,
     Fitting,
     check_route,
     lay,
+    leave_alone,
     pull_segments,
+    put_triple,
+    refuse_route,
     route_columns,
 )
 from crashsolve.belts._webbing import WEBBING, Webbing, force_at, refuse_torn, webbing_columns
 from crashsolve.deck.card import Card, quantity, word
+from crashsolve.foundation.curve import REFUSE
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import as_rows
+from crashsolve.model.nodes import NODE
 
 STEPWISE = True
 WARNINGS = {
     "short": "a segment came to an end, with its ring at the next fitting: there it was taken as "
     "0.001 of the belt; move the ring, or give it more webbing",
+    "slipped": "the belt slipped off a surface, and went straight until it was clear of it; what "
+    "became slack is lost: move its fittings, or hold it by a ring",
+    "inside": "a fitting was within a surface that the belt goes over, and the belt went through",
+    "beyond": "the belt lay on a cylinder beyond its end, which was taken as longer",
     "unsettled": "the flow through rings was not found in all steps; take shorter ones",
 }
 
@@ -59,17 +71,17 @@ PARAMETERS = (
     first  N              force at the start
 """)
 )
-HISTORY = Record(f"""
+HISTORY = LAID + Record(f"""
     webbing     m    {SEGMENTS}  L, unstrained length
     residual    m    {SEGMENTS}  S, residual elongation
     tension     N    {SEGMENTS}  T
     slip        m    {MOST}  webbing that has passed each fitting, towards the end
     friction    J        lost at rings
     drawn       J        lost in webbing
+    straight    m    {SEGMENTS}  length
     short       flag     a segment has come to no length
     unsettled   flag     the flows of some step are not found
     passes      count    of the search for the flows
-    along       1    {3 * SEGMENTS}  directions of the segments
     flow        m    {MOST}  q, that passes each fitting in the step
     grip        1    {MOST}  exp(mu beta)
     softens     N/m  {SEGMENTS}  fall of T over webbing that flows in
@@ -91,54 +103,58 @@ OUTPUT = Record(f"""
 
 
 def build(card: Belt, scene: Any) -> dict[str, Any]:
-    route, webbing = route_columns(card.route, scene), webbing_columns(card.webbing, scene)
-    lengths = start_lengths(route, scene)
+    columns = route_columns(card.route, scene) | webbing_columns(card.webbing, scene)
+    laid, lengths = laid_at_start(columns, scene)
+    refuse_route(card.route, laid, lengths, scene)
     straight = float(lengths.sum())
     total = straight + card.slack
     if not total > 0.0:
         message = f"must be more than -{straight:.6g} m, or no webbing is left"
         raise scene.fail(message, "slack")
     strain = straight / total - 1.0
-    if webbing["curve"]:
-        curve = scene.curve_points[webbing["curve"]]
+    if columns["curve"]:
+        curve = scene.curve_points[columns["curve"]]
         last = float(scene.curve_points[curve["last"]]["x"])
-        if strain > last and curve["beyond"] == 0:
+        if strain > last and curve["beyond"] == REFUSE:
             message = f"strains the webbing by {strain:.3g} at the start, and its curve ends at "
             raise scene.fail(f"{message}{last:g}", "slack")
     start = np.zeros(SEGMENTS)
     start[: len(lengths)] = lengths * (total / straight)
-    first = force_at(webbing, strain, scene)
-    return route | webbing | {"start": start, "total": total, "first": first}
+    first = force_at(columns, strain, scene)
+    shortest = SHORT * straight
+    return columns | {"start": start, "total": total, "first": first, "shortest": shortest}
 
 
-def start_lengths(route: dict[str, Any], scene: Any) -> np.ndarray:
-    """Lengths of the segments at the start [m]."""
-    count = route["segments"] + 1
-    points = route["point"].reshape(-1, 3)
-    positions = [
-        scene.r[n] + scene.matrix(n) @ x for n, x in zip(route["node"], points, strict=True)
-    ]
-    found: np.ndarray = np.linalg.norm(np.diff(positions[:count], axis=0), axis=1)
-    return found
+def laid_at_start(columns: dict[str, Any], scene: Any) -> tuple[Any, np.ndarray]:
+    """Columns LAID and lengths of the segments at the start [m]."""
+    p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, LAID, LAID))
+    out, nodes = as_rows(np.zeros(1, OUTPUT.dtype))[0], as_rows(np.zeros(len(scene.r), NODE.dtype))
+    for name in ROUTE.dtype.names or ():
+        p[name] = columns[name]
+    for name, values in scene.placed_nodes().items():
+        nodes[name] = values
+    old["wrapped"] = columns["turned"]
+    lay(p, old, new, out, nodes)
+    return new, np.array(out["length"][: columns["segments"]])
 
 
 def initial_history(card: Belt, p: Any, scene: Any) -> dict[str, Any]:
-    used = np.arange(SEGMENTS) < p["segments"]
-    strained = start_lengths(ROUTE.taken_from(p), scene)
+    laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
+    used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
     residual = np.zeros(SEGMENTS)
     if p["curve"]:
-        n = len(strained)
         # what is pretensioned has reached its curve
         L = p["start"][:n]
-        residual[:n] = np.maximum(strained - L - L * p["first"] / p["k"], 0.0)
-    return {"webbing": p["start"], "residual": residual, "tension": used * p["first"]}
+        residual[:n] = np.maximum(lengths - L - L * p["first"] / p["k"], 0.0)
+    own = {"webbing": p["start"], "residual": residual, "tension": used * p["first"]}
+    return {column.name: laid[column.name] for column in LAID.columns} | own
 
 
 @kernel
 def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     clear(p, old, new, out)
-    lay(p, new, out, nodes)
+    lay(p, old, new, out, nodes)
     settle(p, old, new, out, curves)
     pull_segments(p, new, out, nodes)
     account(p, old, new, out, h)
@@ -150,12 +166,14 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 def clear(p, old, new, out):
     """Columns of fittings and segments that there are not. Writes: new, out."""
     for i in range(p.segments, SEGMENTS):
-        new.webbing[i] = new.residual[i] = new.tension[i] = 0.0
+        new.webbing[i] = new.residual[i] = new.tension[i] = new.straight[i] = 0.0
         new.softens[i] = new.moved[i] = 0.0
         out.force[i] = out.length[i] = out.webbing[i] = out.strain[i] = 0.0
-        for k in range(3):
-            new.along[3 * i + k] = 0.0
+        put_triple(new.along, i, (0.0, 0.0, 0.0))
     for j in range(p.segments, MOST):
+        put_triple(new.arrive, j, (0.0, 0.0, 0.0))
+        put_triple(new.leave, j, (0.0, 0.0, 0.0))
+        leave_alone(new, j)
         new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
         new.grip[j], new.direction[j] = 1.0, 0
         out.slip[j] = out.angle[j] = 0.0
@@ -177,7 +195,10 @@ def account(p, old, new, out, h):
         friction += mean * (dL + dS - new.moved[i]) + 0.5 * T_0 * T_1 * dL / p.k
         drawn += mean * new.moved[i]
         out.stored += 0.5 * T_1 * T_1 * L / p.k
-        new.tension[i], out.webbing[i] = T_1, L
+        if new.slipped > old.slipped:
+            # a length that goes at once does no work on the bodies
+            friction -= mean * (out.length[i] - old.straight[i])
+        new.tension[i], out.webbing[i], new.straight[i] = T_1, L, out.length[i]
         out.strain[i] = out.length[i] / L - 1.0
         if out.length[i] < p.shortest and T_1 > 0.0:
             new.short = 1
