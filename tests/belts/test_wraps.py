@@ -117,8 +117,8 @@ def test_length_and_force_are_continuous_across_the_silhouette(
     found, touched = [], []
     # from well on the body to well off it, a tenth of a millimetre a step
     x = np.linspace(0.1, 0.6, 5001)
-    for way in x:
-        law.bench.move(1, r=[way, -0.6, 0.05])
+    for far in x:
+        law.bench.move(1, r=[far, -0.6, 0.05])
         law.bench.move(2, r=[0.02, 0.0, 0.0])
         law.force(1e-3)
         law.accept()
@@ -126,7 +126,7 @@ def test_length_and_force_are_continuous_across_the_silhouette(
         touched.append(law.new.touches[1])
     assert touched[0] == 1 and touched[-1] == 0
     lengths, forces = np.array(found)[:, 0], np.array(found)[:, 1:]
-    # a millimetre of way is at most a millimetre of belt
+    # a step is at most as much belt
     assert np.abs(np.diff(lengths)).max() <= 1.01e-4
     # and at most k over the shorter segment of force
     assert np.abs(np.diff(forces, axis=0)).max() <= 1e5 / 0.4 * 1e-4

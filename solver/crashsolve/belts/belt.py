@@ -33,7 +33,6 @@ from crashsolve.foundation.curve import REFUSE
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
-from crashsolve.model.nodes import NODE
 
 STEPWISE = True
 WARNINGS = {
@@ -100,6 +99,11 @@ OUTPUT = Record(f"""
     friction    J        lost at rings so far
     hysteresis  J        lost in webbing so far
 """)
+# what the start is laid out with, of the bodies
+PLACED = Record("""
+    r  m  3  position of the mass centre
+    A  1  9  rotation matrix by rows
+""")
 
 
 def build(card: Belt, scene: Any) -> dict[str, Any]:
@@ -128,7 +132,10 @@ def build(card: Belt, scene: Any) -> dict[str, Any]:
 def laid_at_start(columns: dict[str, Any], scene: Any) -> tuple[Any, np.ndarray]:
     """Columns LAID and lengths of the segments at the start [m]."""
     p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, LAID, LAID))
-    out, nodes = as_rows(np.zeros(1, OUTPUT.dtype))[0], as_rows(np.zeros(len(scene.r), NODE.dtype))
+    out, nodes = (
+        as_rows(np.zeros(1, OUTPUT.dtype))[0],
+        as_rows(np.zeros(len(scene.r), PLACED.dtype)),
+    )
     for name in ROUTE.dtype.names or ():
         p[name] = columns[name]
     for name, values in scene.placed_nodes().items():
