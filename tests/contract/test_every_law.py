@@ -158,7 +158,9 @@ def _missing(law: tuple[str, str], seed: int, steps: int) -> float:
 def _ends(one: Law) -> list[int]:
     """Bodies that it acts on."""
     columns = [name for name in one.p.dtype.names if name.startswith("node")]
-    return sorted({int(node) for name in columns for node in np.atleast_1d(one.p[name])})
+    found = [int(node) for name in columns for node in np.ravel(one.p[name])]
+    # a law of several bodies names some of them more than once
+    return list(dict.fromkeys(found))
 
 
 @each(BETWEEN)

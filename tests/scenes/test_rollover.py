@@ -61,11 +61,13 @@ def test_the_left_tyres_strike_first(result: Result) -> None:
 
 
 @pytest.mark.parametrize("who", ["driver", "passenger"])
-def test_straps_bear_and_only_pull(result: Result, who: str) -> None:
-    straps = ("lap_outer", "lap_inner", "shoulder_upper", "shoulder_lower")
-    forces = [result.series(f"deforc.{who}_{strap}.force").values for strap in straps]
+def test_belts_bear_and_only_pull(result: Result, who: str) -> None:
+    forces = [result.series(f"beltout.belt_{who}.force.{k}").values for k in range(1, 8)]
     assert min(force.min() for force in forces) >= 0.0
     assert max(force.max() for force in forces) > 0.0
+    # no webbing is lost or made: the retractor has locked
+    webbing = sum(result.series(f"beltout.belt_{who}.webbing.{k}").values for k in range(1, 8))
+    assert np.ptp(webbing) < 1e-12
 
 
 def test_energy_closes(result: Result) -> None:

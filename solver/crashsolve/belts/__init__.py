@@ -1,4 +1,4 @@
-"""Belts: webbing that runs through rings on bodies, and pulls."""
+"""Belts: webbing that runs through rings from anchor to anchor, and pulls only."""
 
 from typing import Protocol
 
@@ -12,13 +12,13 @@ class BeltLaw(Built, Force, Protocol):
 
 FAMILY = Family(
     entry="belt",
-    follows="loads",
+    follows="springs",
     law=BeltLaw,
     energy=("belt",),
-    channels={"sbtout": "tension, pay-out and slip of belts"},
+    channels={"beltout": "forces, lengths, slips and losses of belts"},
     picture=ROUTE,
     uses=("springs",),
-    # material flows over whole steps
+    # webbing flows over whole steps
     integrators=("rattle",),
-    default="webbing",
+    default="belt",
 )

@@ -21,7 +21,7 @@ from crashsolve.foundation.record import Record
 
 PACKAGE = __name__.partition(".")[0]
 LINE = "line"  # a picture: from point a of one body to point b of another
-ROUTE = "route"  # from point to point, of columns points, node and point
+ROUTE = "route"  # along the points of HISTORY that a law names leave and arrive
 ELEMENTS = "elements"  # as elements between nodes
 MARK = "mark"  # a ball in its point, with what it has yielded
 ANY = ("any",)  # integrators

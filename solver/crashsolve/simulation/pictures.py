@@ -220,7 +220,7 @@ class Pictures:
         nodes, ends = self.engine.nodes, []
         for g in groups:
             if families()[g.keyword].picture == ROUTE:
-                ends += _spans(g, nodes)
+                ends += _spans(g, int(self.engine.clock.current))
                 continue
             both = []
             for side in ("a", "b"):
@@ -284,15 +284,14 @@ class Pictures:
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
 
 
-def _spans(g: Group, nodes: np.ndarray) -> list[np.ndarray]:
-    """Both ends of every span of the routes of a group, one after the other."""
+def _spans(g: Group, current: int) -> list[np.ndarray]:
+    """Both ends of every segment of the routes of a group, and of what lies on a surface."""
     found = []
-    for row in g.parameters:
-        bodies = nodes[row["node"]]
-        arms = row["point"].reshape(-1, 3)
-        x = bodies["r"] + np.einsum("nij,nj->ni", bodies["A"].reshape(-1, 3, 3), arms)
-        x = x[: row["points"]]
-        found.append(np.stack([x[:-1], x[1:]], axis=1).reshape(-1, 3))
+    for row, laid in zip(g.parameters, g.history[current], strict=True):
+        n = int(row["segments"])
+        leave, arrive = (laid[name].reshape(-1, 3) for name in ("leave", "arrive"))
+        found.append(np.stack([leave[:n], arrive[1 : n + 1]], axis=1).reshape(-1, 3))
+        found.append(np.stack([arrive[1:n], leave[1:n]], axis=1).reshape(-1, 3))
     return found
 
 
@@ -301,8 +300,11 @@ def _tension(g: Group) -> np.ndarray:
     force = g.output["force"]
     if force.ndim == 1:
         return np.asarray(force)
-    counts = g.parameters["points"] - 1
-    return np.concatenate([row[:count] for row, count in zip(force, counts, strict=True)])
+    found = []
+    for row, T in zip(g.parameters, force, strict=True):
+        n = int(row["segments"])
+        found += [T[:n], 0.5 * (T[: n - 1] + T[1:n])]
+    return np.concatenate(found)
 
 
 def _cells(pieces: list[Piece]) -> tuple[tuple[str, np.ndarray], ...]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
 from crashsolve.compiler.table import Tables
+from crashsolve.deck.family import families
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
@@ -324,8 +325,14 @@ class Engine:
             raise passed
 
     def law_warnings(self) -> list[str]:
-        """What contact laws have met outside their range of validity, per contact card."""
+        """What laws have met outside their range of validity, per card."""
         current, found = int(self.clock["current"]), set()
+        others = [
+            f"{families()[g.keyword].entry} '{name}': {text}"
+            for g in self.model.force_groups()
+            for column, text in getattr(g.module, "WARNINGS", {}).items()
+            for name in np.array(g.names)[g.history[column][current] != 0]
+        ]
         for group in self.model.contact_groups:
             for bit, (name, text) in enumerate(getattr(group.normal, "WARNINGS", {}).items()):
                 met = group.history[name][current] != 0
@@ -338,7 +345,9 @@ class Engine:
             probe_states, card = nodal.arrays["probe_states"], int(nodal.arrays["p"]["card"][0])
             for name, text in getattr(nodal.normal, "WARNINGS", {}).items():
                 found |= {(card, text)} if probe_states[name].any() else set()
-        return [f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)]
+        return others + [
+            f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)
+        ]
 
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for what no law states: the tension in joints."""

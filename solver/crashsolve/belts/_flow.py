@@ -1,0 +1,278 @@
+"""Webbing that flows through rings within a step, as far as friction lets it.
+
+    T_high <= T_low exp(mu beta)   at every ring,   and where it flows, to the higher side, equality
+    L_i = L_i(old) + q_i - q_(i+1),   q_j the webbing that passes fitting j in the step
+
+The flows q are unknowns of the step, at its present geometry: so no result depends on the step but
+by the order in which forces rise. Newton's method on the rings that slip, which are looked at anew
+in every pass; the matrix is tridiagonal, with a dominant diagonal. Where it finds no end rings are
+settled one after the other, which is slow and sure. Residual elongation S = s L
+passes with the webbing of the side it leaves, and is mixed into that of the other side, which is
+exact for webbing that unloads by one slope.
+
+Reference: OpenRadioss theory manual, slip ring elements.
+"""
+
+from math import exp
+
+from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_force
+from crashsolve.belts._webbing import respond
+from crashsolve.foundation.kernels import kernel
+
+# passes in all, those of Newton's method at first, and every which one is of it later
+PASSES, FIRST, EVERY = 300, 8, 4
+# passes after which rings are settled one after the other alone
+PATIENCE = 100
+# what is left of a flow over the length of the belt
+CLOSE = 1e-15
+# the same after so many passes, where round-off of tight segments keeps flows moving
+NEARLY, MANY = 1e-13, 40
+# what no result of a belt shows, over its length
+SETTLED = 1e-10
+# of a segment, that one pass may take from it
+MOST_TAKEN = 0.8
+# halvings and steps of the flow through one ring
+HALVINGS = 60
+
+
+@kernel
+def settle(p, old, new, out, t, curves):
+    """Flows, lengths and forces. Writes: new, out."""
+    choose_mode(p, old, new, t)
+    for j in range(p.segments + 1):
+        new.flow[j] = 0.0
+        new.grip[j] = exp(p.friction[j] * out.angle[j]) if p.friction[j] > 0.0 else 1.0
+    fill(p, old, new, out, curves)
+    if p.segments > 1 or p.spool == 1:
+        new.passes, largest = PASSES, 0.0
+        for k in range(PASSES):
+            if k < FIRST or (k % EVERY == 0 and k < PATIENCE):
+                largest = correct(p, old, new, out, curves)
+                fill(p, old, new, out, curves)
+            else:
+                largest = sweep(p, old, new, out, curves)
+            if largest <= (CLOSE if k < MANY else NEARLY) * p.total:
+                new.passes = k + 1
+                break
+        if largest <= SETTLED * p.total:
+            # a matter of round-off, which nobody need be warned of
+            new.passes = min(new.passes, PASSES - 1)
+    for j in range(p.segments + 1):
+        new.slip[j] = old.slip[j] + new.flow[j]
+
+
+@kernel
+def carried(p, old, j, q):
+    """Residual elongation that passes fitting j with the webbing q [m]."""
+    if j == 0 or j == p.segments:
+        return 0.0
+    i = j - 1 if q > 0.0 else j
+    return q * old.residual[i] / old.webbing[i]
+
+
+@kernel
+def fill(p, old, new, out, curves):
+    """Webbing, residual elongation and force of each segment after the flows. Writes: new, out."""
+    for i in range(p.segments):
+        fill_one(p, i, old, new, out, curves)
+
+
+@kernel
+def fill_one(p, i, old, new, out, curves):
+    """The same of segment i. Writes: new, out."""
+    q_in, q_out = new.flow[i], new.flow[i + 1]
+    L = old.webbing[i] + q_in - q_out
+    S = old.residual[i] + carried(p, old, i, q_in) - carried(p, old, i + 1, q_out)
+    length = max(out.length[i], p.shortest)
+    T, softens, moved = respond(p, length, L, S, curves)
+    new.webbing[i], new.residual[i], new.moved[i] = L, S + moved, moved
+    new.softens[i], out.force[i] = softens, T
+
+
+@kernel
+def sweep(p, old, new, out, curves):
+    """Settles each ring between its neighbours as they are; the largest change of a flow [m].
+
+    Slow and sure: the force of a segment falls with its own webbing alone. Writes: new, out.
+    """
+    largest = 0.0
+    if p.spool == 1:
+        before = new.flow[0]
+        settle_spool(p, old, new, out, curves)
+        largest = abs(new.flow[0] - before)
+    for k in range(2 * p.segments - 2):
+        j = k + 1 if k < p.segments - 1 else 2 * p.segments - 2 - k
+        before = new.flow[j]
+        settle_ring(p, j, old, new, out, curves)
+        largest = max(largest, abs(new.flow[j] - before))
+    return largest
+
+
+@kernel
+def pass_through(p, j, q, old, new, out, curves):
+    """Gives ring j the flow q. Writes: new, out."""
+    new.flow[j] = q
+    fill_one(p, j - 1, old, new, out, curves)
+    fill_one(p, j, old, new, out, curves)
+
+
+@kernel
+def settle_ring(p, j, old, new, out, curves):
+    """The flow through ring j at which it holds, or slips on the edge. Writes: new, out."""
+    c, start = new.grip[j], new.flow[j]
+    # all that either side can give
+    low, high = start - new.webbing[j], start + new.webbing[j - 1]
+    if low < 0.0 and high > 0.0:
+        pass_through(p, j, 0.0, old, new, out, curves)
+        if out.force[j] > c * out.force[j - 1]:
+            low = 0.0
+        elif out.force[j - 1] > c * out.force[j]:
+            high = 0.0
+        else:
+            return
+        start = 0.0
+    onwards = low >= 0.0
+    q = min(max(start, low), high)
+    for _ in range(HALVINGS):
+        pass_through(p, j, q, old, new, out, curves)
+        T_a, T_b = out.force[j - 1], out.force[j]
+        g_a, g_b = new.softens[j - 1], new.softens[j]
+        excess = T_b - c * T_a if onwards else c * T_b - T_a
+        slope = g_b + c * g_a if onwards else c * g_b + g_a
+        if excess == 0.0:
+            break
+        if excess > 0.0:
+            low = q
+        else:
+            high = q
+        following = q + excess / slope if slope > 0.0 else 0.5 * (low + high)
+        if not (low < following and following < high):
+            following = 0.5 * (low + high)
+        if abs(following - q) <= CLOSE * p.total:
+            break
+        q = following
+
+
+@kernel
+def give_out(p, q, old, new, out, curves):
+    """Lets q out: how far the force is over that of the spool [N]. Writes: new, out."""
+    new.flow[0] = q
+    fill_one(p, 0, old, new, out, curves)
+    return out.force[0] - spool_force(p, old, new.mode, q, curves)[0]
+
+
+@kernel
+def settle_spool(p, old, new, out, curves):
+    """The flow from the spool between its first ring and itself. Writes: new, out."""
+    q = new.flow[0]
+    low, high = q - 0.99 * new.webbing[0], q + p.total
+    if new.mode == PULLING:
+        high = 0.0
+        if low > 0.0 or give_out(p, 0.0, old, new, out, curves) >= 0.0:
+            give_out(p, 0.0, old, new, out, curves)
+            return
+    if new.mode == LOCKED:
+        low = 0.0
+        if give_out(p, 0.0, old, new, out, curves) <= 0.0:
+            return
+    for _ in range(HALVINGS):
+        q = 0.5 * (low + high)
+        if give_out(p, q, old, new, out, curves) > 0.0:
+            low = q
+        else:
+            high = q
+
+
+@kernel
+def spool_direction(new, out, F):
+    """That of the spool, whose edge is the force F."""
+    T, q = out.force[0], new.flow[0]
+    if new.mode == FREE:
+        return 2
+    if new.mode == PULLING:
+        return -1 if q < 0.0 or T < F else 0
+    return 1 if q > 0.0 or (new.mode == LOCKED and T > F) else 0
+
+
+@kernel
+def spool_row(p, old, new, out, curves):
+    """Diagonal, upper and right side of the spool's equation. Writes: new."""
+    F, slope = spool_force(p, old, new.mode, new.flow[0], curves)
+    new.direction[0] = spool_direction(new, out, F)
+    if new.direction[0] == 0:
+        return 0.0, 0.0, 0.0
+    g, T = new.softens[0], out.force[0]
+    if g == 0.0:
+        # slack: as much as makes it taut
+        length = max(out.length[0], p.shortest)
+        taut = (length - new.residual[0]) / (1.0 + F / p.k)
+        return 1.0, 0.0, taut - new.webbing[0]
+    return max(g + slope, 0.1 * g), -g, T - F
+
+
+@kernel
+def direction_of(new, out, j):
+    """1 if webbing may pass ring j onwards, -1 back, 0 if it holds; 2 both, without friction."""
+    T_a, T_b, c, q = out.force[j - 1], out.force[j], new.grip[j], new.flow[j]
+    if c == 1.0:
+        return 2
+    if q > 0.0 or (q == 0.0 and T_b > c * T_a):
+        return 1
+    return -1 if q < 0.0 or T_a > c * T_b else 0
+
+
+@kernel
+def slack_beside(p, new, out, j, direction):
+    """What a slack segment gives through ring j until it is taut, of the sign of the flow [m]."""
+    if direction == 0 or out.force[j] == out.force[j - 1]:
+        return 0.0
+    sign = 1.0 if out.force[j] > out.force[j - 1] else -1.0
+    i = j - 1 if sign > 0.0 else j
+    T = max(out.force[j], out.force[j - 1]) / new.grip[j]
+    taut = (max(out.length[i], p.shortest) - new.residual[i]) / (1.0 + T / p.k)
+    return sign * max(new.webbing[i] - taut, 0.0)
+
+
+@kernel
+def correct(p, old, new, out, curves):
+    """One pass on all rings; the largest change of a flow [m]. Writes: new."""
+    new.above[0] = new.change[0] = 0.0
+    n = p.segments
+    if p.spool == 1:
+        diagonal, upper, right = spool_row(p, old, new, out, curves)
+        if diagonal > 0.0:
+            new.above[0], new.change[0] = upper / diagonal, right / diagonal
+    for j in range(1, n):
+        direction, c = direction_of(new, out, j), new.grip[j]
+        new.direction[j] = direction
+        g_a, g_b = new.softens[j - 1], new.softens[j]
+        lower, diagonal, upper, right = 0.0, 0.0, 0.0, 0.0
+        if direction > 0:
+            lower, diagonal, upper = -c * g_a, g_b + c * g_a, -g_b
+            right = out.force[j] - c * out.force[j - 1]
+        elif direction == -1:
+            lower, diagonal, upper = -g_a, g_a + c * g_b, -c * g_b
+            right = c * out.force[j] - out.force[j - 1]
+        pivot = diagonal - lower * new.above[j - 1]
+        if pivot > 1e-9 * diagonal:
+            new.above[j] = upper / pivot
+            new.change[j] = (right - lower * new.change[j - 1]) / pivot
+        else:
+            # a spool draws in what is slack; where friction holds it stays
+            new.above[j], new.change[j] = 0.0, slack_beside(p, new, out, j, direction)
+    new.above[n] = new.change[n] = 0.0
+    share = 1.0
+    for back in range(1, n + 1):
+        j = n - back
+        new.change[j] -= new.above[j] * new.change[j + 1]
+    for i in range(n):
+        taken = new.change[i + 1] - new.change[i]
+        if taken > MOST_TAKEN * new.webbing[i]:
+            share = min(share, MOST_TAKEN * new.webbing[i] / taken)
+    largest = 0.0
+    for j in range(n):
+        now = new.flow[j] + share * new.change[j]
+        # one that would turn back sticks first
+        new.flow[j] = 0.0 if now * new.direction[j] < 0.0 and new.direction[j] < 2 else now
+        largest = max(largest, abs(share * new.change[j]))
+    return largest

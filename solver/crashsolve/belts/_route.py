@@ -1,0 +1,353 @@
+"""Route of a belt: the fittings in bodies that it runs through, and where its segments lie.
+
+Segment i runs from fitting i to fitting i + 1. At a ring the belt turns by beta, the angle between
+its directions before and behind it.
+"""
+
+from importlib import import_module
+from math import atan2, pi
+from typing import Any
+
+import numpy as np
+from pydantic import model_validator
+
+from crashsolve.belts._spool import Retractor
+from crashsolve.belts._wrap import (
+    CYLINDER,
+    SHAPES,
+    SPHERE,
+    over_cylinder,
+    over_ellipsoid,
+    over_sphere,
+    passing,
+)
+from crashsolve.deck.card import BodyName, Card, SurfaceName, Vec3, quantity, word
+from crashsolve.foundation.columns import matvec, matvec_t
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import (
+    add_stiffness_bound,
+    apply_force,
+    arm,
+    mobility,
+    point_at,
+)
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
+
+MOST = 10  # fittings of one belt
+SEGMENTS = MOST - 1
+# of the route: a segment shorter than this is taken as this long, where it pulls
+SHORT = 1e-3
+# cosine of the angle between segments beyond which a route doubles back
+BACK = -0.9999
+
+
+class Anchor(Card):
+    """Point of a body that holds an end of the belt."""
+
+    body: BodyName = word("body that holds the belt", default="ground")
+    at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
+
+
+class Ring(Card):
+    """Slip ring, D-ring or buckle: the webbing runs through a point of a body."""
+
+    body: BodyName = word("body of the ring", default="ground")
+    at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
+    friction: float = quantity("1", "mu between webbing and ring", default=0.0, ge=0, le=5)
+
+
+class Wrap(Card):
+    """Surface of a body that the belt lies on, where it is in its way."""
+
+    surface: SurfaceName = word("sphere, cylinder or ellipsoid")
+    friction: float = quantity("1", "mu between webbing and surface", default=0.0, ge=0, le=5)
+    over: Vec3 | None = quantity(
+        "m", "point on the side of a cylinder that it lies on, body axes; the nearer", None
+    )
+
+
+class Fitting(Card):
+    """One point of the route, or a body that it goes over."""
+
+    anchor: Anchor | None = word("end of the belt", default=None)
+    retractor: Retractor | None = word("spool at the beginning of the belt", default=None)
+    ring: Ring | None = word("the belt slips through it", default=None)
+    wrap: Wrap | None = word("the belt lies on it", default=None)
+
+    @model_validator(mode="after")
+    def _one(self) -> "Fitting":
+        known = (self.anchor, self.retractor, self.ring, self.wrap)
+        if sum(x is not None for x in known) != 1:
+            raise ValueError("needs one of anchor, retractor, ring and wrap")
+        return self
+
+    @property
+    def kind(self) -> str:
+        words = ("anchor", "retractor", "ring", "wrap")
+        return next(name for name in words if getattr(self, name) is not None)
+
+
+ROUTE = Record(f"""
+    segments  count          how many
+    node      index  {MOST}  body of each fitting; the last is repeated
+    point     m      {3 * MOST}  each fitting, or middle of its surface, from the mass centre
+    friction  1      {MOST}  mu of rings and surfaces
+    surface   flag   {MOST}  0 for a point, else SPHERE, CYLINDER or ELLIPSOID
+    axes      1      {9 * MOST}  axes of each surface in its body, by rows
+    semi      m      {3 * MOST}  semi-axes; radius first; half the length of a cylinder last
+    sense     1      {MOST}  1 or -1: how the belt turns about a cylinder
+    turned    rad    {MOST}  angle of it that is wrapped at the start
+    shortest  m              length below which a segment is taken as that long
+""")
+LAID = Record(f"""
+    along     1      {3 * SEGMENTS}  directions of the segments
+    arrive    m      {3 * MOST}  where the belt comes to each fitting, world axes
+    leave     m      {3 * MOST}  where it leaves
+    half      m      {MOST}  half the arc on each surface
+    split     m      {MOST}  middle of the arc from the material point of its body that divides it
+    middle    m      {3 * MOST}  middle of the arc from the mass centre, body axes
+    lies      1      {3 * MOST}  direction of the belt there, body axes
+    wrapped   rad    {MOST}  angle of a cylinder
+    begun     m      {3 * MOST}  where the belt comes to an ellipsoid, its axes
+    touches   flag   {MOST}  1 where the belt lies on a surface, -2 where it has slipped off
+    slipped   flag           the belt has slipped off a surface
+    inside    flag           a fitting was within a surface
+    beyond    flag           the belt lay on a cylinder beyond its ends
+""")
+
+
+def check_route(route: tuple[Fitting, ...]) -> None:
+    """Raises ValueError for fittings that make no belt."""
+    if len(route) > MOST:
+        raise ValueError(f"route: has {len(route)} fittings, and may have {MOST}")
+    if len(route) < 2 or not (route[0].anchor or route[0].retractor) or not route[-1].anchor:
+        raise ValueError(
+            "route: must begin with an anchor or a retractor, and end with an anchor; a ring needs "
+            "webbing on both sides"
+        )
+    for i, fitting in enumerate(route[1:-1], start=2):
+        if fitting.anchor is not None or fitting.retractor is not None:
+            raise ValueError(f"route: fitting {i} holds the belt in its middle; make it a ring")
+        if fitting.wrap is not None and route[i].wrap is not None:
+            raise ValueError(
+                f"route: fittings {i} and {i + 1} are surfaces one after the other; put a ring "
+                "between them"
+            )
+
+
+def route_columns(route: tuple[Fitting, ...], scene: Any) -> dict[str, Any]:
+    """Columns of ROUTE but for what depends on lengths."""
+    columns: dict[str, Any] = {c.name: np.zeros((MOST, max(c.size // MOST, 1))) for c in TABLES}
+    for i, fitting in enumerate(route):
+        if fitting.wrap is not None:
+            _place_surface(columns, i, fitting.wrap, scene)
+            continue
+        held = fitting.anchor or fitting.retractor or fitting.ring
+        assert held is not None
+        node = scene.node(held.body)
+        columns["node"][i], columns["point"][i] = node, scene.from_mass_centre(node, held.at)
+        columns["friction"][i] = fitting.ring.friction if fitting.ring else 0.0
+    columns["node"][len(route) :] = columns["node"][len(route) - 1]
+    if len(set(columns["node"].ravel())) == 1:
+        raise scene.fail("all fittings are in one body, which it cannot pull", "route")
+    _turn_about_cylinders(columns, route, scene)
+    flat = {name: table.ravel() for name, table in columns.items()}
+    return flat | {"segments": len(route) - 1, "shortest": 0.0}
+
+
+TABLES = [c for c in ROUTE.columns if c.name not in ("segments", "shortest")]
+
+
+def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Any) -> None:
+    """Writes: row i of columns."""
+    module, card = scene.law("surfaces", wrap.surface)
+    shape, field = module.__name__.rpartition(".")[2], f"route.{i}.wrap.surface"
+    if shape not in SHAPES:
+        message = f"'{wrap.surface}' is of type {shape}; a belt lies on one of "
+        raise scene.fail(message + ", ".join(SHAPES), field)
+    element = import_module(module.__name__).build(card, scene)[0]
+    columns["surface"][i], columns["node"][i] = SHAPES[shape], element["node"]
+    columns["point"][i], columns["friction"][i] = element["point"], wrap.friction
+    columns["axes"][i] = np.ravel(element.get("axes", np.eye(3)))
+    columns["semi"][i] = element.get("semi", element.get("radius"))
+    columns["semi"][i, 2] = element.get("half_length", columns["semi"][i, 2])
+    if wrap.over is not None and shape != "cylinder":
+        raise scene.fail("is of cylinders alone; the way over others is the shortest", f"{field}")
+
+
+def _turn_about_cylinders(columns: dict[str, Any], route: tuple[Fitting, ...], scene: Any) -> None:
+    """Writes: sense and turned of columns."""
+    for i in np.flatnonzero(columns["surface"].ravel() == CYLINDER):
+        node, wrap = int(columns["node"][i, 0]), route[i].wrap
+        assert wrap is not None
+        axes, centre = columns["axes"][i].reshape(3, 3), columns["point"][i]
+        angles, radii = [], []
+        for j in (i - 1, i + 1):
+            other = int(columns["node"][j, 0])
+            x = scene.r[other] + scene.matrix(other) @ columns["point"][j]
+            y = axes.T @ (scene.to_body(node, x) - centre)
+            angles.append(float(np.arctan2(y[1], y[0])))
+            radii.append(float(np.hypot(y[0], y[1])))
+        onwards = (angles[1] - angles[0]) % (2.0 * pi)
+        sense = 1.0 if onwards <= pi else -1.0
+        if wrap.over is not None:
+            y = axes.T @ (scene.from_mass_centre(node, wrap.over) - centre)
+            sense = 1.0 if (np.arctan2(y[1], y[0]) - angles[0]) % (2.0 * pi) < onwards else -1.0
+        R = columns["semi"][i, 0]
+        columns["sense"][i] = sense
+        if min(radii) > R:
+            turned = onwards if sense > 0.0 else 2.0 * pi - onwards
+            columns["turned"][i] = turned - sum(float(np.arccos(R / a)) for a in radii)
+
+
+def refuse_route(route: tuple[Fitting, ...], laid: Any, lengths: np.ndarray, scene: Any) -> None:
+    """What makes no route at the start is refused; `laid` has the columns LAID."""
+    for i, fitting in enumerate(route):
+        if fitting.wrap and laid["touches"][i] < 0:
+            message = "has the fitting before or behind it inside, or no shortest line over it "
+            message += "from one to the other; move them"
+            raise scene.fail(message, f"route.{i}.wrap.surface")
+    for i, length in enumerate(lengths):
+        if not length > 2.0 * SHORT * lengths.sum():
+            message = f"is {length:.3g} m from the fitting before it, on a route of "
+            message += f"{lengths.sum():.3g} m; a segment needs more than {2 * SHORT:g} of it"
+            field = "surface" if route[i + 1].wrap else "at"
+            raise scene.fail(message, f"route.{i + 1}.{route[i + 1].kind}.{field}")
+    units = laid["along"].reshape(-1, 3)
+    for i in range(1, len(route) - 1):
+        if route[i].ring and units[i - 1] @ units[i] < BACK:
+            message = "the belt doubles back on itself in it; move it, or leave it out"
+            raise scene.fail(message, f"route.{i}.ring.at")
+
+
+@kernel
+def triple(column, j):
+    """Vector j of a column of vectors."""
+    return (column[3 * j], column[3 * j + 1], column[3 * j + 2])
+
+
+@kernel
+def put_triple(column, j, x):
+    """Writes: column."""
+    column[3 * j], column[3 * j + 1], column[3 * j + 2] = x[0], x[1], x[2]
+
+
+@kernel
+def axes_of(p, j):
+    """Axes of a surface in its body, by rows."""
+    k, a = 9 * j, p.axes
+    return (
+        a[k],
+        a[k + 1],
+        a[k + 2],
+        a[k + 3],
+        a[k + 4],
+        a[k + 5],
+        a[k + 6],
+        a[k + 7],
+        a[k + 8],
+    )
+
+
+@kernel
+def position_of(p, j, nodes):
+    """World position of a fitting that is a point, or of the middle of its surface."""
+    body = nodes[p.node[j]]
+    return point_at(body, arm(body, triple(p.point, j)))
+
+
+@kernel
+def arc_on(p, j, old, y_a, y_b):
+    """The Arc on surface j between two points in its axes."""
+    semi = triple(p.semi, j)
+    if p.surface[j] == SPHERE:
+        return over_sphere(semi[0], y_a, y_b)
+    if p.surface[j] == CYLINDER:
+        return over_cylinder(semi[0], y_a, y_b, p.sense[j], old.wrapped[j])
+    return over_ellipsoid(semi, y_a, y_b, triple(old.begun, j), 2.0 * old.half[j])
+
+
+@kernel
+def lie(p, j, old, new, nodes):
+    """The belt on surface j, from the fitting before it to that behind it. Writes: new."""
+    body, axes = nodes[p.node[j]], axes_of(p, j)
+    centre = position_of(p, j, nodes)
+    from_a, from_b = triple(new.leave, j - 1), position_of(p, j + 1, nodes)
+    y_a = matvec_t(axes, matvec_t(body.A, sub(from_a, centre)))
+    y_b = matvec_t(axes, matvec_t(body.A, sub(from_b, centre)))
+    arc = arc_on(p, j, old, y_a, y_b)
+    if arc.touches == -2 or (arc.touches == 1 and old.touches[j] == -2):
+        # it has slipped off, until it is clear of the surface
+        arc = passing(-2, y_a, y_b, 0.5, 0.0)
+        new.slipped = 1
+    put_triple(new.arrive, j, add(centre, matvec(body.A, matvec(axes, arc.first))))
+    put_triple(new.leave, j, add(centre, matvec(body.A, matvec(axes, arc.last))))
+    middle = add(triple(p.point, j), matvec(axes, arc.middle))
+    lies = matvec(axes, arc.along)
+    put_triple(new.middle, j, middle)
+    put_triple(new.lies, j, lies)
+    new.half[j], new.wrapped[j] = 0.5 * arc.length, arc.turned
+    put_triple(new.begun, j, arc.first)
+    new.split[j] = 0.0
+    if arc.touches == 1 and old.touches[j] == 1:
+        mean = scale(0.5, add(lies, triple(old.lies, j)))
+        new.split[j] = old.split[j] + dot(sub(middle, triple(old.middle, j)), mean)
+    new.touches[j] = arc.touches
+    if arc.touches == -1:
+        new.inside = 1
+    if p.surface[j] == CYLINDER and arc.touches == 1 and abs(arc.middle[2]) > p.semi[3 * j + 2]:
+        new.beyond = 1
+    return arc.bend
+
+
+@kernel
+def lay(p, old, new, out, nodes):
+    """Lengths and directions of the segments, and angles at the fittings. Writes: new, out."""
+    new.inside, new.beyond, new.slipped = old.inside, old.beyond, old.slipped
+    for j in range(p.segments + 1):
+        out.angle[j] = 0.0
+        if p.surface[j] > 0:
+            out.angle[j] = lie(p, j, old, new, nodes)
+        else:
+            at = position_of(p, j, nodes)
+            put_triple(new.arrive, j, at)
+            put_triple(new.leave, j, at)
+            leave_alone(new, j)
+    before = (0.0, 0.0, 0.0)
+    for i in range(p.segments):
+        leg = sub(triple(new.arrive, i + 1), triple(new.leave, i))
+        straight = norm(leg)
+        u = scale(1.0 / straight, leg) if straight > 1e-12 else (1.0, 0.0, 0.0)
+        put_triple(new.along, i, u)
+        on = new.half[i] + new.split[i] + new.half[i + 1] - new.split[i + 1]
+        out.length[i] = straight + on
+        if i > 0 and p.surface[i] == 0:
+            out.angle[i] = atan2(norm(cross(before, u)), dot(before, u))
+        before = u
+
+
+@kernel
+def leave_alone(new, j):
+    """Columns of surfaces, for a fitting that is none. Writes: new."""
+    new.half[j] = new.split[j] = new.wrapped[j] = 0.0
+    put_triple(new.begun, j, (0.0, 0.0, 0.0))
+    put_triple(new.middle, j, (0.0, 0.0, 0.0))
+    put_triple(new.lies, j, (0.0, 0.0, 0.0))
+    new.touches[j] = 0
+
+
+@kernel
+def pull_segments(p, new, out, nodes):
+    """Forces of all segments on the bodies of their fittings. Writes: nodes."""
+    for i in range(p.segments):
+        u = triple(new.along, i)
+        stiffness = p.steepest / new.webbing[i]
+        f = scale(out.force[i], u)
+        a, b = nodes[p.node[i]], nodes[p.node[i + 1]]
+        d_a = sub(triple(new.leave, i), vec(a.r))
+        d_b = sub(triple(new.arrive, i + 1), vec(b.r))
+        apply_force(a, f, d_a)
+        apply_force(b, scale(-1.0, f), d_b)
+        add_stiffness_bound(a, mobility(a, d_a, u), stiffness, 0.0)
+        add_stiffness_bound(b, mobility(b, d_b, u), stiffness, 0.0)

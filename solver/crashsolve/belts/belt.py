@@ -1,0 +1,241 @@
+"""Belt: webbing through rings from anchor to anchor, without mass, which pulls only.
+
+    T_high <= T_low exp(mu beta) at rings,   sum L_i constant
+
+as in `_webbing.py`, `_flow.py` and `_route.py`. Consequence to test: a ring is drawn through with
+exp(mu beta), whatever the step, and one where the belt goes straight changes nothing.
+"""
+
+from typing import Any
+
+import numpy as np
+from pydantic import model_validator
+
+from crashsolve.belts._flow import PASSES, settle
+from crashsolve.belts._route import (
+    LAID,
+    MOST,
+    ROUTE,
+    SEGMENTS,
+    SHORT,
+    Fitting,
+    check_route,
+    lay,
+    leave_alone,
+    pull_segments,
+    put_triple,
+    refuse_route,
+    route_columns,
+)
+from crashsolve.belts._spool import SPOOL, WOUND, spool_columns, wind
+from crashsolve.belts._webbing import WEBBING, Webbing, force_at, refuse_torn, webbing_columns
+from crashsolve.deck.card import Card, quantity, word
+from crashsolve.foundation.curve import REFUSE
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import as_rows
+
+STEPWISE = True
+WARNINGS = {
+    "short": "a segment came to an end, with its ring at the next fitting: there it was taken as "
+    "0.001 of the belt; move the ring, or give it more webbing",
+    "slipped": "the belt slipped off a surface, and went straight until it was clear of it; what "
+    "became slack is lost: move its fittings, or hold it by a ring",
+    "emptied": "the retractor ran out of webbing, and held from there on; give it more reserve",
+    "inside": "a fitting was within a surface that the belt goes over, and the belt went through",
+    "beyond": "the belt lay on a cylinder beyond its end, which was taken as longer",
+    "unsettled": "the flow through rings was not found in all steps; take shorter ones",
+}
+
+
+class Belt(Card):
+    """Webbing through rings from anchor to anchor; it pulls only, and weighs nothing."""
+
+    webbing: Webbing = word("what it is woven of")
+    route: tuple[Fitting, ...] = word("anchor, rings in their order, anchor")
+    slack: float = quantity(
+        "m", "webbing beyond the route at the start; negative pretensions it", 0.0
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Belt":
+        check_route(self.route)
+        return self
+
+
+PARAMETERS = (
+    ROUTE
+    + WEBBING
+    + SPOOL
+    + Record(f"""
+    start  m  {SEGMENTS}  unstrained length of each segment at the start
+    total  m              their sum
+    first  N              force at the start
+""")
+)
+HISTORY = (
+    LAID
+    + WOUND
+    + Record(f"""
+    webbing     m    {SEGMENTS}  L, unstrained length
+    residual    m    {SEGMENTS}  S, residual elongation
+    tension     N    {SEGMENTS}  T
+    slip        m    {MOST}  webbing that has passed each fitting, towards the end
+    friction    J        lost at rings
+    drawn       J        lost in webbing
+    straight    m    {SEGMENTS}  length
+    short       flag     a segment has come to no length
+    unsettled   flag     the flows of some step are not found
+    passes      count    of the search for the flows
+    flow        m    {MOST}  q, that passes each fitting in the step
+    grip        1    {MOST}  exp(mu beta)
+    softens     N/m  {SEGMENTS}  fall of T over webbing that flows in
+    moved       m    {SEGMENTS}  growth of S in the step
+    direction   flag  {MOST}  1 onwards, -1 back, 0 not
+    above       1    {MOST}  part of the tridiagonal matrix
+    change      m    {MOST}  of the flow in a pass
+""")
+)
+OUTPUT = Record(f"""
+    force       N    {SEGMENTS}  tension of each segment from the start of the route on
+    length      m    {SEGMENTS}  present length of each segment
+    webbing     m    {SEGMENTS}  its unstrained length
+    strain      1    {SEGMENTS}  of each segment; negative: slack
+    slip        m    {MOST}  webbing that has passed each fitting, towards the end of the route
+    angle       rad  {MOST}  by which the belt turns at each fitting
+    friction    J        lost at rings so far
+    hysteresis  J        lost in webbing so far
+    retractor   J        taken up by the retractor so far; below 0: work that it has done
+    pay_out     m        webbing that has left the retractor
+    locked      count    1 once the retractor is locked
+""")
+# what the start is laid out with, of the bodies
+PLACED = Record("""
+    r  m  3  position of the mass centre
+    A  1  9  rotation matrix by rows
+""")
+
+
+def build(card: Belt, scene: Any) -> dict[str, Any]:
+    columns = route_columns(card.route, scene) | webbing_columns(card.webbing, scene)
+    columns |= spool_columns(card.route[0].retractor, scene)
+    laid, lengths = laid_at_start(columns, scene)
+    refuse_route(card.route, laid, lengths, scene)
+    straight = float(lengths.sum())
+    total = straight + card.slack
+    if not total > 0.0:
+        message = f"must be more than -{straight:.6g} m, or no webbing is left"
+        raise scene.fail(message, "slack")
+    strain = straight / total - 1.0
+    if columns["curve"]:
+        curve = scene.curve_points[columns["curve"]]
+        last = float(scene.curve_points[curve["last"]]["x"])
+        if strain > last and curve["beyond"] == REFUSE:
+            message = f"strains the webbing by {strain:.3g} at the start, and its curve ends at "
+            raise scene.fail(f"{message}{last:g}", "slack")
+    start = np.zeros(SEGMENTS)
+    start[: len(lengths)] = lengths * (total / straight)
+    first = force_at(columns, strain, scene)
+    shortest = SHORT * straight
+    return columns | {"start": start, "total": total, "first": first, "shortest": shortest}
+
+
+def laid_at_start(columns: dict[str, Any], scene: Any) -> tuple[Any, np.ndarray]:
+    """Columns LAID and lengths of the segments at the start [m]."""
+    p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, LAID, LAID))
+    out, nodes = (
+        as_rows(np.zeros(1, OUTPUT.dtype))[0],
+        as_rows(np.zeros(len(scene.r), PLACED.dtype)),
+    )
+    for name in ROUTE.dtype.names or ():
+        p[name] = columns[name]
+    for name, values in scene.placed_nodes().items():
+        nodes[name] = values
+    old["wrapped"] = columns["turned"]
+    lay(p, old, new, out, nodes)
+    return new, np.array(out["length"][: columns["segments"]])
+
+
+def initial_history(card: Belt, p: Any, scene: Any) -> dict[str, Any]:
+    laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
+    used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
+    residual = np.zeros(SEGMENTS)
+    if p["curve"]:
+        # what is pretensioned has reached its curve
+        L = p["start"][:n]
+        residual[:n] = np.maximum(lengths - L - L * p["first"] / p["k"], 0.0)
+    own: dict[str, Any] = {
+        "webbing": p["start"],
+        "residual": residual,
+        "tension": used * p["first"],
+    }
+    return {column.name: laid[column.name] for column in LAID.columns} | own
+
+
+@kernel
+def force(p, old, new, out, t, h, nodes, rows, curves):
+    """Writes: nodes, new, out."""
+    clear(p, old, new, out)
+    lay(p, old, new, out, nodes)
+    settle(p, old, new, out, t, curves)
+    pull_segments(p, new, out, nodes)
+    wind(p, old, new, nodes, new.flow[0], h, curves)
+    account(p, old, new, out, h)
+    for i in range(p.segments):
+        refuse_torn(p, out.strain[i], curves)
+
+
+@kernel
+def clear(p, old, new, out):
+    """Columns of fittings and segments that there are not. Writes: new, out."""
+    for i in range(p.segments, SEGMENTS):
+        new.webbing[i] = new.residual[i] = new.tension[i] = new.straight[i] = 0.0
+        new.softens[i] = new.moved[i] = 0.0
+        out.force[i] = out.length[i] = out.webbing[i] = out.strain[i] = 0.0
+        put_triple(new.along, i, (0.0, 0.0, 0.0))
+    for j in range(p.segments, MOST):
+        put_triple(new.arrive, j, (0.0, 0.0, 0.0))
+        put_triple(new.leave, j, (0.0, 0.0, 0.0))
+        leave_alone(new, j)
+        new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
+        new.grip[j], new.direction[j] = 1.0, 0
+        out.slip[j] = out.angle[j] = 0.0
+    new.above[0] = new.change[0] = 0.0
+    new.direction[0] = new.mode = 0
+    if p.segments == 1:
+        new.above[1] = new.change[1] = 0.0
+    new.short, new.unsettled, new.passes = old.short, old.unsettled, 0
+
+
+@kernel
+def account(p, old, new, out, h):
+    """What is stored and lost, and what is shown. Writes: new, out."""
+    out.stored = out.power = friction = drawn = 0.0
+    for i in range(p.segments):
+        T_0, T_1 = old.tension[i], out.force[i]
+        mean, L = 0.5 * (T_0 + T_1), new.webbing[i]
+        dL, dS = L - old.webbing[i], new.residual[i] - old.residual[i]
+        friction += mean * (dL + dS - new.moved[i]) + 0.5 * T_0 * T_1 * dL / p.k
+        drawn += mean * new.moved[i]
+        out.stored += 0.5 * T_1 * T_1 * L / p.k
+        if new.slipped > old.slipped:
+            # a length that goes at once does no work on the bodies
+            friction -= mean * (out.length[i] - old.straight[i])
+        new.tension[i], out.webbing[i], new.straight[i] = T_1, L, out.length[i]
+        out.strain[i] = out.length[i] / L - 1.0
+        if out.length[i] < p.shortest and T_1 > 0.0:
+            new.short = 1
+    if new.passes >= PASSES:
+        new.unsettled = 1
+    T_0, T_1, q = old.tension[0], out.force[0], new.flow[0]
+    took = 0.5 * (T_0 + T_1) * q + 0.5 * T_0 * T_1 * q / p.k
+    new.friction, new.drawn, new.took, out.loss = old.friction, old.drawn, old.took, 0.0
+    if h > 0.0:
+        new.friction += friction - took
+        new.took += took
+        new.drawn += drawn
+        out.loss = friction + drawn
+    out.friction, out.hysteresis, out.retractor = new.friction, new.drawn, new.took
+    out.pay_out, out.locked = new.slip[0], new.locked
+    for j in range(p.segments + 1):
+        out.slip[j] = new.slip[j]

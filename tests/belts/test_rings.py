@@ -1,0 +1,292 @@
+"""What belts promise at rings: capstan, conservation of webbing, energy, no dependence on steps."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from bench import Bench, Law, assert_balanced, refusal, written
+
+BODIES = """
+title: belt
+control: {end_time: 1}
+bodies:
+  a: {mass: 2, inertia: [0.5, 0.6, 0.4], position: [2, 0, 0.5], mass_centre: [0.05, 0, 0.1]}
+  b: {mass: 3, inertia: [0.7, 0.5, 0.9], position: [1, 1, 0], mass_centre: [0, -0.1, 0]}
+curves:
+  strap: {points: [[0, 0], [0.1, 4000], [0.5, 40000]], extrapolate: linear}
+"""
+ELASTIC = "{stiffness: 1e5}"
+DRAWN = "{curve: strap, unloading_stiffness: 1e5}"
+MU = (0.3, 0.7, 0.2)
+# five fittings, three of them rings, none straight
+ROUTE = """
+      - {anchor: {at: [0, 0, 0]}}
+      - {ring: {at: [1, 0, 0.2], friction: 0.3}}
+      - {ring: {body: b, at: [0.1, 0.1, 0], friction: 0.7}}
+      - {ring: {at: [1.5, 0.5, 0.6], friction: 0.2}}
+      - {anchor: {body: a, at: [0.1, 0, -0.1]}}
+"""
+
+
+def belt(folder: Path, webbing: str = ELASTIC, slack: float = 0.0, route: str = ROUTE) -> Law:
+    text = f"belts:\n  s:\n    webbing: {webbing}\n    slack: {slack}\n    route: {route}\n"
+    return Bench(folder, text, BODIES).law("belts", "s")
+
+
+def forces(law: Law) -> np.ndarray:
+    return np.array(law.out.force[: law.p.segments])
+
+
+def angles(law: Law) -> np.ndarray:
+    return np.array(law.out.angle[1 : law.p.segments])
+
+
+def go(law: Law, moves: Iterable[Any], node: int = 1, steps: int = 1) -> None:
+    """Move a body by each of some displacements [m], in equal steps."""
+    for move in moves:
+        for _ in range(steps):
+            body = law.bench.nodes[node]
+            law.bench.move(node, r=body.r + np.asarray(move) / steps)
+            law.force(1e-3)
+            law.accept()
+
+
+def assert_capstan(law: Law) -> None:
+    """Forces within friction, and on its edge to the side to which webbing flowed."""
+    T, beta = forces(law), angles(law)
+    for j, mu in enumerate(MU):
+        c, q = np.exp(mu * beta[j]), law.new.flow[j + 1]
+        # strains are known to 1e-13, of a stiffness of 1e5 N
+        close = 1e-8 + 1e-9 * T.max()
+        assert T[j + 1] <= c * T[j] + close and T[j] <= c * T[j + 1] + close
+        if q > 1e-12:
+            assert T[j + 1] == pytest.approx(c * T[j], rel=1e-9, abs=close)
+        if q < -1e-12:
+            assert T[j] == pytest.approx(c * T[j + 1], rel=1e-9, abs=close)
+
+
+@pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
+@pytest.mark.parametrize("slack", [-0.05, 0.0, 1e-3, 1.0])
+@pytest.mark.parametrize("far", [1e-3, 0.05, 0.3])
+def test_any_way_keeps_the_webbing_and_friction_at_every_ring(
+    tmp_path: Path, webbing: str, slack: float, far: float
+) -> None:
+    law, rng = belt(tmp_path, webbing, slack), np.random.default_rng(5)
+    total = law.p.total
+    # the curve ends at a strain of 0.5
+    start = {node: law.bench.nodes[node].r.copy() for node in (1, 2)}
+    slipped = 0
+    for _ in range(40):
+        for node in (1, 2):
+            law.bench.move(node, r=start[node] + rng.uniform(-far, far, 3))
+        law.force(1e-3)
+        assert_capstan(law)
+        assert forces(law).min() >= 0.0
+        # round-off of sums of some lengths of 5 m
+        assert law.new.webbing.sum() == pytest.approx(total, abs=1e-13 * total)
+        assert law.new.unsettled == 0
+        slipped += int(np.abs(law.new.flow).max() > 1e-12)
+        law.accept()
+    # friction holds what is moved by a millimetre
+    assert slipped > 0 or slack == 1.0 or far == 1e-3
+
+
+@pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
+def test_drawn_one_way_the_step_does_not_matter(tmp_path: Path, webbing: str) -> None:
+    found = []
+    for steps in (1, 7, 100):
+        law = belt(tmp_path, webbing)
+        go(law, [(0.3, 0, 0)], steps=steps)
+        found.append(np.concatenate([forces(law), law.out.slip]))
+    if webbing is ELASTIC:
+        # every ring slips, but beta changes: flows of 0.02 m, steps of 1/100
+        np.testing.assert_allclose(found[1], found[2], rtol=2e-3, atol=1e-5)
+    assert np.abs(found[0] - found[2]).max() <= 0.05 * np.abs(found[2]).max()
+
+
+def test_where_angles_stay_one_step_is_as_good_as_many(tmp_path: Path) -> None:
+    """The arms keep their directions: forces are those of the end alone, to round-off."""
+    route = """
+      - {anchor: {at: [0, 0, 0]}}
+      - {ring: {at: [1, 0, 0], friction: 0.3}}
+      - {ring: {at: [1, 1, 0], friction: 0.1}}
+      - {anchor: {body: a, at: [0, 1, -0.5]}}
+"""
+    found = []
+    for steps in (1, 3, 50):
+        law = belt(tmp_path, route=route)
+        go(law, [(0.2, 0, 0)], steps=steps)
+        found.append(np.concatenate([forces(law), law.out.slip]))
+    np.testing.assert_allclose(found[0], found[2], rtol=1e-10)
+    np.testing.assert_allclose(found[1], found[2], rtol=1e-10)
+    T = found[0]
+    assert T[1] / T[0] == pytest.approx(np.exp(0.3 * np.pi / 2), rel=1e-9)
+    assert T[2] / T[1] == pytest.approx(np.exp(0.1 * np.pi / 2), rel=1e-9)
+
+
+def test_a_ring_passed_back_and_forth_sticks_then_slips_the_other_way(tmp_path: Path) -> None:
+    route = """
+      - {anchor: {at: [0, 0, 0]}}
+      - {ring: {at: [1, 0, 0], friction: 0.3}}
+      - {anchor: {body: a, at: [-1, 1, -0.5]}}
+"""
+    law, c = belt(tmp_path, route=route), np.exp(0.3 * np.pi / 2)
+    go(law, [(0, 0.1, 0)], steps=20)
+    low, high = forces(law)
+    assert high / low == pytest.approx(c, rel=1e-9)
+    slip = law.out.slip[1]
+    # back within what the ring holds: nothing flows, the first segment keeps its force
+    go(law, [(0, -0.01, 0)], steps=5)
+    assert law.out.slip[1] == slip and forces(law)[0] == pytest.approx(low, rel=1e-12)
+    go(law, [(0, -0.06, 0)], steps=20)
+    assert forces(law)[0] / forces(law)[1] == pytest.approx(c, rel=1e-9)
+    assert law.out.slip[1] < slip
+    go(law, [(0, 0.06, 0), (0, 0.01, 0)], steps=20)
+    # once more as far as before: the same state, as the law is of rates alone
+    assert forces(law) == pytest.approx([low, high], rel=1e-9)
+
+
+@pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
+@pytest.mark.parametrize("steps", [1, 10])
+def test_energy_closes_on_any_way_on_which_it_stays_taut(
+    tmp_path: Path, webbing: str, steps: int
+) -> None:
+    law, rng, work = belt(tmp_path, webbing, slack=-0.4), np.random.default_rng(3), 0.0
+    law.force(0.0)
+    first, T, length = float(law.out.stored), forces(law), np.array(law.out.length)
+    lost = 0.0
+    for _ in range(30 * steps):
+        for node in (1, 2):
+            r = law.bench.nodes[node].r + rng.uniform(-0.02, 0.02, 3) / steps
+            law.bench.move(node, r=r)
+        law.force(1e-3)
+        assert forces(law).min() > 0.0
+        work += float(0.5 * (T + forces(law)) @ (law.out.length - length)[: law.p.segments])
+        # a long step in which the slip turns may lose less than nothing, by the mean of its ends
+        assert law.out.loss >= (-1e-12 if steps == 10 and webbing is ELASTIC else -1.0)
+        lost += float(law.out.loss)
+        T, length = forces(law), np.array(law.out.length)
+        law.accept()
+    assert lost > 0.1
+    # round-off of sums of 30 or 300 terms of some J
+    assert work - lost == pytest.approx(float(law.out.stored) - first, abs=1e-9)
+    assert law.out.friction + law.out.hysteresis == pytest.approx(lost, rel=1e-12)
+
+
+@pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
+def test_action_equals_reaction_and_every_column_is_written(tmp_path: Path, webbing: str) -> None:
+    law = belt(tmp_path, webbing, slack=-0.2)
+    for h in (1e-3, 0.0):
+        before = law.old.tobytes()
+        law.force(h)
+        assert written(law.new, law.module.HISTORY) and written(law.out, law.module.OUTPUT)
+        assert law.old.tobytes() == before
+        assert h > 0.0 or law.out.loss == 0.0
+        assert_balanced(law.bench.nodes)
+
+
+@pytest.mark.parametrize("rings", [1, 3, 8])
+@pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
+def test_rings_on_a_straight_line_change_nothing(tmp_path: Path, rings: int, webbing: str) -> None:
+    law, alone = (
+        belt(
+            tmp_path,
+            webbing,
+            0.01,
+            "\n      - {anchor: {at: [0, 0, 0.5]}}\n"
+            + "".join(
+                f"      - {{ring: {{at: [{0.2 * (k + 1):.1f}, 0, 0.5], friction: 0.5}}}}\n"
+                for k in range(count)
+            )
+            + "      - {anchor: {body: a}}\n",
+        )
+        for count in (rings, 0)
+    )
+    for move in (0.1, 0.2, -0.15, -0.2, 0.3):
+        for one in (law, alone):
+            go(one, [(move, 0, 0)], steps=3)
+        # round-off of lengths of 2 m times a stiffness of 1e5 N
+        assert forces(law) == pytest.approx(forces(alone)[0], rel=1e-9, abs=1e-8)
+        assert law.out.hysteresis == pytest.approx(alone.out.hysteresis, rel=1e-9, abs=1e-9)
+        assert law.out.friction == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_ring_that_runs_up_to_an_anchor_stays_finite_and_is_reported(tmp_path: Path) -> None:
+    route = """
+      - {anchor: {at: [0, 0, 0]}}
+      - {ring: {body: b, friction: 0.3}}
+      - {anchor: {body: a}}
+"""
+    law = belt(tmp_path, slack=-0.01, route=route)
+    start = law.bench.nodes[2].r.copy()
+    middle = start - [1, 1, 0]
+    for share in np.linspace(1.0, -0.2, 61):
+        law.bench.move(1, r=[3.0, 0.0, 0.5])
+        law.bench.move(2, r=middle + share * np.array([1.0, 1.0, 0.0]))
+        law.force(1e-3)
+        assert np.isfinite(forces(law)).all() and law.new.webbing[:2].min() > 0.0
+        law.accept()
+    assert law.new.short == 1
+
+
+WRONG = {
+    "ring at the end": (
+        "- {anchor: {}}\n      - {ring: {body: a}}",
+        "",
+        "must begin with an anchor",
+    ),
+    "ring at the start": (
+        "- {ring: {body: a}}\n      - {anchor: {}}",
+        "",
+        "must begin with an anchor",
+    ),
+    "one fitting": ("- {anchor: {}}", "", "must begin with an anchor"),
+    "an anchor within": (
+        "- {anchor: {}}\n      - {anchor: {at: [1, 0, 0]}}\n      - {anchor: {body: a}}",
+        "",
+        "in its middle",
+    ),
+    "no length": (
+        "- {anchor: {}}\n      - {ring: {}}\n      - {anchor: {body: a}}",
+        "",
+        "m from the fitting before it",
+    ),
+    "one body": ("- {anchor: {}}\n      - {anchor: {at: [1, 0, 0]}}", "", "cannot pull"),
+    "doubles back": (
+        "- {anchor: {}}\n      - {ring: {at: [3, 0, 0]}}\n"
+        "      - {anchor: {body: a, at: [0, 0, -0.5]}}",
+        "",
+        "doubles back",
+    ),
+    "no webbing left": ("- {anchor: {}}\n      - {anchor: {body: a}}", "slack: -3", "no webbing"),
+    "both": (
+        "- {anchor: {}, ring: {}}\n      - {anchor: {body: a}}",
+        "",
+        "one of anchor, retractor, ring and wrap",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_no_belt_is_refused(tmp_path: Path, case: str) -> None:
+    route, more, message = WRONG[case]
+    text = f"belts:\n  s:\n    webbing: {ELASTIC}\n    route:\n      {route}\n    {more}\n"
+    said = refusal(tmp_path, BODIES + text)
+    assert message in said and "deck.yaml:" in said
+
+
+WRONG_WEBBING = {
+    "{}": "one of stiffness and curve",
+    "{stiffness: 0}": "stiffness",
+    "{curve: strap}": "belong together",
+    "{curve: strap, unloading_stiffness: 9e4}": "exceed every slope",
+    "{stiffness: 1, curve: strap, unloading_stiffness: 1e5}": "one of stiffness",
+}
+
+
+@pytest.mark.parametrize("webbing", WRONG_WEBBING)
+def test_webbing_that_makes_no_sense_is_refused(tmp_path: Path, webbing: str) -> None:
+    text = f"belts:\n  s:\n    webbing: {webbing}\n    route: {ROUTE}\n"
+    assert WRONG_WEBBING[webbing] in refusal(tmp_path, BODIES + text)
