@@ -243,12 +243,15 @@ def _check(options: argparse.Namespace) -> int:
     from crashsolve.model.build import build
     from crashsolve.recording.histories import families_of
     from crashsolve.recording.questions import look_up
+    from crashsolve.simulation.freedom import freedom
 
     deck = read_deck(options.deck, _overrides(options))
     model, state = build(deck)
     look_up(deck, families_of(model, state))
     for text in (*deck.unread, *model.warnings):
         print(printable(f"warning: {text}"))
+    for text in freedom(model, state, deck.control.start_time):
+        print(printable(text))
     print(printable(f"{options.deck}: no errors found"))
     return ExitCode.NORMAL
 
