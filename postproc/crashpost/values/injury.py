@@ -6,8 +6,9 @@
     pelvis   CFC 1000  peak, 3 ms clip                         none
     vehicle  CFC 60    peak, 3 ms clip, velocity change, OLC   none
 
-Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 S6.2(b) and S6.3 for HIC of 15 ms
-and the chest, UN R94 5.2.1.1 and 5.2.1.2 for HIC of 36 ms and 80 g; both for a 50th percentile man.
+Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 for HIC of 15 ms and the chest,
+UN R94 for HIC of 36 ms and 80 g; both for a 50th percentile man. No sections are cited: their
+numbers were not checked against the texts.
 Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
 as they are, and the measure says so.
 """
