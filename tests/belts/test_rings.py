@@ -232,13 +232,21 @@ def test_a_ring_that_runs_up_to_an_anchor_stays_finite_and_is_reported(tmp_path:
 
 
 WRONG = {
-    "ring at the end": ("- {anchor: {}}\n      - {ring: {body: a}}", "", "must begin and end"),
-    "ring at the start": ("- {ring: {body: a}}\n      - {anchor: {}}", "", "must begin and end"),
-    "one fitting": ("- {anchor: {}}", "", "must begin and end"),
+    "ring at the end": (
+        "- {anchor: {}}\n      - {ring: {body: a}}",
+        "",
+        "must begin with an anchor",
+    ),
+    "ring at the start": (
+        "- {ring: {body: a}}\n      - {anchor: {}}",
+        "",
+        "must begin with an anchor",
+    ),
+    "one fitting": ("- {anchor: {}}", "", "must begin with an anchor"),
     "an anchor within": (
         "- {anchor: {}}\n      - {anchor: {at: [1, 0, 0]}}\n      - {anchor: {body: a}}",
         "",
-        "anchor within the belt",
+        "in its middle",
     ),
     "no length": (
         "- {anchor: {}}\n      - {ring: {}}\n      - {anchor: {body: a}}",
@@ -256,7 +264,7 @@ WRONG = {
     "both": (
         "- {anchor: {}, ring: {}}\n      - {anchor: {body: a}}",
         "",
-        "one of anchor, ring and wrap",
+        "one of anchor, retractor, ring and wrap",
     ),
 }
 

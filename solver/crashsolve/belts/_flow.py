@@ -15,6 +15,7 @@ Reference: OpenRadioss theory manual, slip ring elements.
 
 from math import exp
 
+from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_force
 from crashsolve.belts._webbing import respond
 from crashsolve.foundation.kernels import kernel
 
@@ -31,17 +32,18 @@ HALVINGS = 60
 
 
 @kernel
-def settle(p, old, new, out, curves):
+def settle(p, old, new, out, t, curves):
     """Flows, lengths and forces. Writes: new, out."""
+    choose_mode(p, old, new, t)
     for j in range(p.segments + 1):
         new.flow[j] = 0.0
         new.grip[j] = exp(p.friction[j] * out.angle[j]) if p.friction[j] > 0.0 else 1.0
     fill(p, old, new, out, curves)
-    if p.segments > 1:
+    if p.segments > 1 or p.spool == 1:
         new.passes = PASSES
         for k in range(PASSES):
             if k < FIRST or (k % EVERY == 0 and k < PATIENCE):
-                largest = correct(p, new, out)
+                largest = correct(p, old, new, out, curves)
                 fill(p, old, new, out, curves)
             else:
                 largest = sweep(p, old, new, out, curves)
@@ -87,6 +89,10 @@ def sweep(p, old, new, out, curves):
     Slow and sure: the force of a segment falls with its own webbing alone. Writes: new, out.
     """
     largest = 0.0
+    if p.spool == 1:
+        before = new.flow[0]
+        settle_spool(p, old, new, out, curves)
+        largest = abs(new.flow[0] - before)
     for k in range(2 * p.segments - 2):
         j = k + 1 if k < p.segments - 1 else 2 * p.segments - 2 - k
         before = new.flow[j]
@@ -141,6 +147,63 @@ def settle_ring(p, j, old, new, out, curves):
 
 
 @kernel
+def give_out(p, q, old, new, out, curves):
+    """Lets q out: how far the force is over that of the spool [N]. Writes: new, out."""
+    new.flow[0] = q
+    fill_one(p, 0, old, new, out, curves)
+    return out.force[0] - spool_force(p, old, new.mode, q, curves)[0]
+
+
+@kernel
+def settle_spool(p, old, new, out, curves):
+    """The flow from the spool between its first ring and itself. Writes: new, out."""
+    q = new.flow[0]
+    low, high = q - 0.99 * new.webbing[0], q + p.total
+    if new.mode == PULLING:
+        high = 0.0
+        if low > 0.0 or give_out(p, 0.0, old, new, out, curves) >= 0.0:
+            give_out(p, 0.0, old, new, out, curves)
+            return
+    if new.mode == LOCKED:
+        low = 0.0
+        if give_out(p, 0.0, old, new, out, curves) <= 0.0:
+            return
+    for _ in range(HALVINGS):
+        q = 0.5 * (low + high)
+        if give_out(p, q, old, new, out, curves) > 0.0:
+            low = q
+        else:
+            high = q
+
+
+@kernel
+def spool_direction(new, out, F):
+    """That of the spool, whose edge is the force F."""
+    T, q = out.force[0], new.flow[0]
+    if new.mode == FREE:
+        return 2
+    if new.mode == PULLING:
+        return -1 if q < 0.0 or T < F else 0
+    return 1 if q > 0.0 or (new.mode == LOCKED and T > F) else 0
+
+
+@kernel
+def spool_row(p, old, new, out, curves):
+    """Diagonal, upper and right side of the spool's equation. Writes: new."""
+    F, slope = spool_force(p, old, new.mode, new.flow[0], curves)
+    new.direction[0] = spool_direction(new, out, F)
+    if new.direction[0] == 0:
+        return 0.0, 0.0, 0.0
+    g, T = new.softens[0], out.force[0]
+    if g == 0.0:
+        # slack: as much as makes it taut
+        length = max(out.length[0], p.shortest)
+        taut = (length - new.residual[0]) / (1.0 + F / p.k)
+        return 1.0, 0.0, taut - new.webbing[0]
+    return max(g + slope, 0.1 * g), -g, T - F
+
+
+@kernel
 def direction_of(new, out, j):
     """1 if webbing may pass ring j onwards, -1 back, 0 if it holds; 2 both, without friction."""
     T_a, T_b, c, q = out.force[j - 1], out.force[j], new.grip[j], new.flow[j]
@@ -152,10 +215,26 @@ def direction_of(new, out, j):
 
 
 @kernel
-def correct(p, new, out):
+def slack_beside(p, new, out, j, direction):
+    """What a slack segment gives through ring j until it is taut, of the sign of the flow [m]."""
+    if direction == 0 or out.force[j] == out.force[j - 1]:
+        return 0.0
+    sign = 1.0 if out.force[j] > out.force[j - 1] else -1.0
+    i = j - 1 if sign > 0.0 else j
+    T = max(out.force[j], out.force[j - 1]) / new.grip[j]
+    taut = (max(out.length[i], p.shortest) - new.residual[i]) / (1.0 + T / p.k)
+    return sign * max(new.webbing[i] - taut, 0.0)
+
+
+@kernel
+def correct(p, old, new, out, curves):
     """One pass on all rings; the largest change of a flow [m]. Writes: new."""
     new.above[0] = new.change[0] = 0.0
     n = p.segments
+    if p.spool == 1:
+        diagonal, upper, right = spool_row(p, old, new, out, curves)
+        if diagonal > 0.0:
+            new.above[0], new.change[0] = upper / diagonal, right / diagonal
     for j in range(1, n):
         direction, c = direction_of(new, out, j), new.grip[j]
         new.direction[j] = direction
@@ -168,15 +247,15 @@ def correct(p, new, out):
             lower, diagonal, upper = -g_a, g_a + c * g_b, -c * g_b
             right = c * out.force[j] - out.force[j - 1]
         pivot = diagonal - lower * new.above[j - 1]
-        # between segments that are slack, and where friction holds, it stays
-        if pivot > 0.0:
+        if pivot > 1e-9 * diagonal:
             new.above[j] = upper / pivot
             new.change[j] = (right - lower * new.change[j - 1]) / pivot
         else:
-            new.above[j] = new.change[j] = 0.0
+            # a spool draws in what is slack; where friction holds it stays
+            new.above[j], new.change[j] = 0.0, slack_beside(p, new, out, j, direction)
     new.above[n] = new.change[n] = 0.0
     share = 1.0
-    for back in range(1, n):
+    for back in range(1, n + 1):
         j = n - back
         new.change[j] -= new.above[j] * new.change[j + 1]
     for i in range(n):
@@ -184,7 +263,7 @@ def correct(p, new, out):
         if taken > MOST_TAKEN * new.webbing[i]:
             share = min(share, MOST_TAKEN * new.webbing[i] / taken)
     largest = 0.0
-    for j in range(1, n):
+    for j in range(n):
         now = new.flow[j] + share * new.change[j]
         # one that would turn back sticks first
         new.flow[j] = 0.0 if now * new.direction[j] < 0.0 and new.direction[j] < 2 else now

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.belts._spool import Retractor
 from crashsolve.belts._wrap import (
     CYLINDER,
     SHAPES,
@@ -70,18 +71,21 @@ class Fitting(Card):
     """One point of the route, or a body that it goes over."""
 
     anchor: Anchor | None = word("end of the belt", default=None)
+    retractor: Retractor | None = word("spool at the beginning of the belt", default=None)
     ring: Ring | None = word("the belt slips through it", default=None)
     wrap: Wrap | None = word("the belt lies on it", default=None)
 
     @model_validator(mode="after")
     def _one(self) -> "Fitting":
-        if sum(x is not None for x in (self.anchor, self.ring, self.wrap)) != 1:
-            raise ValueError("needs one of anchor, ring and wrap")
+        known = (self.anchor, self.retractor, self.ring, self.wrap)
+        if sum(x is not None for x in known) != 1:
+            raise ValueError("needs one of anchor, retractor, ring and wrap")
         return self
 
     @property
     def kind(self) -> str:
-        return "anchor" if self.anchor else "ring" if self.ring else "wrap"
+        words = ("anchor", "retractor", "ring", "wrap")
+        return next(name for name in words if getattr(self, name) is not None)
 
 
 ROUTE = Record(f"""
@@ -117,13 +121,14 @@ def check_route(route: tuple[Fitting, ...]) -> None:
     """Raises ValueError for fittings that make no belt."""
     if len(route) > MOST:
         raise ValueError(f"route: has {len(route)} fittings, and may have {MOST}")
-    if len(route) < 2 or route[0].anchor is None or route[-1].anchor is None:
+    if len(route) < 2 or not (route[0].anchor or route[0].retractor) or not route[-1].anchor:
         raise ValueError(
-            "route: must begin and end with an anchor; a ring needs webbing on both sides"
+            "route: must begin with an anchor or a retractor, and end with an anchor; a ring needs "
+            "webbing on both sides"
         )
     for i, fitting in enumerate(route[1:-1], start=2):
-        if fitting.anchor is not None:
-            raise ValueError(f"route: fitting {i} is an anchor within the belt; make it a ring")
+        if fitting.anchor is not None or fitting.retractor is not None:
+            raise ValueError(f"route: fitting {i} holds the belt in its middle; make it a ring")
         if fitting.wrap is not None and route[i].wrap is not None:
             raise ValueError(
                 f"route: fittings {i} and {i + 1} are surfaces one after the other; put a ring "
@@ -138,7 +143,7 @@ def route_columns(route: tuple[Fitting, ...], scene: Any) -> dict[str, Any]:
         if fitting.wrap is not None:
             _place_surface(columns, i, fitting.wrap, scene)
             continue
-        held = fitting.anchor or fitting.ring
+        held = fitting.anchor or fitting.retractor or fitting.ring
         assert held is not None
         node = scene.node(held.body)
         columns["node"][i], columns["point"][i] = node, scene.from_mass_centre(node, held.at)

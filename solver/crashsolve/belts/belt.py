@@ -27,6 +27,7 @@ from crashsolve.belts._route import (
     refuse_route,
     route_columns,
 )
+from crashsolve.belts._spool import SPOOL, WOUND, spool_columns, wind
 from crashsolve.belts._webbing import WEBBING, Webbing, force_at, refuse_torn, webbing_columns
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.curve import REFUSE
@@ -40,6 +41,7 @@ WARNINGS = {
     "0.001 of the belt; move the ring, or give it more webbing",
     "slipped": "the belt slipped off a surface, and went straight until it was clear of it; what "
     "became slack is lost: move its fittings, or hold it by a ring",
+    "emptied": "the retractor ran out of webbing, and held from there on; give it more reserve",
     "inside": "a fitting was within a surface that the belt goes over, and the belt went through",
     "beyond": "the belt lay on a cylinder beyond its end, which was taken as longer",
     "unsettled": "the flow through rings was not found in all steps; take shorter ones",
@@ -64,13 +66,17 @@ class Belt(Card):
 PARAMETERS = (
     ROUTE
     + WEBBING
+    + SPOOL
     + Record(f"""
     start  m  {SEGMENTS}  unstrained length of each segment at the start
     total  m              their sum
     first  N              force at the start
 """)
 )
-HISTORY = LAID + Record(f"""
+HISTORY = (
+    LAID
+    + WOUND
+    + Record(f"""
     webbing     m    {SEGMENTS}  L, unstrained length
     residual    m    {SEGMENTS}  S, residual elongation
     tension     N    {SEGMENTS}  T
@@ -89,6 +95,7 @@ HISTORY = LAID + Record(f"""
     above       1    {MOST}  part of the tridiagonal matrix
     change      m    {MOST}  of the flow in a pass
 """)
+)
 OUTPUT = Record(f"""
     force       N    {SEGMENTS}  tension of each segment from the start of the route on
     length      m    {SEGMENTS}  present length of each segment
@@ -98,6 +105,9 @@ OUTPUT = Record(f"""
     angle       rad  {MOST}  by which the belt turns at each fitting
     friction    J        lost at rings so far
     hysteresis  J        lost in webbing so far
+    retractor   J        taken up by the retractor so far; below 0: work that it has done
+    pay_out     m        webbing that has left the retractor
+    locked      count    1 once the retractor is locked
 """)
 # what the start is laid out with, of the bodies
 PLACED = Record("""
@@ -108,6 +118,7 @@ PLACED = Record("""
 
 def build(card: Belt, scene: Any) -> dict[str, Any]:
     columns = route_columns(card.route, scene) | webbing_columns(card.webbing, scene)
+    columns |= spool_columns(card.route[0].retractor, scene)
     laid, lengths = laid_at_start(columns, scene)
     refuse_route(card.route, laid, lengths, scene)
     straight = float(lengths.sum())
@@ -153,7 +164,11 @@ def initial_history(card: Belt, p: Any, scene: Any) -> dict[str, Any]:
         # what is pretensioned has reached its curve
         L = p["start"][:n]
         residual[:n] = np.maximum(lengths - L - L * p["first"] / p["k"], 0.0)
-    own = {"webbing": p["start"], "residual": residual, "tension": used * p["first"]}
+    own: dict[str, Any] = {
+        "webbing": p["start"],
+        "residual": residual,
+        "tension": used * p["first"],
+    }
     return {column.name: laid[column.name] for column in LAID.columns} | own
 
 
@@ -162,8 +177,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     clear(p, old, new, out)
     lay(p, old, new, out, nodes)
-    settle(p, old, new, out, curves)
+    settle(p, old, new, out, t, curves)
     pull_segments(p, new, out, nodes)
+    wind(p, old, new, nodes, new.flow[0], h, curves)
     account(p, old, new, out, h)
     for i in range(p.segments):
         refuse_torn(p, out.strain[i], curves)
@@ -185,7 +201,7 @@ def clear(p, old, new, out):
         new.grip[j], new.direction[j] = 1.0, 0
         out.slip[j] = out.angle[j] = 0.0
     new.above[0] = new.change[0] = 0.0
-    new.direction[0] = 0
+    new.direction[0] = new.mode = 0
     if p.segments == 1:
         new.above[1] = new.change[1] = 0.0
     new.short, new.unsettled, new.passes = old.short, old.unsettled, 0
@@ -211,11 +227,15 @@ def account(p, old, new, out, h):
             new.short = 1
     if new.passes >= PASSES:
         new.unsettled = 1
-    new.friction, new.drawn, out.loss = old.friction, old.drawn, 0.0
+    T_0, T_1, q = old.tension[0], out.force[0], new.flow[0]
+    took = 0.5 * (T_0 + T_1) * q + 0.5 * T_0 * T_1 * q / p.k
+    new.friction, new.drawn, new.took, out.loss = old.friction, old.drawn, old.took, 0.0
     if h > 0.0:
-        new.friction += friction
+        new.friction += friction - took
+        new.took += took
         new.drawn += drawn
         out.loss = friction + drawn
-    out.friction, out.hysteresis = new.friction, new.drawn
+    out.friction, out.hysteresis, out.retractor = new.friction, new.drawn, new.took
+    out.pay_out, out.locked = new.slip[0], new.locked
     for j in range(p.segments + 1):
         out.slip[j] = new.slip[j]
