@@ -48,7 +48,9 @@ def test_free_it_takes_slack_in_and_lets_webbing_out_at_its_pull(
         go(law, far)
         # the force is the pull of the spring, whatever the webbing does
         assert law.out.force[0] == pytest.approx(8.0, rel=1e-6)
-        assert abs(np.log(law.out.force[1] / 8.0)) <= 0.2 * law.out.angle[1] + 1e-9
+        # behind the ring within its friction
+        c = np.exp(0.2 * law.out.angle[1]) * (1.0 + 1e-6)
+        assert 8.0 / c <= law.out.force[1] <= 8.0 * c
         length = law.out.length[:2]
         unstrained = (length / (1.0 + law.out.force[:2] / K)).sum()
         # webbing that there is: that of the start and what has left the spool

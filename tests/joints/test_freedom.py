@@ -42,7 +42,7 @@ def test_a_joint_that_takes_a_freedom_away_lowers_the_count(tmp_path: Path) -> N
 
 
 def test_a_mechanism_with_drivers_has_none_left() -> None:
-    # two shafts of 6, two revolute joints of 5, a universal joint of 4 and a driver of 1: 3 too many
+    # two shafts, two revolute joints, a universal joint and a driver: 15 rows, 3 too many
     text = checked(DECKS / "joints" / "universal.yaml")
     assert "degrees of freedom: 0 = 6 x 2 - 12" in text
     assert "redundant constraint rows: 3" in text

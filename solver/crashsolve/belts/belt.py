@@ -159,12 +159,14 @@ def laid_at_start(columns: dict[str, Any], scene: Any) -> tuple[Any, np.ndarray]
 def initial_history(card: Belt, p: Any, scene: Any) -> dict[str, Any]:
     laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
     used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
-    residual = np.zeros(SEGMENTS)
+    residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)
+    straight[:n] = lengths
     if p["curve"]:
         # what is pretensioned has reached its curve
         L = p["start"][:n]
         residual[:n] = np.maximum(lengths - L - L * p["first"] / p["k"], 0.0)
     own: dict[str, Any] = {
+        "straight": straight,
         "webbing": p["start"],
         "residual": residual,
         "tension": used * p["first"],
@@ -210,13 +212,17 @@ def clear(p, old, new, out):
 @kernel
 def account(p, old, new, out, h):
     """What is stored and lost, and what is shown. Writes: new, out."""
-    out.stored = out.power = friction = drawn = 0.0
+    out.stored = out.power = friction = drawn = slack = 0.0
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]
         mean, L = 0.5 * (T_0 + T_1), new.webbing[i]
         dL, dS = L - old.webbing[i], new.residual[i] - old.residual[i]
         friction += mean * (dL + dS - new.moved[i]) + 0.5 * T_0 * T_1 * dL / p.k
         drawn += mean * new.moved[i]
+        if new.flow[0] != 0.0:
+            # slack that the spool takes from a segment moves at no force
+            before = max(old.webbing[i] + old.residual[i] - old.straight[i], 0.0)
+            slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
         out.stored += 0.5 * T_1 * T_1 * L / p.k
         if new.slipped > old.slipped:
             # a length that goes at once does no work on the bodies
@@ -228,7 +234,10 @@ def account(p, old, new, out, h):
     if new.passes >= PASSES:
         new.unsettled = 1
     T_0, T_1, q = old.tension[0], out.force[0], new.flow[0]
-    took = 0.5 * (T_0 + T_1) * q + 0.5 * T_0 * T_1 * q / p.k
+    took = 0.0
+    if p.spool == 1:
+        took = slack + 0.5 * (T_0 + T_1) * q + 0.5 * T_0 * T_1 * q / p.k
+    friction += slack
     new.friction, new.drawn, new.took, out.loss = old.friction, old.drawn, old.took, 0.0
     if h > 0.0:
         new.friction += friction - took
