@@ -5,6 +5,9 @@ import numpy as np
 from crashsolve.channels.display import Product
 from crashsolve.channels.series import Series, cumulative
 
+# intervals that differ by more than this have no parabola in common
+ALIKE = 4.0
+
 
 def value(series: Series) -> float:
     """Of straight lines between the samples."""
@@ -12,7 +15,11 @@ def value(series: Series) -> float:
 
 
 def refined(series: Series) -> float:
-    """Simpson's rule for pairs of any intervals; an odd interval at the end stays as it is."""
+    """Simpson's rule for pairs of intervals; an odd interval at the end stays as it is.
+
+    So do pairs of which one is several times the other, as where steps are sampled after a long
+    interval: no parabola knows both.
+    """
     time, values = series.time, series.values
     fine = cumulative(time, values)
     last = (len(time) - 1) // 2 * 2
@@ -20,7 +27,8 @@ def refined(series: Series) -> float:
     x, y, z = values[0:last:2], values[1:last:2], values[2 : last + 1 : 2]
     # the parabola through three samples: its bend times this
     bend = (z - y) / b - (y - x) / a
-    return float(fine[-1] - np.sum(bend * (a**3 + b**3) / (6.0 * (a + b))))
+    alike = np.maximum(a, b) <= ALIKE * np.minimum(a, b)
+    return float(fine[-1] - np.sum(np.where(alike, bend * (a**3 + b**3) / (6.0 * (a + b)), 0.0)))
 
 
 def unit(unit: str) -> str:
