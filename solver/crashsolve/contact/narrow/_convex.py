@@ -58,9 +58,11 @@ def gap(a, b, nodes, data):
     body_a, body_b = nodes[a.node], nodes[b.node]
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
-    best, n, value = -1e300, (0.0, 0.0, 1.0), 1e300
-    for _ in range(CLIMBS):
-        start, value = next_start(a, b, body_a, body_b, c, value)
+    best, n = -1e300, (0.0, 0.0, 1.0)
+    starts = first_starts(a, b, body_a, body_b, c)
+    for climb_number in range(CLIMBS):
+        k = of_start(starts, climb_number)
+        start = toward(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
         height, top = ascend(a, b, body_a, body_b, c, start)
         if height > best:
             best, n = height, top
@@ -88,18 +90,42 @@ def bound(a, b, nodes, data):
 
 
 @kernel
-def next_start(a, b, body_a, body_b, c, bound):
-    """The direction along which the bodies are farthest apart, but less than `bound`."""
-    best, best_n = -1e300, (0.0, 0.0, 1.0)
+def first_starts(a, b, body_a, body_b, c):
+    """Which CLIMBS directions the bodies are farthest apart along; -1: there is none.
+
+    Of those with the same distance one is enough.
+    """
+    none = (-1e300, -1)
+    one, two, three, four = none, none, none, none
     for k in range(STARTS):
         n = direction(a, b, body_a, body_b, c, k)
-        length = norm(n)
-        if length > 1e-6 * norm(c):
-            n = scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
-            value = apart(a, b, body_a, body_b, c, n)
-            if best < value < bound:
-                best, best_n = value, n
-    return best_n, best
+        if norm(n) > 1e-6 * norm(c):
+            value = apart(a, b, body_a, body_b, c, toward(n, c))
+            if value > one[0]:
+                one, two, three, four = (value, k), one, two, three
+            elif two[0] < value < one[0]:
+                two, three, four = (value, k), two, three
+            elif three[0] < value < two[0]:
+                three, four = (value, k), three
+            elif four[0] < value < three[0]:
+                four = (value, k)
+    return one[1], two[1], three[1], four[1]
+
+
+@kernel
+def of_start(starts, number):
+    """Which direction the climb of that number starts from; -1: there is none."""
+    first, second, third, fourth = starts
+    if number < 2:
+        return first if number == 0 else second
+    return third if number == 2 else fourth
+
+
+@kernel
+def toward(n, c):
+    """Unit vector along n, to the side of c."""
+    length = norm(n)
+    return scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
 
 
 @kernel

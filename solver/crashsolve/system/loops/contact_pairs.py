@@ -28,11 +28,11 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         card, count = totals.card, totals.count
         if KICK_DRIFT_KICK and group.rests:
             displacement = resting.largest_approach(p, m, w)
-            if resting.rests(h, old, new, displacement, card.depth):
+            if resting.rests(h, old, new, displacement):
                 new.depth = old.depth + displacement
                 touches.sum_losses(card, new)
                 continue
-        depth, n, x = gap(group, card, old, a, b, nodes, scene)
+        depth, n, x = gap(group, h, card, old, a, b, nodes, scene)
         if group.keeps_faces:
             held, over, stored = False, -1.0, out.stored
             if pass_through.is_another_face(old, depth, n, a.radius):
@@ -92,14 +92,14 @@ def totals_of(group, piece, i, clock, p, m, w, scene):
 
 
 @stage
-def gap(group, card, old, a, b, nodes, scene):
-    """Depth, normal and place of a pair.
+def gap(group, h, card, old, a, b, nodes, scene):
+    """Depth, normal and position of a pair.
 
-    Of one apart, where another of the card is deeper anyway, only what the depth does not exceed.
+    Of one apart of which nothing is asked, only what the depth does not exceed.
     """
     if hasattr(group.narrow, "bound") and old.active == 0:
         depth = group.narrow.bound(a, b, nodes, group.data)
-        if depth <= min(0.0, card.depth):
+        if depth <= resting.unasked_depth(h, card.depth):
             return depth, areas.NO_ROTATION, areas.NO_ROTATION
     return group.narrow.gap(a, b, nodes, group.data)
 
