@@ -41,8 +41,9 @@ PARAMETERS = Record("""
     damping              N s/m  c
 """)
 HISTORY = Record("""
-    slider  m  s
-    kept    J  P
+    slider       m  s
+    kept         J  P
+    recoverable  J  energy that the padding gives back
 """)
 
 
@@ -79,9 +80,10 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
         spring, s = lower, depth - lower / k
         kept = work(curves, p.unloading_curve, 1.0, k, depth)
     new.slider, new.kept = s, kept
+    new.recoverable = 0.5 * spring * spring / k + kept
     f = max(0.0, spring + p.damping * rate) if spring > 0.0 else 0.0
     lost = max(loss, 0.0) if h > 0.0 else 0.0
-    return f, 0.5 * spring * spring / k + kept, (f - spring) * rate, lost, k, p.damping
+    return f, new.recoverable, (f - spring) * rate, lost, k, p.damping
 
 
 @kernel
@@ -89,6 +91,7 @@ def release(p, old, new):
     """Nothing is left of the touch. Writes: new."""
     new.slider = 0.0
     new.kept = 0.0
+    new.recoverable = 0.0
 
 
 @kernel
