@@ -204,3 +204,21 @@ def test_a_size_that_cannot_be_is_refused(stature: float, mass: float, tmp_path:
     done = crashsolve(path, "-o", tmp_path / "out")
     assert done.returncode == 2
     assert "error:" in done.stderr
+
+
+@pytest.mark.long
+def test_seats_and_dash_of_the_roll_over_are_padded_by_a_word(tmp_path: Path) -> None:
+    scenes = SHARED.parents[1] / "scenes"
+    text = (scenes / "rollover.yaml").read_text("utf-8")
+    for folder in ("shared/", "../occupants/"):
+        text = text.replace(f" {folder}", f" {(scenes / folder).resolve()}/")
+        text = text.replace(f"file: {folder}", f"file: {(scenes / folder).resolve()}/")
+    path = tmp_path / "padded.yaml"
+    path.write_text(text.replace("interior: rigid", "interior: padded"), "utf-8")
+    words = ["--set", "control.end_time=0.3", "--set", "control.estimate=off"]
+    done = crashsolve(path, "-o", tmp_path / "out", *words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    result = Result(tmp_path / "out")
+    assert result.series("rcforc.driver_seat.normal").values.max() > 0.0
+    # 0.5 % is asked for
+    assert np.abs(result.series("glstat.model.balance").values).max() < 0.5
