@@ -19,6 +19,9 @@ curves:
     extrapolate: linear
   low: {points: [[-3, -100], [-0.5, 0], [0, 0], [0.5, 0], [3, 100]], extrapolate: linear}
   growth: {points: [[0, 1], [2, 1.4], [50, 2]], extrapolate: hold}
+  shock: {points: [[-1, -60], [0, 0], [1, 37]], extrapolate: linear}
+  oil: {points: [[-2, -90], [-1, -20], [0, 0], [1, 20], [2, 90]], interpolation: cubic,
+    extrapolate: linear}
 materials:
   cork: {type: elastic, young: 2e6, poisson: 0.3, density: 1}
   lead:
@@ -33,6 +36,8 @@ AXIS = "a: a, b: b, axis: [1, 2, -1]"
 # every spring whose force follows from configuration and velocity alone, in each of its ways
 REVERSIBLE = {
     "linear": f"{{type: linear, {POINTS}, stiffness: 50, damping: 3, length: 0.7}}",
+    "damper": f"{{type: damper, {POINTS}, curve: shock}}",
+    "smooth damper": f"{{type: damper, {POINTS}, curve: oil}}",
     "torsional": f"{{type: torsional, {AXIS}, stiffness: 40, damping: 2, angle: 0.3}}",
     "bushing": f"{{type: bushing, {POINTS}, stiffness: [50, 90, 20], damping: [1, 2, 3],"
     " rotational_stiffness: [30, 10, 20], rotational_damping: [0.5, 1, 0.2],"

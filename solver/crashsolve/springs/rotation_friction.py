@@ -66,6 +66,7 @@ HISTORY = PRESSING + Record("""
 """)
 OUTPUT = Record("""
     torque  N m  3  on b, world axes
+    moment  N m  3  the same, axes of b
     limit   N m     at which it slides
     slid    rad     angle slid so far
 """)
@@ -120,6 +121,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     was, held = vec(old.bristle), vec(old.torque)
     out.loss = lost(p.stiffness, was, z, held, torque, rotation) if h > 0.0 else 0.0
     put(out.torque, arm(a, scale(-1.0, torque)))
+    put(out.moment, matvec_t(b.A, vec(out.torque)))
     apply_torque(b, vec(out.torque))
     apply_torque(a, scale(-1.0, vec(out.torque)))
     add_stiffness_bound(a, rotational_mobility(a, a, p), p.stiffness, p.damping)
