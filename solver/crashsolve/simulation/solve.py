@@ -248,7 +248,7 @@ class Run:
         """
         control, asks = self.deck.control, self.deck.watch or self.deck.expect
         # who only expects an equilibrium does not pay for one more
-        is_enough = is_static(self.deck) and not self.deck.watch
+        is_enough = control.follows_path or (is_static(self.deck) and not self.deck.watch)
         if control.estimate == "off" or not asks or is_enough:
             if asks or self.deck.output.report:
                 # a misspelt channel is reported before the run, not after it
@@ -300,7 +300,7 @@ class Run:
         self.sampled = float(self.engine.clock["sampled"])
         k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
-        while target < end:
+        while target < end and not self.engine.is_complete:
             k += 1
             target = self.schedule.time(k)
             # no run has children while it marches: their times need not be asked for
@@ -310,10 +310,12 @@ class Run:
             finally:
                 advanced = time.process_time()
                 self.cpu["steps"] += advanced - begun
+            if self.engine.is_complete:
+                target = float(self.engine.clock["time"])
             self.engine.sample(target)
             phases.count()
             self.account.keep_alive()
-            self._write(target, force=target == end)
+            self._write(target, force=target == end or self.engine.is_complete)
             self.sampled = target
             self._obey()
             self.cpu["output"] += time.process_time() - advanced
