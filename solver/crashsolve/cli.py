@@ -20,7 +20,12 @@ from typing import Any
 from crashsolve import __version__
 from crashsolve.channels.command_line import add_completion, completion, protected
 from crashsolve.channels.errors import ChannelError
-from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
+from crashsolve.foundation.errors import (
+    CrashsolveError,
+    DeckError,
+    ExitCode,
+    out_of_memory,
+)
 from crashsolve.foundation.streams import give_up, open_standard_streams, printable, report_error
 
 COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "example")
@@ -48,6 +53,9 @@ def main(arguments: list[str] | None = None) -> int:
     except CrashsolveError as error:
         report_error(str(error))
         return int(error.exit_code)
+    except MemoryError:
+        report_error(out_of_memory())
+        return int(ExitCode.OUTPUT)
     except KeyboardInterrupt:
         report_error("interrupted")
         return int(ExitCode.STOPPED)
@@ -243,15 +251,19 @@ def _check(options: argparse.Namespace) -> int:
     from crashsolve.model.build import build
     from crashsolve.recording.histories import families_of
     from crashsolve.recording.questions import look_up
+    from crashsolve.simulation.expected_size import expected_size
     from crashsolve.simulation.freedom import freedom
 
     deck = read_deck(options.deck, _overrides(options))
     model, state = build(deck)
-    look_up(deck, families_of(model, state))
+    families = families_of(model, state)
+    look_up(deck, families)
+    size = expected_size(deck, families, (), Path(options.deck.stem + ".results"))
     for text in (*deck.unread, *model.warnings):
         print(printable(f"warning: {text}"))
     for text in freedom(model, state, deck.control.start_time):
         print(printable(text))
+    print(printable(f"output: {size}"))
     print(printable(f"{options.deck}: no errors found"))
     return ExitCode.NORMAL
 

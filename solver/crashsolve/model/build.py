@@ -371,7 +371,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["spectral_radius"] = card.spectral_radius
     c["tolerance"] = card.tolerance or card.accuracy or TOLERANCE
     c["start"], c["end"] = card.start_time, card.end_time
-    c["check_every"] = card.check_every
+    c["check_every"], c["follows_path"] = card.check_every, card.follows_path
     return control
 
 

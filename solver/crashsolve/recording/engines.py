@@ -24,6 +24,10 @@ def engine_of(deck: Deck, model: Model, state: State) -> Engine:
         from crashsolve.statics.pseudo_transient import RestEngine
 
         return RestEngine(model, state, deck.control)
+    if deck.control.follows_path:
+        from crashsolve.statics.path import PathEngine
+
+        return PathEngine(model, state, deck.control)
     from crashsolve.statics.equilibrium import StaticEngine
 
     return StaticEngine(model, state, deck.control)

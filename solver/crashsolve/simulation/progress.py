@@ -45,7 +45,7 @@ def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[
 
     From here on status.json speaks of this run, and not of one before it. Raises OutputError.
     """
-    start, end = deck.control.start_time, deck.control.end_time
+    start, end = deck.control.start_time, deck.control.last_time
     status = Status("running", start, 0, end, 0.0, 0.0, 0.0, 0.0, message="preparing")
     path, begun = folder / "status.json", time.monotonic()
     write_status(path, status)
@@ -121,7 +121,7 @@ class Account:
     def progress(self) -> None:
         """A line of the log, status.json, and the bar on a terminal."""
         e, clock = self.engine, self.engine.clock
-        self.pace.look(float(clock["time"]), self.deck.control.end_time)
+        self.pace.look(float(clock["time"]), self.deck.control.last_time)
         self.log.cycle(
             int(clock["cycle"]),
             float(clock["time"]),
@@ -134,7 +134,7 @@ class Account:
         )
         self.pulse.reported()
         self.status("running", None, "")
-        span = self.deck.control.end_time - self.deck.control.start_time
+        span = self.deck.control.last_time - self.deck.control.start_time
         self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
 
     def keep_alive(self) -> None:
@@ -172,7 +172,7 @@ class Account:
                 state,
                 float(clock["time"]),
                 int(clock["cycle"]),
-                self.deck.control.end_time,
+                self.deck.control.last_time,
                 float(clock["step"]),
                 balance(self.engine),
                 cpu_time(),

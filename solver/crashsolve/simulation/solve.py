@@ -22,6 +22,7 @@ from crashsolve.foundation.errors import (
     DeckError,
     ExitCode,
     RunStopped,
+    out_of_memory,
 )
 from crashsolve.foundation.streams import report_error, say
 from crashsolve.model.build import build
@@ -38,6 +39,7 @@ from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.sampling import Schedule
+from crashsolve.simulation.expected_size import expected_size
 from crashsolve.simulation.heartbeat import Pulse
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
 from crashsolve.simulation.missed import missed_contacts
@@ -45,12 +47,8 @@ from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import (
-    met_by,
-    pressed_at_start,
-    remarks,
-)
-from crashsolve.simulation.requests import Requests
+from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks
+from crashsolve.simulation.requests import Requests, stop_as_by_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, changing, differing, restore
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
@@ -65,9 +63,7 @@ COARSENESS = "run/coarseness"
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
-    # until there is something to dump: stop as by the keyboard, and dump nothing
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+    stop_as_by_keyboard()
     with Pulse(f"reading {deck_path.name}", say) as pulse:
         return _solve(deck_path, folder, overrides, restart, pulse)
 
@@ -186,6 +182,8 @@ class Run:
     def _fail(self, error: Exception) -> None:
         """Report the error and save what can be saved; the first error is the one that counts."""
         code, message = ExitCode.INTERNAL, f"internal: {error!r}"
+        if isinstance(error, MemoryError):
+            code, message = ExitCode.OUTPUT, out_of_memory()
         if isinstance(error, CrashsolveError):
             code, message = ExitCode(error.exit_code), str(error)
         for act in (
@@ -223,6 +221,8 @@ class Run:
             for text in (*self.engine.notes, *self.overlapping):
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
+        families, blocks = self.histories.families, self.pictures.blocks
+        self.log.line(f"output: {expected_size(self.deck, families, blocks, self.folder)}")
         metadata = provenance(self.deck, self.engine)
         self.history = HistoryWriter(
             self.folder / "history.h5",
@@ -248,7 +248,7 @@ class Run:
         """
         control, asks = self.deck.control, self.deck.watch or self.deck.expect
         # who only expects an equilibrium does not pay for one more
-        is_enough = is_static(self.deck) and not self.deck.watch
+        is_enough = control.follows_path or (is_static(self.deck) and not self.deck.watch)
         if control.estimate == "off" or not asks or is_enough:
             if asks or self.deck.output.report:
                 # a misspelt channel is reported before the run, not after it
@@ -300,7 +300,7 @@ class Run:
         self.sampled = float(self.engine.clock["sampled"])
         k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
-        while target < end:
+        while target < end and not self.engine.is_complete:
             k += 1
             target = self.schedule.time(k)
             # no run has children while it marches: their times need not be asked for
@@ -310,10 +310,12 @@ class Run:
             finally:
                 advanced = time.process_time()
                 self.cpu["steps"] += advanced - begun
+            if self.engine.is_complete:
+                target = float(self.engine.clock["time"])
             self.engine.sample(target)
             phases.count()
             self.account.keep_alive()
-            self._write(target, force=target == end)
+            self._write(target, force=target == end or self.engine.is_complete)
             self.sampled = target
             self._obey()
             self.cpu["output"] += time.process_time() - advanced

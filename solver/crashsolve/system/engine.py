@@ -1,9 +1,10 @@
 """The engine: the compiled step of one scene with its arrays. The only place that calls it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from math import inf, nextafter
 from time import monotonic
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,11 @@ PASSES = 60
 
 class Engine:
     """Steps a State through a Model; `nodes` and `rows` are the copies of the last sample."""
+
+    # a path of equilibria may end before the end time
+    is_complete = False
+    # arrays beside the State that a restart must bring back
+    memory: Mapping[str, np.ndarray] = MappingProxyType({})
 
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state

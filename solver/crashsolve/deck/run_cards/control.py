@@ -78,9 +78,23 @@ class Control(Card):
     )
     steps: int = word(
         "of quasi_static, equal load steps, sampled each; output.history.interval goes before; "
-        "loads without a curve act from the start",
+        "loads without a curve act from the start; of a path by arc_length, steps for the length "
+        "that the first stiffness would give",
         default=10,
         ge=1,
+    )
+    path: Literal["load", "arc_length"] = word(
+        "of quasi_static, load: the load of each moment, until a limit point; arc_length: along "
+        "the path of equilibria through limit points, where the load falls, until the loads and "
+        "motions of end_time are reached; times of its results count the length of the path",
+        "load",
+    )
+    path_length: float = quantity(
+        "1",
+        "of arc_length, longest path over the length that the first stiffness would give",
+        10.0,
+        ge=1,
+        le=1e4,
     )
 
     threads: int | None = word(
@@ -111,6 +125,8 @@ class Control(Card):
             raise ValueError(f"{what}: solution quasi_static finds equilibria and needs none")
         if self.solution == "quasi_static" and self.end_time == self.start_time:
             raise ValueError("end_time: must come after start_time for a load step to fit between")
+        if self.path == "arc_length" and self.solution != "quasi_static":
+            raise ValueError("path: arc_length is one of equilibria; say solution: quasi_static")
         if self.threads and self.threads > 1 and not self.is_explicit:
             raise ValueError("threads: share explicit steps only; say integrator: rattle")
         return self
@@ -119,6 +135,18 @@ class Control(Card):
     def is_explicit(self) -> bool:
         """Whether steps are such as threads can share."""
         return bool(self.integrator == "rattle" and self.solution == "transient")
+
+    @property
+    def follows_path(self) -> bool:
+        """Whether equilibria are followed through limit points."""
+        return self.path == "arc_length"
+
+    @property
+    def last_time(self) -> float:
+        """Time at which the run ends at the latest [s]: along a path it counts the length."""
+        if not self.follows_path:
+            return self.end_time
+        return self.start_time + self.path_length * (self.end_time - self.start_time)
 
     def unused(self, has_interval: bool) -> dict[str, str]:
         """Words without use beside the others, and why; `has_interval` of samples of the deck."""
@@ -136,6 +164,8 @@ class Control(Card):
             found["steps"] = "it belongs to solution quasi_static"
         elif has_interval:
             found["steps"] = "output.history.interval goes before"
+        if not self.follows_path:
+            found["path_length"] = "it belongs to path arc_length"
         return found
 
     def _leaves_the_choice(self) -> None:
