@@ -89,4 +89,5 @@ CONTROL = Record("""
     start                 s      time at which the run begins
     end                   s      time at which it ends
     check_every           count  cycles between guards
+    resolves              flag   whether steps chosen by their error keep to safety and rotation
 """)
