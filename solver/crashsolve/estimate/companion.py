@@ -50,7 +50,9 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
     if c["fixed_step"] > 0.0:
         c["fixed_step"] *= coarseness
         return
-    c["step_max"] = min(c["step_max"], interval) * coarseness
+    # samples do not cut the steps of the default method that chooses them
+    longest = c["step_max"] if c["resolves"] == 1 else min(c["step_max"], interval)
+    c["step_max"] = longest * coarseness
     c["curve_share"] *= coarseness
     c["safety"] *= coarseness
     c["rotation"] *= coarseness

@@ -22,6 +22,7 @@ from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mes
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
+from crashsolve.model.integrator_selection import settled
 from crashsolve.output.channels import Family
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
@@ -175,8 +176,9 @@ def _without(found: Estimate, words: Sequence[str]) -> Estimate:
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     """A run without files: its samples, its estimates, and their price over that of the run."""
-    families = Histories(engine_of(deck, *build(deck))).families
-    estimator = Estimator(deck, families)
+    model, state = build(deck)
+    deck = deck if is_static(deck) else settled(deck, model)
+    estimator = Estimator(deck, Histories(engine_of(deck, model, state)).families)
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])
     meshes = estimator.mesh_runs(1.0, inf).runs

@@ -92,4 +92,5 @@ CONTROL = Record("""
     end                   s      time at which it ends
     check_every           count  cycles between guards
     follows_path          flag   whether equilibria are followed through limit points
+    resolves              flag   whether steps chosen by their error keep to safety and rotation
 """)

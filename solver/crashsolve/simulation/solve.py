@@ -8,7 +8,6 @@ import signal
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +25,7 @@ from crashsolve.foundation.errors import (
 )
 from crashsolve.foundation.streams import report_error, say
 from crashsolve.model.build import build
+from crashsolve.model.integrator_selection import settled
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
@@ -79,9 +79,7 @@ def _solve(
     was_read = cpu_time()
     model, state = build(deck)
     if not is_static(deck):
-        # runs beside this one must not choose anew
-        control = deck.control.model_copy(update={"integrator": model.integrator})
-        deck = replace(deck, control=control)
+        deck = settled(deck, model)
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with Lock(folder) as lock:

@@ -34,6 +34,9 @@ PARAMETERS = Record("""
 # directions are found to this angle [rad]; the depth is then right to its square
 ANGLE = 1e-10
 ITERATIONS = 60
+# rounding of edges beside ellipsoids, over the radius of the enclosing sphere; and most of it, over
+# the least half size
+SHARP, THINNEST = 1e-5, 0.1
 # relative noise of a height, not to be taken for a way down
 ROUND_OFF = 1e-13
 # directions to start from, and climbs to different tops of bodies that overlap
@@ -43,6 +46,20 @@ STARTS, CLIMBS = 22, 4
 def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
     """Elements of a shape as sums of ellipsoids."""
     return [_as_sum(element, shape.rounds(element)) for element in elements]
+
+
+def expand_sharp(elements: Any, shape: Any) -> list[dict[str, Any]]:
+    """Boxes or cylinders that meet ellipsoids, as sums of ellipsoids.
+
+    Roundness of an ellipsoid is enough for a touch: faces beside it are flat, but for what Newton's
+    method needs on sixteen digits.
+    """
+    found = []
+    for element in elements:
+        most = THINNEST * shape.half_thickness(element)
+        edge = min(most, SHARP * shape.bounding(element)[1])
+        found.append(_as_sum(element, shape.rounds(element | {"edge": edge})))
+    return found
 
 
 def _as_sum(element: dict[str, Any], rounds: list[np.ndarray]) -> dict[str, Any]:

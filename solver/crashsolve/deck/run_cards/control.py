@@ -1,16 +1,22 @@
 """How the run is controlled: its duration, its steps and when it must stop."""
 
 import os
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity, word
-from crashsolve.deck.family import integrators
+from crashsolve.deck.family import DEFAULT_INTEGRATOR, integrators
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 # one file each in integrators/
-Integrator: Any = Literal[(*integrators(), "auto")]
+Integrator: Any = Literal[(*integrators(), "auto", "default")]
+# words that state steps, or share them: those of rattle where no method is named
+OF_STEPS = ("step", "step_min", "safety", "tolerance", "onset_tolerance", "threads")
+
+# default is rattle where there is anything to share
+EXPLICIT_STEPS = ("rattle", "default")
 
 MOST_THREADS = 1024
 # what Slurm states a job
@@ -23,7 +29,11 @@ class Control(Card):
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
     integrator: Integrator = word(
-        "method of integration; auto: from stiffness and smoothness of the deck", integrators()[0]
+        "method of integration; default: dormand_prince_8 for rigid bodies with joints, springs "
+        "and loads that are smooth, without contacts and curves, where control says none of step, "
+        "step_min, safety, tolerance, onset_tolerance and threads, else rattle; auto: from "
+        "stiffness and smoothness of the deck",
+        "default",
     )
     accuracy: float | None = quantity(
         "1",
@@ -107,10 +117,28 @@ class Control(Card):
         le=MOST_THREADS,
     )
 
+    resolve: bool = word(
+        "whether steps of dormand_prince methods also keep to the stable step of every spring, "
+        "to turns of 0.7 rad and to a fortieth of the run, whatever their error is over the "
+        "model's size and speed; the default does",
+        False,
+    )
+
     start: Literal["as_given", "equilibrium"] = word(
         "equilibrium: positions are moved first to where nothing accelerates the bodies at rest",
         "as_given",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keep_stated_steps(cls, given: Any) -> Any:
+        """Rattle for a deck that states steps and no method, or seeks equilibria."""
+        if not isinstance(given, Mapping) or "integrator" in given:
+            return given
+        stated = [word for word in OF_STEPS if given.get(word) not in (None, "auto")]
+        if stated or given.get("solution") == "quasi_static":
+            return {**given, "integrator": DEFAULT_INTEGRATOR}
+        return given
 
     @model_validator(mode="after")
     def _in_order(self) -> "Control":
@@ -134,7 +162,7 @@ class Control(Card):
     @property
     def is_explicit(self) -> bool:
         """Whether steps are such as threads can share."""
-        return bool(self.integrator == "rattle" and self.solution == "transient")
+        return bool(self.integrator in EXPLICIT_STEPS and self.solution == "transient")
 
     @property
     def follows_path(self) -> bool:
@@ -160,6 +188,8 @@ class Control(Card):
             found["start"] = "solution quasi_static begins in equilibrium"
         if is_static or self.integrator not in ("generalized_alpha", "auto"):
             found["spectral_radius"] = "it belongs to integrator generalized_alpha"
+        if self.resolve and not self.integrator.startswith("dormand_prince"):
+            found["resolve"] = "it belongs to the dormand_prince methods"
         if not is_static:
             found["steps"] = "it belongs to solution quasi_static"
         elif has_interval:

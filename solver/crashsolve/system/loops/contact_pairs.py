@@ -134,13 +134,14 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     f, out.stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, depth, rate, mass, curves
     )
+    closing_rate = rate
     if group.is_flat:
         _, c_now = group.normal.normal_tangent(p, new, depth, rate, mass, curves)
         spots = group.data[0]
         push = Push(f, rate, c_now, k, c)
         f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, applied, push)
         power += more
-        _, slip, d_a, d_b = touches.closing(m, w, x, n)
+        closing_rate, slip, d_a, d_b = touches.closing(m, w, x, n)
     elif group.has_shares:
         # what the law returns is for the whole surface, of which this is one element
         f, out.stored, power = a.share * f, a.share * out.stored, a.share * power
@@ -176,6 +177,8 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
         work.begin_second_half(applied, pair, sliding, x, t, count)
     elif KICK_DRIFT_KICK:
         work.begin_push(applied, displacement, f, n, x, out, new, count)
+    else:
+        touches.note_power(applied, f, closing_rate, t, slip, out, count)
 
 
 @stage
