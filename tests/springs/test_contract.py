@@ -18,6 +18,7 @@ curves:
     interpolation: cubic
     extrapolate: linear
   low: {points: [[-3, -100], [-0.5, 0], [0, 0], [0.5, 0], [3, 100]], extrapolate: linear}
+  pushes: {points: [[0, 0], [1, 50], [5, 900]], extrapolate: linear}
   growth: {points: [[0, 1], [2, 1.4], [50, 2]], extrapolate: hold}
   shock: {points: [[-1, -60], [0, 0], [1, 37]], extrapolate: linear}
   oil: {points: [[-2, -90], [-1, -20], [0, 0], [1, 20], [2, 90]], interpolation: cubic,
@@ -47,6 +48,12 @@ REVERSIBLE = {
     "curve_torsional": f"{{type: curve_torsional, {AXIS}, curve: smooth, damping: 2, angle: -0.6}}",
     "curve with growth": f"{{type: curve, {POINTS}, curve: soft, rate_curve: growth, length: 0.5}}",
     "curve with power law": f"{{type: curve, {POINTS}, curve: soft, power_law: {{}}, length: 0.5}}",
+    "strut": f"{{type: strut, {POINTS}, stiffness: 50, length: 0.7, bump_damping: 1,"
+    " rebound_damping: 4}",
+    "strut in bump": f"{{type: strut, {POINTS}, stiffness: 50, length: 0.7, bump_length: 3,"
+    " bump_stiffness: 90, bump_damping: 2, rebound_damping: 1}",
+    "strut in rebound": f"{{type: strut, {POINTS}, curve: smooth, length: 0.7,"
+    " damping_curve: soft, rebound_length: 0.1, rebound_curve: pushes}",
     "curve with gap": f"{{type: curve, {POINTS}, curve: soft, gap: 0.02, length: 0.4}}",
 }
 # path-dependent springs
