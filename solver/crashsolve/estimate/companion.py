@@ -60,10 +60,12 @@ class Companions:
     """Runs of one deck in memory; `stopped` asks whether to give up."""
 
     def __init__(
-        self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool]
+        self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool], program: str
     ) -> None:
+        """`program` is that of the run (system/engine.py), or empty."""
         self.deck, self.channels, self.stopped = deck, channels, stopped
         self.names = {channel.family.name for channel in channels}
+        self.program = program
         self.order = order_of(deck.control.integrator)
         # CPU time [s] that is left for all runs, and of the process when this one must end
         self.budget, self._until = inf, inf
@@ -82,7 +84,8 @@ class Companions:
         model, state = build(self.deck)
         if not is_static(self.deck):
             coarsen(model.control, coarseness, schedule.interval, self.order)
-        engine = engine_of(self.deck, model, state)
+        engine = engine_of(self.deck, model, state, self.program)
+        self.program = engine.program
         engine.on_pause = self._abandon_on_request
         histories = Histories(engine, self.names)
         times, blocks = [], []

@@ -23,8 +23,8 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
 from crashsolve.output.channels import Family
-from crashsolve.recording.engines import engine_of, is_static
-from crashsolve.recording.histories import Histories
+from crashsolve.recording.engines import is_static
+from crashsolve.recording.histories import families_of
 from crashsolve.recording.questions import look_up
 from crashsolve.recording.samples import Channel, Samples
 from crashsolve.study.meshes import has_mesh
@@ -44,7 +44,11 @@ class Estimator:
     """Estimates for one deck; raises DeckErrors for a watched channel that does not exist."""
 
     def __init__(
-        self, deck: Deck, families: Sequence[Family], stopped: Callable[[], bool] = lambda: False
+        self,
+        deck: Deck,
+        families: Sequence[Family],
+        stopped: Callable[[], bool] = lambda: False,
+        program: str = "",
     ) -> None:
         self.deck = deck
         # one answer for expectations of the same number
@@ -52,7 +56,7 @@ class Estimator:
         self.watches: list[Watch] = list(reversed(unique.values()))
         self.channels = look_up(deck, families)
         self.order = order_of(deck.control.integrator)
-        self.companions = Companions(deck, self.all_channels, stopped)
+        self.companions = Companions(deck, self.all_channels, stopped, program)
         self.stopped = stopped
 
     @property
@@ -135,7 +139,7 @@ class Estimator:
 
     def _companions_of(self, deck: Deck) -> Companions:
         """Companions of the deck with another mesh, whose channels are other columns."""
-        families = Histories(engine_of(deck, *build(deck))).families
+        families = families_of(*build(deck))
         return Estimator(deck, families, self.stopped).companions
 
     def judge(
@@ -175,7 +179,7 @@ def _without(found: Estimate, words: Sequence[str]) -> Estimate:
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     """A run without files: its samples, its estimates, and their price over that of the run."""
-    families = Histories(engine_of(deck, *build(deck))).families
+    families = families_of(*build(deck))
     estimator = Estimator(deck, families)
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.compiler.cache import notes as cache_notes
-from crashsolve.compiler.machine import forget_linker
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import (
     CrashsolveError,
@@ -76,8 +75,6 @@ def _solve(
     deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool, pulse: Pulse
 ) -> int:
     begun, wall_begun = cpu_time(), time.monotonic()
-    # before the arrays of a large model come
-    forget_linker()
     deck = read_deck(deck_path, overrides)
     pulse.does("building the model")
     was_read = cpu_time()
@@ -94,7 +91,7 @@ def _solve(
         going_on = restart and any((folder / slot).exists() for slot in SLOTS)
         with preparing(deck, folder, pulse, going_on) as log:
             engine = engine_of(deck, model, state)
-            spent = {"read": was_read - begun, "build": built - was_read}
+            spent = {"start of Python": begun, "read": was_read - begun, "build": built - was_read}
             spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
             run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
             dump = run.prepare(restart)
@@ -260,7 +257,9 @@ class Run:
         from crashsolve.estimate.runner import Estimating
 
         families = self.histories.families
-        estimating = Estimating(self.deck, families, self._is_to_stop, self.log)
+        estimating = Estimating(
+            self.deck, families, self._is_to_stop, self.log, self.engine.program
+        )
         coarseness = float(dump[0][COARSENESS][0]) if dump else None
         estimating.set_steps(self.engine.model.control, coarseness)
         return estimating
@@ -281,7 +280,7 @@ class Run:
     def _start_anew(self) -> None:
         """The same deck from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
-        self._take_up(engine_of(self.deck, *build(self.deck)))
+        self._take_up(engine_of(self.deck, *build(self.deck), self.engine.program))
         self.account.phases = None
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}

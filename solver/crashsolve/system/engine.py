@@ -64,7 +64,8 @@ PASSES = 60
 class Engine:
     """Steps a State through a Model; `nodes` and `rows` are the copies of the last sample."""
 
-    def __init__(self, model: Model, state: State) -> None:
+    def __init__(self, model: Model, state: State, program: str = "") -> None:
+        """`program` is that of another engine of the same deck: composing takes a while."""
         self.model, self.state = model, state
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger, self.sample_clock = state.ledger.copy(), state.clock.copy()
@@ -84,7 +85,8 @@ class Engine:
         self._histories = {f"{g.word}_history": (g.history, g.history.copy()) for g in kept}
         self._copied = self._in_bytes()
         self.bind()
-        self._advance = load(compose(model), self._present)
+        self.program = program or compose(model)
+        self._advance = load(self.program, self._present)
         self.masses = EffectiveMasses(self.model)
         # of how the run begins, for the log
         self.notes: list[str] = []
