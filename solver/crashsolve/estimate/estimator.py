@@ -15,6 +15,8 @@ from dataclasses import replace
 from importlib import import_module
 from math import inf, isfinite
 
+import numpy as np
+
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
@@ -27,6 +29,7 @@ from crashsolve.recording.engines import is_static
 from crashsolve.recording.histories import families_of
 from crashsolve.recording.questions import look_up
 from crashsolve.recording.samples import Channel, Samples
+from crashsolve.recording.sampling import Schedule
 from crashsolve.study.meshes import has_mesh
 from crashsolve.study.settings import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
@@ -146,12 +149,20 @@ class Estimator:
         self, main: Samples, others: Sequence[Samples], meshes: Sequence[Samples] = ()
     ) -> list[Estimate]:
         """The estimates of all watched numbers; `meshes` are runs on ever coarser ones."""
+        main, *rest = (self._with_steps(samples) for samples in (main, *others, *meshes))
+        others, meshes = rest[: len(others)], rest[len(others) :]
         judge = Judge(self.channels, self.order)
         found = [judge.estimate(watch, main, others) for watch in self.watches]
         is_meshed, laws = has_mesh(self.deck), left_out(self.deck)
         if is_meshed and meshes:
             found = [self._with_mesh(judge, e, [main, *meshes]) for e in found]
         return [_without(e, [MESH, *laws] if is_meshed and e.mesh is None else laws) for e in found]
+
+    def _with_steps(self, samples: Samples) -> Samples:
+        """Samples that know which of them are steps between those of the schedule."""
+        schedule = Schedule.of(self.deck)
+        own = [t for t in samples.time.tolist() if not schedule.has(t)]
+        return replace(samples, between=np.array(own))
 
     def _with_mesh(self, judge: Judge, found: Estimate, runs: Sequence[Samples]) -> Estimate:
         """An estimate with the error by the mesh, where the samples serve to tell it."""

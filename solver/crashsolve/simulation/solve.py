@@ -33,6 +33,8 @@ from crashsolve.output.peaks import write_peaks
 from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
+from crashsolve.recording.between import Between
+from crashsolve.recording.changing import changing, restore
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.recorder import Recorder
@@ -50,7 +52,7 @@ from crashsolve.simulation.remarks import (
     remarks,
 )
 from crashsolve.simulation.requests import Requests
-from crashsolve.simulation.resume import FREE, OF_ERRORS, changing, differing, restore
+from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
 from crashsolve.system.engine import Engine
@@ -208,6 +210,7 @@ class Run:
         self.engine = self.account.engine = engine
         engine.on_pause = self._obey_at_once
         self.histories = Histories(engine)
+        self.between = Between(engine, not is_static(self.deck), lambda t: self.recorder.take(t))
         self.pictures = Pictures(engine, self.deck)
 
     def _open(self, resumed: float | None) -> None:
@@ -299,6 +302,7 @@ class Run:
         self.sampled = float(self.engine.clock["sampled"])
         k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
+        self.between.mark()
         while target < end:
             k += 1
             target = self.schedule.time(k)
@@ -309,7 +313,9 @@ class Run:
             finally:
                 advanced = time.process_time()
                 self.cpu["steps"] += advanced - begun
+            self.between.fill(target)
             self.engine.sample(target)
+            self.between.mark()
             phases.count()
             self.account.keep_alive()
             self._write(target, force=target == end)
@@ -361,7 +367,7 @@ class Run:
 
     def _dump(self) -> None:
         self.recorder.flush()
-        arrays = changing(self.engine) | self.histories.memory
+        arrays = changing(self.engine) | self.histories.memory | self.between.memory
         if self.estimating is not None:
             arrays[COARSENESS] = np.array([self.estimating.coarseness])
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
@@ -377,7 +383,7 @@ class Run:
             )
         try:
             restore(self.engine, arrays)
-            for name, array in self.histories.memory.items():
+            for name, array in (self.histories.memory | self.between.memory).items():
                 array[...] = arrays[name]
         except (KeyError, ValueError, TypeError, IndexError) as reason:
             raise self._inconsistency("another version of crashsolve") from reason
