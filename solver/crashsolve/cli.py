@@ -11,6 +11,7 @@ crashsolve schema    crashsolve keywords    crashsolve equations    crashsolve c
 import argparse
 import ctypes
 import gc
+import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -39,6 +40,8 @@ def main(arguments: list[str] | None = None) -> int:
     """Entry point; returns the exit code."""
     # imports make many objects that stay: looking for garbage among them is a tenth of a warm start
     gc.set_threshold(100_000)
+    # nor are the packages of the system searched for extensions of how decks are read
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     give_back_memory()
     open_standard_streams()
     given = protected(sys.argv[1:] if arguments is None else arguments)

@@ -8,10 +8,11 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import h5py
+import llvmlite
 import numpy as np
 
 import crashsolve
@@ -31,6 +32,10 @@ from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
+
+
+# CPU time of what is no other stage
+REST = "files and reports"
 
 
 def cpu_time() -> float:
@@ -186,6 +191,11 @@ class Account:
             ),
         )
 
+    def close_stages(self) -> None:
+        """What no stage has counted: opening and closing of files, looks at the results."""
+        counted = sum(seconds for name, seconds in self.cpu.items() if name != REST)
+        self.cpu[REST] = max(cpu_time() - counted, 0.0)
+
     def spent(self) -> float:
         """CPU time of the run proper: steps and output [s]."""
         return self.cpu["steps"] + self.cpu["output"]
@@ -201,6 +211,7 @@ class Account:
         if self.estimating is not None:
             self.cpu["estimates"] = self.estimating.cpu
             found["watched"] = self.estimating.entries()
+        self.close_stages()
         return (
             found
             | self.remarks
@@ -260,8 +271,8 @@ def provenance(deck: Deck, engine: Engine) -> dict[str, Any]:
             "crashsolve": crashsolve.__version__,
             "python": platform.python_version(),
             "numpy": np.__version__,
-            "llvmlite": version("llvmlite"),
-            "h5py": version("h5py"),
+            "llvmlite": llvmlite.__version__,
+            "h5py": h5py.__version__,
         },
         "host": socket.gethostname(),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.compiler.cache import notes as cache_notes
-from crashsolve.compiler.machine import forget_linker
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import (
     CrashsolveError,
@@ -35,6 +34,8 @@ from crashsolve.output.peaks import write_peaks
 from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
+from crashsolve.recording.between import Between
+from crashsolve.recording.changing import changing, restore
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.recorder import Recorder
@@ -49,7 +50,7 @@ from crashsolve.simulation.progress import Account, cpu_time, preparing, provena
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
 from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks
 from crashsolve.simulation.requests import Requests, stop_as_by_keyboard
-from crashsolve.simulation.resume import FREE, OF_ERRORS, changing, differing, restore
+from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
 from crashsolve.system.engine import Engine
@@ -72,8 +73,6 @@ def _solve(
     deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool, pulse: Pulse
 ) -> int:
     begun, wall_begun = cpu_time(), time.monotonic()
-    # before the arrays of a large model come
-    forget_linker()
     deck = read_deck(deck_path, overrides)
     pulse.does("building the model")
     was_read = cpu_time()
@@ -88,7 +87,7 @@ def _solve(
         going_on = restart and any((folder / slot).exists() for slot in SLOTS)
         with preparing(deck, folder, pulse, going_on) as log:
             engine = engine_of(deck, model, state)
-            spent = {"read": was_read - begun, "build": built - was_read}
+            spent = {"start of Python": begun, "read": was_read - begun, "build": built - was_read}
             spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
             run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
             dump = run.prepare(restart)
@@ -207,6 +206,7 @@ class Run:
         self.engine = self.account.engine = engine
         engine.on_pause = self._obey_at_once
         self.histories = Histories(engine)
+        self.between = Between(engine, not is_static(self.deck), lambda t: self.recorder.take(t))
         self.pictures = Pictures(engine, self.deck)
 
     def _open(self, resumed: float | None) -> None:
@@ -258,7 +258,9 @@ class Run:
         from crashsolve.estimate.runner import Estimating
 
         families = self.histories.families
-        estimating = Estimating(self.deck, families, self._is_to_stop, self.log)
+        estimating = Estimating(
+            self.deck, families, self._is_to_stop, self.log, self.engine.program
+        )
         coarseness = float(dump[0][COARSENESS][0]) if dump else None
         estimating.set_steps(self.engine.model.control, coarseness)
         return estimating
@@ -279,7 +281,7 @@ class Run:
     def _start_anew(self) -> None:
         """The same deck from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
-        self._take_up(engine_of(self.deck, *build(self.deck)))
+        self._take_up(engine_of(self.deck, *build(self.deck), self.engine.program))
         self.account.phases = None
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}
@@ -298,6 +300,7 @@ class Run:
         self.sampled = float(self.engine.clock["sampled"])
         k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
+        self.between.mark()
         while target < end and not self.engine.is_complete:
             k += 1
             target = self.schedule.time(k)
@@ -310,7 +313,9 @@ class Run:
                 self.cpu["steps"] += advanced - begun
             if self.engine.is_complete:
                 target = float(self.engine.clock["time"])
+            self.between.fill(target)
             self.engine.sample(target)
+            self.between.mark()
             phases.count()
             self.account.keep_alive()
             self._write(target, force=target == end or self.engine.is_complete)
@@ -362,7 +367,7 @@ class Run:
 
     def _dump(self) -> None:
         self.recorder.flush()
-        arrays = changing(self.engine) | self.histories.memory
+        arrays = changing(self.engine) | self.histories.memory | self.between.memory
         if self.estimating is not None:
             arrays[COARSENESS] = np.array([self.estimating.coarseness])
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
@@ -378,7 +383,7 @@ class Run:
             )
         try:
             restore(self.engine, arrays)
-            for name, array in self.histories.memory.items():
+            for name, array in (self.histories.memory | self.between.memory).items():
                 array[...] = arrays[name]
         except (KeyError, ValueError, TypeError, IndexError) as reason:
             raise self._inconsistency("another version of crashsolve") from reason

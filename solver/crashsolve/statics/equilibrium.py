@@ -52,10 +52,10 @@ Tangent = tuple[np.ndarray, np.ndarray]
 class StaticEngine(Engine):
     """Goes from equilibrium to equilibrium instead of stepping through time."""
 
-    def __init__(self, model: Model, state: State, control: Any) -> None:
+    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
         """`control` is the deck's card."""
         self.loading, self.yielding = Loading(model, control.start_time), Yielding(model)
-        super().__init__(model, state)
+        super().__init__(model, state, program)
         self.tolerance = control.tolerance or TOLERANCE
         model.control[0]["tolerance"] = self.tolerance
         self.limit = 0.0 if control.energy_limit == "off" else float(control.energy_limit)

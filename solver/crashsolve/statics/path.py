@@ -56,8 +56,8 @@ Point = tuple[float, float, int]
 class PathEngine(StaticEngine):
     """Goes along a path of equilibria, by the distance from one to the next."""
 
-    def __init__(self, model: Model, state: State, control: Any) -> None:
-        super().__init__(model, state, control)
+    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
+        super().__init__(model, state, control, program)
         self.begin, self.end = control.start_time, control.end_time
         position = np.zeros(1, POSITION.dtype)
         self.at: Any = as_rows(position)[0]
