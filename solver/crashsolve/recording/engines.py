@@ -14,7 +14,7 @@ def is_static(deck: Deck) -> bool:
 def engine_of(deck: Deck, model: Model, state: State) -> Engine:
     """Through time, or from equilibrium to equilibrium."""
     if not is_static(deck):
-        engine = Engine(model, state)
+        engine = _in_time(model, state)
         if deck.control.start == "equilibrium":
             from crashsolve.statics.start import begin_at_rest
 
@@ -27,3 +27,12 @@ def engine_of(deck: Deck, model: Model, state: State) -> Engine:
     from crashsolve.statics.equilibrium import StaticEngine
 
     return StaticEngine(model, state, deck.control)
+
+
+def _in_time(model: Model, state: State) -> Engine:
+    """Through time, in one go or in phases."""
+    if not model.phases:
+        return Engine(model, state)
+    from crashsolve.recording.phased import PhasedEngine
+
+    return PhasedEngine(model, state)

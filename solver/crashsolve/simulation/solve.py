@@ -210,6 +210,7 @@ class Run:
         """Make this engine the run's: what is reported, written and obeyed is of it."""
         self.engine = self.account.engine = engine
         engine.on_pause = self._obey_at_once
+        engine.on_message = self.log.line
         self.histories = Histories(engine)
         self.pictures = Pictures(engine, self.deck)
 

@@ -90,6 +90,10 @@ class Engine:
         self.notes: list[str] = []
         # asked now and then between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
+        # what the log is to say of the run
+        self.on_message: Callable[[str], None] = lambda text: None
+        # what goes into a dump beside the State
+        self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
 
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
