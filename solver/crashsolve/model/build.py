@@ -41,6 +41,7 @@ from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_consta
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.partition import cut
+from crashsolve.model.phases import build_phases
 from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
     contact_groups, nodal_groups = build_contacts(deck, scene)
+    phases = build_phases(deck, scene)
     scene.raise_errors()
     refuse_motion(deck, groups)
     scene.warnings += gyration_warnings(scene, groups, joints) + step_warnings(deck)
@@ -122,6 +124,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         surfaces=scene.surfaces,
         elements=tables_of_elements(groups, deck, scene),
         nodal_groups=nodal_groups,
+        phases=phases,
     )
     model.warnings.extend(warn_of_unseen(model))
     return model, _arranged(model, scene)

@@ -11,6 +11,7 @@ from crashsolve.deck.roles import BasicConstraint, FibreLaw, StepLaw
 from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.model import ledger
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
+from crashsolve.model.phases import Phase
 from crashsolve.model.tables import present_tables
 
 
@@ -203,6 +204,7 @@ class Model:
     nodal_groups: list[NodalGroup] = field(default_factory=list)
     nodal_loads: dict[str, np.ndarray] = field(default_factory=dict)  # of all these groups
     threads: int = 1  # that share its steps
+    phases: list[Phase] = field(default_factory=list)
 
     def joint_groups(self) -> list[Group]:
         """Groups with constraint rows."""

@@ -54,7 +54,7 @@ def _kept_aside(engine: Engine) -> dict[str, np.ndarray]:
     arrays |= engine.stages
     arrays |= {f"powers/{g.word}": g.powers for g in model.groups if g.powers is not None}
     # an implicit method may use the factors of its last step in the next
-    arrays |= engine.tableau | dict(engine.memory)
+    arrays |= engine.tableau | engine.aside
     return arrays | {"saddle/columns": model.saddle.columns, "saddle/blocks": model.saddle.blocks}
 
 

@@ -14,7 +14,7 @@ def is_static(deck: Deck) -> bool:
 def engine_of(deck: Deck, model: Model, state: State, program: str = "") -> Engine:
     """Through time, or from equilibrium to equilibrium; `program`: of the deck's last."""
     if not is_static(deck):
-        engine = Engine(model, state, program)
+        engine = _in_time(model, state, program)
         if deck.control.start == "equilibrium":
             from crashsolve.statics.start import begin_at_rest
 
@@ -31,3 +31,12 @@ def engine_of(deck: Deck, model: Model, state: State, program: str = "") -> Engi
     from crashsolve.statics.equilibrium import StaticEngine
 
     return StaticEngine(model, state, deck.control, program)
+
+
+def _in_time(model: Model, state: State, program: str) -> Engine:
+    """Through time, in one go or in phases."""
+    if not model.phases:
+        return Engine(model, state, program)
+    from crashsolve.recording.phased import PhasedEngine
+
+    return PhasedEngine(model, state, program)

@@ -81,6 +81,7 @@ class Histories:
         self.engine = engine
         self._momenta = Momenta()
         self._margin = self._margins()
+        self._ends = [phase.end for phase in engine.model.phases]
         self._parts = [self._model(), self._bodies(), self._joints(), self._contacts()]
         self._parts += self._traces() + self._gauges() + self._cuts()
         self._parts += [self._group(g) for g in engine.model.groups if hasattr(g.module, "OUTPUT")]
@@ -121,6 +122,8 @@ class Histories:
     def _model(self) -> Part:
         columns = [Column("energy", name, "J", name.replace("_", " ")) for name in ENTRIES]
         columns += [Column(*spec) for spec in MODEL]
+        if self._ends:
+            columns.append(Column("phase", "", "1", "number of the phase"))
         for name, unit in (("momentum", "N s"), ("angular_momentum", "N m s")):
             columns += [Column(name, axis, unit, "sum over bodies") for axis in AXES]
         columns += [Column(*spec) for spec in self._path()]
@@ -144,6 +147,8 @@ class Histories:
         step, (residual, cycle) = clock["step"], (sampled[name] for name in ("residual", "cycle"))
         mechanical = sum(ledger[:, k] for k in MECHANICAL)
         scalars = [balance, *errors, residual[:, 0], step[:, 0], cycle[:, 0], mechanical]
+        if self._ends:
+            scalars.append(np.searchsorted(self._ends, sampled["time"][:, 0]) + 1)
         path = [clock[name] for name, *_ in self._path()]
         return np.column_stack([ledger, *scalars, linear, angular, *path])[:, None, :]
 

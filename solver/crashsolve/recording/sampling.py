@@ -31,7 +31,7 @@ class Schedule:
         """The schedule a deck asks for."""
         start, end = deck.control.start_time, deck.control.last_time
         plain = cls(start, end, deck.sample_interval or 1.0)
-        return plain.with_times(_asked(deck))
+        return plain.with_times(_asked(deck) | _ends_of_phases(deck))
 
     def with_times(self, times: set[float]) -> "Schedule":
         """The same with further samples where none are."""
@@ -84,6 +84,12 @@ class Schedule:
     def _is_met(self, time: float) -> bool:
         k = self._before(time)
         return min(abs(self._plain(i) - time) for i in (max(k - 1, 0), k)) <= SAME * self.interval
+
+
+def _ends_of_phases(deck: Deck) -> set[float]:
+    """Times [s] at which phases end, but for the last."""
+    times = (entry.card.end_time for entry in deck.entries["phases"].values())
+    return {time for time in times if time is not None}
 
 
 def _asked(deck: Deck) -> set[float]:

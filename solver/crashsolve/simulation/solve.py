@@ -205,6 +205,7 @@ class Run:
         """Make this engine the run's: what is reported, written and obeyed is of it."""
         self.engine = self.account.engine = engine
         engine.on_pause = self._obey_at_once
+        engine.on_message = self.log.line
         self.histories = Histories(engine)
         self.between = Between(engine, not is_static(self.deck), lambda t: self.recorder.take(t))
         self.pictures = Pictures(engine, self.deck)

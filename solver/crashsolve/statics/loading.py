@@ -25,20 +25,15 @@ class Loading:
         """`start` of the run [s]. Writes: model.curves, parameters: as before the rise."""
         self.start, self.begin = start, start - 1.0
         self.curves, still = model.curves, _still(model)
-        self.rising, self.driven = [], []
+        self.driven = []
         # along a path of equilibria curves are read before the start as well
         self.follows_path = False
         # a group of loads and the number of an entry that does not act
         self.silent: tuple[Any, int] | None = None
+        self.rising = loads_without_curve(model)
         for g in model.groups:
             p = g.parameters
-            if hasattr(g.module, "AMPLITUDE"):
-                # gravity has no curve at all
-                has_none = (
-                    p["curve"] == 0 if "curve" in (p.dtype.names or ()) else np.ones(len(p), bool)
-                )
-                self.rising.append((g, has_none, p[g.module.AMPLITUDE].copy()))
-            elif hasattr(g.module, "CONSTRAINTS") and hasattr(g.module, "CURVES_OF_TIME"):
+            if hasattr(g.module, "CONSTRAINTS") and hasattr(g.module, "CURVES_OF_TIME"):
                 self.driven.append((g.names, p, p["curve"].copy(), p["offset"].copy()))
                 p["curve"] = still
         self.set_time(self.begin)
@@ -105,6 +100,20 @@ class Loading:
         value = c[0] + s * (c[1] + s * (c[2] + s * c[3]))
         slope = c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])
         return float(value + (slope * (x - at) if beyond == LINEAR else 0.0))
+
+
+def loads_without_curve(model: Model) -> list[tuple[Any, np.ndarray, np.ndarray]]:
+    """Groups of loads, which entries of each have no curve, and the amplitudes of all entries."""
+    found = []
+    for g in model.groups:
+        if hasattr(g.module, "AMPLITUDE"):
+            p = g.parameters
+            # gravity has no curve at all
+            has_none = (
+                p["curve"] == 0 if "curve" in (p.dtype.names or ()) else np.ones(len(p), bool)
+            )
+            found.append((g, has_none, p[g.module.AMPLITUDE].copy()))
+    return found
 
 
 def _still(model: Model) -> int:

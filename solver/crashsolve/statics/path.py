@@ -65,7 +65,7 @@ class PathEngine(StaticEngine):
         self.at.longest = np.inf
         # tangent of unit length, of positions and rotations in the metric, and of lambda
         self.direction = np.zeros(6 * len(self.free) + 1)
-        self.memory = {"path/position": position, "path/direction": self.direction}
+        self.aside = {"path/position": position, "path/direction": self.direction}
         self.points: list[Point] = []
 
     @property

@@ -1,10 +1,9 @@
 """The engine: the compiled step of one scene with its arrays. The only place that calls it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
 from math import inf, nextafter
 from time import monotonic
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -67,8 +66,6 @@ class Engine:
 
     # a path of equilibria may end before the end time
     is_complete = False
-    # arrays beside the State that a restart must bring back
-    memory: Mapping[str, np.ndarray] = MappingProxyType({})
 
     def __init__(self, model: Model, state: State, program: str = "") -> None:
         """`program` is that of another engine of the same deck: composing takes a while."""
@@ -98,6 +95,10 @@ class Engine:
         self.notes: list[str] = []
         # asked now and then between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
+        # what the log is to say of the run
+        self.on_message: Callable[[str], None] = lambda text: None
+        # what goes into a dump beside the State
+        self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
         # steps from one look to the next, of an interval that is run once more
         self._stride = 0

@@ -1,0 +1,43 @@
+"""The phases of a run: which follow each other, and when each one ends."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A stretch of the run's time [s] with the module of its type and what its card says."""
+
+    name: str
+    module: Any
+    p: dict[str, Any]
+    end: float
+
+
+def build_phases(deck: Any, scene: Any) -> list[Phase]:
+    """Phases in the order of the deck; none where the run is one. Writes: scene.errors."""
+    control, entries = deck.control, list(deck.entries["phases"].values())
+    found, begun = [], control.start_time
+    for number, entry in enumerate(entries, start=1):
+        is_last, end = number == len(entries), entry.card.end_time
+        with scene.building(entry):
+            if control.solution != "transient":
+                raise scene.fail("a quasi-static solution has no phases; say solution: transient")
+            if is_last and end is not None:
+                raise scene.fail(
+                    f"the last phase ends with the run, at {control.end_time:g} s; leave it out",
+                    "end_time",
+                )
+            if not is_last and end is None:
+                raise scene.fail("another phase follows: say when this one ends, by end_time")
+            end = control.end_time if is_last else end
+            if not begun < end <= control.end_time or (end == control.end_time and not is_last):
+                bounds = f"between {begun:g} s, where the phase begins, and {control.end_time:g} s"
+                raise scene.fail(
+                    f"must lie {bounds}, where the run ends", None if is_last else "end_time"
+                )
+            module = import_module(entry.module_name)
+            found.append(Phase(entry.name, module, module.build(entry.card, scene), end))
+            begun = end
+    return found

@@ -1,0 +1,11 @@
+"""What the cards of all phases have in common."""
+
+from crashsolve.deck.card import Card, quantity
+
+
+class PhaseCard(Card):
+    """A stretch of the run's time."""
+
+    end_time: float | None = quantity(
+        "s", "time at which it ends; of the last phase that of the run, and left out", default=None
+    )

@@ -1,0 +1,33 @@
+"""Transient phase: motion, as in a run without phases.
+
+    M v_dot = g + D^T lambda,   v(t_0) nearest to the v of the deck with D v = nu
+
+The first transient phase begins with the velocities of the deck, in the configuration that the
+phase before has left; where joints stand otherwise there, with the nearest velocities that they
+allow, by the kinetic energy of the difference. Later ones go on from what is there. Consequence to
+test: a car that has settled on its springs begins with the speed of the deck and does not pitch.
+"""
+
+from typing import Any
+
+from crashsolve.phases._card import PhaseCard
+
+
+class Transient(PhaseCard):
+    """Motion, from the velocities of the deck if it is the first of its kind."""
+
+
+def build(card: Transient, scene: Any) -> dict[str, Any]:
+    return {}
+
+
+def start(p: dict[str, Any], engine: Any) -> None:
+    engine.memory["launched"] = 1
+
+
+def begin(p: dict[str, Any], engine: Any) -> None:
+    engine.launch()
+
+
+def end(p: dict[str, Any], engine: Any) -> None:
+    """It promises nothing."""
