@@ -98,10 +98,10 @@ def test_a_wheel_bears_what_its_transfer_function_says(tmp_path: Path) -> None:
     deck.write_text(DECK, "utf-8")
     done = crashsolve(deck, "-o", out)
     assert done.returncode == 0, done.stdout + done.stderr
-    force, way = (
+    force, travel = (
         Result(out).series(name) for name in ("tyrout.t.normal", "rbdout.wheel.position.x")
     )
-    t, s = np.asarray(force.time), np.asarray(way.values)
+    t, s = np.asarray(force.time), np.asarray(travel.values)
     expected = np.full_like(t, MASS * GRAVITY)
     for n, height, phase in zip(*waves(Iso8608(grade="B", **WORDS)), strict=True):
         w = 2.0 * np.pi * n * SPEED
