@@ -4,7 +4,7 @@ A contact that touches and releases between two samples leaves nothing in them. 
 impulse I, which are of all steps, say so:
 
     peak:     the largest normal force has grown, and neither end shows SHOWN of it
-    impulse:  |dI - (F_0 + F_1) dt / 2| is more than PART of the sum of all |dI|
+    impulse:  |dI - (F_0 + F_1) dt / 2| is more than PART of the sum of |dI| so far
 
 Then the interval is run once more from its start, to the same bits, with a sample at every step, so
 that extremes, integrals and functions of all channels know what happened. Consequence to test: the
@@ -33,7 +33,8 @@ MOST_BYTES = 1 << 26
 class Between:
     """Watches the intervals of a run in time; `take` keeps the engine's present sample at a time.
 
-    `spent` (1,) are steps that were run once more, `borne` (cards,) [N s] the sums of |dI|.
+    `spent` (1,) are steps that were run once more, `borne` (cards,) [N s] the sums of |dI|
+    in intervals of several steps.
     """
 
     def __init__(self, engine: Engine, moves: bool, take: Callable[[float], None]) -> None:
@@ -76,13 +77,14 @@ class Between:
 
     def _hides(self) -> bool:
         """Whether the ends of the interval show too little of any contact. Writes: borne."""
-        time, cycle, card, history = self._look()
+        # of one step both ends are samples
+        if self.engine.state.clock[0]["cycle"] - self._cycle < 2:
+            return False
+        time, _, card, history = self._look()
         change = history["impulse"] - self._history["impulse"]
         seen = 0.5 * (time - self._time) * (self._card["force"] + card["force"])
         known, lack = self.borne.copy(), np.linalg.norm(change - seen, axis=1)
         self.borne += np.linalg.norm(change, axis=1)
-        if cycle - self._cycle < 2:
-            return False
         peak, shown = history["peak_normal"], np.maximum(self._card["normal"], card["normal"])
         has_peak = (peak > self._history["peak_normal"]) & (shown < SHOWN * peak)
         has_impulse = (known > 0.0) & (lack > PART * self.borne)
