@@ -19,6 +19,8 @@ STARTS = {
     "failed": "fails",
     "deleted": "loses its first element",
 }
+# share of the largest force of all steps that a sample must show to be called its time
+SHOWN = 0.999
 # [of the largest value] less is round-off
 LEAST = 1e-9
 # [of a touch] a force that ends so much before its surfaces part is reported by itself
@@ -57,7 +59,7 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
     start, end = float(result.time[0]), float(result.time[-1])
     before = start - 1.0
     columns = {column.name: column for column in family.columns}
-    forces = result.extremes(family, columns["normal"]) if "normal" in columns else None
+    peaks = _peaks(result, family, columns)
     ends = _force_ends(result, family, columns.get("normal"))
     touches, releases = (
         result.last(family, columns[name]) if name in columns else np.full(len(family.ids), before)
@@ -67,11 +69,11 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
         touch, release = float(touches[at]), float(releases[at])
         if touch >= start:
             yield Event(touch, f"{_name(entity)}: first contact")
-        if forces is not None and forces.greatest[at] > 0:
-            force, top = float(forces.greatest[at]), int(forces.greatest_row[at])
+        if peaks is not None and peaks[at][0] > 0:
+            force, top, where = peaks[at]
             unit = readable("N", force)
-            entry = f"{number(force * factor('N', unit))} {unit}"
-            yield Event(float(result.time[top]), f"{_name(entity)}: largest contact force, {entry}")
+            entry = f"{number(force * factor('N', unit))} {unit}{where}"
+            yield Event(top, f"{_name(entity)}: largest contact force, {entry}")
         if touch >= start and touch < release < end:
             # surfaces may stay together, or part late, where no force is left between them
             ended = float(ends[at])
@@ -80,6 +82,31 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
                 yield Event(release, f"{_name(entity)}: the surfaces part")
             else:
                 yield Event(release, f"{_name(entity)}: last release")
+
+
+def _peaks(
+    result: Result, family: Family, columns: dict[str, Column]
+) -> list[tuple[float, float, str]] | None:
+    """Of each contact its largest force of all steps [N], when that was [s], and how closely known.
+
+    Between two samples it is known to their interval, and has the time of the later one.
+    """
+    if "normal" not in columns:
+        return None
+    sampled = result.extremes(family, columns["normal"])
+    found = [
+        (float(force), float(result.time[row]), "")
+        for force, row in zip(sampled.greatest, sampled.greatest_row, strict=True)
+    ]
+    if "peak_normal" not in columns:
+        return found
+    of_steps = result.extremes(family, columns["peak_normal"])
+    for at, (peak, row) in enumerate(zip(of_steps.greatest, of_steps.greatest_row, strict=True)):
+        if found[at][0] < SHOWN * peak:
+            before = number(float(result.time[max(int(row) - 1, 0)]))
+            where = f" (within the interval of samples that begins at {before} s)"
+            found[at] = float(peak), float(result.time[row]), where
+    return found
 
 
 def _force_ends(result: Result, family: Family, column: Column | None) -> np.ndarray:
