@@ -99,6 +99,11 @@ class Structure(Card):
         ge=1,
         le=100,
     )
+    self_contact: bool = word(
+        "whether the shells of a member touch each other where it folds (contact S_name_folds, "
+        "type penalty); without, they pass through each other",
+        default=False,
+    )
     fibres: tuple[int, int] = word("of beams that yield, as in fibre_beam", default=(4, 16))
     collapse: Literal["plastic", "kecman", "given"] = word(
         "moment of hinges: constant plastic moment, that of a rectangular tube that folds, or by "

@@ -12,7 +12,7 @@ from crashsolve.parts.structures.cards import plain
 from crashsolve.parts.structures.plan import Member, Plan
 
 # of the card of the structure
-WORDS = ("across", "damping")
+WORDS = ("across", "damping", "self_contact")
 
 
 def stub(member: Member) -> float:
@@ -36,7 +36,27 @@ def cards(member: Member, whole: Plan) -> list[Made]:
         "velocity": whole.velocity(start + outward(member)),
         "angular_velocity": plain(whole.card.angular_velocity),
     }
-    return [Made("parts", member.name, fields, member.path)]
+    part = Made("parts", member.name, fields, member.path)
+    return [part, *_own_contact(member)] if whole.card.self_contact else [part]
+
+
+def _own_contact(member: Member) -> list[Made]:
+    """Contact of the walls of a member with each other, half a thickness before their middles meet.
+
+    Those of two members begin in touch at their joint, and do not see each other.
+    """
+    name, thickness = member.name, member.section.card.thickness
+    nodes = {"type": "nodes", "part": name, "radius": 0.5 * thickness}
+    made = {
+        ("surfaces", f"{name}_nodes"): nodes,
+        ("surfaces", f"{name}_walls"): {"type": "faces", "part": name},
+        ("contacts", f"{name}_folds"): {
+            "a": [f"{name}_nodes"],
+            "b": [f"{name}_walls"],
+            "normal": {"type": "penalty"},
+        },
+    }
+    return [Made(*key, fields, member.path) for key, fields in made.items()]
 
 
 def mesh(member: Member, whole: Plan) -> dict[str, Any]:
