@@ -17,7 +17,11 @@ from crashsolve.foundation.sparse.saddle import plan
 from crashsolve.model import attachments
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.checks.gyration import gyration_warnings
-from crashsolve.model.checks.methods import refuse_incomplete_method, refuse_methods
+from crashsolve.model.checks.methods import (
+    refuse_incomplete_method,
+    refuse_methods,
+    refuse_several,
+)
 from crashsolve.model.checks.sampling import step_warnings
 from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations
@@ -140,6 +144,7 @@ def _arranged(model: Model, scene: Scene) -> State:
         model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator == "auto":
         model.integrator, model.choice = _choose(model, state, scene)
+    refuse_several(model, scene.deck)
     if model.elements:
         _arrange(model, state, scene)
     _share_pairs(model, scene)
