@@ -79,8 +79,8 @@ def _spring_ends(group: Any) -> tuple[int, list[tuple[int, ...]]]:
     return group.module.TANGENTS, list(zip(p["node_a"].tolist(), p["node_b"].tolist(), strict=True))
 
 
-def _contacts(model: Any) -> list[tuple[int, list[tuple[int, int]]]]:
-    found = []
+def _contacts(model: Any) -> list[tuple[int, list[tuple[int, ...]]]]:
+    found: list[tuple[int, list[tuple[int, ...]]]] = []
     for c in tangent_contacts(model):
         a = c.elements_a["node"][c.parameters["a"]]
         b = c.elements_b["node"][c.parameters["b"]]
