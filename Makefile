@@ -12,7 +12,7 @@ MEMORY  := $(shell awk '/MemAvailable/ {print ($$2 > 8e6)}' /proc/meminfo)
 SCRATCH ?= $(if $(and $(filter 1,$(MEMORY)),$(wildcard /dev/shm/.)),/dev/shm,$(or $(TMPDIR),/tmp))
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long queue bench stability beam trains structures crush gallery docs clean
+.PHONY: demo test long queue bench stability beam trains structures crush certification gallery docs clean
 
 demo: $(VENV)/render.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -49,6 +49,9 @@ structures: $(VENV)/plot.installed
 
 crush: $(VENV)/plot.installed
 	$(BIN)/python decks/benchmark/tube_crush.py
+
+certification: $(VENV)/plot.installed
+	$(BIN)/python decks/occupants/certification.py
 
 gallery: $(VENV)/render.installed
 	$(BIN)/python decks/gallery.py

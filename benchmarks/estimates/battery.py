@@ -17,6 +17,7 @@ from crashsolve.deck.source import Position
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import estimate_in_memory
 from crashsolve.model.build import build
+from crashsolve.model.integrator_selection import settled
 from crashsolve.recording.samples import Samples
 from crashsolve.study.child_runs import cores
 
@@ -101,10 +102,9 @@ def with_watches(deck: Deck, method: str, samples: int, scene: Scene) -> Deck:
     """The deck with the method, the samples and the watched numbers of the battery."""
     control = deck.control.model_copy(update={"integrator": method, "end_time": scene.end})
     deck = replace(deck, control=control)
-    # as a run does it: companions must not choose anew
     if method == "auto":
-        method = build(deck)[0].integrator
-        control = control.model_copy(update={"integrator": method})
+        # as a run does it
+        control = settled(deck, build(deck)[0]).control
     history = deck.output.history.model_copy(update={"interval": scene.end / samples})
     watch = [Watch(channel=k.channel, statistic=s) for k in scene.known for s in k.statistics]
     return replace(

@@ -359,7 +359,7 @@ def governor() -> Scene:
     rotation, slope, slider = 5.58634696586902, 0.52183330162555, 0.50142092237957
     centre = (0.5 * 0.3 + 5.0) / 5.3
     known = [
-        Known("disbout.rotation.angle", ("final",), rotation),
+        Known("disbout.turn.angle", ("final",), rotation),
         Known("rbdout.slider.position.z", ("final",), slider),
         Known("rbdout.rod_1.position.z", ("final",), 1.0 - centre * np.sin(slope)),
     ]

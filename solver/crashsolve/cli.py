@@ -11,6 +11,7 @@ crashsolve schema    crashsolve keywords    crashsolve equations    crashsolve c
 import argparse
 import ctypes
 import gc
+import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -20,7 +21,12 @@ from typing import Any
 from crashsolve import __version__
 from crashsolve.channels.command_line import add_completion, completion, protected
 from crashsolve.channels.errors import ChannelError
-from crashsolve.foundation.errors import CrashsolveError, DeckError, ExitCode
+from crashsolve.foundation.errors import (
+    CrashsolveError,
+    DeckError,
+    ExitCode,
+    out_of_memory,
+)
 from crashsolve.foundation.streams import give_up, open_standard_streams, printable, report_error
 
 COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "example")
@@ -34,6 +40,8 @@ def main(arguments: list[str] | None = None) -> int:
     """Entry point; returns the exit code."""
     # imports make many objects that stay: looking for garbage among them is a tenth of a warm start
     gc.set_threshold(100_000)
+    # nor are the packages of the system searched for extensions of how decks are read
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     give_back_memory()
     open_standard_streams()
     given = protected(sys.argv[1:] if arguments is None else arguments)
@@ -48,6 +56,9 @@ def main(arguments: list[str] | None = None) -> int:
     except CrashsolveError as error:
         report_error(str(error))
         return int(error.exit_code)
+    except MemoryError:
+        report_error(out_of_memory())
+        return int(ExitCode.OUTPUT)
     except KeyboardInterrupt:
         report_error("interrupted")
         return int(ExitCode.STOPPED)
@@ -243,15 +254,19 @@ def _check(options: argparse.Namespace) -> int:
     from crashsolve.model.build import build
     from crashsolve.recording.histories import families_of
     from crashsolve.recording.questions import look_up
+    from crashsolve.simulation.expected_size import expected_size
     from crashsolve.simulation.freedom import freedom
 
     deck = read_deck(options.deck, _overrides(options))
     model, state = build(deck)
-    look_up(deck, families_of(model, state))
+    families = families_of(model, state)
+    look_up(deck, families)
+    size = expected_size(deck, families, (), Path(options.deck.stem + ".results"))
     for text in (*deck.unread, *model.warnings):
         print(printable(f"warning: {text}"))
     for text in freedom(model, state, deck.control.start_time):
         print(printable(text))
+    print(printable(f"output: {size}"))
     print(printable(f"{options.deck}: no errors found"))
     return ExitCode.NORMAL
 

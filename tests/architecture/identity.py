@@ -74,6 +74,7 @@ BATTERY = {
     "verification/springs/bushing": 40,
     "verification/springs/curve": 60,
     "verification/springs/curve_torsional": 60,
+    "verification/springs/damper": 60,
 }
 # names of tables in older versions
 SHORT = {

@@ -295,3 +295,29 @@ def test_a_chosen_folder_of_others_ends_a_run_with_one_line(tmp_path: Path) -> N
     assert done.returncode == 5
     assert "others write" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("kind", ["file", "below a file", "read-only"])
+def test_a_chosen_folder_that_keeps_nothing_is_refused(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = tmp_path / "chosen"
+    if kind == "read-only":
+        given.mkdir()
+        # root may write wherever it likes
+        monkeypatch.setattr(cache, "_is_writable", lambda folder: False)
+    else:
+        given.write_text("no folder", "utf-8")
+    with pytest.raises(CacheError, match=r"CRASHSOLVE_CACHE=.*compiled code cannot be there"):
+        chosen(monkeypatch, given / "below" if kind == "below a file" else given)
+    assert given.is_dir() or given.read_text("utf-8") == "no folder"
+
+
+def test_another_compiler_has_another_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    here = cache.cache_folder()
+    monkeypatch.setattr(cache, "version", lambda name: f"another {name}")
+    cache.cache_folder.cache_clear()
+    try:
+        assert cache.cache_folder().name != here.name
+    finally:
+        cache.cache_folder.cache_clear()

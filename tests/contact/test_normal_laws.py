@@ -24,6 +24,7 @@ LAWS = {
     "kelvin_voigt": "stiffness: 1e5, damping: 40",
     "penalty": "stiffness: 1e5",
     "crush_curve": "curve: stiff, unloading_stiffness: 2e5, damping: 30",
+    "padding": "curve: stiff, unloading_curve: soft, unloading_stiffness: 2e5, damping: 30",
 }
 
 
@@ -150,3 +151,32 @@ def test_a_crushed_end_unloads_and_reloads_along_one_line_and_keeps_its_set(
     crush.accept()
     assert crush.press(residual - 1e-6, 1.0).force == 0.0
     assert crush.press(0.06, 1.0).force == pytest.approx(1500 + 2500 / 0.97 * 0.03, rel=1e-12)
+
+
+@pytest.fixture
+def padding(tmp_path: Path) -> Contact:
+    words = "curve: stiff, unloading_curve: soft, unloading_stiffness: 2e5"
+    return Contact(tmp_path, f"{{type: padding, {words}}}")
+
+
+@pytest.mark.parametrize("steps", (1, 7, 1000))
+def test_a_stroke_into_padding_and_back_loses_the_area_between_its_curves(
+    padding: Contact, steps: int
+) -> None:
+    area, force = CRUSHED[0.05]
+    lost = 0.0
+    path = np.concatenate([np.linspace(0, 0.05, steps + 1)[1:], np.linspace(0.05, 0, 1001)[1:]])
+    for depth, before in zip(path, [0.0, *path[:-1]], strict=True):
+        out = padding.press(float(depth), 1.0 if depth > before else -1.0, h=1.0)
+        padding.accept()
+        lost += out.loss
+    # from the crest a line of slope k falls to the lower curve, 400 + 100 / 0.98 (x - 0.02)
+    s = 0.05 - force / 2e5
+    x = (2e5 * s + 400 - 100 / 0.98 * 0.02) / (2e5 - 100 / 0.98)
+    low = 2e5 * (x - s)
+    back = 0.5 * (force + low) * (0.05 - x) + 0.5 * (400 + low) * (x - 0.02) + 4.0
+    # sums of up to 1000 exact terms
+    assert lost == pytest.approx(area - back, rel=1e-11)
+    assert out.force == 0.0 and abs(out.stored) < 1e-12
+    # as new
+    assert padding.press(0.01, 1.0, h=1.0).force == pytest.approx(1000.0)

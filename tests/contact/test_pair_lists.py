@@ -214,7 +214,7 @@ def test_an_onset_in_the_first_step_of_a_new_list_is_located(tmp_path: Path) -> 
 
 def test_parts_of_shapes_are_followed_by_their_own_points(tmp_path: Path) -> None:
     """Corners of boxes: followed by the box's middle, a list would be renewed for ever."""
-    boxes = range(70)
+    boxes = range(140)
     names = ", ".join(f"b{k}" for k in boxes)
     path = tmp_path / "boxes.yaml"
     path.write_text(

@@ -101,6 +101,15 @@ REFUSED = {
         "type: crush_curve, curve: stiff, unloading_stiffness: 9e4",
         "a: [one], b: [other]",
     ),
+    "normal.unloading_curve: curve 'stiff' must stay below that of loading, or the contact gives "
+    "energy": (
+        "type: padding, curve: soft, unloading_curve: stiff, unloading_stiffness: 2e5",
+        "a: [one], b: [other]",
+    ),
+    "normal.unloading_curve: curve 'short' ends at 0.02 m, before that of loading at 1 m": (
+        "type: padding, curve: stiff, unloading_curve: short, unloading_stiffness: 2e5",
+        "a: [one], b: [other]",
+    ),
     "b: all its surfaces are on one body; a body cannot touch itself": (
         "type: hertz, stiffness: 1e9",
         "a: [one], b: [tip]",

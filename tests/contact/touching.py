@@ -18,6 +18,8 @@ surfaces:
 CURVES = """
 curves:
   stiff: {points: [[0, 0], [0.02, 2000], [0.03, 1500], [1, 4000]]}
+  soft: {points: [[0, 0], [0.02, 400], [1, 500]]}
+  short: {points: [[0, 0], [0.02, 400]]}
   from_one: {points: [[0, 1], [1, 1000]]}
   pulls: {points: [[0, 0], [0.1, 100], [0.2, -1]]}
 """

@@ -1,4 +1,4 @@
-"""Numbers made of samples have an error of their size where a touch lies between two samples."""
+"""Numbers made of samples are right within their errors where a touch lies between two samples."""
 
 from pathlib import Path
 
@@ -42,17 +42,20 @@ def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
 
 
 @pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1"])
-def test_the_error_is_at_least_what_the_samples_miss(tmp_path: Path, interval: str) -> None:
+def test_numbers_are_right_within_their_errors(tmp_path: Path, interval: str) -> None:
     found, log = run(tmp_path, interval)
     true = {"rcforc.c.normal max": PEAK, "rcforc.c.normal integral": IMPULSE}
     true["rbdout.a.acceleration.z max"] = PEAK / 2
     for name, value in true.items():
         # the step's own error is below a hundredth
         assert abs(found[name]["value"] - value) <= 1.01 * found[name]["error"], name
-    for name in ("rcforc.c.depth max", "hic max", "glstat.model.energy.contact_stored max"):
-        assert found[name]["error"] is None, name
+        # twenty steps and more see the touch so well
+        assert found[name]["value"] == pytest.approx(value, rel=0.02), name
+    assert found["rcforc.c.depth max"]["value"] == pytest.approx(DEPTH, rel=0.01)
+    # a tenth of its value at most
+    assert 0.0 < 10.0 * found["hic max"]["error"] < found["hic max"]["value"]
     assert found["rbdout.a.velocity.z final"]["error"] < 1e-2
-    assert "contact 'c' peaked at" in log and "between samples" in log
+    assert "contact 'c' peaked at" not in log
     assert "take shorter steps" not in log
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import Bench, written
+from bench import Bench, assert_balanced, written
 
 from crashsolve.deck.laws import types_in
 from crashsolve.foundation.errors import DeckErrors
@@ -32,9 +32,9 @@ def bench(tmp_path: Path) -> Bench:
 
 
 def test_every_load_is_under_this_contract() -> None:
-    # these act on shells alone: test_pressure.py, test_nodal_force.py
+    # these act on shells alone: test_pressure.py, test_nodal_force.py; the last one within a joint
     words = {words.split(",")[0].split()[1] for words in LOADS.values()}
-    assert set(types_in("loads")) == words | {"nodal_force", "pressure"}
+    assert set(types_in("loads")) == words | {"nodal_force", "pressure", "drive_torque"}
 
 
 @pytest.mark.parametrize("name", LOADS)
@@ -107,3 +107,26 @@ def test_a_load_on_the_ground_is_refused(tmp_path: Path) -> None:
     text = "loads:\n  f: {type: force, body: ground, force: [1, 0, 0]}\n"
     with pytest.raises(DeckErrors, match="the ground does not move; name a body"):
         Bench(tmp_path, text)
+
+
+JOINT = "joints: {j: {type: revolute, a: a, b: b, at: [0.1, 0.2, 0], axis: [1, 2, -1]}}\n"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_drive_torque_acts_between_the_bodies_of_its_joint(tmp_path: Path, seed: int) -> None:
+    text = f"{JOINT}loads: {{d: {{type: drive_torque, joint: j, torque: 7}}}}\n"
+    law = Bench(tmp_path, text).law("loads", "d")
+    law.bench.shake(seed)
+    out = law.force()
+    assert written(law.out, law.module.OUTPUT)
+    assert_balanced(law.bench.nodes)
+    assert np.linalg.norm(law.bench.nodes.torque[2]) > 1.0
+    # nothing comes from outside, and the power is what both bodies receive, in another order
+    assert not law.bench.nodes.external.any()
+    assert float(out.power) == pytest.approx(law.power_on_bodies(), rel=1e-12)
+
+
+def test_a_drive_torque_needs_a_joint_with_an_angle(tmp_path: Path) -> None:
+    text = JOINT.replace("revolute", "prismatic")
+    with pytest.raises(DeckErrors, match="angle"):
+        Bench(tmp_path, f"{text}loads: {{d: {{type: drive_torque, joint: j, torque: 7}}}}\n")

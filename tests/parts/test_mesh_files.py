@@ -138,6 +138,45 @@ def test_nodes_may_be_put_in_a_set_where_they_are_given(tmp_path: Path) -> None:
     assert len(areas(tmp_path, text, "MIDDLE").mesh.sets["ALL"]) == 4
 
 
+GENERATED = """
+*Heading
+*Part, name=Plate
+*NODE
+1, 0, 0
+5, 4, 0
+11, 0, 2
+15, 4, 2
+21, 0, 4
+25, 4, 4
+*NGEN, NSET=LOWER
+1, 5
+*NGEN
+11, 15, 1
+21, 25
+*ELEMENT, TYPE=S4R
+1, 1, 2, 12, 11
+*ELGEN, ELSET=ALL
+1, 4, 1, 1, 2, 10, 10
+*End Part
+*Assembly, name=A
+*Instance, name=Plate-1, part=Plate
+*End Instance
+*NSET, NSET=CORNER, INSTANCE=Plate-1
+25
+*End Assembly
+"""
+
+
+def test_nodes_and_elements_are_generated_in_a_part_that_is_one_instance(tmp_path: Path) -> None:
+    part = areas(tmp_path, GENERATED, "ALL")
+    # eight rectangles of 1 by 2
+    np.testing.assert_allclose(part.area, 2.0, rtol=1e-12)
+    assert len(part.area) == 8
+    assert len(part.mesh.sets["LOWER"]) == 5
+    (corner,) = part.mesh.sets["CORNER"]
+    np.testing.assert_allclose(part.mesh.points[corner], [4.0, 4.0, 0.0])
+
+
 WRONG = {
     "node of a set": ("*NSET, NSET=A\n1, 99\n", "line 17: node 99 of the set is not given before"),
     "element of a set": ("*ELSET, ELSET=A\n99\n", "line 17: element 99 of the set is not given"),
@@ -148,7 +187,17 @@ WRONG = {
     "element twice": (S4R + THIRD, "line 17: element 13 is given twice"),
     "corner": (S4R + "14, 1, 2, 3, 99\n", "line 17: element 14 names node 99"),
     "corners": (S4R + "14, 1, 2, 3\n", "line 17: element 14 is of type S4R, but 3 nodes follow"),
-    "part": ("*Part, name=P\n", "line 16: *PART would be passed over; write the mesh flat"),
+    "part": ("*Part, name=P\n*End Part\n*Part, name=Q\n", "line 18: a second *PART numbers its"),
+    "moved instance": (
+        "*Instance, name=P-1, part=P\n0, 0, 1\n*End Instance\n",
+        "line 16: *INSTANCE moves its part, which would be passed over",
+    ),
+    "nodes between": ("*NGEN\n1, 99, 1\n", "line 17: node 99 is not given before this line"),
+    "steps between": ("*NGEN\n1, 4, 2\n", "line 17: no number of steps of 2 leads"),
+    "arc of nodes": ("*NGEN, LINE=C\n1, 4\n", "line 16: *NGEN, LINE=C would be passed over"),
+    "copies of none": ("*ELGEN\n99, 2\n", "line 17: element 99 is not given before this line"),
+    "no copies": ("*ELGEN\n11, 0\n", "line 17: *ELGEN needs an element"),
+    "copies without nodes": ("*ELGEN\n11, 9, 1, 100\n", "names node"),
     "section offset": (
         "*SHELL SECTION, ELSET=A, MATERIAL=M, OFFSET=SPOS\n1.5\n",
         "line 16: *SHELL SECTION, OFFSET=SPOS would be passed over: nodes lie in the middle",
@@ -156,7 +205,7 @@ WRONG = {
     "include": ("*INCLUDE, INPUT=x.inp\n", "line 16: *INCLUDE would be passed over"),
     "instance": (
         "*NSET, NSET=A, INSTANCE=P-1\n1\n",
-        "line 16: *NSET, NSET=A, INSTANCE=P-1 would be",
+        "line 16: there is no *INSTANCE 'P-1' before this line",
     ),
     "offset of elements": (
         "*ELEMENT, TYPE=S4, OFFSET=9\n",

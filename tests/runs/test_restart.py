@@ -55,15 +55,16 @@ def wait_for(path: Path, seconds: float = 120.0) -> None:
         time.sleep(0.01)
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
-    deck: Path, uninterrupted: dict[Path, Path], tmp_path: Path
+    number: int, deck: Path, uninterrupted: dict[Path, Path], tmp_path: Path
 ) -> None:
     # on a busy machine the run may end before the signal is sent: then try again
     for _ in range(10):
         shutil.rmtree(tmp_path / "states", ignore_errors=True)
         run = start(deck, "-o", tmp_path)
         wait_for(tmp_path / "states" / "000001.h5")
-        run.send_signal(signal.SIGTERM)
+        run.send_signal(number)
         if run.wait(60) == 3:
             break
     stopped = status(tmp_path)

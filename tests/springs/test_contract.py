@@ -18,7 +18,11 @@ curves:
     interpolation: cubic
     extrapolate: linear
   low: {points: [[-3, -100], [-0.5, 0], [0, 0], [0.5, 0], [3, 100]], extrapolate: linear}
+  pushes: {points: [[0, 0], [1, 50], [5, 900]], extrapolate: linear}
   growth: {points: [[0, 1], [2, 1.4], [50, 2]], extrapolate: hold}
+  shock: {points: [[-1, -60], [0, 0], [1, 37]], extrapolate: linear}
+  oil: {points: [[-2, -90], [-1, -20], [0, 0], [1, 20], [2, 90]], interpolation: cubic,
+    extrapolate: linear}
 materials:
   cork: {type: elastic, young: 2e6, poisson: 0.3, density: 1}
   lead:
@@ -33,6 +37,8 @@ AXIS = "a: a, b: b, axis: [1, 2, -1]"
 # every spring whose force follows from configuration and velocity alone, in each of its ways
 REVERSIBLE = {
     "linear": f"{{type: linear, {POINTS}, stiffness: 50, damping: 3, length: 0.7}}",
+    "damper": f"{{type: damper, {POINTS}, curve: shock}}",
+    "smooth damper": f"{{type: damper, {POINTS}, curve: oil}}",
     "torsional": f"{{type: torsional, {AXIS}, stiffness: 40, damping: 2, angle: 0.3}}",
     "bushing": f"{{type: bushing, {POINTS}, stiffness: [50, 90, 20], damping: [1, 2, 3],"
     " rotational_stiffness: [30, 10, 20], rotational_damping: [0.5, 1, 0.2],"
@@ -45,6 +51,12 @@ REVERSIBLE = {
     "cable": "{type: cable, through: [{body: a, at: [0.1, 0, 0.2]}, {body: b,"
     " at: [0.3, -2, 0.4]}, {body: a, at: [0, 0.2, -0.1]}, {body: b, at: [1, 1, 3]}],"
     " stiffness: 50, damping: 0.3, length: 0.5}",
+    "strut": f"{{type: strut, {POINTS}, stiffness: 50, length: 0.7, bump_damping: 1,"
+    " rebound_damping: 4}",
+    "strut in bump": f"{{type: strut, {POINTS}, stiffness: 50, length: 0.7, bump_length: 3,"
+    " bump_stiffness: 90, bump_damping: 2, rebound_damping: 1}",
+    "strut in rebound": f"{{type: strut, {POINTS}, curve: smooth, length: 0.7,"
+    " damping_curve: soft, rebound_length: 0.1, rebound_curve: pushes}",
     "curve with gap": f"{{type: curve, {POINTS}, curve: soft, gap: 0.02, length: 0.4}}",
 }
 # path-dependent springs

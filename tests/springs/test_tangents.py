@@ -28,7 +28,7 @@ LAWS = ALL | {
     " stiffness: [50, 90, 20], damping: [1, 2, 3]}"
 }
 # forces along a line between two points
-ALONG = ("linear", "curve", "elastoplastic")
+ALONG = ("linear", "damper", "curve", "strut", "elastoplastic")
 LINES = [
     direction for direction in SMOOTH if ALL[direction].split("type: ")[1].split(",")[0] in ALONG
 ]

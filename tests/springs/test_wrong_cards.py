@@ -15,6 +15,8 @@ curves:
   dips: {points: [[-1, -100], [0, 0], [0.5, 50], [1, -10]]}
   above: {points: [[-1, -200], [0, 0], [1, 200]]}
   lifted: {points: [[0, 10], [1, 50]]}
+  late: {points: [[0.1, 10], [1, 50]]}
+  pulls: {points: [[0, 0], [0.5, 50], [1, -10]]}
   low: {points: [[-1, -10], [0, 0], [1, 10]]}
 springs:
 """
@@ -55,6 +57,27 @@ def test_lower_curve_that_starts_above_zero_is_refused(tmp_path: Path) -> None:
 def test_a_curve_is_judged_only_where_it_acts(tmp_path: Path) -> None:
     spring = "{type: curve, b: b, curve: dips, acts: compression, unloading_stiffness: 1000}"
     Bench(tmp_path, f"{CURVES}  s: {spring}\n")
+
+
+STRUTS = {
+    "needs one of stiffness and curve": "damping_curve: force",
+    "damping_curve: drives at .* m/s": "stiffness: 1, damping_curve: dips",
+    "damping_curve: must reach from bump": "stiffness: 1, damping_curve: late",
+    "damping_curve: stands for bump_damping": "stiffness: 1, damping_curve: force, bump_damping: 1",
+    "bump_length: is missing": "stiffness: 1, bump_stiffness: 5",
+    "needs one of rebound_stiffness and rebound_curve": "stiffness: 1, rebound_length: 2",
+    r"bump_curve: must begin at \(0, 0\)": "stiffness: 1, bump_length: 1, bump_curve: lifted",
+    "bump_curve: must not fall below 0": "stiffness: 1, bump_length: 1, bump_curve: pulls",
+    "bump_length: must not exceed": (
+        "stiffness: 1, bump_length: 3, bump_stiffness: 5, rebound_length: 2, rebound_stiffness: 5"
+    ),
+}
+
+
+@pytest.mark.parametrize("message", list(STRUTS))
+def test_a_strut_that_cannot_be_meant_is_refused(tmp_path: Path, message: str) -> None:
+    with pytest.raises(DeckErrors, match=message):
+        Bench(tmp_path, f"{CURVES}  s: {{type: strut, b: b, {STRUTS[message]}}}\n")
 
 
 def test_tangent_not_below_the_stiffness_is_refused(tmp_path: Path) -> None:

@@ -61,7 +61,11 @@ class Rigid(Card):
     )
     primitive: Primitive | None = word("uniform solid instead of mass and inertia", default=None)
     mass_centre: Vec3 = quantity("m", "from the body's origin, body axes", default=(0.0, 0.0, 0.0))
-    position: Vec3 = quantity("m", "of the body's origin", default=(0.0, 0.0, 0.0))
+    position: Vec3 = quantity(
+        "m",
+        "of the body's origin; the channel rbdout.NAME.position is that of the mass centre",
+        default=(0.0, 0.0, 0.0),
+    )
     rotation: Rotation = word("configuration, body to world", default_factory=Rotation)
     velocity: Vec3 = quantity("m/s", "of the body's origin", default=(0.0, 0.0, 0.0))
     angular_velocity: Vec3 = quantity("rad/s", "world axes", default=(0.0, 0.0, 0.0))

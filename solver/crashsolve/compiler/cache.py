@@ -3,7 +3,8 @@
 What lies here is executed. So every folder on the way to it must belong to this user or to root,
 and others must not be able to write it, unless it is sticky as /tmp is. A file counts only with the
 checksum of its name and content: a damaged one is as good as absent, and made anew. The folder is
-named after a hash of every source file of the package, so that no other sources can have made it.
+named after a hash of every source file of the package and of the version of llvmlite, so that no
+other sources, and no other compiler, can have made it.
 """
 
 import errno
@@ -17,6 +18,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
@@ -36,17 +38,21 @@ class CacheError(CrashsolveError):
 @cache
 def cache_folder() -> Path:
     """Folder for composed steps and compiled code of exactly these sources. Raises CacheError."""
-    digest = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*.py")):
-        digest.update(path.relative_to(PACKAGE).as_posix().encode())
-        digest.update(path.read_bytes())
+    # another compiler makes other code of the same sources
+    digest, root = hashlib.sha256(version("llvmlite").encode()), str(PACKAGE)
+    # pathlib would take twice the time for all
+    files = (os.path.join(folder, name) for folder, _, names in os.walk(root) for name in names)
+    for path in sorted(path for path in files if path.endswith(".py")):
+        digest.update(path[len(root) + 1 :].encode())
+        with open(path, "rb", buffering=0) as file:
+            digest.update(file.read())
     return find_folder(digest.hexdigest()[:16])
 
 
 def find_folder(name: str) -> Path:
     """A folder of this name that only this user can write: `CRASHSOLVE_CACHE`, home or temporary.
 
-    Raises: CacheError where others can write to `CRASHSOLVE_CACHE`.
+    Raises: CacheError where others can write to `CRASHSOLVE_CACHE`, or nobody can.
     """
     given = os.environ.get(CHOSEN)
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
@@ -64,11 +70,21 @@ def find_folder(name: str) -> Path:
                 raise
             notes.append(f"{reason}; compiled code is kept elsewhere")
             continue
-        except OSError:
+        except OSError as reason:
+            if given:
+                raise _unfit(root, reason.strerror or str(reason)) from reason
             continue
         if _is_writable(folder):
             return folder
+        if given:
+            raise _unfit(root, "it cannot be written")
     return _passing_folder(name)
+
+
+def _unfit(root: Path, reason: str) -> CacheError:
+    """That the folder which the user has chosen keeps nothing."""
+    advice = "name a folder of your own that can be written, or unset it"
+    return CacheError(f"{CHOSEN}={root}: compiled code cannot be there: {reason}; {advice}")
 
 
 def make_private(folder: Path) -> None:

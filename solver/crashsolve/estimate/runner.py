@@ -47,9 +47,14 @@ class Estimating:
     """
 
     def __init__(
-        self, deck: Deck, families: Sequence[Family], stopped: Callable[[], bool], log: Log
+        self,
+        deck: Deck,
+        families: Sequence[Family],
+        stopped: Callable[[], bool],
+        log: Log,
+        program: str = "",
     ) -> None:
-        self.estimator = Estimator(deck, families, stopped)
+        self.estimator = Estimator(deck, families, stopped, program)
         _refuse_hollow(deck, self.estimator.channels)
         self.accuracy, self.log = deck.control.accuracy, log
         self.is_full = deck.control.estimate == "full"

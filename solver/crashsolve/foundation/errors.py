@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from enum import IntEnum
+from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
 
 from crashsolve.foundation.streams import printable
 
@@ -92,3 +93,12 @@ class RunStopped(CrashsolveError):
     """The run was asked to stop and has left a restart dump."""
 
     exit_code = ExitCode.STOPPED
+
+
+def out_of_memory() -> str:
+    """That memory was refused, and by what."""
+    limit, _ = getrlimit(RLIMIT_AS)
+    whose = "of this machine is used up"
+    if limit != RLIM_INFINITY:
+        whose = f"is limited to {limit / 1e9:.3g} GB for this process (ulimit -v, or the queue)"
+    return f"out of memory: it {whose}; ask for more, or make the model smaller"

@@ -15,7 +15,6 @@ from crashsolve.system.loops.events import need_rebuild
 from crashsolve.system.placeholders import (
     CONTACTS,
     COUNTS_ROTATIONS,
-    KICK_DRIFT_KICK,
     LOOKS_AHEAD,
     NODAL,
     WEIGHED,
@@ -48,8 +47,8 @@ def advance(until, sampling, scene):
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)
             check(clock, control, nodes, ledger)
-            if KICK_DRIFT_KICK and (CONTACTS or NODAL):
-                check_contacts(clock, control, scene)
+            if CONTACTS or NODAL:
+                check_contacts(clock, control, nodes, scene)
         if sampling:
             return
         if COUNTS_ROTATIONS:

@@ -59,7 +59,7 @@ from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.placeholders import CONTACTS, DENSE, EVENTS, JOINTS, ONSETS
-from crashsolve.system.timestep import fit
+from crashsolve.system.timestep import fit, wanted_step
 
 ONSET = 1e-4  # of the way in the step: by so much what begins may be passed at most
 LOCATIONS = 10  # tries of the dense output, before bisection
@@ -291,6 +291,9 @@ def judge(h, clock, nodes, rows, saddle, scene):
     if h < 0.5 * clock.next_step:
         wanted = max(wanted, clock.next_step)
     clock.next_step = min(wanted, control.step_max, control.curve_step)
+    if control.resolves == 1:
+        clock.next_step = min(clock.next_step, wanted_step(clock, control, nodes))
+        clock.limit_node = 0
     return 0.0
 
 

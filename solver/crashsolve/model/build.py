@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.deck.family import FamilyError, families
+from crashsolve.deck.family import CHOSEN, DEFAULT_INTEGRATOR, FamilyError, families
 from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.point import ATTACHED, BLOCK_SUM, HOLD, blocks_of
@@ -39,7 +39,7 @@ from crashsolve.model.elements import (
     tables_of_elements,
 )
 from crashsolve.model.implicit.assembly import embody
-from crashsolve.model.integrator_selection import choose
+from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
@@ -142,7 +142,7 @@ def _arranged(model: Model, scene: Scene) -> State:
     state = _state(model, scene)
     if model.nodal_groups:
         model.nodal_loads = loads_of_points(len(state.points))
-    if model.integrator == "auto":
+    if model.integrator in CHOSEN:
         model.integrator, model.choice = _choose(model, state, scene)
     refuse_several(model, scene.deck)
     if model.elements:
@@ -157,10 +157,16 @@ def _arranged(model: Model, scene: Scene) -> State:
 
 def _choose(model: Model, state: State, scene: Scene) -> tuple[str, str]:
     """The integrator for a deck that names none, and why."""
-    choice = choose(model, state, scene.stepwise, float(model.control[0]["tolerance"]))
-    if not scene.methods or choice.integrator in scene.methods:
-        return choice
-    return scene.methods[0], "known to all families of laws in the deck"
+    is_default = model.integrator == "default"
+    if is_default:
+        choice = by_default(model, scene.stepwise)
+    else:
+        choice = choose(model, state, scene.stepwise, float(model.control[0]["tolerance"]))
+    if scene.methods and choice.integrator not in scene.methods:
+        choice = Choice(scene.methods[0], "known to all families of laws in the deck")
+    if is_default and choice.integrator != DEFAULT_INTEGRATOR:
+        resolve(model.control)
+    return choice
 
 
 def _arrange(model: Model, state: State, scene: Scene) -> None:
@@ -379,7 +385,9 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["spectral_radius"] = card.spectral_radius
     c["tolerance"] = card.tolerance or card.accuracy or TOLERANCE
     c["start"], c["end"] = card.start_time, card.end_time
-    c["check_every"] = card.check_every
+    c["check_every"], c["follows_path"] = card.check_every, card.follows_path
+    if card.resolve:
+        resolve(control)
     return control
 
 

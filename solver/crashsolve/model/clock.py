@@ -66,6 +66,8 @@ CLOCK = Record("""
     missing_time     s         when that was
     impulse          N s    3  impulse from outside
     angular_impulse  N m s  3  angular impulse from outside about the world origin
+    load_factor      1         along a path of equilibria: 0 at the start, 1 at end_time
+    unstable_modes   count     of the equilibrium there
     kick             N s    6  impulse and its moment that closed the joints at the end of the last
                                step
     element_rate     1/s^2     bound of the squared frequencies of the elements, then of the mesh
@@ -89,4 +91,6 @@ CONTROL = Record("""
     start                 s      time at which the run begins
     end                   s      time at which it ends
     check_every           count  cycles between guards
+    follows_path          flag   whether equilibria are followed through limit points
+    resolves              flag   whether steps chosen by their error keep to safety and rotation
 """)

@@ -1,4 +1,6 @@
-"""`integrator: auto`: the method for a deck, from its own stiffness and smoothness.
+"""The method for a deck that names none, from its own stiffness and smoothness.
+
+`integrator: auto`
 
     law that counts in whole steps          rattle
     contacts that keep lists of near pairs  rattle: events too many to be located one by one
@@ -6,11 +8,21 @@
     contacts, or laws with corners          dormand_prince_5
     smooth                                  dormand_prince_8, or dormand_prince_5 above 1e-5
 
+`integrator: default`, the word of decks that say nothing
+
+    rigid bodies, smooth, without contacts  dormand_prince_8
+    and curves
+    anything else                           rattle: of order 2, and passes what others stop at
+
+Steps of the default resolve every vibration, whatever the error of a step is compared with
+(`resolve`): in a model of kilometres 1e-6 of its size is all that a small oscillator does.
+
 Stiff means that the largest step at which an explicit method is stable (see system/timestep.py) is
 short beside the time in which the fastest body crosses the model, and beside the largest step
 allowed. Consequence to test: the choice follows from the deck alone, and the log says why.
 """
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +32,8 @@ from crashsolve.foundation.rows import as_rows
 # so many stable explicit steps in the time of a crossing cost more than implicit ones
 STIFF = 1000.0
 COARSE, FINE = 1e-3, 1e-5
+# of the default: steps over the stable one of a spring, rotation in a step [rad], steps in a run
+SAFETY, ROTATION, LEAST_STEPS = 1.0, 0.7, 40
 
 
 class Choice(NamedTuple):
@@ -51,6 +65,39 @@ def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Cho
     if tolerance > FINE:
         return Choice("dormand_prince_5", f"smooth, not stiff, tolerance {tolerance:g}")
     return Choice("dormand_prince_8", f"smooth, not stiff, tolerance {tolerance:g}")
+
+
+def by_default(model: Any, stepwise: list[str]) -> Choice:
+    """The integrator for a deck that says nothing of it."""
+    if stepwise:
+        return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
+    if len(model.attached_nodes):
+        return Choice("rattle", "nodes are welded to rigid bodies")
+    if model.contacts:
+        return Choice("rattle", "contacts begin and end")
+    if model.elements or any(g.keyword == "parts" for g in model.groups):
+        return Choice("rattle", "parts are flexible")
+    if model.curve_names or has_corners(model):
+        return Choice("rattle", "laws or curves may have corners")
+    return Choice("dormand_prince_8", "rigid bodies, smooth, no contacts")
+
+
+def resolve(control: np.ndarray) -> None:
+    """Bounds of steps that are chosen by their error, of the default and `control.resolve`.
+
+    Writes: control.
+    """
+    c = control[0]
+    c["resolves"] = 1
+    c["safety"], c["rotation"] = SAFETY, ROTATION
+    c["step_max"] = min(c["step_max"], (c["end"] - c["start"]) / LEAST_STEPS or 1.0)
+
+
+def settled(deck: Any, model: Any) -> Any:
+    """The deck with the method of its model: runs beside this one must not choose anew."""
+    resolves = bool(model.control[0]["resolves"])
+    chosen = {"integrator": model.integrator, "resolve": resolves}
+    return replace(deck, control=deck.control.model_copy(update=chosen))
 
 
 def has_corners(model: Any) -> bool:

@@ -37,8 +37,8 @@ NODE = Record("""
     start_L       kg m^2/s    3  at the start of the step
     v_half        m/s         3  velocity during the drift
     L_half        kg m^2/s    3  angular momentum during the drift
-    moved         m              way of the mass centre in the step, where gaps are bounded by it
-    rotated       rad            turn in the step, not below it, where gaps are bounded by it
+    moved         m           3  displacement of the mass centre in the step, where it bounds gaps
+    rotated       1           3  2 tan(theta / 2) times the axis of its rotation, for the same
 """)
 
 STAGE = Record("""

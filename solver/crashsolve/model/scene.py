@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
-from crashsolve.deck.family import families
+from crashsolve.deck.family import CHOSEN, families
 from crashsolve.deck.laws import law_class, types_in
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.orientation import matrix, perpendicular
@@ -232,7 +232,7 @@ class Scene:
             return
         law, others = module.__name__.rpartition(".")[2], getattr(module, "IMPLICIT", ())
         self.stepwise.append(law)
-        if method not in ("rattle", "auto", *others):
+        if method not in ("rattle", *CHOSEN, *others):
             message = f"'{law}' counts in whole steps, integrator {method} needs rates at any time"
             known = " or ".join(["rattle", *others])
             raise self.fail(f"{message}; say integrator: {known}", field)

@@ -11,10 +11,10 @@ def is_static(deck: Deck) -> bool:
     return deck.control.solution == "quasi_static"
 
 
-def engine_of(deck: Deck, model: Model, state: State) -> Engine:
-    """Through time, or from equilibrium to equilibrium."""
+def engine_of(deck: Deck, model: Model, state: State, program: str = "") -> Engine:
+    """Through time, or from equilibrium to equilibrium; `program`: of the deck's last."""
     if not is_static(deck):
-        engine = _in_time(model, state)
+        engine = _in_time(model, state, program)
         if deck.control.start == "equilibrium":
             from crashsolve.statics.start import begin_at_rest
 
@@ -23,16 +23,20 @@ def engine_of(deck: Deck, model: Model, state: State) -> Engine:
     if is_incremental(model.groups):
         from crashsolve.statics.pseudo_transient import RestEngine
 
-        return RestEngine(model, state, deck.control)
+        return RestEngine(model, state, deck.control, program)
+    if deck.control.follows_path:
+        from crashsolve.statics.path import PathEngine
+
+        return PathEngine(model, state, deck.control, program)
     from crashsolve.statics.equilibrium import StaticEngine
 
-    return StaticEngine(model, state, deck.control)
+    return StaticEngine(model, state, deck.control, program)
 
 
-def _in_time(model: Model, state: State) -> Engine:
+def _in_time(model: Model, state: State, program: str) -> Engine:
     """Through time, in one go or in phases."""
     if not model.phases:
-        return Engine(model, state)
+        return Engine(model, state, program)
     from crashsolve.recording.phased import PhasedEngine
 
-    return PhasedEngine(model, state)
+    return PhasedEngine(model, state, program)

@@ -34,6 +34,10 @@ MODEL = (
     ("cycle", "", "1", "steps so far"),
     ("mechanical", "", "J", "kinetic, potential and stored energy"),
 )
+PATH = (
+    ("load_factor", "", "1", "of loads and motions with curves: 0 at start_time, 1 at end_time"),
+    ("unstable_modes", "", "1", "motions in which the equilibrium is left"),
+)
 CARD_COLUMNS: tuple[str, ...] = ("impulse", "peak_normal", "peak_depth", "onsets", "touches")
 CARD_COLUMNS += ("first_touch", "last_release", "duration")
 FAMILY = {name: next(iter(f.channels)) for name, f in families().items() if f.channels}
@@ -122,6 +126,7 @@ class Histories:
             columns.append(Column("phase", "", "1", "number of the phase"))
         for name, unit in (("momentum", "N s"), ("angular_momentum", "N m s")):
             columns += [Column(name, axis, unit, "sum over bodies") for axis in AXES]
+        columns += [Column(*spec) for spec in self._path()]
         e, elements = self.engine, self.engine.model.elements
         sources: list[Source] = [e.ledger, e.sample_clock, e.state.clock]
         sources.append(Columns(e.nodes, OF_NODES))
@@ -144,7 +149,12 @@ class Histories:
         scalars = [balance, *errors, residual[:, 0], step[:, 0], cycle[:, 0], mechanical]
         if self._ends:
             scalars.append(np.searchsorted(self._ends, sampled["time"][:, 0]) + 1)
-        return np.column_stack([ledger, *scalars, linear, angular])[:, None, :]
+        path = [clock[name] for name, *_ in self._path()]
+        return np.column_stack([ledger, *scalars, linear, angular, *path])[:, None, :]
+
+    def _path(self) -> tuple[tuple[str, str, str, str], ...]:
+        """Columns of a run that follows a path of equilibria."""
+        return PATH if self.engine.model.control[0]["follows_path"] else ()
 
     def _bodies(self) -> Part:
         columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]

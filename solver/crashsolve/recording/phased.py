@@ -37,8 +37,8 @@ MEMORY = Record("""
 class PhasedEngine(Engine):
     """Steps a State through the phases of a run, one after the other."""
 
-    def __init__(self, model: Model, state: State) -> None:
-        super().__init__(model, state)
+    def __init__(self, model: Model, state: State, program: str = "") -> None:
+        super().__init__(model, state, program)
         self.table = np.zeros(1, MEMORY.dtype)
         self.memory: Any = self.table[0]
         self.aside = {"phases": self.table}

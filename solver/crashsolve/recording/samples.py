@@ -68,7 +68,8 @@ class Channel:
 class Samples:
     """Samples of channels during one run: times, values of each, and of the vector around it.
 
-    `cycles` are the steps it took, `cpu` [s] what it cost, `units` those of the channels.
+    `cycles` are the steps it took, `cpu` [s] what it cost, `units` those of the channels; `between`
+    are times of samples that are steps of this run (recording/between.py).
     """
 
     time: np.ndarray
@@ -77,6 +78,7 @@ class Samples:
     cycles: int = 0
     cpu: float = 0.0
     units: dict[str, str] = field(default_factory=dict)
+    between: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     def series(self, expression: str) -> Series:
         """The history of a channel or an expression; raises ChannelError."""
@@ -90,9 +92,11 @@ class Samples:
             return Series(self.time, self.time, "s")
         return Series(self.time, self.values[name], self.units.get(name, ""))
 
-    def at(self, times: np.ndarray) -> "Samples":
-        """The same at some of the times (n,) [s]."""
+    def at(self, times: np.ndarray, between: bool = False) -> "Samples":
+        """The same at some of the times (n,) [s], and at its own steps between them if asked."""
         kept = np.isin(self.time, times)
+        if between:
+            kept |= np.isin(self.time, self.between)
         values = {name: course[kept] for name, course in self.values.items()}
         return Samples(self.time[kept], values, {}, self.cycles, self.cpu, self.units)
 

@@ -25,6 +25,10 @@ class Displacement(Card):
     at_a: Vec3 = quantity("m", "point in the frame of a", default=(0.0, 0.0, 0.0))
     at_b: Vec3 = quantity("m", "point in the frame of b", default=(0.0, 0.0, 0.0))
     axes: Literal["world", "a"] = word("axes of the components", default="world")
+    role: Literal["chest_deflection"] | None = word(
+        "what it stands for in an occupant, for measures of injury: the spine is a, the sternum b",
+        default=None,
+    )
 
 
 PARAMETERS = Record("""

@@ -6,7 +6,7 @@ in the axes of a chosen body, on body b (b minus a). Consequence to test: the jo
 hanging chain carries the weight of all below it.
 """
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -29,6 +29,9 @@ class SectionForce(Card):
         "m",
         "point of the moment, in the frame of `axes`; that of the joint when absent",
         default=None,
+    )
+    role: Literal["neck", "femur_left", "femur_right"] | None = word(
+        "what it stands for in an occupant, for measures of injury", default=None
     )
 
 

@@ -8,10 +8,11 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import h5py
+import llvmlite
 import numpy as np
 
 import crashsolve
@@ -33,6 +34,10 @@ if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
 
 
+# CPU time of what is no other stage
+REST = "files and reports"
+
+
 def cpu_time() -> float:
     """CPU time of this process and of the one that compiled for it [s]."""
     # os.times() counts in hundredths of a second, and a short run is over within one
@@ -45,7 +50,7 @@ def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[
 
     From here on status.json speaks of this run, and not of one before it. Raises OutputError.
     """
-    start, end = deck.control.start_time, deck.control.end_time
+    start, end = deck.control.start_time, deck.control.last_time
     status = Status("running", start, 0, end, 0.0, 0.0, 0.0, 0.0, message="preparing")
     path, begun = folder / "status.json", time.monotonic()
     write_status(path, status)
@@ -121,7 +126,7 @@ class Account:
     def progress(self) -> None:
         """A line of the log, status.json, and the bar on a terminal."""
         e, clock = self.engine, self.engine.clock
-        self.pace.look(float(clock["time"]), self.deck.control.end_time)
+        self.pace.look(float(clock["time"]), self.deck.control.last_time)
         self.log.cycle(
             int(clock["cycle"]),
             float(clock["time"]),
@@ -134,7 +139,7 @@ class Account:
         )
         self.pulse.reported()
         self.status("running", None, "")
-        span = self.deck.control.end_time - self.deck.control.start_time
+        span = self.deck.control.last_time - self.deck.control.start_time
         self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
 
     def keep_alive(self) -> None:
@@ -172,7 +177,7 @@ class Account:
                 state,
                 float(clock["time"]),
                 int(clock["cycle"]),
-                self.deck.control.end_time,
+                self.deck.control.last_time,
                 float(clock["step"]),
                 balance(self.engine),
                 cpu_time(),
@@ -185,6 +190,11 @@ class Account:
                 **self._results(),
             ),
         )
+
+    def close_stages(self) -> None:
+        """What no stage has counted: opening and closing of files, looks at the results."""
+        counted = sum(seconds for name, seconds in self.cpu.items() if name != REST)
+        self.cpu[REST] = max(cpu_time() - counted, 0.0)
 
     def spent(self) -> float:
         """CPU time of the run proper: steps and output [s]."""
@@ -201,6 +211,7 @@ class Account:
         if self.estimating is not None:
             self.cpu["estimates"] = self.estimating.cpu
             found["watched"] = self.estimating.entries()
+        self.close_stages()
         return (
             found
             | self.remarks
@@ -260,8 +271,8 @@ def provenance(deck: Deck, engine: Engine) -> dict[str, Any]:
             "crashsolve": crashsolve.__version__,
             "python": platform.python_version(),
             "numpy": np.__version__,
-            "llvmlite": version("llvmlite"),
-            "h5py": version("h5py"),
+            "llvmlite": llvmlite.__version__,
+            "h5py": h5py.__version__,
         },
         "host": socket.gethostname(),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),

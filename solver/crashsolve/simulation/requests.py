@@ -1,7 +1,8 @@
 """What a user may ask of a run: by signals, and by words in control.txt of the results folder.
 
-SIGTERM and SIGINT dump and stop, SIGUSR1 dumps and goes on, SIGCONT is ignored (queues send it
-along). The words stop, dump and states do the same.
+SIGTERM, SIGINT and SIGHUP, of a terminal that is closed, dump and stop, SIGUSR1 dumps and goes on,
+SIGCONT is ignored (queues send it along). The words stop, dump and states do the same. A run under
+nohup goes on when its terminal closes.
 """
 
 import signal
@@ -20,6 +21,20 @@ WORDS = {"stop", "dump", "states"}
 # [bytes] of control.txt that are looked at
 MOST_CONTROL = 4096
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
+SIGNALS |= {signal.SIGHUP: "stop"}
+
+
+def stop_as_by_keyboard() -> None:
+    """Until there is something to dump: stop as by the keyboard, and dump nothing."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if not _is_ignored(number):
+            signal.signal(number, signal.default_int_handler)
+    signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+
+
+def _is_ignored(number: int) -> bool:
+    """Whether whoever started the run wants it to go on, as nohup does."""
+    return number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN
 
 
 class Requests:
@@ -42,7 +57,8 @@ class Requests:
                 self._end()
 
         for number in SIGNALS:
-            signal.signal(number, keep)
+            if not _is_ignored(number):
+                signal.signal(number, keep)
         signal.signal(signal.SIGCONT, signal.SIG_IGN)
 
     def read(self) -> None:

@@ -8,23 +8,23 @@ import signal
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from crashsolve.compiler.cache import notes as cache_notes
-from crashsolve.compiler.machine import forget_linker
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import (
     CrashsolveError,
     DeckError,
     ExitCode,
     RunStopped,
+    out_of_memory,
 )
 from crashsolve.foundation.streams import report_error, say
 from crashsolve.model.build import build
+from crashsolve.model.integrator_selection import settled
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.history import HistoryWriter
@@ -34,10 +34,13 @@ from crashsolve.output.peaks import write_peaks
 from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
+from crashsolve.recording.between import Between
+from crashsolve.recording.changing import changing, restore
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.sampling import Schedule
+from crashsolve.simulation.expected_size import expected_size
 from crashsolve.simulation.heartbeat import Pulse
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
 from crashsolve.simulation.missed import missed_contacts
@@ -45,13 +48,9 @@ from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import (
-    met_by,
-    pressed_at_start,
-    remarks,
-)
-from crashsolve.simulation.requests import Requests
-from crashsolve.simulation.resume import FREE, OF_ERRORS, changing, differing, restore
+from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks
+from crashsolve.simulation.requests import Requests, stop_as_by_keyboard
+from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
 from crashsolve.system.engine import Engine
@@ -65,9 +64,7 @@ COARSENESS = "run/coarseness"
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
-    # until there is something to dump: stop as by the keyboard, and dump nothing
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+    stop_as_by_keyboard()
     with Pulse(f"reading {deck_path.name}", say) as pulse:
         return _solve(deck_path, folder, overrides, restart, pulse)
 
@@ -76,16 +73,12 @@ def _solve(
     deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool, pulse: Pulse
 ) -> int:
     begun, wall_begun = cpu_time(), time.monotonic()
-    # before the arrays of a large model come
-    forget_linker()
     deck = read_deck(deck_path, overrides)
     pulse.does("building the model")
     was_read = cpu_time()
     model, state = build(deck)
     if not is_static(deck):
-        # runs beside this one must not choose anew
-        control = deck.control.model_copy(update={"integrator": model.integrator})
-        deck = replace(deck, control=control)
+        deck = settled(deck, model)
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with Lock(folder) as lock:
@@ -94,7 +87,7 @@ def _solve(
         going_on = restart and any((folder / slot).exists() for slot in SLOTS)
         with preparing(deck, folder, pulse, going_on) as log:
             engine = engine_of(deck, model, state)
-            spent = {"read": was_read - begun, "build": built - was_read}
+            spent = {"start of Python": begun, "read": was_read - begun, "build": built - was_read}
             spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
             run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
             dump = run.prepare(restart)
@@ -186,6 +179,8 @@ class Run:
     def _fail(self, error: Exception) -> None:
         """Report the error and save what can be saved; the first error is the one that counts."""
         code, message = ExitCode.INTERNAL, f"internal: {error!r}"
+        if isinstance(error, MemoryError):
+            code, message = ExitCode.OUTPUT, out_of_memory()
         if isinstance(error, CrashsolveError):
             code, message = ExitCode(error.exit_code), str(error)
         for act in (
@@ -212,6 +207,7 @@ class Run:
         engine.on_pause = self._obey_at_once
         engine.on_message = self.log.line
         self.histories = Histories(engine)
+        self.between = Between(engine, not is_static(self.deck), lambda t: self.recorder.take(t))
         self.pictures = Pictures(engine, self.deck)
 
     def _open(self, resumed: float | None) -> None:
@@ -224,6 +220,8 @@ class Run:
             for text in (*self.engine.notes, *self.overlapping):
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
+        families, blocks = self.histories.families, self.pictures.blocks
+        self.log.line(f"output: {expected_size(self.deck, families, blocks, self.folder)}")
         metadata = provenance(self.deck, self.engine)
         self.history = HistoryWriter(
             self.folder / "history.h5",
@@ -249,7 +247,7 @@ class Run:
         """
         control, asks = self.deck.control, self.deck.watch or self.deck.expect
         # who only expects an equilibrium does not pay for one more
-        is_enough = is_static(self.deck) and not self.deck.watch
+        is_enough = control.follows_path or (is_static(self.deck) and not self.deck.watch)
         if control.estimate == "off" or not asks or is_enough:
             if asks or self.deck.output.report:
                 # a misspelt channel is reported before the run, not after it
@@ -261,7 +259,9 @@ class Run:
         from crashsolve.estimate.runner import Estimating
 
         families = self.histories.families
-        estimating = Estimating(self.deck, families, self._is_to_stop, self.log)
+        estimating = Estimating(
+            self.deck, families, self._is_to_stop, self.log, self.engine.program
+        )
         coarseness = float(dump[0][COARSENESS][0]) if dump else None
         estimating.set_steps(self.engine.model.control, coarseness)
         return estimating
@@ -282,7 +282,7 @@ class Run:
     def _start_anew(self) -> None:
         """The same deck from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
-        self._take_up(engine_of(self.deck, *build(self.deck)))
+        self._take_up(engine_of(self.deck, *build(self.deck), self.engine.program))
         self.account.phases = None
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}
@@ -301,7 +301,8 @@ class Run:
         self.sampled = float(self.engine.clock["sampled"])
         k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
-        while target < end:
+        self.between.mark()
+        while target < end and not self.engine.is_complete:
             k += 1
             target = self.schedule.time(k)
             # no run has children while it marches: their times need not be asked for
@@ -311,10 +312,14 @@ class Run:
             finally:
                 advanced = time.process_time()
                 self.cpu["steps"] += advanced - begun
+            if self.engine.is_complete:
+                target = float(self.engine.clock["time"])
+            self.between.fill(target)
             self.engine.sample(target)
+            self.between.mark()
             phases.count()
             self.account.keep_alive()
-            self._write(target, force=target == end)
+            self._write(target, force=target == end or self.engine.is_complete)
             self.sampled = target
             self._obey()
             self.cpu["output"] += time.process_time() - advanced
@@ -363,7 +368,7 @@ class Run:
 
     def _dump(self) -> None:
         self.recorder.flush()
-        arrays = changing(self.engine) | self.histories.memory
+        arrays = changing(self.engine) | self.histories.memory | self.between.memory
         if self.estimating is not None:
             arrays[COARSENESS] = np.array([self.estimating.coarseness])
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
@@ -379,7 +384,7 @@ class Run:
             )
         try:
             restore(self.engine, arrays)
-            for name, array in self.histories.memory.items():
+            for name, array in (self.histories.memory | self.between.memory).items():
                 array[...] = arrays[name]
         except (KeyError, ValueError, TypeError, IndexError) as reason:
             raise self._inconsistency("another version of crashsolve") from reason

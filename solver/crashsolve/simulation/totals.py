@@ -11,6 +11,7 @@ def write_totals(account: Account) -> None:
     log.line()
     log.facts(_steps(engine) | _constraints(engine) | _cost(account) | _remarks(account))
     log.section("energy", _energies(engine))
+    account.close_stages()
     log.timing(account.cpu)
     log.citations(engine.model.citations)
 

@@ -31,8 +31,8 @@ TREND = 0.1  # largest change of the force that presses a joint, by its trend, i
 
 
 @kernel
-def friction_limit(p, old, new, h, rows):
-    """Level and coefficient times the force that presses the joint [N or N m]. Writes: new.
+def friction_limit(p, level, old, new, h, rows):
+    """Level, and coefficient times the force that presses the joint [N or N m]. Writes: new.
 
     The lambdas of closing and opening kick at one moment err by opposite amounts, in proportion to
     their steps. The force at the end of the step is on the line through the last two moments; one
@@ -48,7 +48,7 @@ def friction_limit(p, old, new, h, rows):
     if h > 0.0 and old.step > 0.0:
         force += (force - old.pressing) * h / old.step
         force = min(max(force, (1.0 - TREND) * new.pressing), (1.0 + TREND) * new.pressing)
-    new.limit = p.level + p.pressed * force
+    new.limit = level + p.pressed * force
     if h == 0.0 and old.step > 0.0:
         # a sample repeats the last step
         new.pressing, new.step, new.limit = old.pressing, old.step, old.limit

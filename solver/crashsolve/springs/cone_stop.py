@@ -23,10 +23,11 @@ from pydantic import model_validator
 
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import check_rotation_limit
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, rotation_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, sub, vec
+from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
     LARGEST,
@@ -105,6 +106,7 @@ OUTPUT = Record("""
     azimuth  rad  phi, of the pointer
     margin   rad  to the limit; negative past it
     energy   J    stored
+    moment   N m  3  on b, axes of b
 """)
 
 
@@ -216,6 +218,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.torque = range_moment(p, old, new, out, h, max(at.past, 0.0), rate, curves)
     out.swing, out.azimuth, out.margin = at.theta, at.phi, -at.past
     out.energy = out.stored
+    put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, at.gradient)))
     # counted within the cone as well: nothing else shortens the step before the limit is met
     within = p.stretch if at.past <= 0.0 else 1.0
     stiffness, damping = within * p.stiffest, within * p.stop_damping

@@ -1,10 +1,11 @@
 """Friction against the rotation of a revolute, cylindrical or spherical joint; holds and slides.
 
-    M = K z + c w while it holds,   |M| <= M_0 + mu R |lambda|;   it slides at the limit
+    M = K z + c w while it holds,   |M| <= M_0 phi(t) + mu R |lambda|;   it slides at the limit
 
 z is the elastic rotation of b against a since it last slid, R the radius of pin or ball and lambda
 the force that presses the joint: all of it in a ball or hinge, that across the axis in a
-cylindrical joint. It is the one expected from its course, right to second order in the step.
+cylindrical joint. It is the one expected from its course, right to second order in the step. With
+phi(t) it is the brake of a wheel: M_0 is its torque at full pressure, and it locks at standstill.
 
 Consequence to test: a disc with the speed w_0 stops after J w_0 / M_0; below the limit it stays for
 ever. The energy lost is the work of M less what the bristle stores.
@@ -13,14 +14,15 @@ Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-01
 in joints: Haug, Wu and Yang (1986), Mechanism and Machine Theory 21, 401-406.
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.card import Card, JointName, quantity, word
+from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
 from crashsolve.foundation.angles import orientation_in, rotation_between
 from crashsolve.foundation.columns import matvec_t
+from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_torque, arm, spin_mobility
 from crashsolve.foundation.record import Record
@@ -32,10 +34,15 @@ LEDGER = "joint"
 
 
 class RotationFriction(Card):
-    """Friction against the rotation of a joint: constant, a share of the reaction, or both."""
+    """Friction against the rotation of a joint: a brake, a share of the reaction, or both."""
+
+    curve_axes: ClassVar = {"torque_curve": ("s", "1")}
 
     joint: JointName = word("joint that has an angle, such as a revolute one, or a spherical joint")
     torque: float = quantity("N m", "constant part of the limit", default=0.0, ge=0)
+    torque_curve: CurveName | None = word(
+        "phi, factor on torque over time, as the pressure of a brake", default=None
+    )
     coefficient: float = quantity("1", "mu, of the force that presses the joint", default=0.0, ge=0)
     radius: float | None = quantity("m", "R of pin or ball; with coefficient", default=None, gt=0)
     stiffness: float = quantity("N m/rad", "K, of the bristle that holds", gt=0)
@@ -45,6 +52,8 @@ class RotationFriction(Card):
     def _consistent(self) -> "RotationFriction":
         if self.torque == 0.0 and self.coefficient == 0.0:
             raise ValueError("needs torque, coefficient or both")
+        if self.torque_curve and self.torque == 0.0:
+            raise ValueError("torque_curve: needs torque, on which it is a factor")
         if (self.coefficient > 0.0) != (self.radius is not None):
             raise ValueError("coefficient and radius belong together")
         return self
@@ -53,10 +62,12 @@ class RotationFriction(Card):
 COUNTS_ROTATIONS = True
 # the bristle is stretched by the slip of a whole step
 STEPWISE = True
+CURVES_OF_TIME = ("torque_curve",)
 PARAMETERS = BRISTLE + Record("""
-    node_a  index     first body
-    node_b  index     second body
-    axis_a  1      3  joint axis, axes of a; 0 for a ball
+    node_a        index     first body
+    node_b        index     second body
+    axis_a        1      3  joint axis, axes of a; 0 for a ball
+    torque_curve  index     phi over time; 0 for none
 """)
 HISTORY = PRESSING + Record("""
     configuration  1    4  quaternion of b in a
@@ -66,6 +77,7 @@ HISTORY = PRESSING + Record("""
 """)
 OUTPUT = Record("""
     torque  N m  3  on b, world axes
+    moment  N m  3  the same, axes of b
     limit   N m     at which it slides
     slid    rad     angle slid so far
 """)
@@ -75,6 +87,7 @@ def build(card: RotationFriction, scene: Any) -> dict[str, Any]:
     joint = named_joint(scene, card.joint, "angle", "ball")
     return {
         "level": card.torque,
+        "torque_curve": scene.curve(card.torque_curve) if card.torque_curve else 0,
         "pressed": card.coefficient * (card.radius or 0.0),
         "first_row": joint.first_row,
         "pressing": joint.angular.count(False),
@@ -105,7 +118,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     )
     rotation = rotation_between(before, now)
     trial = add(vec(old.bristle), rotation)
-    limit = friction_limit(p, old, new, h, rows)
+    limit = friction_limit(p, level(p, t, curves), old, new, h, rows)
     share = kept_share(p.stiffness, norm(trial), limit)
     z = scale(share, trial)
     w = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
@@ -120,10 +133,20 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     was, held = vec(old.bristle), vec(old.torque)
     out.loss = lost(p.stiffness, was, z, held, torque, rotation) if h > 0.0 else 0.0
     put(out.torque, arm(a, scale(-1.0, torque)))
+    put(out.moment, matvec_t(b.A, vec(out.torque)))
     apply_torque(b, vec(out.torque))
     apply_torque(a, scale(-1.0, vec(out.torque)))
     add_stiffness_bound(a, rotational_mobility(a, a, p), p.stiffness, p.damping)
     add_stiffness_bound(b, rotational_mobility(b, a, p), p.stiffness, p.damping)
+
+
+@kernel
+def level(p, t, curves):
+    """M_0 phi(t) [N m]; a negative factor releases the brake."""
+    if p.torque_curve == 0:
+        return p.level
+    factor, _, _ = curve_value(curves, p.torque_curve, t)
+    return p.level * max(factor, 0.0)
 
 
 @kernel

@@ -78,7 +78,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     axis = vec(p.axis_a)
     travel, rate = dot(axis, x), dot(axis, x_dot)
     trial = travel - old.slider
-    limit = friction_limit(p, old, new, h, rows)
+    limit = friction_limit(p, p.level, old, new, h, rows)
     z = trial * kept_share(p.stiffness, abs(trial), limit)
     friction = min(max(p.stiffness * z + p.damping * rate, -limit), limit)
     new.travel = travel

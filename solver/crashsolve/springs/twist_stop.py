@@ -20,10 +20,11 @@ from pydantic import model_validator
 
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import check_rotation_limit
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, rotation_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
+from crashsolve.foundation.vec3 import add, cross, dot, put, scale, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
     LARGEST,
@@ -75,6 +76,7 @@ OUTPUT = Record("""
     angle   rad  tau
     margin  rad  to the nearer limit; negative past it
     energy  J    stored
+    moment  N m  3  on b, axes of b
 """)
 
 
@@ -147,6 +149,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.torque = range_moment(p, old, new, out, h, past_range(p, angle), rate, curves)
     out.angle, out.margin = angle, min(p.upper - angle, angle - p.lower)
     out.energy = out.stored
+    put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, g)))
     twist(p, nodes, out.torque, g, p.stiffest, p.stop_damping)
 
 

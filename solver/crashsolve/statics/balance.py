@@ -116,13 +116,10 @@ class Work:
     def count(self, start: np.ndarray, begun: float, now: float) -> None:
         """Of the way from the nodes `start` at `begun` to the present ones at `now` [s]."""
         engine, loading = self.engine, self.engine.loading
-        span, clock = now - begun, engine.clock
-        change = engine.change_from(start)
-        first, last = (
-            self._powers(t, at, change / span) for t, at in ((begun, start), (now, None))
-        )
+        clock, change = engine.clock, engine.change_from(start)
+        first, last = (self._powers(t, at, change) for t, at in ((begun, start), (now, None)))
         for g in self._loads():
-            g.history["dissipated"] += 0.5 * span * (first[g.word] + last[g.word])
+            g.history["dissipated"] += 0.5 * (first[g.word] + last[g.word])
         for g in self._of_surfaces():
             done, pushed = self.before[g.word]
             g.history["dissipated"] = done + 0.5 * (pushed + self._forces(g, now)) @ change.ravel()
@@ -181,7 +178,7 @@ class Work:
     def _powers(
         self, time: float, at: np.ndarray | None, change: np.ndarray
     ) -> dict[str, np.ndarray]:
-        """Power of every load where the nodes are, moving by `change` [m/s, rad/s]."""
+        """Work of every load on a change (n, 6) of the nodes, by its force where they are."""
         engine = self.engine
         nodes = (engine.state.nodes if at is None else at).copy()
         free = engine.free

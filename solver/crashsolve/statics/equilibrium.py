@@ -52,10 +52,10 @@ Tangent = tuple[np.ndarray, np.ndarray]
 class StaticEngine(Engine):
     """Goes from equilibrium to equilibrium instead of stepping through time."""
 
-    def __init__(self, model: Model, state: State, control: Any) -> None:
+    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
         """`control` is the deck's card."""
         self.loading, self.yielding = Loading(model, control.start_time), Yielding(model)
-        super().__init__(model, state)
+        super().__init__(model, state, program)
         self.tolerance = control.tolerance or TOLERANCE
         model.control[0]["tolerance"] = self.tolerance
         self.limit = 0.0 if control.energy_limit == "off" else float(control.energy_limit)
@@ -250,12 +250,16 @@ class StaticEngine(Engine):
             if is_still or (stays and worst <= STAGNATION_TOLERANCE):
                 # trials may lead past the end of a curve, which only the answer must not
                 self.model.curves[0]["fault"] = 0
-                g, _, phi = self.imbalance(time)
-                self.forces.meet_reactions(self)
-                if self._is_closed(phi) and self.forces.balance(g, self._round_off()):
+                if self.is_balanced(time):
                     return count + 1
             self.clock.value, previous = worst, worst
         return 0
+
+    def is_balanced(self, time: float) -> bool:
+        """Whether forces are in balance at a moment, and the joints closed."""
+        g, _, phi = self.imbalance(time)
+        self.forces.meet_reactions(self)
+        return self._is_closed(phi) and bool(self.forces.balance(g, self._round_off()))
 
     def _accept(self, count: int) -> None:
         """What joints remember of the way, and what the run counts."""

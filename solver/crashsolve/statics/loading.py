@@ -26,6 +26,8 @@ class Loading:
         self.start, self.begin = start, start - 1.0
         self.curves, still = model.curves, _still(model)
         self.driven = []
+        # along a path of equilibria curves are read before the start as well
+        self.follows_path = False
         # a group of loads and the number of an entry that does not act
         self.silent: tuple[Any, int] | None = None
         self.rising = loads_without_curve(model)
@@ -38,11 +40,11 @@ class Loading:
 
     def share(self, moment: float) -> float:
         """Of a load without a curve that acts at a moment [s]: 0 to 1."""
-        return min(max(moment - self.begin, 0.0), 1.0)
+        return 1.0 if self.follows_path else min(max(moment - self.begin, 0.0), 1.0)
 
     def time(self, moment: float) -> float:
         """Time at which curves are read [s]."""
-        return max(moment, self.start)
+        return moment if self.follows_path else max(moment, self.start)
 
     def message(self, moment: float) -> str:
         """A moment as a user knows it."""

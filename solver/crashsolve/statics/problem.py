@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 class Problem:
     """Why there is no next equilibrium: "lost", "balance", "unstable mode", "fork", "jump",
-    "end of curve".
+    "lost path", "end of curve".
     """
 
     def __init__(self, kind: str, target: float, location: str = "the model") -> None:
@@ -24,7 +24,7 @@ class Problem:
         if self.kind == "end of curve":
             return SolverError(time, cycle, *curve_end(engine.model, engine.clock))
         texts = {"lost": self._lost, "balance": self._unbalanced, "unstable mode": self._left}
-        texts |= {"fork": self._forked, "jump": self._jumped}
+        texts |= {"fork": self._forked, "jump": self._jumped, "lost path": self._lost_path}
         cause, advice = texts[self.kind](engine, moment)
         return SolverError(time, cycle, self.location, cause, advice)
 
@@ -34,8 +34,8 @@ class Problem:
             f"(last correction {float(engine.clock.value):.2g}, {engine.forces.message()})",
             "hold what can move freely; let loads rise along a curve, in more steps; beyond a "
             "limit load there is none: where a structure flows, prescribe its motion by a driver, "
-            "whose reaction is the load; where it snaps through, say solution: transient with "
-            "damping",
+            "whose reaction is the load; where it snaps through, follow the path of equilibria by "
+            "control.path: arc_length, or say solution: transient with damping",
         )
 
     def _unbalanced(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
@@ -65,8 +65,17 @@ class Problem:
             f"a limit point between {at(moment)} and {at(self.target)}: the equilibrium under the "
             "higher load is far away (snap-through), and no path of equilibria leads there while "
             "the load rises",
-            "the load there is the limit load; to follow the path beyond it prescribe the motion "
-            "by a driver, whose reaction is the load, or say solution: transient with damping",
+            "the load there is the limit load; to follow the path beyond it say control.path: "
+            "arc_length, prescribe the motion by a driver, whose reaction is the load, or say "
+            "solution: transient with damping",
+        )
+
+    def _lost_path(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+        return (
+            "no equilibrium found along the path behind this one, under the loads of "
+            f"{engine.loading.message(moment)} ({engine.forces.message()})",
+            "take more steps: the path may turn sharply, or branch where symmetry is lost, which a "
+            "small imperfection or side load makes smooth",
         )
 
     def _forked(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:

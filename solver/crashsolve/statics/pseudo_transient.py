@@ -45,8 +45,8 @@ NAMED = 3
 class RestEngine(StaticEngine):
     """Goes from equilibrium to equilibrium by steps from rest."""
 
-    def __init__(self, model: Model, state: State, control: Any) -> None:
-        super().__init__(model, state, control)
+    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
+        super().__init__(model, state, control, program)
         # elements that yield load by one tangent and unload by another
         self.sees_jumps = False
         self.fastest = self.pseudo = 0.0

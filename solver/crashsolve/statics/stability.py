@@ -102,3 +102,18 @@ def mass_matrix(nodes: np.ndarray) -> np.ndarray:
     M[np.arange(n), :3, np.arange(n), :3] = np.eye(3) / nodes["mass_inv"][:, None, None]
     M[np.arange(n), 3:, np.arange(n), 3:] = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
     return M.reshape(6 * n, 6 * n)
+
+
+def count_unstable(K: np.ndarray, D: np.ndarray) -> int:
+    """In how many independent motions (n,) an equilibrium is left. K (n, n), D (m, n)."""
+    size = np.sqrt(np.maximum(np.abs(np.diag(K)), SOFT * np.abs(K).max(initial=1e-300)))
+    free = null_space(D / size)
+    reduced = free.T @ (K / np.outer(size, size)) @ free
+    if not reduced.size:
+        return 0
+    nothing = NOTHING * np.abs(reduced).max()
+    if np.abs(reduced - reduced.T).max() <= ALIKE * np.abs(reduced).max():
+        return int((np.linalg.eigvalsh(0.5 * (reduced + reduced.T)) < -nothing).sum())
+    found = np.linalg.eigvals(reduced)
+    is_real = np.abs(found.imag) <= ALIKE * np.abs(found)
+    return int(((found.real < -nothing) & is_real).sum())

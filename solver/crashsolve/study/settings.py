@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any, NamedTuple, get_args
 
 from crashsolve.deck.card import Card
+from crashsolve.deck.family import CHOSEN
 from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.control import Control
@@ -25,7 +26,7 @@ FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 MESHES = "1,2,4"
 METHODS = [
-    name for name in get_args(Control.model_fields["integrator"].annotation) if name != "auto"
+    name for name in get_args(Control.model_fields["integrator"].annotation) if name not in CHOSEN
 ]
 # a run of a study is compared with others anyway
 ALONE = {"control.estimate": "off", "control.accuracy": "null"}
@@ -190,10 +191,10 @@ def suited(deck: Deck) -> tuple[list[str], list[str]]:
 
 
 def resolved(deck: Deck, method: str) -> str:
-    """The method that auto stands for; any other as it is."""
-    if method != AUTO:
+    """The method that auto or default stands for; any other as it is."""
+    if method not in CHOSEN:
         return method
-    return build(replace(deck, control=deck.control.model_copy(update={"integrator": AUTO})))[
+    return build(replace(deck, control=deck.control.model_copy(update={"integrator": method})))[
         0
     ].integrator
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import crashsolve
 from crashsolve.deck.card import Card
+from crashsolve.deck.family import CHOSEN
 from crashsolve.deck.laws import package_folder
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import DeckError, ExitCode
@@ -87,14 +88,14 @@ def mark_of(deck: Deck) -> Mark:
     for path in sorted(set(_files_of(deck))):
         with reported(path):
             files.update(_digest(path, path.stat().st_mtime_ns))
-    is_auto = deck.control.integrator == "auto"
+    is_auto = deck.control.integrator in CHOSEN
     return Mark(text_mark(deck.text, is_auto), files.hexdigest()[:16], version_mark())
 
 
 def text_mark(text: str, is_auto: bool) -> str:
     """Hash of the text of a deck, as sweep.json and history.h5 have it.
 
-    With `integrator: auto` without its line: results state the method that was chosen.
+    With `integrator: auto` or `default` without its line: results state the method that was chosen.
     """
     kept = _METHOD.sub("", text) if is_auto else text
     return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]

@@ -60,6 +60,8 @@ class StepBound:
         if step > 0.4 * float(control["curve_step"]):
             return "a curve of time, which longer steps would not see"
         if chooses_step(engine.model, engine.state):
+            if control["resolves"] == 1 and step > 0.98 * self._resolved(engine):
+                return "vibrations, turns and the length of the run, which steps resolve"
             is_whole = step > 0.999 * self._interval
             return "samples" if is_whole else "error of a step, control.tolerance"
         wanted, text = self._stable(engine)
@@ -68,6 +70,13 @@ class StepBound:
         if step >= EQUAL * self._interval:
             return "samples"
         return "onset of contact, or bodies that come near each other"
+
+    def _resolved(self, engine: Engine) -> float:
+        """The longest step [s] that resolves the motion of a method that chooses its steps."""
+        c, nodes = engine.model.control[0], engine.state.nodes
+        vibration = float(_speeds(nodes).max()) / (2.0 * float(c["safety"]))
+        rotation = float(np.linalg.norm(nodes["w"], axis=1).max()) / float(c["rotation"])
+        return 1.0 / max(vibration, rotation, 1.0 / float(c["step_max"]))
 
     def _stable(self, engine: Engine) -> tuple[float, str]:
         """The step [s] that stiffness and turns allow, and what bounds it."""

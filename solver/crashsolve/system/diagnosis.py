@@ -239,14 +239,18 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
 
 
 def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
-    """A contact card whose normal force has made energy."""
-    number = int(clock["index"])
+    """A contact card whose normal force, or friction, has made energy."""
+    number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
     card = state.card_history[int(clock["current"]), number]
     held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
     taken = 0.5 * (exchanged - float(card["work"]))
     gained = float(card["work"]) - held
+    if is_friction:
+        gained, exchanged = float(card["friction_work"]), float(card["friction_exchanged"])
+        taken, held = 0.5 * (exchanged - gained), 0.0
+    force = "friction" if is_friction else "the normal force"
     cause = (
-        f"the normal force has given its bodies {gained:.3g} J more than it took from them "
+        f"{force} has given its bodies {gained:.3g} J more than it took from them "
         f"({taken:.3g} J) and held at the start ({held:.3g} J)"
     )
     advice = f"{closer(model, state)}; control.energy_limit sets the bound"

@@ -25,12 +25,14 @@ from crashsolve.model.ledger import (
     PLASTIC,
     POTENTIAL,
 )
-from crashsolve.system.contact.touches import gaining_card
+from crashsolve.system.contact.touches import gaining_card, gaining_friction
 from crashsolve.system.kinetics import bad_node
 
 # over so much of the model's size, or turn in rad, the work of a force is round-off; equilibria
 # (static/equilibrium.py) are judged by the same
 NOTHING = 1e-12
+# round-off of a displacement in a step, over the distance from the origin
+EPSILON = 4e-16
 
 
 @kernel
@@ -111,9 +113,15 @@ def check(clock, control, nodes, ledger):
 
 
 @kernel
-def check_contacts(clock, control, scene):
+def check_contacts(clock, control, nodes, scene):
     """Stop at a contact that gives its bodies energy that it never took. Writes: clock."""
     if clock.status == RUNNING and control.energy_limit > 0.0:
-        card = gaining_card(clock.current, control.energy_limit, scene.card_history)
-        if card >= 0:
-            clock.status, clock.index = CONTACT_GAIN, card
+        farthest = control.length
+        for i in range(1, nodes.shape[0]):
+            farthest = max(farthest, norm(vec(nodes[i].r)))
+        unseen, limit = EPSILON * clock.cycle * farthest, control.energy_limit
+        card = gaining_card(clock.current, limit, unseen, scene.card_history)
+        rubbing = gaining_friction(clock.current, limit, unseen, scene.card_history)
+        if card >= 0 or rubbing >= 0:
+            clock.status, clock.index = CONTACT_GAIN, card if card >= 0 else rubbing
+            clock.value = 0.0 if card >= 0 else 1.0

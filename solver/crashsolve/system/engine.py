@@ -64,7 +64,11 @@ PASSES = 60
 class Engine:
     """Steps a State through a Model; `nodes` and `rows` are the copies of the last sample."""
 
-    def __init__(self, model: Model, state: State) -> None:
+    # a path of equilibria may end before the end time
+    is_complete = False
+
+    def __init__(self, model: Model, state: State, program: str = "") -> None:
+        """`program` is that of another engine of the same deck: composing takes a while."""
         self.model, self.state = model, state
         self.nodes, self.rows = state.nodes.copy(), state.rows.copy()
         self.ledger, self.sample_clock = state.ledger.copy(), state.clock.copy()
@@ -84,7 +88,8 @@ class Engine:
         self._histories = {f"{g.word}_history": (g.history, g.history.copy()) for g in kept}
         self._copied = self._in_bytes()
         self.bind()
-        self._advance = load(compose(model), self._present)
+        self.program = program or compose(model)
+        self._advance = load(self.program, self._present)
         self.masses = EffectiveMasses(self.model)
         # of how the run begins, for the log
         self.notes: list[str] = []
@@ -95,6 +100,8 @@ class Engine:
         # what goes into a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
+        # steps from one look to the next, of an interval that is run once more
+        self._stride = 0
 
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """What a sample copies, from and to: in bytes, as numpy takes columns one by one."""
@@ -185,6 +192,14 @@ class Engine:
         end = float(self.model.control[0]["end"])
         self._go_by_corners(until, max(until, end) if self.is_dense else until)
 
+    def revisit(self, until: float, stride: int, look: Callable[[], None]) -> None:
+        """Reach `until` [s] with a look every `stride` steps, but for the last."""
+        kept, self.on_pause, self._stride = self.on_pause, look, stride
+        try:
+            self.reach(until)
+        finally:
+            self.on_pause, self._stride = kept, 0
+
     def _go_by_corners(self, until: float, goal: float) -> None:
         """Step to `until`, one corner of a curve of time after the other."""
         clock = self.state.clock[0]
@@ -270,11 +285,13 @@ class Engine:
     def _call(self, until: float) -> int:
         """One call of the compiled loop, of about LONGEST_CALL at most; returns its status."""
         clock, begun = self.state.clock[0], monotonic()
-        clock["pause"] = clock["cycle"] + self._steps_per_call
+        clock["pause"] = clock["cycle"] + (self._stride or self._steps_per_call)
         self._advance(until, False, self._present)
         # no trace of how long it took may reach a dump
         clock["pause"] = 0
         spent = monotonic() - begun
+        if self._stride:
+            return int(clock["status"])
         if spent > LONGEST_CALL or clock["status"] == PAUSED:
             share = min(max(0.5 * LONGEST_CALL / max(spent, 1e-6), 0.5), 1e3)
             self._steps_per_call = max(int(self._steps_per_call * share), 1)

@@ -34,6 +34,9 @@ PARAMETERS = Record("""
 # directions are found to this angle [rad]; the depth is then right to its square
 ANGLE = 1e-10
 ITERATIONS = 60
+# rounding of edges beside ellipsoids, over the radius of the enclosing sphere; and most of it, over
+# the least half size
+SHARP, THINNEST = 1e-5, 0.1
 # relative noise of a height, not to be taken for a way down
 ROUND_OFF = 1e-13
 # directions to start from, and climbs to different tops of bodies that overlap
@@ -43,6 +46,20 @@ STARTS, CLIMBS = 22, 4
 def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
     """Elements of a shape as sums of ellipsoids."""
     return [_as_sum(element, shape.rounds(element)) for element in elements]
+
+
+def expand_sharp(elements: Any, shape: Any) -> list[dict[str, Any]]:
+    """Boxes or cylinders that meet ellipsoids, as sums of ellipsoids.
+
+    Roundness of an ellipsoid is enough for a touch: faces beside it are flat, but for what Newton's
+    method needs on sixteen digits.
+    """
+    found = []
+    for element in elements:
+        most = THINNEST * shape.half_thickness(element)
+        edge = min(most, SHARP * shape.bounding(element)[1])
+        found.append(_as_sum(element, shape.rounds(element | {"edge": edge})))
+    return found
 
 
 def _as_sum(element: dict[str, Any], rounds: list[np.ndarray]) -> dict[str, Any]:
@@ -58,9 +75,11 @@ def gap(a, b, nodes, data):
     body_a, body_b = nodes[a.node], nodes[b.node]
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
-    best, n, value = -1e300, (0.0, 0.0, 1.0), 1e300
-    for _ in range(CLIMBS):
-        start, value = next_start(a, b, body_a, body_b, c, value)
+    best, n = -1e300, (0.0, 0.0, 1.0)
+    starts = first_starts(a, b, body_a, body_b, c)
+    for climb_number in range(CLIMBS):
+        k = of_start(starts, climb_number)
+        start = toward(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
         height, top = ascend(a, b, body_a, body_b, c, start)
         if height > best:
             best, n = height, top
@@ -88,18 +107,42 @@ def bound(a, b, nodes, data):
 
 
 @kernel
-def next_start(a, b, body_a, body_b, c, bound):
-    """The direction along which the bodies are farthest apart, but less than `bound`."""
-    best, best_n = -1e300, (0.0, 0.0, 1.0)
+def first_starts(a, b, body_a, body_b, c):
+    """Which CLIMBS directions the bodies are farthest apart along; -1: there is none.
+
+    Of those with the same distance one is enough.
+    """
+    none = (-1e300, -1)
+    one, two, three, four = none, none, none, none
     for k in range(STARTS):
         n = direction(a, b, body_a, body_b, c, k)
-        length = norm(n)
-        if length > 1e-6 * norm(c):
-            n = scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
-            value = apart(a, b, body_a, body_b, c, n)
-            if best < value < bound:
-                best, best_n = value, n
-    return best_n, best
+        if norm(n) > 1e-6 * norm(c):
+            value = apart(a, b, body_a, body_b, c, toward(n, c))
+            if value > one[0]:
+                one, two, three, four = (value, k), one, two, three
+            elif two[0] < value < one[0]:
+                two, three, four = (value, k), two, three
+            elif three[0] < value < two[0]:
+                three, four = (value, k), three
+            elif four[0] < value < three[0]:
+                four = (value, k)
+    return one[1], two[1], three[1], four[1]
+
+
+@kernel
+def of_start(starts, number):
+    """Which direction the climb of that number starts from; -1: there is none."""
+    first, second, third, fourth = starts
+    if number < 2:
+        return first if number == 0 else second
+    return third if number == 2 else fourth
+
+
+@kernel
+def toward(n, c):
+    """Unit vector along n, to the side of c."""
+    length = norm(n)
+    return scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
 
 
 @kernel

@@ -49,8 +49,13 @@ SAME = 1e-12
 # the last step of Newton's method turns by less than this share of edge / size [rad]: what it
 # leaves is its square times size / edge, so the position of contact is right to 1e-8 of a face
 LAST = 1e-4
-# least rounding of a box, in shares of what it would have of its own
-FINEST = 1e-6
+# least rounding of a box, in shares of what a cube of its width would have: Newton's method on
+# sixteen digits resolves no sharper edge; and most, in shares of its half thickness
+FINEST, THINNEST = 1e-6, 0.1
+# power of the ratio of widths by which a wider face is the flatter
+FLATTER = 4
+# of a cap, on which the search does not start over the position of contact
+FLATTER_CAP = 1
 # share of a face within which the position is looked for
 OUTERMOST = 0.9999
 
@@ -58,12 +63,15 @@ OUTERMOST = 0.9999
 def expand(elements: Any, shape: Any, others: Any = ()) -> list[dict[str, Any]]:
     """Elements of boxes or cylinders with the ellipsoids that they are sums of.
 
-    The rounding is a share of the least half size s of a touch, of the element and of all `others`
-    that it may meet; of a bigger element, of half size S, it is s / S of that. A share of the
-    bigger one would move a small box upon it by more than its own rounding.
+    The rounding is a share of the least half size of a touch, of the element and of all `others`
+    that it may meet. An element whose faces are wider than those of the others is the plane of the
+    touch: of half width S to s its rounding is (s / S)^4 of that. A face that tilts by e x / S^2
+    at x from its middle moves the centre of pressure of a face of half width s and rounding d upon
+    it by s^2 / d times as much, so that what is nearly as flat would tip what it carries.
     """
     least = min((least_half(other) for other in others), default=np.inf)
-    return [_rounded(element, shape, min(least_half(element), least)) for element in elements]
+    width = min((widest_half(other) for other in others), default=np.inf)
+    return [_rounded(element, shape, least, width) for element in elements]
 
 
 def _half(element: dict[str, Any]) -> np.ndarray:
@@ -79,11 +87,18 @@ def least_half(element: dict[str, Any]) -> float:
     return float(min(_half(element)))
 
 
-def _rounded(element: dict[str, Any], shape: Any, least: float) -> dict[str, Any]:
+def widest_half(element: dict[str, Any]) -> float:
+    """Largest half size [m] of a box or cylinder."""
+    return float(max(_half(element)))
+
+
+def _rounded(element: dict[str, Any], shape: Any, least: float, width: float) -> dict[str, Any]:
     is_round, r = "radius" in element, element.get("radius")
     half = _half(element)
-    # a bigger face is the flatter: at its edge it must not tilt a smaller box that it carries
-    e = shape.ROUNDING * max(least * least / min(half), FINEST * min(half))
+    flatness = min(1.0, width / widest_half(element)) ** (FLATTER_CAP if is_round else FLATTER)
+    e = shape.ROUNDING * max(flatness * min(least, min(half)), FINEST * widest_half(element))
+    # of a sheet the latter may be more than it is thick
+    e = min(e, THINNEST * min(half))
     # semi-axes across and along; a cylinder is a disc and a needle
     across = [r - e, e, 0.0] if is_round else [e, e, e]
     along = [e, half[2] - e, 0.0] if is_round else half - 2.0 * e
@@ -149,6 +164,7 @@ def gap(a, b, nodes, data):
         # of two that hardly differ one is enough
         if value < best - allowed:
             break
+        k = wider_face(a, b, cosines, k) if are_boxes and k < 6 else k
         start = toward(direction(u, w, c, k), c)
         if dot(start, before) < ALIKE:
             before = start
@@ -216,7 +232,8 @@ def next_axes(a, b, cosines, c_u, c_w, limit, same):
                 value -= q[(j + 1) % 3] * abs(cosines[i][(j + 2) % 3])
                 value -= q[(j + 2) % 3] * abs(cosines[i][(j + 1) % 3])
                 value /= sqrt(square)
-                if value < limit:
+                # a direction that is a face's too starts over the position on it, see gap
+                if value < limit and abs(value - leading[0]) > same:
                     leading = take_in(leading, value, 6 + 3 * i + j, same)
     return leading
 
@@ -241,6 +258,16 @@ def toward(n, c):
     """Unit vector along n, to the side of c."""
     length = norm(n)
     return scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
+
+
+@kernel
+def wider_face(a, b, cosines, k):
+    """Of two faces that lie flat on each other that of the larger box, over which both meet."""
+    for i in range(3):
+        for j in range(3):
+            if (k == i or k == 3 + j) and abs(cosines[i][j]) > ALIKE:
+                return i if a.radius > b.radius else 3 + j
+    return k
 
 
 @kernel

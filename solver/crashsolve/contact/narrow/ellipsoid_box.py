@@ -14,4 +14,4 @@ def expand_a(elements):
 
 def expand_b(elements):
     """Each box as a sum of ellipsoids."""
-    return _convex.expand(elements, box)
+    return _convex.expand_sharp(elements, box)

@@ -12,6 +12,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, world_position
 from crashsolve.foundation.vec3 import add_scaled, dot, sub, vec
 
+# the gap is a distance: see system/contact/resting.py
+IS_DISTANCE = True
+
 
 @kernel
 def gap(a, b, nodes, data):

@@ -12,6 +12,9 @@ from crashsolve.contact.narrow._frame import centre_seen, into, touch_of_sphere
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import norm, scale, unit, vec
 
+# the gap is a distance: see system/contact/resting.py
+IS_DISTANCE = True
+
 
 @kernel
 def gap(a, b, nodes, data):

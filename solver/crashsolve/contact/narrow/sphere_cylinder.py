@@ -12,6 +12,8 @@ from crashsolve.contact.narrow._frame import centre_seen, into, out_of, touch_of
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import dot, unit, vec
 
+# the gap is a distance: see system/contact/resting.py
+IS_DISTANCE = True
 # share of the radius at which the normal turns too fast as a ball goes by the axis
 AXIS = 0.8
 

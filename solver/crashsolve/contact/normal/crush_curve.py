@@ -16,8 +16,7 @@ References: Ambrosio (2003), 5.1, crushable ends of trains; how they unload is l
 
 from typing import Any, ClassVar
 
-import numpy as np
-
+from crashsolve.contact.normal._pressed import check_pressed
 from crashsolve.deck.card import Card, CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -49,32 +48,12 @@ HISTORY = Record("""
 
 def build(card: CrushCurve, scene: Any, pair: Any) -> dict[str, Any]:
     curve = scene.curve(card.curve)
-    _check(curve, card, scene)
+    check_pressed(curve, card.curve, card.unloading_stiffness, scene)
     return {
         "curve": curve,
         "unloading_stiffness": card.unloading_stiffness,
         "damping": card.damping,
     }
-
-
-def _check(curve: int, card: CrushCurve, scene: Any) -> None:
-    """Refuse a curve that does not start at (0, 0), pulls, or rises faster than it unloads."""
-    points = scene.curve_points[curve : scene.curve_points[curve]["last"] + 1]
-    if points["x"][0] != 0.0 or points["c"][0, 0] != 0.0:
-        raise scene.fail(f"curve '{card.curve}' must start at (0, 0)", "normal.curve")
-    s = np.diff(points["x"])[:, None] * np.linspace(0.0, 1.0, 33)
-    c0, c1, c2, c3 = points["c"][:-1].T[:, :, None]
-    force, slope = c0 + s * (c1 + s * (c2 + s * c3)), c1 + s * (2.0 * c2 + 3.0 * s * c3)
-    if force.min() < 0.0:
-        raise scene.fail(
-            f"curve '{card.curve}' must not be negative: contact cannot pull", "normal.curve"
-        )
-    if slope.max() > card.unloading_stiffness * (1.0 + 1e-9):
-        raise scene.fail(
-            f"curve '{card.curve}' rises by {slope.max():.6g} N/m, faster than it unloads; raise "
-            "unloading_stiffness to that or more",
-            "normal.unloading_stiffness",
-        )
 
 
 @kernel

@@ -1,16 +1,22 @@
 """How the run is controlled: its duration, its steps and when it must stop."""
 
 import os
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity, word
-from crashsolve.deck.family import integrators
+from crashsolve.deck.family import DEFAULT_INTEGRATOR, integrators
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 # one file each in integrators/
-Integrator: Any = Literal[(*integrators(), "auto")]
+Integrator: Any = Literal[(*integrators(), "auto", "default")]
+# words that state steps, or share them: those of rattle where no method is named
+OF_STEPS = ("step", "step_min", "safety", "tolerance", "onset_tolerance", "threads")
+
+# default is rattle where there is anything to share
+EXPLICIT_STEPS = ("rattle", "default")
 
 MOST_THREADS = 1024
 # what Slurm states a job
@@ -23,7 +29,11 @@ class Control(Card):
     end_time: float = quantity("s", "time at which the run ends", ge=0)
     start_time: float = quantity("s", "time at which the run begins", 0.0)
     integrator: Integrator = word(
-        "method of integration; auto: from stiffness and smoothness of the deck", integrators()[0]
+        "method of integration; default: dormand_prince_8 for rigid bodies with joints, springs "
+        "and loads that are smooth, without contacts and curves, where control says none of step, "
+        "step_min, safety, tolerance, onset_tolerance and threads, else rattle; auto: from "
+        "stiffness and smoothness of the deck",
+        "default",
     )
     accuracy: float | None = quantity(
         "1",
@@ -78,9 +88,23 @@ class Control(Card):
     )
     steps: int = word(
         "of quasi_static, equal load steps, sampled each; output.history.interval goes before; "
-        "loads without a curve act from the start",
+        "loads without a curve act from the start; of a path by arc_length, steps for the length "
+        "that the first stiffness would give",
         default=10,
         ge=1,
+    )
+    path: Literal["load", "arc_length"] = word(
+        "of quasi_static, load: the load of each moment, until a limit point; arc_length: along "
+        "the path of equilibria through limit points, where the load falls, until the loads and "
+        "motions of end_time are reached; times of its results count the length of the path",
+        "load",
+    )
+    path_length: float = quantity(
+        "1",
+        "of arc_length, longest path over the length that the first stiffness would give",
+        10.0,
+        ge=1,
+        le=1e4,
     )
 
     threads: int | None = word(
@@ -93,10 +117,28 @@ class Control(Card):
         le=MOST_THREADS,
     )
 
+    resolve: bool = word(
+        "whether steps of dormand_prince methods also keep to the stable step of every spring, "
+        "to turns of 0.7 rad and to a fortieth of the run, whatever their error is over the "
+        "model's size and speed; the default does",
+        False,
+    )
+
     start: Literal["as_given", "equilibrium"] = word(
         "equilibrium: positions are moved first to where nothing accelerates the bodies at rest",
         "as_given",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keep_stated_steps(cls, given: Any) -> Any:
+        """Rattle for a deck that states steps and no method, or seeks equilibria."""
+        if not isinstance(given, Mapping) or "integrator" in given:
+            return given
+        stated = [word for word in OF_STEPS if given.get(word) not in (None, "auto")]
+        if stated or given.get("solution") == "quasi_static":
+            return {**given, "integrator": DEFAULT_INTEGRATOR}
+        return given
 
     @model_validator(mode="after")
     def _in_order(self) -> "Control":
@@ -111,6 +153,8 @@ class Control(Card):
             raise ValueError(f"{what}: solution quasi_static finds equilibria and needs none")
         if self.solution == "quasi_static" and self.end_time == self.start_time:
             raise ValueError("end_time: must come after start_time for a load step to fit between")
+        if self.path == "arc_length" and self.solution != "quasi_static":
+            raise ValueError("path: arc_length is one of equilibria; say solution: quasi_static")
         if self.threads and self.threads > 1 and not self.is_explicit:
             raise ValueError("threads: share explicit steps only; say integrator: rattle")
         return self
@@ -118,7 +162,19 @@ class Control(Card):
     @property
     def is_explicit(self) -> bool:
         """Whether steps are such as threads can share."""
-        return bool(self.integrator == "rattle" and self.solution == "transient")
+        return bool(self.integrator in EXPLICIT_STEPS and self.solution == "transient")
+
+    @property
+    def follows_path(self) -> bool:
+        """Whether equilibria are followed through limit points."""
+        return self.path == "arc_length"
+
+    @property
+    def last_time(self) -> float:
+        """Time at which the run ends at the latest [s]: along a path it counts the length."""
+        if not self.follows_path:
+            return self.end_time
+        return self.start_time + self.path_length * (self.end_time - self.start_time)
 
     def unused(self, has_interval: bool) -> dict[str, str]:
         """Words without use beside the others, and why; `has_interval` of samples of the deck."""
@@ -132,10 +188,14 @@ class Control(Card):
             found["start"] = "solution quasi_static begins in equilibrium"
         if is_static or self.integrator not in ("generalized_alpha", "auto"):
             found["spectral_radius"] = "it belongs to integrator generalized_alpha"
+        if self.resolve and not self.integrator.startswith("dormand_prince"):
+            found["resolve"] = "it belongs to the dormand_prince methods"
         if not is_static:
             found["steps"] = "it belongs to solution quasi_static"
         elif has_interval:
             found["steps"] = "output.history.interval goes before"
+        if not self.follows_path:
+            found["path_length"] = "it belongs to path arc_length"
         return found
 
     def _leaves_the_choice(self) -> None:

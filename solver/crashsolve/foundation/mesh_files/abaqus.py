@@ -3,24 +3,40 @@
 Keywords may be in any case and go on over lines that end in a comma; a set may be given in several
 cards, which unite, by numbers, by ranges, by other sets, or as the nodes of a set of elements.
 Keywords that would move or make nodes or elements elsewhere are refused; others are passed over.
-References: Abaqus Keywords Reference Manual, *ELEMENT, *ELSET, *NODE, *NSET.
+References: Abaqus Keywords Reference Manual, *ELEMENT, *ELGEN, *ELSET,
+*INSTANCE, *NGEN, *NODE, *NSET.
 """
 
 import math
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from crashsolve.foundation.mesh_files.reading import SIDES, Lines
 
 # what decides where nodes and elements are, beside *NODE and *ELEMENT
-LOST = {"INSTANCE", "ASSEMBLY", "PART", "SYSTEM", "TRANSFORM", "NGEN", "ELGEN", "NCOPY", "ELCOPY"}
-LOST |= {"NFILL", "NMAP", "INCLUDE", "IMPORT", "MODEL CHANGE", "PARAMETER"}
+LOST = {
+    "SYSTEM",
+    "TRANSFORM",
+    "NCOPY",
+    "ELCOPY",
+    "NFILL",
+    "NMAP",
+    "INCLUDE",
+    "IMPORT",
+    "MODEL CHANGE",
+    "PARAMETER",
+}
+# one part that is one instance, where it is: its numbers are those of the file
+FRAME = {"PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "INSTANCE", "END INSTANCE"}
 PARAMETERS = {
     "NODE": {"NSET", "SYSTEM"},
+    "NGEN": {"NSET"},
+    "ELGEN": {"ELSET"},
     "ELEMENT": {"TYPE", "ELSET"},
-    "NSET": {"NSET", "ELSET", "GENERATE", "UNSORTED", "INTERNAL"},
-    "ELSET": {"ELSET", "GENERATE", "UNSORTED", "INTERNAL"},
+    "NSET": {"NSET", "ELSET", "GENERATE", "UNSORTED", "INTERNAL", "INSTANCE"},
+    "ELSET": {"ELSET", "GENERATE", "UNSORTED", "INTERNAL", "INSTANCE"},
 }
 # quadrilaterals and triangles that meshio does not know
 FURTHER = {"R3D4": "quad", "M3D4": "quad", "M3D4R": "quad", "M3D3": "triangle"}
@@ -117,10 +133,14 @@ class _Reader:
         self.sets: dict[str, dict[str, dict[int, None]]] = {"NSET": {}, "ELSET": {}}
         self.written: dict[tuple[str, str], str] = {}  # names as first written
         self.known = _known_types()
+        self.framed: dict[str, str] = {}
 
     def take(self, keyword: Keyword) -> None:
         """Read one keyword, refuse it, or pass it over."""
         line, word, parameters, _ = keyword
+        if word in FRAME:
+            self.frame(keyword)
+            return
         if word in LOST:
             advice = "write the mesh flat, with nodes and elements"
             raise self.lines.fail(line, f"*{word} would be passed over; {advice}")
@@ -137,9 +157,21 @@ class _Reader:
             reason = [name if value is None else f"{name}={value.upper()}" for name, value in pairs]
             message = f"*{', '.join([word, *reason])} would be passed over"
             raise self.lines.fail(line, f"{message}; write the mesh flat")
-        {"NODE": self.nodes, "ELEMENT": self.elements, "NSET": self.nset, "ELSET": self.elset}[
-            word
-        ](keyword)
+        readers = {"NODE": self.nodes, "ELEMENT": self.elements, "NSET": self.nset}
+        readers |= {"ELSET": self.elset, "NGEN": self.ngen, "ELGEN": self.elgen}
+        readers[word](keyword)
+
+    def frame(self, keyword: Keyword) -> None:
+        """One part and one instance of it; more would number their nodes alike."""
+        word = keyword.word
+        if word in ("PART", "INSTANCE") and word in self.framed:
+            message = f"a second *{word} numbers its nodes anew"
+            raise self.lines.fail(keyword.line, f"{message}; write the mesh flat")
+        self.framed[word] = (keyword.parameters.get("NAME") or "").upper()
+        moved = [text for _, fields in keyword.rows for text in fields if text]
+        if any(self.real(keyword.line, text) for text in moved):
+            message = f"*{word} moves its part, which would be passed over"
+            raise self.lines.fail(keyword.line, f"{message}; write the mesh flat")
 
     def nodes(self, keyword: Keyword) -> None:
         own: dict[int, None] = {}
@@ -172,6 +204,48 @@ class _Reader:
             own[numbers[0]] = None
         self.unite("ELSET", keyword.parameters.get("ELSET"), own)
 
+    def ngen(self, keyword: Keyword) -> None:
+        """Nodes at equal distances between two that are given: first, last, increment."""
+        own: dict[int, None] = {}
+        for line, fields in keyword.rows:
+            numbers = self.generated(line, [text for text in fields if text], "*NGEN")
+            ends = numbers[0], numbers[-1]
+            if missing := [n for n in ends if n not in self.lines.nodes]:
+                raise self.lines.fail(line, f"node {missing[0]} is not given before this line")
+            first, last = (self.lines.nodes[n] for n in ends)
+            for k, number in enumerate(numbers[1:-1], 1):
+                share = k / (len(numbers) - 1)
+                x, y, z = (a + share * (b - a) for a, b in zip(first, last, strict=True))
+                self.lines.add_node(line, number, (x, y, z))
+            own |= dict.fromkeys(numbers)
+        self.unite("NSET", keyword.parameters.get("NSET"), own)
+
+    def elgen(self, keyword: Keyword) -> None:
+        """Copies of an element along a row, in rows and in layers: count, of nodes, of elements."""
+        own: dict[int, None] = {}
+        for line, fields in keyword.rows:
+            master, *given = [self.whole(line, text) if text else 1 for text in fields]
+            if master not in self.lines.elements:
+                raise self.lines.fail(line, f"element {master} is not given before this line")
+            if not given or len(given) > 9 or min(given) < 1:
+                message = "needs an element, and up to three times a count and two increments"
+                raise self.lines.fail(line, f"*ELGEN {message}, of nodes and of elements")
+            kind, nodes = self.lines.elements[master]
+            if kind not in SIDES:
+                message = f"element {master} is of type {kind}, whose nodes are not read"
+                raise self.lines.fail(line, message)
+            given += [1] * (9 - len(given))
+            own[master] = None
+            for i, j, k in product(*(range(count) for count in given[::3])):
+                of_nodes, of_elements = (
+                    i * given[at] + j * given[3 + at] + k * given[6 + at] for at in (1, 2)
+                )
+                if of_elements:
+                    number = master + of_elements
+                    self.lines.add_element(line, number, kind, tuple(n + of_nodes for n in nodes))
+                    own[number] = None
+        self.unite("ELSET", keyword.parameters.get("ELSET"), own)
+
     def nset(self, keyword: Keyword) -> None:
         own = self.members("NSET", keyword, self.lines.nodes)
         of_elements = keyword.parameters.get("ELSET")
@@ -192,6 +266,10 @@ class _Reader:
         name = keyword.parameters.get(keyword.word)
         if not name:
             message = f"*{keyword.word} needs a name: {keyword.word}=NAME"
+            raise self.lines.fail(keyword.line, message)
+        instance = keyword.parameters.get("INSTANCE")
+        if instance is not None and instance.upper() != self.framed.get("INSTANCE"):
+            message = f"there is no *INSTANCE '{instance}' before this line"
             raise self.lines.fail(keyword.line, message)
         return name
 
@@ -215,11 +293,11 @@ class _Reader:
                 own[number] = None
         return own
 
-    def generated(self, line: int, fields: list[str]) -> range:
+    def generated(self, line: int, fields: list[str], word: str = "GENERATE") -> range:
         """Numbers from first to last, by an increment."""
         numbers = [self.whole(line, text) for text in fields] + [1] * (len(fields) == 2)
         if len(numbers) != 3 or numbers[2] < 1 or numbers[1] < numbers[0]:
-            raise self.lines.fail(line, "GENERATE needs first, last and increment, in this order")
+            raise self.lines.fail(line, f"{word} needs first, last and increment, in this order")
         if (numbers[1] - numbers[0]) % numbers[2]:
             raise self.lines.fail(line, f"no number of steps of {numbers[2]} leads to the last one")
         return range(numbers[0], numbers[1] + 1, numbers[2])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.card import Card
-from crashsolve.deck.family import ANY, Family, FamilyError, families
+from crashsolve.deck.family import ANY, CHOSEN, Family, FamilyError, families
 from crashsolve.foundation.errors import DeckErrors
 
 
@@ -24,7 +24,7 @@ def refuse_methods(scene: Any) -> None:
 
 def _refuse_method(scene: Any, family: Family) -> None:
     method, known = scene.deck.control.integrator, " or ".join(family.integrators)
-    if method != "auto" and not family.supports(method):
+    if method not in CHOSEN and not family.supports(method):
         message = f"{family.name} cannot be stepped by {method}"
         raise scene.fail(f"{message}; say integrator: {known}")
     scene.methods = [m for m in scene.methods or family.integrators if family.supports(m)]

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from crashsolve.deck.family import CHOSEN
+
 # a step longer than the interval by this share is cut
 SAME = 1e-9
 
@@ -9,7 +11,7 @@ SAME = 1e-9
 def step_warnings(deck: Any) -> list[str]:
     """The warning of a `control.step` longer than the time between samples."""
     control, step = deck.control, deck.control.step
-    if step == "auto" or control.solution == "quasi_static" or control.integrator == "auto":
+    if step == "auto" or control.solution == "quasi_static" or control.integrator in CHOSEN:
         return []
     interval = deck.sample_interval
     if not 0.0 < interval < step * (1.0 - SAME):

@@ -30,8 +30,22 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
         deck.error(entry, None, f"{reason}; say solution: transient")
         for entry, reason in _inconsistencies(deck, groups)
     ]
+    if deck.control.follows_path:
+        found += [deck.error(entry, None, text) for entry, text in _off_paths(deck, groups)]
     if found:
         raise DeckErrors(found)
+
+
+def _off_paths(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+    """What cannot go along a path of equilibria yet."""
+    beyond = "path: arc_length does not follow {} yet; say path: load"
+    for entry in deck.entries["hinges"].values():
+        yield entry, beyond.format("hinges")
+    for g in groups:
+        by_steps = g.keyword == "parts" and getattr(g.module, "STEPWISE", False)
+        if by_steps or follows_load_steps(g):
+            for entry in (e for e in deck.entries[g.keyword].values() if e.type == g.type):
+                yield entry, beyond.format(f"parts of type {g.type}")
 
 
 def _inconsistencies(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:

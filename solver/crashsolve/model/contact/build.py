@@ -181,7 +181,8 @@ def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
 
 
 def meet(card: Any, surfaces: dict[str, Surface]) -> None:
-    """Report the surfaces of each side of a card the smallest box or cylinder of the other.
+    """Report the surfaces of each side of a card the thinnest box or cylinder of the other, and
+    the narrowest.
 
     Writes: their `others`.
     """
@@ -190,9 +191,9 @@ def meet(card: Any, surfaces: dict[str, Surface]) -> None:
         elements = [e for s in facing if s.shape in EDGED for e in s.elements]
         if elements:
             edged = import_module(f"{NARROW}._edged")
-            smallest = min(elements, key=edged.least_half)
+            smallest = [min(elements, key=k) for k in (edged.least_half, edged.widest_half)]
             for surface in side:
-                surface.others.append(smallest)
+                surface.others.extend(smallest)
 
 
 class Side:

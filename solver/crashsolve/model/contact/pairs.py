@@ -20,10 +20,12 @@ from crashsolve.model.contact.pieces import cut
 from crashsolve.model.model import State
 
 # more possible pairs than this, and a group looks for the near ones; implicit methods, which find
-# no tangents for pairs that come and go, look at many more
-SEARCH_ABOVE, SEARCH_ABOVE_IMPLICIT = 180, 500
-# margin of the list of near pairs, in shares of the mean radius of the bounding spheres
-MARGIN = 0.5
+# no tangents for pairs that come and go, look at many more, and those whose pairs are left alone
+# while they are apart (system/contact/resting.py), which costs less than new lists
+SEARCH_ABOVE, SEARCH_ABOVE_IMPLICIT, SEARCH_ABOVE_RESTING = 180, 500, 1000
+# margin of the list of near pairs, in shares of the mean radius of the bounding spheres; planes
+# have few near pairs
+MARGIN, MARGIN_OF_PLANES = 0.5, 4.0
 # share of the slack by which every pair outside the list is apart when the list is renewed: of a
 # margin of two, each of both elements has gone 0.7, and a step of 0.2, at most
 # (system/contact/touches.py)
@@ -72,7 +74,9 @@ class Pairing:
 
     def worth_searching(self, is_implicit: bool) -> bool:
         """Whether there are many possible pairs, of elements with an end or with planes at rest."""
-        above = SEARCH_ABOVE_IMPLICIT if is_implicit else SEARCH_ABOVE
+        rests = "reach_a" in self.laws.dtype.names
+        above = SEARCH_ABOVE_RESTING if rests else SEARCH_ABOVE
+        above = SEARCH_ABOVE_IMPLICIT if is_implicit else above
         count = sum(int(b.member[0].sum()) * int(b.member[1].sum()) for b in self.blocks)
         first, second = self.sides
         planes = np.isinf(second.radius)
@@ -123,7 +127,8 @@ class Search:
     def __init__(self, pairing: Pairing) -> None:
         self.pairing = pairing
         radii = np.concatenate([side.radius for side in pairing.sides])
-        self.margin = MARGIN * float(radii[np.isfinite(radii)].mean())
+        share = MARGIN_OF_PLANES if np.isinf(pairing.sides[1].radius).all() else MARGIN
+        self.margin = share * float(radii[np.isfinite(radii)].mean())
         self.slack = np.array([0.5 * self.margin])
         self.seen = tuple(np.zeros(len(side.centre), SEEN.dtype) for side in pairing.sides)
 

@@ -95,6 +95,11 @@ CARD_HISTORY = Record("""
     handled                   J         most that the normal force has held and lost so far
     friction_handled          J         most that friction has
     exchanged                 J         what the normal force took and gave, both positive
+    friction_exchanged        J         what friction did
+    given                     W         power of the normal force on both sides, in steps of stages
+    friction_given            W         that of friction
+    given_so_far              J         their work in the step
+    friction_given_so_far     J         the same of friction
     touches                   count     times the card has begun to touch
     first_touch               s         when that was first; before the start of the run where it
                                         never was

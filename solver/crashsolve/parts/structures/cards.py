@@ -16,7 +16,7 @@ from crashsolve.parts.structures.plan import Member, Plan, plan
 
 DESCRIPTIONS = ("rigid", "hinges", "segments", "beams", "shells")
 # methods in whose steps nodes of beams may be part of a rigid body
-EXPLICIT = ("rattle", "dormand_prince_5", "dormand_prince_8")
+EXPLICIT = ("default", "rattle", "dormand_prince_5", "dormand_prince_8")
 
 
 def expand(
@@ -29,7 +29,7 @@ def expand(
     """
     whole = plan(name, card, laws)
     is_explicit = control.get("solution") != "quasi_static"
-    is_explicit &= control.get("integrator", "rattle") in EXPLICIT
+    is_explicit &= control.get("integrator", "default") in EXPLICIT
     made = list(_members(whole))
     bodies = [_body(whole, k, point) for k, point in enumerate(whole.points)]
     if is_explicit:

@@ -1,15 +1,19 @@
 """Pairs that are left alone until they may have met.
 
-    depth <= depth_before + |dr_a| + |dr_b| + theta_a R_a + theta_b R_b
+    depth <= depth_before + |dr_a - dr_b - tau_b x (r_a - r_b)| + |tau_a - tau_b| R_a
+                          + tau_a^2 R_a + tau_b^2 (R_a + |r_a - r_b|)
 
-in a step that moves the mass centres by dr and turns the bodies by theta, R how far an element
-reaches from the mass centre of its body: two that are apart come together no faster than their
-points move. As long as that bound is below every depth that matters, no gap is looked for, and what
-a pair remembers stays as it is. Consequence to test: the same results as without.
+in a step that moves the mass centres by dr and turns the bodies by theta, tau = 2 tan(theta / 2)
+along the axis of rotation, R how far an element reaches from the mass centre of its body: seen from
+body b, no point of a moves farther. The first line is exact for small rotations; R v - v differs
+from tau x v by tau^2 |v| at most. Body b is the one whose element reaches farther, so that what is
+carried along in a fast vehicle stays apart from its walls. As long as that bound is negative no gap
+is looked for, and what a pair remembers stays as it is; at samples all gaps are. Consequence to
+test: the same results as without.
 """
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import norm, sub, vec
+from crashsolve.foundation.vec3 import cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.points import half_rotation
 
 # steps like this one that must still be free: a gap is known when the step that closes it begins
@@ -18,26 +22,42 @@ AHEAD = 4.0
 
 @kernel
 def note_motion(nodes):
-    """How far every body has moved and turned since the start of the step. Writes: nodes."""
+    """How every body has moved and turned since the start of the step. Writes: nodes."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
-        b.moved = norm(sub(vec(b.r), vec(b.start_r)))
-        # 2 tan(theta / 2) is not below theta
-        b.rotated = 2.0 * norm(half_rotation(b.start_q, b.q))
+        put(b.moved, sub(vec(b.r), vec(b.start_r)))
+        put(b.rotated, scale(2.0, half_rotation(b.start_q, b.q)))
 
 
 @kernel
 def largest_approach(p, a, b):
     """What the gap of a pair on bodies a and b has lost in the step at most [m]."""
-    return a.moved + b.moved + a.rotated * p.reach_a + b.rotated * p.reach_b
+    if p.reach_a <= p.reach_b:
+        return motion_seen_from(a, b, p.reach_a)
+    return motion_seen_from(b, a, p.reach_b)
 
 
 @kernel
-def rests(h, old, new, displacement, deepest):
+def motion_seen_from(a, b, reach):
+    """How far a point of body a within `reach` of its mass centre has moved at most [m]; of b."""
+    offset, of_a, of_b = sub(vec(a.r), vec(b.r)), vec(a.rotated), vec(b.rotated)
+    travel = sub(sub(vec(a.moved), vec(b.moved)), cross(of_b, offset))
+    curved = dot(of_a, of_a) * reach + dot(of_b, of_b) * (reach + norm(offset))
+    return norm(travel) + norm(sub(of_a, of_b)) * reach + curved
+
+
+@kernel
+def unasked_depth(h, deepest):
+    """Depth below which nothing is asked of a pair apart [m]: of samples the deepest is."""
+    return min(0.0, deepest) if h == 0.0 else 0.0
+
+
+@kernel
+def rests(h, old, new, displacement):
     """Whether a pair that has gone `displacement` is apart, and nothing is asked about its gap.
 
     Both histories are those of a pair apart, so but for the depth there is nothing to write.
     """
     if h == 0.0 or old.active == 1 or new.active == 1:
         return False
-    return old.depth + (1.0 + AHEAD) * displacement <= min(0.0, deepest)
+    return old.depth + (1.0 + AHEAD) * displacement <= 0.0

@@ -22,6 +22,8 @@ from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 # share of the half thickness of both sides by which a step may bring two that are apart together;
 # spheres of radius R that meet by less than 6e-4 R on their way past may still not be seen
 SEEN = 0.05
+# energy made by friction that nothing shows, over what the normal force took and gave
+NEGLIGIBLE = 1e-4
 
 
 @kernel
@@ -122,6 +124,8 @@ def close_cards(clock, cards, history):
         new.handled = max(old.handled, abs(pushed))
         new.friction_handled = max(old.friction_handled, abs(friction_loss))
         new.exchanged = old.exchanged + abs(new.work - old.work)
+        rubbed = abs(new.friction_work - old.friction_work)
+        new.friction_exchanged = old.friction_exchanged + rubbed
         if clock.cycle == 0:
             new.held_first = pushed + new.work
 
@@ -274,6 +278,16 @@ def has_left_list(clock, elements, nodes, seen, slack):
 
 
 @kernel
+def fastest_motion(nodes):
+    """Largest speed of a mass centre [m/s] and largest angular speed [rad/s] of any body."""
+    speed, spin = 0.0, 0.0
+    for i in range(1, nodes.shape[0]):
+        b = nodes[i]
+        speed, spin = max(speed, dot(vec(b.v), vec(b.v))), max(spin, dot(vec(b.w), vec(b.w)))
+    return sqrt(speed), sqrt(spin)
+
+
+@kernel
 def closing_at_most(p, a, b, nodes):
     """Speed with which two elements do not come together faster [m/s]."""
     m, w = nodes[a.node], nodes[b.node]
@@ -331,20 +345,61 @@ def carry_onsets(current, history):
         new.onsets, new.held_first = old.onsets, old.held_first
         new.peak_share = old.peak_share
         new.work, new.friction_work = old.work, old.friction_work
-        new.held = new.bristled = 0.0
+        new.held = new.bristled = new.given = new.friction_given = 0.0
         for j in range(3):
             new.late[j] = 0.0
 
 
 @kernel
-def gaining_card(current, limit, history):
+def note_power(applied, f, rate, t, slip, out, count):
+    """What the forces of a pair give to both sides in a stage, and what they hold. Writes: count.
+
+    Methods of stages sum it with the weights of the stages, as what is lost.
+    """
+    count.given -= applied * f * rate
+    count.friction_given += applied * dot(t, slip)
+    count.held += out.stored
+    count.bristled += out.friction_stored
+
+
+@kernel
+def add_powers(clock, history):
+    """Work of all forces in the stages of a step so far. Writes: history."""
+    for k in range(history.shape[1]):
+        old, new = history[clock.current, k], history[1 - clock.current, k]
+        if clock.opens == 1:
+            new.given_so_far = clock.lead * old.given
+            new.friction_given_so_far = clock.lead * old.friction_given
+        new.given_so_far += clock.share * new.given
+        new.friction_given_so_far += clock.share * new.friction_given
+        new.work = old.work + new.given_so_far
+        new.friction_work = old.friction_work + new.friction_given_so_far
+
+
+@kernel
+def gaining_card(current, limit, unseen, history):
     """Card whose normal force gave its bodies more than it took and held at the start; -1: none.
 
     The work is that on both sides, so neither the frame nor any other energy matters. What is
-    missing counts where it is more than `limit` of all that was taken and given.
+    missing counts where it is more than `limit` of all that was taken and given, and more than the
+    largest force does over `unseen`, the round-off of positions [m].
     """
     for k in range(history.shape[1]):
         card = history[current, k]
-        if card.work - max(card.held_first, 0.0) > limit * card.exchanged:
+        gained = card.work - max(card.held_first, 0.0)
+        if gained > max(limit * card.exchanged, unseen * card.peak_normal):
+            return k
+    return -1
+
+
+@kernel
+def gaining_friction(current, limit, unseen, history):
+    """The same of friction, which begins with nothing held; less than NEGLIGIBLE of what the normal
+    force exchanged is none.
+    """
+    for k in range(history.shape[1]):
+        card = history[current, k]
+        least = max(limit * card.friction_exchanged, unseen * card.peak_normal)
+        if card.friction_work > max(least, NEGLIGIBLE * card.exchanged):
             return k
     return -1

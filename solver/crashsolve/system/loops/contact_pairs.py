@@ -28,11 +28,11 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         card, count = totals.card, totals.count
         if KICK_DRIFT_KICK and group.rests:
             displacement = resting.largest_approach(p, m, w)
-            if resting.rests(h, old, new, displacement, card.depth):
+            if resting.rests(h, old, new, displacement):
                 new.depth = old.depth + displacement
                 touches.sum_losses(card, new)
                 continue
-        depth, n, x = gap(group, card, old, a, b, nodes, scene)
+        depth, n, x = gap(group, h, card, old, a, b, nodes, scene)
         if group.keeps_faces:
             held, over, stored = False, -1.0, out.stored
             if pass_through.is_another_face(old, depth, n, a.radius):
@@ -92,14 +92,14 @@ def totals_of(group, piece, i, clock, p, m, w, scene):
 
 
 @stage
-def gap(group, card, old, a, b, nodes, scene):
-    """Depth, normal and place of a pair.
+def gap(group, h, card, old, a, b, nodes, scene):
+    """Depth, normal and position of a pair.
 
-    Of one apart, where another of the card is deeper anyway, only what the depth does not exceed.
+    Of one apart of which nothing is asked, only what the depth does not exceed.
     """
     if hasattr(group.narrow, "bound") and old.active == 0:
         depth = group.narrow.bound(a, b, nodes, group.data)
-        if depth <= min(0.0, card.depth):
+        if depth <= resting.unasked_depth(h, card.depth):
             return depth, areas.NO_ROTATION, areas.NO_ROTATION
     return group.narrow.gap(a, b, nodes, group.data)
 
@@ -134,13 +134,14 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     f, out.stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, depth, rate, mass, curves
     )
+    closing_rate = rate
     if group.is_flat:
         _, c_now = group.normal.normal_tangent(p, new, depth, rate, mass, curves)
         spots = group.data[0]
         push = Push(f, rate, c_now, k, c)
         f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, applied, push)
         power += more
-        _, slip, d_a, d_b = touches.closing(m, w, x, n)
+        closing_rate, slip, d_a, d_b = touches.closing(m, w, x, n)
     elif group.has_shares:
         # what the law returns is for the whole surface, of which this is one element
         f, out.stored, power = a.share * f, a.share * out.stored, a.share * power
@@ -176,6 +177,8 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
         work.begin_second_half(applied, pair, sliding, x, t, count)
     elif KICK_DRIFT_KICK:
         work.begin_push(applied, displacement, f, n, x, out, new, count)
+    else:
+        touches.note_power(applied, f, closing_rate, t, slip, out, count)
 
 
 @stage

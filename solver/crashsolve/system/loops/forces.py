@@ -121,6 +121,8 @@ def apply_contacts(clock, time, h, nodes, curves, scene):
             contact_pairs(group, 0, clock, h, nodes, curves, scene)
     if NODAL:
         apply_nodal_contacts(clock, h, nodes, curves, scene)
+    if not KICK_DRIFT_KICK:
+        touches.add_powers(clock, scene.card_history)
     touches.close_cards(clock, scene.cards, scene.card_history)
     times.time_cards(time, h, clock, scene.cards, scene.card_history)
 

@@ -1,0 +1,113 @@
+"""From the State to arrays that bring it back, of a restart dump or of the last sample."""
+
+from typing import Any
+
+import numpy as np
+
+from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.contact.pairs import take_pairs
+from crashsolve.system.engine import Engine
+
+
+def changing(engine: Engine) -> dict[str, np.ndarray]:
+    """Everything that changes during a run, by name, as bytes where an array has columns."""
+    fixed = {name: _plain(array) for name, array in _kept_aside(engine).items()}
+    lists = [
+        {f"pairs/{g.word}": g.parameters, f"history/{g.word}": g.history} for g in _lists(engine)
+    ]
+    nodal = {
+        f"{name}/{n.word}": _plain(a) for n in _nodal(engine) for name, a in n.changing().items()
+    }
+    return fixed | nodal | {name: _plain(array) for pair in lists for name, array in pair.items()}
+
+
+def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
+    """Take up what `changing` gave away. Writes: the State, and the lists of near pairs.
+
+    Raises KeyError, ValueError, TypeError or IndexError for arrays of another model.
+    """
+    for name, array in _kept_aside(engine).items():
+        found = _columns(arrays[name], array.dtype)
+        if found.shape != array.shape:
+            raise ValueError(f"{name} has the shape {found.shape}, not {array.shape}")
+        array[...] = found
+    for group in _lists(engine):
+        rows = _columns(arrays[f"pairs/{group.word}"], group.parameters.dtype)
+        take_pairs(group, rows, _columns(arrays[f"history/{group.word}"], group.history.dtype))
+    for nodal in _nodal(engine):
+        for name, array in nodal.changing().items():
+            nodal.arrays[name] = _columns(arrays[f"{name}/{nodal.word}"], array.dtype)
+    engine.bind()
+
+
+def _kept_aside(engine: Engine) -> dict[str, np.ndarray]:
+    """Arrays whose size never changes."""
+    state, model = engine.state, engine.model
+    arrays = {name: getattr(state, name) for name in state.__dataclass_fields__}
+    arrays |= {f"history/{g.word}": g.history for g in model.groups}
+    arrays |= {f"history/{c.word}": c.history for c in model.contact_groups if c.search is None}
+    for c in _lists(engine):
+        seen = c.search.arrays() if c.search else {}
+        arrays |= {f"{name}/{c.word}": array for name, array in seen.items()}
+    arrays |= model.nodal_loads
+    # a sample may lie within the last step
+    arrays |= engine.stages
+    arrays |= {f"powers/{g.word}": g.powers for g in model.groups if g.powers is not None}
+    # an implicit method may use the factors of its last step in the next
+    arrays |= engine.tableau | engine.aside
+    return arrays | {"saddle/columns": model.saddle.columns, "saddle/blocks": model.saddle.blocks}
+
+
+def _lists(engine: Engine) -> list[ContactGroup]:
+    """Contact groups whose pairs come and go."""
+    return [c for c in engine.model.contact_groups if c.search is not None]
+
+
+def _nodal(engine: Engine) -> list[Any]:
+    """Groups of nodal contact."""
+    return engine.model.nodal_groups
+
+
+def _plain(array: np.ndarray) -> np.ndarray:
+    """Bytes in place of columns, for a file that need not know them."""
+    if array.dtype.names is None:
+        return array
+    return array.view(np.uint8).reshape(*array.shape, array.dtype.itemsize)
+
+
+def _columns(array: np.ndarray, dtype: Any) -> np.ndarray:
+    """Columns in place of bytes."""
+    return array if dtype.names is None else array.view(dtype)[..., 0]
+
+
+class Snapshot:
+    """A copy of all that changes, in memory."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+        self._arrays: dict[str, np.ndarray] = {}
+        # lists of pairs are other arrays whenever they are made anew
+        self._stays = not (_lists(engine) or _nodal(engine))
+        found = [a for a in _kept_aside(engine).values() if a.size] if self._stays else []
+        # in bytes, as numpy takes columns one by one
+        bytes_of = [a.reshape(-1).view(np.uint8) if a.flags.c_contiguous else a for a in found]
+        self._pairs = [(array, array.copy()) for array in bytes_of]
+
+    def take(self) -> None:
+        """Keep what is now."""
+        if not self._stays:
+            self._arrays = {name: a.copy() for name, a in changing(self.engine).items()}
+        for now, kept in self._pairs:
+            kept[...] = now
+
+    def put_back(self) -> None:
+        """Make what was kept the present; of lists of pairs once for every `take`."""
+        if not self._stays:
+            restore(self.engine, self._arrays)
+        for now, kept in self._pairs:
+            now[...] = kept
+
+
+def size_of(engine: Engine) -> int:
+    """Memory of a snapshot [bytes]."""
+    return sum(array.nbytes for array in changing(engine).values())

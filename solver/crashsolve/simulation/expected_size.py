@@ -1,0 +1,35 @@
+"""What the output of a run will come to, said before the run, and refused where it cannot fit."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.foundation.errors import DeckError
+from crashsolve.output.blocks import Block
+from crashsolve.output.channels import Family
+from crashsolve.output.size import free_space, history_size, in_words, states_size
+from crashsolve.recording.sampling import Schedule
+
+
+def expected_size(
+    deck: Deck, families: Iterable[Family], blocks: Iterable[Block], folder: Path
+) -> str:
+    """Size of the history, and of the states if blocks are known, in words.
+
+    Raises DeckError where they are more than what is free on the disk of the folder.
+    """
+    schedule = Schedule.of(deck)
+    span = schedule.end - schedule.start
+    samples = schedule.number(schedule.end) + 1
+    interval = deck.output.states.interval or span / 50 or 1.0
+    history = history_size(families, samples)
+    states = states_size(blocks, min(int(span / interval) + 2, samples))
+    text = f"history of {samples:.4g} samples: {in_words(history)}"
+    text += f"; states: {in_words(states)}" if states else ""
+    free = free_space(folder)
+    if history + states > free:
+        worst = "history" if history >= states else "states"
+        message = f"{text}; {in_words(free)} are free on the disk of {folder}"
+        advice = f"give a longer output.{worst}.interval"
+        raise DeckError(str(deck.path), None, None, f"output.{worst}", message, advice)
+    return text

@@ -1,0 +1,110 @@
+"""Claim: a contact that makes energy stops the run in every method, whatever else moves."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.errors import SolverError
+from crashsolve.foundation.rows import as_rows
+from crashsolve.model.build import build
+from crashsolve.model.contact.records import CARD_HISTORY
+from crashsolve.model.ledger import LARGEST
+from crashsolve.recording.engines import engine_of
+from crashsolve.system.contact.balance import contact_warnings, lacks
+from crashsolve.system.contact.touches import gaining_friction
+from crashsolve.system.engine import Engine
+
+METHODS = (
+    "rattle",
+    "dormand_prince_5",
+    "dormand_prince_8",
+    "generalized_alpha",
+    "radau_iia_5",
+)
+# a ball of 1 kg falls 0.3 m on a floor of 1e9 N/m^1.5; a contact takes 0.3 ms
+DECK = """
+control: {{end_time: {end}, step: {step}, integrator: {method}, estimate: "off"}}
+bodies:
+  ball: {{mass: 1, primitive: {{shape: sphere, radius: 0.1}}, position: [0, 0, {z} + 0.4]}}
+  heavy: {{mass: 1000, inertia: [1, 1, 1], position: [0, 50, {z}], velocity: [{fast}, 0, 0]}}
+surfaces:
+  ball: {{type: sphere, body: ball, radius: 0.1}}
+  floor: {{type: plane, at: [0, 0, {z}]}}
+contacts: {{c: {{a: [ball], b: [floor], normal: {{type: hertz, stiffness: 1e9}}}}}}
+loads: {{weight: {{type: gravity}}}}
+"""
+
+
+def fall(
+    method: str, step: float, folder: Path, z: float = 0.0, fast: float = 0.0, end: float = 1.0
+) -> Engine:
+    path = folder / "deck.yaml"
+    text = DECK.replace("{z} + 0.4", "{at!r}")
+    path.write_text(
+        text.format(method=method, step=step, z=z, at=z + 0.4, fast=fast, end=end), "utf-8"
+    )
+    deck = read_deck(path)
+    engine = engine_of(deck, *build(deck))
+    engine.start()
+    for k in range(1, 101):
+        engine.reach(end * k / 100)
+        engine.sample(end * k / 100)
+    return engine
+
+
+def card_of(engine: Engine) -> tuple[np.ndarray, np.ndarray]:
+    """What the card has exchanged, and its sums."""
+    current = int(engine.clock["current"])
+    return engine.state.card_history[current, 0], engine.state.cards[0]
+
+
+@pytest.mark.parametrize(("z", "fast"), [(0.0, 0.0), (1e5, 0.0), (0.0, 1e4)])
+@pytest.mark.parametrize("method", METHODS)
+def test_gains_stop_or_are_warned_of_in_any_frame(
+    method: str, z: float, fast: float, tmp_path: Path
+) -> None:
+    # a step ten times as long as the contact
+    try:
+        engine = fall(method, 2.5e-3, tmp_path, z, fast)
+    except SolverError as stop:
+        # where nothing hides it, the balance of the whole may be broken before
+        is_hidden = z > 0.0 or fast > 0.0
+        assert is_hidden or "energy balance" in str(stop) or "J more than it took" in str(stop)
+        assert not is_hidden or "contact 'c'" in str(stop)
+        return
+    # no more than control.energy_limit of what was exchanged was made; more lost is a warning
+    now, out = card_of(engine)
+    (_, lack, handled), _ = lacks(now, out)
+    assert now["work"] <= 0.05 * now["exchanged"]
+    warned = contact_warnings(engine.model, engine.state, engine.ledger)
+    # of a ledger of kilometres 1e-5 is more than the ball has: there it alters nothing reported
+    seen = 1e-5 * float(engine.ledger[LARGEST])
+    assert bool(warned) == (abs(lack) > max(0.02 * handled, seen))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_work_of_a_contact_is_what_it_holds_and_loses(method: str, tmp_path: Path) -> None:
+    engine = fall(method, 1e-5, tmp_path, 1e5, 1e4, end=0.4)
+    now, out = card_of(engine)
+    (_, lack, _), _ = lacks(now, out)
+    # it takes and gives m g 0.3 m; 30 steps a contact: (pi / 30)^2 / 12 of it by methods of order 2
+    assert now["exchanged"] == pytest.approx(2 * 9.81 * 0.3, rel=5e-3)
+    assert abs(lack) < 1e-3 * 9.81 * 0.3
+
+
+def test_friction_that_gives_more_than_it_took_is_found() -> None:
+    table = np.zeros((2, 2), CARD_HISTORY.dtype)
+    card = table[0, 1]
+    card["exchanged"], card["peak_normal"] = 100.0, 1000.0
+    # took 10 J, gave 12 J
+    card["friction_work"], card["friction_exchanged"] = 2.0, 22.0
+    history = as_rows(table)
+    assert gaining_friction(0, 0.05, 0.0, history) == 1
+    assert gaining_friction(0, 0.10, 0.0, history) == -1
+    # 1000 N over the round-off of positions do as much
+    assert gaining_friction(0, 0.05, 2.1e-3, history) == -1
+    # what friction takes is no gain
+    card["friction_work"] = -2.0
+    assert gaining_friction(0, 0.05, 0.0, history) == -1

@@ -1,0 +1,75 @@
+"""Claim: contacts between two samples are in the numbers of forces, with the same run as without.
+
+A ball of 1 kg at 1 m/s strikes a floor within 0.9 ms. With `exact_restitution` of 0.5 it takes
+1.5 N s; the peak is that of all steps but for the speed that a step predicts.
+"""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+DECK = """\
+control: {end_time: 0.5, estimate: ESTIMATE}
+output: {history: {interval: INTERVAL}}
+bodies:
+  a:
+    primitive: {shape: sphere, radius: 0.1}
+    mass: 1
+    position: [0, 0, 0.2043]
+    velocity: [0, 0, -1]
+surfaces: {a: {type: sphere, body: a, radius: 0.1}, f: {type: plane}}
+contacts:
+  c: {a: [a], b: [f], normal: {type: exact_restitution, stiffness: 1e9, restitution: 0.5}}
+watch:
+  - {channel: rcforc.c.normal, statistic: max}
+  - {channel: rcforc.c.normal, statistic: integral}
+  - {channel: rbdout.a.acceleration.z, statistic: max}
+  - {channel: rcforc.c.peak_normal, statistic: final}
+"""
+
+
+def run(folder: Path, interval: str, estimate: str = "auto") -> dict[str, Any]:
+    """Watched numbers with their errors, by channel and statistic."""
+    deck = folder / "deck.yaml"
+    deck.write_text(DECK.replace("INTERVAL", interval).replace("ESTIMATE", estimate), "utf-8")
+    command = [sys.executable, "-m", "crashsolve", str(deck), "-o", str(folder / "out")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    # none of a peak between samples
+    assert "warning:" not in done.stdout
+    status = json.loads((folder / "out" / "status.json").read_text("utf-8"))
+    return {f"{w['channel']} {w['statistic']}": w for w in status.get("watched", [])}
+
+
+@pytest.mark.parametrize("interval", ["0.01", "0.017", "0.1"])
+def test_numbers_of_a_short_touch_are_right_at_any_interval(tmp_path: Path, interval: str) -> None:
+    found = run(tmp_path, interval)
+    peak = found["rcforc.c.peak_normal final"]["value"]
+    for name in ("rcforc.c.normal max", "rbdout.a.acceleration.z max"):
+        # a quarter of a per cent: eleven steps a touch see its speed so well
+        assert found[name]["value"] == pytest.approx(peak, rel=2.5e-3)
+        assert found[name]["error"] > 0.0
+    impulse = found["rcforc.c.normal integral"]
+    assert abs(impulse["value"] - 1.5) < 10.0 * impulse["error"]
+    # trapezia of ten steps
+    assert impulse["value"] == pytest.approx(1.5, rel=0.02)
+
+
+def test_the_run_is_as_without_samples_between(tmp_path: Path) -> None:
+    run(tmp_path, "0.01", "off")
+    with h5py.File(tmp_path / "out" / "history.h5") as file:
+        time, z = file["rbdout/time"][:], file["rbdout/velocity/z"][:, 0]
+        force = file["rcforc/normal"][:, 0]
+    plain = np.isclose(time / 0.01, np.round(time / 0.01), rtol=0.0, atol=1e-9)
+    assert np.all(np.diff(time) > 0.0)
+    assert plain.sum() == 51 and 5 < (~plain).sum() < 200
+    # between samples and in touch: nothing of it is in the plain ones
+    assert force[plain].max() == 0.0 < force[~plain].min() + 1.0
+    assert np.allclose(z[plain][:10], -1.0, rtol=1e-12)
+    assert np.ptp(z[plain][11:]) < 1e-12
