@@ -4,7 +4,7 @@ Nothing is compiled, so that tests are quick and every line is seen by coverage 
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
 from crashsolve.foundation.sparse.bordered import BLOCK, SLOT
 from crashsolve.model.build import build
-from crashsolve.model.nodes import NODE, ROW
+from crashsolve.model.nodes import COMPLIANT, NODE, ROW
 
 BODIES = """
 title: bench
@@ -320,3 +320,29 @@ def product(p: Any, q: Any) -> np.ndarray:
     """Quaternion p q: first q, then p."""
     v, w = np.asarray(p[1:]), np.asarray(q[1:])
     return np.array([p[0] * q[0] - v @ w, *(p[0] * w + q[0] * v + np.cross(v, w))])
+
+
+class Tangents(NamedTuple):
+    """Compliant rows over the motions of some bodies: D and G (rows, 6 bodies), slopes (rows,)."""
+
+    D: np.ndarray
+    G: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+
+
+def tangents_of(law: Law, bodies: list[int]) -> Tangents:
+    """What a law reports to implicit methods at the present position; parts of a row add up."""
+    several = np.ndim(law.p.node) if "node" in law.p.dtype.names else 0
+    ends = np.ravel(law.p.node) if several else np.array([law.p.node_a, law.p.node_b])
+    count = law.module.TANGENTS
+    found = as_rows(np.zeros(count * len(ends) // 2, COMPLIANT.dtype))
+    law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+    sums = np.zeros((2, count, 6 * len(bodies)))
+    for j, body in enumerate(ends.tolist()):
+        if body in bodies:
+            rows = slice(count * (j // 2), count * (j // 2 + 1))
+            own, half = 6 * bodies.index(body), 6 * (j % 2)
+            for k, name in enumerate("DG"):
+                sums[k, :, own : own + 6] += found[name][rows, half : half + 6]
+    return Tangents(*sums, found.stiffness[:count].copy(), found.damping[:count].copy())

@@ -13,13 +13,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bench import Bench, Law, Rows, written
+from bench import Bench, Law, Rows, Tangents, tangents_of, written
 
 from crashsolve.deck.family import ANY, constants, families, provided
 from crashsolve.deck.laws import law_class, types_in
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.rows import as_rows
-from crashsolve.model.nodes import COMPLIANT
 
 DECKS = Path(__file__).resolve().parents[2] / "decks" / "verification"
 IMPLICIT = {"radau_iia_5", "generalized_alpha"}
@@ -229,11 +227,9 @@ def _load(one: Law) -> np.ndarray:
     return np.concatenate([column[end] for end in _ends(one) for column in (n.force, n.torque)])
 
 
-def _rows(one: Law) -> np.recarray:
+def _rows(one: Law) -> Tangents:
     """The law's compliant rows at the present position."""
-    found = as_rows(np.zeros(one.module.TANGENTS, COMPLIANT.dtype))
-    one.module.tangent(one.p, one.old, one.bench.nodes, one.bench.curves, found, 0)
-    return found
+    return tangents_of(one, _ends(one))
 
 
 @each(ROWS)

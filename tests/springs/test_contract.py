@@ -48,6 +48,9 @@ REVERSIBLE = {
     "curve_torsional": f"{{type: curve_torsional, {AXIS}, curve: smooth, damping: 2, angle: -0.6}}",
     "curve with growth": f"{{type: curve, {POINTS}, curve: soft, rate_curve: growth, length: 0.5}}",
     "curve with power law": f"{{type: curve, {POINTS}, curve: soft, power_law: {{}}, length: 0.5}}",
+    "cable": "{type: cable, through: [{body: a, at: [0.1, 0, 0.2]}, {body: b,"
+    " at: [0.3, -2, 0.4]}, {body: a, at: [0, 0.2, -0.1]}, {body: b, at: [1, 1, 3]}],"
+    " stiffness: 50, damping: 0.3, length: 0.5}",
     "strut": f"{{type: strut, {POINTS}, stiffness: 50, length: 0.7, bump_damping: 1,"
     " rebound_damping: 4}",
     "strut in bump": f"{{type: strut, {POINTS}, stiffness: 50, length: 0.7, bump_length: 3,"

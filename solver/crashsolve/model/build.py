@@ -15,9 +15,9 @@ from crashsolve.foundation.point import ATTACHED, BLOCK_SUM, HOLD, blocks_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse.saddle import plan
 from crashsolve.model import attachments
+from crashsolve.model.checks import methods
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.checks.gyration import gyration_warnings
-from crashsolve.model.checks.methods import refuse_incomplete_method, refuse_methods
 from crashsolve.model.checks.sampling import step_warnings
 from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations
@@ -82,7 +82,7 @@ def build(deck: Deck) -> tuple[Model, State]:
 
 def _build(deck: Deck) -> tuple[Model, State]:
     scene = Scene(deck)
-    refuse_methods(scene)
+    methods.refuse_methods(scene)
     curves = _build_curves(deck, scene)
     # what follows stands on sound bodies and curves
     scene.raise_errors()
@@ -140,6 +140,7 @@ def _arranged(model: Model, scene: Scene) -> State:
         model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator in CHOSEN:
         model.integrator, model.choice = _choose(model, state, scene)
+    methods.refuse_several(model, scene.deck)
     if model.elements:
         _arrange(model, state, scene)
     _share_pairs(model, scene)
@@ -186,9 +187,8 @@ def _share_pairs(model: Model, scene: Scene) -> None:
     Raises: DeckErrors for threads without a use. Writes: model.
     """
     groups = [g for g in model.contact_groups if has_many(g)]
-    if hasattr(_method(model), "KICK_DRIFT_KICK"):
-        for group in groups:
-            cut_pairs(group)
+    for group in groups if hasattr(_method(model), "KICK_DRIFT_KICK") else ():
+        cut_pairs(group)
     if groups and scene.threads > 1:
         model.threads = scene.threads
     if not groups and not model.elements and (scene.deck.control.threads or 1) > 1:
@@ -409,7 +409,7 @@ def _state(model: Model, scene: Scene) -> State:
 
 def _method(model: Model) -> Any:
     module = import_module(f"crashsolve.integrators.{model.integrator}")
-    refuse_incomplete_method(module)
+    methods.refuse_incomplete_method(module)
     return module
 
 

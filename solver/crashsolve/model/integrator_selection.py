@@ -47,6 +47,8 @@ def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Cho
     """The integrator for a deck whose control says auto."""
     if stepwise:
         return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
+    if model.phases:
+        return Choice("rattle", "phases look at the motion after short steps")
     if len(model.attached_nodes):
         return Choice("rattle", "nodes are welded to rigid bodies")
     searched = [c.word for c in model.contact_groups if c.search is not None]
@@ -71,6 +73,8 @@ def by_default(model: Any, stepwise: list[str]) -> Choice:
     """The integrator for a deck that says nothing of it."""
     if stepwise:
         return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
+    if model.phases:
+        return Choice("rattle", "phases look at the motion after short steps")
     if len(model.attached_nodes):
         return Choice("rattle", "nodes are welded to rigid bodies")
     if model.contacts:

@@ -119,6 +119,23 @@ class Group:
         return import_module(f"crashsolve.{name}")
 
     @property
+    def tangent_parts(self) -> int:
+        """Rows of two bodies each that every row of its tangents is made of."""
+        nodes = self.parameters.dtype["node"] if self.joins_several else None
+        return nodes.shape[0] // 2 if nodes is not None else 1
+
+    @property
+    def joins_several(self) -> bool:
+        """Whether an entry acts on any number of bodies: `node` then is a column of several."""
+        names = self.parameters.dtype.names or ()
+        return "node" in names and bool(self.parameters.dtype["node"].shape)
+
+    @property
+    def tangent_rows(self) -> int:
+        """Rows of the tangents of an entry, with all their parts."""
+        return int(self.module.TANGENTS * self.tangent_parts)
+
+    @property
     def has_work(self) -> bool:
         """Whether plastic work is distinguished from what else is lost."""
         return "work" in (self.history.dtype.names or ())

@@ -126,6 +126,10 @@ def _acting_points(group: Group) -> list[tuple[int, np.ndarray]]:
     if not family.has_rows and family.picture != LINE:
         return []
     names, found = group.parameters.dtype.names or (), []
+    if group.joins_several and "count" in names:
+        for row in group.parameters:
+            points = row["point"].reshape(-1, 3)[: row["count"]]
+            found += list(zip(map(int, row["node"]), points, strict=False))
     for side in "ab":
         if {f"node_{side}", f"point_{side}"} <= set(names):
             for row in group.parameters:

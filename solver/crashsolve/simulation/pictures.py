@@ -112,7 +112,9 @@ class Pictures:
         for g in self.engine.model.groups:
             if (
                 families()[g.keyword].picture == LINE
-                and {"point_a", "point_b"} <= set(g.parameters.dtype.names or ())
+                and (
+                    {"point_a", "point_b"} <= set(g.parameters.dtype.names or ()) or g.joins_several
+                )
                 and "force" in (g.output.dtype.names or ())
                 and g.output["force"].ndim == 1
             ) or families()[g.keyword].picture == ROUTE:
@@ -222,6 +224,9 @@ class Pictures:
             if families()[g.keyword].picture == ROUTE:
                 ends += _spans(g, int(self.engine.clock.current))
                 continue
+            if g.joins_several:
+                ends += _through(g, nodes)
+                continue
             both = []
             for side in ("a", "b"):
                 body = nodes[g.parameters[f"node_{side}"]]
@@ -295,9 +300,23 @@ def _spans(g: Group, current: int) -> list[np.ndarray]:
     return found
 
 
+def _through(g: Group, nodes: np.ndarray) -> list[np.ndarray]:
+    """Both ends of every span of the lines of a group, from point to point."""
+    found = []
+    for row in g.parameters:
+        n = int(row["count"])
+        bodies, points = nodes[row["node"][:n]], row["point"].reshape(-1, 3)[:n]
+        A = bodies["A"].reshape(-1, 3, 3)
+        x = bodies["r"] + np.einsum("nij,nj->ni", A, points)
+        found.append(np.stack([x[:-1], x[1:]], axis=1).reshape(-1, 3))
+    return found
+
+
 def _tension(g: Group) -> np.ndarray:
     """Of every line of a group [N]."""
     force = g.output["force"]
+    if g.joins_several and force.ndim == 1:
+        return np.repeat(force, g.parameters["count"] - 1)
     if force.ndim == 1:
         return np.asarray(force)
     found = []

@@ -1,12 +1,14 @@
 """Families of laws that not every integrator can step, and what an integrator must declare."""
 
 from collections.abc import Iterator
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import ANY, CHOSEN, Family, FamilyError, families
+from crashsolve.foundation.errors import DeckErrors
 
 
 def refuse_methods(scene: Any) -> None:
@@ -39,6 +41,35 @@ def _folders(card: Any) -> Iterator[str]:
         for part in value if isinstance(value, tuple) else (value,):
             if isinstance(part, Card):
                 yield from _folders(part)
+
+
+def refuse_several(model: Any, deck: Any) -> None:
+    """Raises DeckErrors for springs among several bodies beside what has blocks of its nodes.
+
+    The matrix of all nodes has no blocks for the parts of one row.
+    """
+    method = import_module(f"crashsolve.integrators.{model.integrator}")
+    has_blocks = bool(model.elements) or any(hasattr(g.module, "bend") for g in model.groups)
+    if not hasattr(method, "T") or not has_blocks:
+        return
+    some = {
+        (g.keyword, g.type)
+        for g in model.groups
+        if g.joins_several and hasattr(g.module, "tangent")
+    }
+    found = [
+        deck.error(
+            entry,
+            None,
+            f"acts on several bodies, which {model.integrator} cannot step beside beams or shells; "
+            "say integrator: rattle",
+        )
+        for keyword, kind in some
+        for entry in deck.entries[keyword].values()
+        if entry.type == kind
+    ]
+    if found:
+        raise DeckErrors(found)
 
 
 # what the steppers ask of the file of a method

@@ -45,7 +45,7 @@ def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:
         first.append(row)
         groups.append((rows, ends))
         laws += [(rows, nodes) for nodes in ends]
-        row += rows * len(ends)
+        row += sum(rows * len(nodes) // 2 for nodes in ends)
     tangents = np.zeros(len(first), TANGENTS.dtype)
     tangents["first"] = first
     if has_nodal_tangents(model):
@@ -71,13 +71,16 @@ def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:
     return tables
 
 
-def _spring_ends(group: Any) -> tuple[int, list[tuple[int, int]]]:
+def _spring_ends(group: Any) -> tuple[int, list[tuple[int, ...]]]:
+    """Rows of an entry, and the nodes of each: two, or two for each part of the rows."""
     p = group.parameters
+    if group.joins_several:
+        return group.module.TANGENTS, [tuple(nodes) for nodes in p["node"].tolist()]
     return group.module.TANGENTS, list(zip(p["node_a"].tolist(), p["node_b"].tolist(), strict=True))
 
 
-def _contacts(model: Any) -> list[tuple[int, list[tuple[int, int]]]]:
-    found = []
+def _contacts(model: Any) -> list[tuple[int, list[tuple[int, ...]]]]:
+    found: list[tuple[int, list[tuple[int, ...]]]] = []
     for c in tangent_contacts(model):
         a = c.elements_a["node"][c.parameters["a"]]
         b = c.elements_b["node"][c.parameters["b"]]
