@@ -9,13 +9,13 @@ from crashsolve.system.contact.resting import largest_approach, note_motion
 
 
 def body(rng: np.random.Generator, speed: float, spin: float) -> SimpleNamespace:
-    """A body that has moved and turned at random."""
-    start_q, turn = (
+    """A body that has moved and rotationed at random."""
+    start_q, rotation = (
         Rotation.random(random_state=rng),
         Rotation.from_rotvec(rng.normal(size=3) * spin),
     )
     start = rng.normal(size=3)
-    end_q = turn * start_q
+    end_q = rotation * start_q
     return SimpleNamespace(
         start_r=start,
         r=start + rng.normal(size=3) * speed,
@@ -57,16 +57,16 @@ def test_no_point_moves_farther_than_the_bound_says() -> None:
 
 
 def test_what_two_bodies_have_in_common_is_no_approach() -> None:
-    """Both translated and turned about one point: a vehicle and what is carried along in it."""
-    turn = Rotation.from_rotvec([0.0, 0.0, 1e-4])
+    """Both translated and rotationed about one point: a vehicle and what is carried along in it."""
+    rotation = Rotation.from_rotvec([0.0, 0.0, 1e-4])
     bodies = []
     for start in (np.array([1.0, 0.0, 0.0]), np.array([-2.0, 1.0, 0.5])):
         bodies.append(
             SimpleNamespace(
                 start_r=start,
-                r=turn.apply(start) + np.array([0.01, 0.0, 0.0]),
+                r=rotation.apply(start) + np.array([0.01, 0.0, 0.0]),
                 start_q=np.array([1.0, 0.0, 0.0, 0.0]),
-                q=np.roll(turn.as_quat(), 1),
+                q=np.roll(rotation.as_quat(), 1),
                 moved=np.zeros(3),
                 rotated=np.zeros(3),
             )

@@ -314,9 +314,9 @@ def copied(tree: Any) -> Any:
     if not isinstance(tree, ast.AST):
         return tree
     new = tree.__class__.__new__(tree.__class__)
-    parts = vars(new)
+    fields = vars(new)
     for name, part in vars(tree).items():
-        parts[name] = copied(part) if isinstance(part, (ast.AST, list)) else part
+        fields[name] = copied(part) if isinstance(part, (ast.AST, list)) else part
     return new
 
 

@@ -41,19 +41,45 @@ class Between:
         self.engine, self._take = engine, take
         self.spent, self.borne = np.zeros(1), np.zeros(len(engine.model.contacts))
         self.watches = moves and len(self.borne) > 0 and size_of(engine) < MOST_BYTES
+        # whether an interval has begun
+        self.is_marked = False
         if self.watches:
             self._begin, self._end = Snapshot(engine), Snapshot(engine)
 
-    @property
     def memory(self) -> dict[str, np.ndarray]:
         """What a restart must bring back."""
-        return {"between/spent": self.spent, "between/borne": self.borne}
+        if not self.is_marked:
+            return {}
+        kept = {"spent": self.spent, "borne": self.borne}
+        kept |= {"mark": np.array([self._time, self._cycle], float)}
+        kept |= {"card": self._card.view(np.uint8), "history": self._history.view(np.uint8)}
+        kept |= {f"begin/{name}": array for name, array in self._begin.arrays().items()}
+        return {f"between/{name}": array for name, array in kept.items()}
+
+    def recall(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take up what `memory` gave away, if it had begun. Raises KeyError or ValueError."""
+        if not self.watches or "between/mark" not in arrays:
+            return
+        found = {
+            name.removeprefix("between/"): a
+            for name, a in arrays.items()
+            if name.startswith("between/")
+        }
+        self.spent[...], self.borne[...] = found["spent"], found["borne"]
+        self._time, self._cycle = float(found["mark"][0]), int(found["mark"][1])
+        state = self.engine.state
+        self._card = found["card"].view(state.cards.dtype)
+        self._history = found["history"].view(state.card_history.dtype)
+        begin = {n.removeprefix("begin/"): a for n, a in found.items() if n.startswith("begin/")}
+        self._begin.recall(begin)
+        self.is_marked = True
 
     def mark(self) -> None:
         """An interval begins at the present sample."""
         if self.watches:
             self._begin.take()
             self._time, self._cycle, self._card, self._history = self._look()
+            self.is_marked = True
 
     def fill(self, until: float) -> None:
         """Sample at steps of the interval up to its end, `until` [s], if that is due."""

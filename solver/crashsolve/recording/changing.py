@@ -88,7 +88,9 @@ class Snapshot:
         self._arrays: dict[str, np.ndarray] = {}
         # lists of pairs are other arrays whenever they are made anew
         self._stays = not (_lists(engine) or _nodal(engine))
-        found = [a for a in _kept_aside(engine).values() if a.size] if self._stays else []
+        kept = _kept_aside(engine) if self._stays else {}
+        self._names = [name for name, a in kept.items() if a.size]
+        found = [kept[name] for name in self._names]
         # in bytes, as numpy takes columns one by one
         bytes_of = [a.reshape(-1).view(np.uint8) if a.flags.c_contiguous else a for a in found]
         self._pairs = [(array, array.copy()) for array in bytes_of]
@@ -99,6 +101,18 @@ class Snapshot:
             self._arrays = {name: a.copy() for name, a in changing(self.engine).items()}
         for now, kept in self._pairs:
             kept[...] = now
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """What was kept, by name."""
+        kept = dict(zip(self._names, (copy for _, copy in self._pairs), strict=True))
+        return kept | self._arrays
+
+    def recall(self, arrays: dict[str, np.ndarray]) -> None:
+        """Keep what `arrays` of another snapshot gave. Raises KeyError or ValueError."""
+        for name, (_, kept) in zip(self._names, self._pairs, strict=True):
+            kept[...] = arrays[name]
+        if not self._stays:
+            self._arrays = dict(arrays)
 
     def put_back(self) -> None:
         """Make what was kept the present; of lists of pairs once for every `take`."""

@@ -301,7 +301,8 @@ class Run:
         self.sampled = float(self.engine.clock["sampled"])
         k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
-        self.between.mark()
+        if not self.between.is_marked:
+            self.between.mark()
         while target < end and not self.engine.is_complete:
             k += 1
             target = self.schedule.time(k)
@@ -368,7 +369,7 @@ class Run:
 
     def _dump(self) -> None:
         self.recorder.flush()
-        arrays = changing(self.engine) | self.histories.memory | self.between.memory
+        arrays = changing(self.engine) | self.histories.memory | self.between.memory()
         if self.estimating is not None:
             arrays[COARSENESS] = np.array([self.estimating.coarseness])
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
@@ -384,8 +385,9 @@ class Run:
             )
         try:
             restore(self.engine, arrays)
-            for name, array in (self.histories.memory | self.between.memory).items():
+            for name, array in self.histories.memory.items():
                 array[...] = arrays[name]
+            self.between.recall(arrays)
         except (KeyError, ValueError, TypeError, IndexError) as reason:
             raise self._inconsistency("another version of crashsolve") from reason
         clock, end = self.engine.clock, self.schedule.end

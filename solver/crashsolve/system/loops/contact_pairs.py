@@ -137,8 +137,7 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     closing_rate = rate
     if group.is_flat:
         _, c_now = group.normal.normal_tangent(p, new, depth, rate, mass, curves)
-        spots = group.data[0]
-        push = Push(f, rate, c_now, k, c)
+        spots, push = group.data[0], Push(f, rate, c_now, k, c)
         f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, applied, push)
         power += more
         closing_rate, slip, d_a, d_b = touches.closing(m, w, x, n)
@@ -146,8 +145,7 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
         # what the law returns is for the whole surface, of which this is one element
         f, out.stored, power = a.share * f, a.share * out.stored, a.share * power
         loss, k, c = a.share * loss, a.share * k, a.share * c
-    t, t_power, t_loss = (0.0, 0.0, 0.0), 0.0, 0.0
-    out.friction_stored = 0.0
+    t, t_power, t_loss, out.friction_stored = (0.0, 0.0, 0.0), 0.0, 0.0, 0.0
     displacement = work.displacement_to(motion, m, x) if KICK_DRIFT_KICK else None
     if KICK_DRIFT_KICK and group.loses_work and h > 0.0:
         power, loss = 0.0, work_lost(group, pair, meeting, applied * f, displacement)
