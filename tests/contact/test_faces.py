@@ -270,6 +270,18 @@ def test_a_sharp_fold_is_met_once(tmp_path: Path) -> None:
         np.testing.assert_allclose(hits[0][2], direction, atol=1e-12)
 
 
+def test_from_wall_to_wall_of_a_fold_nothing_is_crossed(tmp_path: Path) -> None:
+    # 0.56 from the fold, on either side of its middle: both walls are 0.092 away
+    bench = Bench(tmp_path, *HAIRPIN)
+    for angle, wall in ((9.5, [0.0, 0.0, 1.0]), (10.5, [-0.342, 0.0, -0.94]), (9.5, [0, 0, 1])):
+        at = np.radians(angle)
+        x = np.array([1.0, 0.5, 0.0]) + 0.56 * np.array([-np.cos(at), 0.0, np.sin(at)])
+        ((_, depth, normal),) = bench.look(x)
+        # corners of the upper wall are written to three digits
+        assert depth == pytest.approx(0.1 - 0.56 * np.sin(np.radians(9.5)), abs=1e-4)
+        np.testing.assert_allclose(normal, wall, atol=1e-3)
+
+
 def test_between_two_walls_both_are_met(tmp_path: Path) -> None:
     # a channel open on one side, twice as wide as thick: 0.1 from wall to wall and to its floor
     nodes = [[0, 0, 0], [0, 1, 0], [0.4, 1, 0], [0.4, 0, 0], [0.4, 1, 0.15], [0.4, 0, 0.15]]

@@ -6,9 +6,10 @@ c is the nearest point of the mid-surface on either side of which the probe may 
 side it meets one face: the nearest. Which side a probe is on is seen when it comes nearer than the
 gap, by the normal there (of both faces at a common side, of all at a common corner, weighted by
 angle), and remembered: should it be driven through the mid-surface, x - c turns over from one step
-to the next, and depth = gap + d pushes it back. No step brings two sides nearer by more than a
-quarter of the gap, so none is passed unseen. Consequence to test: momentum and angular momentum are
-kept to round-off, since f acts along the line through x and c.
+to the next, and depth = gap + d pushes it back. No step brings two sides nearer by more than half
+of the gap, so none is passed unseen; a face that was farther, or is seen from the side touched, is
+not crossed: it is the other wall of a fold. Consequence to test: momentum and angular momentum
+are kept to round-off, since f acts along the line through x and c.
 
 References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and Computer Graphics
 11, 243-253.
@@ -37,6 +38,9 @@ from crashsolve.system.contact.node_contact import (
 
 # a distance of this share of the gap has no direction
 NO_DISTANCE = 1e-9
+# of `reach`, the distance from which a face may be crossed in a step: the speed that bounds a step
+# may grow within it
+CROSSED = 1.5
 
 
 @kernel
@@ -199,15 +203,18 @@ def side(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     )
     is_up = up.active == 1 and are_kin(p, f, up.face, mesh)
     is_down = down.active == 1 and are_kin(p, f, down.face, mesh)
-    if is_up != is_down:
-        s = 0 if is_up else 1
-        before = vec(up.normal) if is_up else vec(down.normal)
-        if dot(to, before) <= 0.0:
-            return s, 0
-        # round a free border it is no crossing
-        if not on_border(p, f, spot, mesh):
-            return s, 1
-    return 0 if dot(to, outward(p, f, spot, mesh)) <= 0.0 else 1, 0
+    there = 0 if dot(to, outward(p, f, spot, mesh)) <= 0.0 else 1
+    if is_up == is_down:
+        return there, 0
+    s, kept = 0 if is_up else 1, up if is_up else down
+    if dot(to, vec(kept.normal)) <= 0.0:
+        return s, 0
+    # the other wall of a fold is seen from the same side, or from too far to be crossed in a
+    # step; round a free border it is no crossing
+    is_deep = kept.depth > p.gap - CROSSED * p.reach
+    if there != s and is_deep and not on_border(p, f, spot, mesh):
+        return s, 1
+    return there, 0
 
 
 @kernel
