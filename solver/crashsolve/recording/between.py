@@ -74,6 +74,11 @@ class Between:
         self._begin.recall(begin)
         self.is_marked = True
 
+    def begin(self) -> None:
+        """The first interval begins, unless a restart has brought it back."""
+        if not self.is_marked:
+            self.mark()
+
     def mark(self) -> None:
         """An interval begins at the present sample."""
         if self.watches:

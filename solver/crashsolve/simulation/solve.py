@@ -301,8 +301,7 @@ class Run:
         self.sampled = float(self.engine.clock["sampled"])
         k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
-        if not self.between.is_marked:
-            self.between.mark()
+        self.between.begin()
         while target < end and not self.engine.is_complete:
             k += 1
             target = self.schedule.time(k)
@@ -397,9 +396,8 @@ class Run:
             )
             raise DeckError(str(self.deck.path), None, None, "", message, "say a later time")
         if differ:
-            control = self.engine.model.control[0]
-            longest = float(control["step_max"])
-            clock["next_step"] = control["fixed_step"] or min(float(clock["next_step"]), longest)
+            c = self.engine.model.control[0]
+            clock["next_step"] = c["fixed_step"] or min(clock["next_step"], float(c["step_max"]))
         if self.deck.control.estimate != "off" and any(name in OF_ERRORS for name, _ in differ):
             text = (
                 "the errors of watched channels are reported as if all had run with these settings"
