@@ -25,7 +25,7 @@ from crashpost.reports.views import views
 from crashpost.results import ledger, logbook
 from crashpost.results.result import Result
 from crashpost.results.table import number
-from crashpost.values import injury
+from crashpost.values import injury, occupant_injury
 from crashpost.values.accuracy import HEADER as ERRORS
 from crashpost.values.accuracy import accuracy_rows, cost_rows, worst_error
 from crashpost.values.events import events
@@ -227,6 +227,7 @@ def _events(result: Result, time_unit: str) -> str:
 
 def _injury(result: Result) -> str:
     rows = injury.measures(result) if len(result.time) > 1 else []
+    rows += occupant_injury.rows(result) if len(result.time) > 1 else []
     note = "<p class=note>Limits are those for a 50th percentile man (49 CFR 571.208, UN R94).</p>"
     has_limits = any(row[3] for row in rows)
     return table(injury.HEADER, rows, ("", "", "num", "num", "", "")) + note * has_limits

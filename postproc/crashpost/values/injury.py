@@ -182,15 +182,17 @@ def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> P
 
 
 def sensors(result: Result) -> dict[str, dict[str, Any]]:
-    """The cards of accelerometers, as the stored deck states; none where it cannot be read."""
+    """The cards of accelerometers, as the stored deck states."""
+    cards = sensor_cards(result)
+    return {name: card for name, card in cards.items() if card.get("type") == "accelerometer"}
+
+
+def sensor_cards(result: Result, section: str = "sensors") -> dict[str, dict[str, Any]]:
+    """Cards of a section of the stored deck, sensors or others; none where it cannot be read."""
     import yaml
 
     try:
-        sensors = (yaml.safe_load(result.deck_text) or {}).get("sensors") or {}
-        return {
-            str(name): dict(card)
-            for name, card in sensors.items()
-            if card.get("type") == "accelerometer"
-        }
+        cards = (yaml.safe_load(result.deck_text) or {}).get(section) or {}
+        return {str(name): dict(card) for name, card in cards.items()}
     except (yaml.YAMLError, AttributeError, TypeError, RecursionError, ValueError):
         return {}

@@ -1,0 +1,207 @@
+"""Measures of the injury of occupants beside accelerations, by the role of a sensor in its deck.
+
+    role              measures
+    neck              Nij, tension and compression
+    chest_deflection  D, and VC = 1.3 D_dot D / 0.229 m
+    femur_*           compression, and the level that it exceeds for 10 ms
+    head              BrIC = sqrt(sum (max |w_i| / w_i,c)^2), from its angular velocity
+
+    Nij = F_z / F_c + M_y / M_c,   F_c 6806 N tension, 6160 N compression,
+                                   M_c 310 N m flexion, 135 N m extension
+
+at every moment, all for a man of the 50th percentile, whatever the occupant's size. M_y is the
+moment about the occipital condyles: that of the section and those of what limits and resists the
+rotation of its joint. Signs are those of SAE J211: F_z positive in tension, M_y in flexion; the
+sensor's axes are x forward, y left, z up. Filters: CFC 600 for the neck and the femur, 180 for the
+chest, 60 for BrIC; where the samples do not serve a filter nothing is judged. Limits: UN R94 for VC
+and femur (9.07 kN at once, 7.58 kN for 10 ms), UN R137 for 42 mm; 1 for Nij. Intercepts of Nij and
+its filter are from memory and were not read in the regulation.
+
+Measures for which a deck has no sensor are named.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crashpost.errors import PostError
+from crashpost.results.choice import plain
+from crashpost.results.result import Result
+from crashpost.results.table import number
+from crashpost.values.injury import sensor_cards
+from crashpost.values.words import capital
+
+Row = list[str]
+
+TENSION, COMPRESSION, FLEXION, EXTENSION = 6806.0, 6160.0, 310.0, 135.0
+CHEST_DEPTH, VC_FACTOR = 0.229, 1.3
+# [rad/s] about the head's axes x, y and z
+CRITICAL_SPINS = (66.25, 56.45, 42.87)
+# what a whole occupant has, and the measure that each is for
+ROLES = {
+    "head": "HIC, Severity Index and BrIC",
+    "chest": "3 ms clip of the chest",
+    "neck": "Nij",
+    "chest_deflection": "chest deflection and VC",
+    "femur_left": "force of the left femur",
+    "femur_right": "force of the right femur",
+}
+# roles that only occupants have: one of them, and the rest is missed
+OF_OCCUPANTS = ("neck", "chest_deflection", "femur_left", "femur_right")
+
+
+class Filtered(NamedTuple):
+    """A history and why it is not filtered; empty where it is."""
+
+    values: np.ndarray
+    plain_because: str
+
+
+def rows(result: Result) -> list[Row]:
+    """A row for each measure: name, measure, value, limit, verdict, when; and what is missing."""
+    cards = sensor_cards(result)
+    measures: dict[str, Callable[[Result, str, dict[str, Any]], list[Row]]] = {
+        "neck": _neck,
+        "chest_deflection": _chest,
+        "femur_left": _femur,
+        "femur_right": _femur,
+        "head": _brain,
+    }
+    found = []
+    for name, card in cards.items():
+        if card.get("role") in measures:
+            try:
+                found += measures[card["role"]](result, name, card)
+            except PostError as reason:
+                found.append([_title(name), "not stated", "-", "", "", str(reason)])
+    return found + _missing(cards)
+
+
+def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
+    """Nij over time, of tension [N] and flexion [N m], both positive."""
+    axial = np.where(force > 0.0, force / TENSION, -force / COMPRESSION)
+    return axial + np.where(moment > 0.0, moment / FLEXION, -moment / EXTENSION)
+
+
+def viscous(time: np.ndarray, deflection: np.ndarray) -> np.ndarray:
+    """VC over time [m/s], of the deflection of the chest [m]."""
+    rate = np.gradient(deflection, time)
+    found: np.ndarray = VC_FACTOR * rate * deflection / CHEST_DEPTH
+    return found
+
+
+def bric(spins: list[np.ndarray]) -> float:
+    """BrIC, of the angular velocity of the head about its axes x, y and z [rad/s]."""
+    parts = [np.abs(w).max() / c for w, c in zip(spins, CRITICAL_SPINS, strict=True)]
+    return float(np.sqrt(np.sum(np.square(parts))))
+
+
+def _neck(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
+    force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", 600)
+    parts = [f"secforc.{name}.moment.y", *_moments(result, card.get("joint"))]
+    moment = _history(result, "-(" + " + ".join(plain(p) for p in parts) + ")", 600)
+    load = nij(force.values, moment.values)
+    at = int(load.argmax())
+    case = "tension" if force.values[at] > 0 else "compression"
+    case += " and flexion" if moment.values[at] > 0 else " and extension"
+    where = _when(result, at)
+    message = force.plain_because or moment.plain_because
+    return [
+        _judged(name, f"Nij, {case}", load[at], "", 1.0, where, message),
+        _row(name, "neck tension", 1e-3 * force.values.max(initial=0.0), "kN", message),
+        _row(name, "neck compression", -1e-3 * force.values.min(initial=0.0), "kN", message),
+    ]
+
+
+def _moments(result: Result, joint: Any) -> list[str]:
+    """Channels of the moments of all springs within a joint, on its second body."""
+    springs = {
+        name
+        for name, card in sensor_cards(result, "springs").items()
+        if joint is not None and card.get("joint") == joint
+    }
+    return [
+        channel.name
+        for channel in result.channels("deforc.*.moment.y")
+        if channel.name.split(".")[1] in springs
+    ]
+
+
+def _chest(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
+    deflection = _history(result, f"-{plain(f'disbout.{name}.change')}", 180)
+    load = viscous(result.time, deflection.values)
+    message, at = deflection.plain_because, int(deflection.values.argmax())
+    top, fastest = 1e3 * deflection.values[at], int(load.argmax())
+    return [
+        _judged(name, "deflection", top, "mm", 42.0, _when(result, at), message),
+        _judged(name, "VC", load[fastest], "m/s", 1.0, _when(result, fastest), message),
+    ]
+
+
+def _femur(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
+    force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", 600)
+    message, at = force.plain_because, int(force.values.argmax())
+    held = 1e-3 * _exceeded_for(result.time, force.values, 10e-3)
+    top = 1e-3 * max(float(force.values[at]), 0.0)
+    return [
+        _judged(name, "compression", top, "kN", 9.07, _when(result, at), message),
+        _judged(name, "compression for 10 ms", held, "kN", 7.58, "in one span", message),
+    ]
+
+
+def _brain(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
+    spins = [_history(result, plain(f"nodout.{name}.angular_velocity.{a}"), 60) for a in "xyz"]
+    message = next((w.plain_because for w in spins if w.plain_because), "")
+    return [_row(name, "BrIC", bric([w.values for w in spins]), "", message)]
+
+
+def _exceeded_for(time: np.ndarray, values: np.ndarray, span: float) -> float:
+    """Largest level that values are not below for `span` [s] without a break; 0 of shorter runs."""
+    last = np.searchsorted(time, time + span * (1.0 - 1e-9))
+    levels = [values[i : j + 1].min() for i, j in enumerate(last) if j < len(time)]
+    return max([0.0, *map(float, levels)])
+
+
+def _history(result: Result, expression: str, cfc: int) -> Filtered:
+    """A channel filtered, or as it is and why. Raises PostError where it does not exist."""
+    plain_values = result.series(expression).values
+    try:
+        return Filtered(result.series(f"cfc({expression}, {cfc})").values, "")
+    except PostError as reason:
+        return Filtered(plain_values, str(reason))
+
+
+def _judged(
+    name: str, measure: str, value: float, unit: str, limit: float, when: str, message: str
+) -> Row:
+    """A row with its limit; what was not filtered is not judged."""
+    shown = f"{limit:g} {unit}".rstrip()
+    verdict = "within" if value <= limit else "beyond"
+    if message:
+        return [*_row(name, measure, value, unit)[:3], shown, "not judged: not filtered", message]
+    return [*_row(name, measure, value, unit)[:3], shown, verdict, when]
+
+
+def _row(name: str, measure: str, value: float, unit: str, message: str = "") -> Row:
+    return [_title(name), measure, f"{number(float(value))} {unit}".rstrip(), "", "", message]
+
+
+def _when(result: Result, row: int) -> str:
+    return f"at {1e3 * float(result.time[row]):.5g} ms"
+
+
+def _title(name: str) -> str:
+    return capital(name.replace("_", " "))
+
+
+def _missing(cards: dict[str, dict[str, Any]]) -> list[Row]:
+    """Which measures of an occupant the sensors of the deck do not serve."""
+    roles = {card.get("role") for card in cards.values()}
+    if not roles & set(OF_OCCUPANTS):
+        return []
+    return [
+        ["Occupants", ROLES[role], "-", "", "", f"no sensor has the role {role}"]
+        for role in ROLES
+        if role not in roles
+    ]
