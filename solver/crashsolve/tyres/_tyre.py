@@ -8,7 +8,8 @@
 
 V_x is the speed of the centre along x and V_x - V_sx that of rolling, so that one definition serves
 braking (V = |V_x|) and driving. At rest the carcass is a spring C / sigma with the damper k_V,
-which fades out at the speed V_low: the wheel stands on a slope without creep. The force acts in the
+which fades out at the speed V_low: the wheel stands on a slope without creep. M_z of the laws is
+that of rolling forward; in reverse it changes its sign, through 0 at rest. The force acts in the
 road on both bodies. Consequence to test: steady s = -V_s / V; a wheel that rolls freely has
 Omega r = V_x with the loaded radius r = d / cos(gamma).
 
@@ -313,6 +314,15 @@ def relaxed(q, slip, V, sigma, h):
 
 
 @kernel
+def direction(p, at):
+    """1 where the wheel rolls forward, -1 in reverse, between them below V_low.
+
+    The tread comes in at the leading edge: in reverse the trail lies on the other side.
+    """
+    return max(min((at.V_x - at.slip_x) / p.low_speed, 1.0), -1.0)
+
+
+@kernel
 def patch_length(p, at):
     """l [m]."""
     return p.length if p.length > 0.0 else 2.0 * sqrt(max(p.radius**2 - at.radius**2, 0.0))
@@ -342,8 +352,7 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     apply_force(road, scale(-1.0, press), add(to_road, at.bottom))
     apply_force(wheel, pull, at.foot)
     apply_force(road, scale(-1.0, pull), add(to_road, at.foot))
-    rolling = (at.V_x - at.slip_x) / p.low_speed
-    M_y = -p.resistance * grip.F_z * p.radius * max(min(rolling, 1.0), -1.0)
+    M_y = -p.resistance * grip.F_z * p.radius * direction(p, at)
     M_x = -grip.F_z * F[1] / p.side_stiffness
     moment = add(add(scale(M_z, at.n), scale(M_y, at.y)), scale(M_x, at.x))
     apply_torque(wheel, moment)

@@ -23,6 +23,7 @@ from crashsolve.tyres._tyre import (
     TyreCard,
     bear,
     clear,
+    direction,
     grip_on,
     patch_length,
     patch_on,
@@ -77,6 +78,7 @@ def roll(p, old, new, out, h, nodes, curves, data):
             F_x, F_y, M_z, sliding = forces(
                 p.C_x, p.C_y, grip.s_x, grip.s_y, grip.mu, grip.F_z, length
             )
+            M_z *= direction(p, at)
             store = carcass_energy(p, grip)
             bear(p, i, old, new, out, h, nodes, at, grip, (F_x, F_y), M_z, store)
             show(out, at, grip, (F_x, F_y), M_z, sliding)
