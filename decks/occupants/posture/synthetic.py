@@ -1,4 +1,4 @@
-"""Synthetic pictures of the occupant in the posture of true.yaml: targets, calibration, frames.
+"""Synthetic pictures of the occupant of shared/true.yaml: targets, calibration, frames.
 
 python synthetic.py FOLDER     writes the three tables; the errors of images are drawn with seed 11
 """
@@ -20,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 EYES = ([3.5, -3, 1.8], [3.6, 2.8, 1.2], [-2.6, 3, 2.4], [-2.8, -3.1, 1])
 AT = np.array([0.2, 0.0, 0.6])
 FOCAL = 1500.0  # pixels
-START = 0.02  # [s] of true.yaml
+START = 0.02  # [s] of shared/true.yaml
 TIMES = (0.0, 0.02, 0.04)
 # what two of the cameras do not see
 HIDDEN = {("hand_left", 0), ("hand_left", 3), ("toe_right", 2), ("toe_right", 3)}
@@ -39,8 +39,8 @@ def image(eye: Any, x: Array) -> Array:
 
 
 def posture_at(time: float) -> dict[str, Any]:
-    """The card of true.yaml, moved on to a time with constant rates."""
-    card: dict[str, Any] = yaml.safe_load((HERE / "true.yaml").read_text("utf-8"))
+    """The card of shared/true.yaml, moved on to a time with constant rates."""
+    card: dict[str, Any] = yaml.safe_load((HERE / "shared" / "true.yaml").read_text("utf-8"))
     card, dt = card["postures"]["posture"], time - START
     card["position"] = [x + dt * v for x, v in zip(card["position"], card["velocity"], strict=True)]
     card["rotation"] = _moved(card["rotation"], card["angular_velocity"], dt)
