@@ -4,6 +4,7 @@ crashsolve DECK [-o DIR] [--set NAME=VALUE] [--restart [--until T]]
 crashsolve check DECK    crashsolve explain DECK
 crashsolve study DECK [--steps A,B] [--integrators A,B] [--meshes 1,2] [--channel C[:STATISTIC]]
 crashsolve sweep PLAN [-o DIR] [--jobs N] [--again failed] [--slurm]
+crashsolve posture REQUEST [-o DIR]
 crashsolve example [NAME [-o DIR]]    crashsolve manual [PAGE]
 crashsolve schema    crashsolve keywords    crashsolve equations    crashsolve completion SHELL
 """
@@ -29,7 +30,7 @@ from crashsolve.foundation.errors import (
 )
 from crashsolve.foundation.streams import give_up, open_standard_streams, printable, report_error
 
-COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "example")
+COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "posture", "example")
 COMMANDS += ("manual", "schema", "keywords", "equations", "completion")
 
 SWEEP = "Run a deck over values of its parameters, as a plan says; what has finished is kept"
@@ -122,10 +123,18 @@ def _parser(asked: Sequence[str]) -> argparse.ArgumentParser:
         from crashsolve.sweep.command import add_arguments
 
         add_arguments(sweep)
+    _posture_arguments(commands)
     _document_arguments(commands)
     add_completion(commands)
     commands.choices["completion"].set_defaults(act=lambda options: _completion(parser, options))
     return parser
+
+
+def _posture_arguments(commands: Any) -> None:
+    from crashsolve.photogrammetry.command import add_arguments
+
+    text = "initial posture of an occupant from digitised points in the pictures of cameras"
+    add_arguments(commands.add_parser("posture", help=text, description=text.capitalize()))
 
 
 def _document_arguments(commands: Any) -> None:

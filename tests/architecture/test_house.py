@@ -27,7 +27,7 @@ LAYERS = (
     ("study",),
     ("estimate",),
     ("simulation",),
-    ("sweep",),
+    ("sweep", "photogrammetry"),
 )
 # the package's single files: the commands and the Python interface
 TOP = len(LAYERS)

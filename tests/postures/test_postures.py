@@ -107,3 +107,28 @@ def test_an_angle_past_the_range_is_refused_with_how_far(tmp_path: Path) -> None
     posture = "{root: thigh, joints: [{joint: knee, angle: 0.9}]}"
     text = CHAIN.replace("POSTURE", posture) + stop
     assert "turns 'knee' to 0.9 rad, 0.4 rad past the range" in refusal(tmp_path, text)
+
+
+RATES = (
+    "{{root: shank, position: [{p}, 2, 1], rotation: {{axis: [0, 0, 1], angle: {z}}}, "
+    "velocity: [1, 0, 0], angular_velocity: [0, 0, 2], joints: [{{joint: hip, rotation: "
+    "{{axis: [1, 0, 0], angle: {hip}}}, angular_velocity: [-0.7, 0, 0]}}, "
+    "{{joint: knee, angle: {knee}, rate: 1.5}}, {{joint: ankle}}]}}"
+)
+
+
+def test_rates_move_the_segments_as_their_angles_do(tmp_path: Path) -> None:
+    def at(t: float) -> Engine:
+        values = {"p": 3 + t, "z": 0.4 + 2 * t, "hip": 0.3 - 0.7 * t, "knee": 0.9 + 1.5 * t}
+        return built(tmp_path, RATES.format(**values))
+
+    h = 1e-5
+    before, now, after = at(-h), at(0.0), at(h)
+    for b, n, a in zip(
+        before.state.nodes[1:], now.state.nodes[1:], after.state.nodes[1:], strict=True
+    ):
+        # central differences: h^2 of the third derivative, some 10 m/s^3, and round-off over h
+        np.testing.assert_allclose((a["r"] - b["r"]) / (2 * h), n["v"], atol=1e-8)
+        rate = (a["A"].reshape(3, 3) - b["A"].reshape(3, 3)) / (2 * h) @ n["A"].reshape(3, 3).T
+        found = [rate[2, 1], rate[0, 2], rate[1, 0]]
+        np.testing.assert_allclose(found, n["w"], atol=1e-8)

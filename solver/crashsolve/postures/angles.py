@@ -3,9 +3,9 @@
     A_b = A_a Q R_ab,   x_b = x_a + A_a s_a - A_b s_b
 
 R_ab, s_a and s_b are the orientation of b in a and the joint's point in both where the cards of the
-bodies have them, the zero posture; Q is the rotation of b against a, in axes of a. The chain moves
-as one rigid body: v = v_0 + w x (x - x_0). Consequence to test: all joints close to round-off, and
-the zero posture leaves the bodies where their cards have them.
+bodies have them, the zero posture; Q is the rotation of b against a, in axes of a (`_chain.py`).
+Without rates the chain moves as one rigid body: v = v_0 + w x (x - x_0). Consequence to test: all
+joints close to round-off, and the zero posture leaves the bodies where their cards have them.
 """
 
 from typing import Any
@@ -15,19 +15,24 @@ from pydantic import model_validator
 
 from crashsolve.deck.card import BodyName, Card, JointName, Rotation, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix, quaternion_of
+from crashsolve.postures._chain import Link, Motion, in_order, link, next_body
 
 
 class Turned(Card):
-    """A joint of the chain, and how far it is turned from the zero posture."""
+    """A joint of the chain, how far it is turned from the zero posture, and how fast it turns."""
 
     joint: JointName = word("joint between two bodies of the chain, with `frame` a body")
     angle: float | None = quantity("rad", "of b about the joint's axis, right-handed", default=None)
     rotation: Rotation | None = word("of b against a, in axes of a", default=None)
+    rate: float | None = quantity("rad/s", "of the angle", default=None)
+    angular_velocity: Vec3 | None = quantity("rad/s", "of b against a, in axes of a", default=None)
 
     @model_validator(mode="after")
-    def _one_direction(self) -> "Turned":
+    def _one_of_each(self) -> "Turned":
         if self.angle is not None and self.rotation is not None:
             raise ValueError("give one of: angle, rotation")
+        if self.rate is not None and self.angular_velocity is not None:
+            raise ValueError("give one of: rate, angular_velocity")
         return self
 
 
@@ -38,7 +43,9 @@ class Angles(Card):
     position: Vec3 = quantity("m", "of the origin of the root", default=(0.0, 0.0, 0.0))
     rotation: Rotation = word("of the root, body to world", default_factory=Rotation)
     velocity: Vec3 = quantity("m/s", "of the origin of the root", default=(0.0, 0.0, 0.0))
-    angular_velocity: Vec3 = quantity("rad/s", "of the whole chain", default=(0.0, 0.0, 0.0))
+    angular_velocity: Vec3 = quantity(
+        "rad/s", "of the root, and of all that has no rate", default=(0.0, 0.0, 0.0)
+    )
     joints: tuple[Turned, ...] = word("every joint of the chain; one without an angle is at zero")
 
 
@@ -47,65 +54,63 @@ def build(card: Angles, scene: Any) -> None:
     root = scene.node(card.root)
     if root == 0:
         raise scene.fail("the ground cannot be placed; name a body", "root")
-    zero = {name: getattr(scene, name).copy() for name in ("r", "A")}
-    A = matrix(card.rotation.quaternion())
-    origin = np.asarray(card.position)
-    placed = {root: (A, origin + A @ scene.offset[root])}
-    waiting = list(enumerate(card.joints))
-    while waiting:
-        ready = [(i, rotated) for i, rotated in waiting if _next(rotated, i, placed, zero, scene)]
-        if not ready:
-            i, rotated = waiting[0]
-            raise scene.fail(
-                f"'{rotated.joint}' does not hang on '{card.root}' by the joints of this posture",
-                f"joints.{i}.joint",
-            )
-        waiting = [one for one in waiting if one not in ready]
-    w = np.asarray(card.angular_velocity)
-    for node, (rotation, x) in placed.items():
-        scene.A[node], scene.q[node] = rotation.ravel(), quaternion_of(rotation)
-        scene.r[node], scene.w[node] = x, w
-        scene.v[node] = np.asarray(card.velocity) + np.cross(w, x - origin)
+    turned = [(link(scene, one.joint, _card(one, i, scene)), one, i)
+              for i, one in enumerate(card.joints)]  # fmt: skip
+    given_at = {id(one): (given, i) for one, given, i in turned}
+    order, rest = in_order(root, [one for one, _, _ in turned])
+    if rest:
+        known = {root} | {node for one in order for node in (one.a, one.b)}
+        one = next((one for one in rest if {one.a, one.b} <= known), rest[0])
+        closes = {one.a, one.b} <= known
+        how = "closes a loop of this chain" if closes else (
+            f"does not hang on '{card.root}' by the joints of this posture"
+        )  # fmt: skip
+        raise scene.fail(f"'{one.joint}' {how}", f"joints.{given_at[id(one)][1]}.joint")
+    A, w = matrix(card.rotation.quaternion()), np.asarray(card.angular_velocity)
+    arm = A @ scene.offset[root]
+    v = np.asarray(card.velocity) + np.cross(w, arm)
+    placed = {root: Motion(A, np.asarray(card.position) + arm, v, w)}
+    for one in order:
+        given, i = given_at[id(one)]
+        next_body(one, *_rotation(given, one, i, scene), placed)
+    for node, motion in placed.items():
+        scene.A[node], scene.q[node] = motion.A.ravel(), quaternion_of(motion.A)
+        scene.r[node], scene.v[node], scene.w[node] = motion.x, motion.v, motion.w
 
 
-def _next(rotated: Turned, i: int, placed: dict[int, Any], zero: Any, scene: Any) -> bool:
-    """Whether one body of a joint is in place, by which the other is put there. Writes: placed."""
-    card = scene.joint_entry(rotated.joint).card
-    field = f"joints.{i}"
+def _card(turned: Turned, i: int, scene: Any) -> Any:
+    """The card of a joint, which must move with its bodies."""
+    card = scene.joint_entry(turned.joint).card
     if getattr(card, "frame", "world") == "world":
         raise scene.fail(
-            f"'{rotated.joint}' is given in the world, where a posture moves its bodies; give its "
+            f"'{turned.joint}' is given in the world, where a posture moves its bodies; give its "
             "point in the frame of one of them",
-            f"{field}.joint",
+            f"joints.{i}.joint",
         )
-    a, b, point = scene.joint_point(card)
-    if a in placed and b in placed:
-        raise scene.fail(f"'{rotated.joint}' closes a loop of this chain", f"{field}.joint")
-    if a not in placed and b not in placed:
-        return False
-    A_a, A_b = zero["A"][a].reshape(3, 3), zero["A"][b].reshape(3, 3)
-    s_a, s_b = A_a.T @ (point - zero["r"][a]), A_b.T @ (point - zero["r"][b])
-    # axes of b in a, as the joint is turned
-    inner = _rotation(rotated, card, A_a, field, scene) @ A_a.T @ A_b
-    if a in placed:
-        A, x = placed[a]
-        placed[b] = A @ inner, x + A @ s_a - A @ inner @ s_b
-    else:
-        A, x = placed[b]
-        placed[a] = A @ inner.T, x + A @ s_b - A @ inner.T @ s_a
-    return True
+    return card
 
 
-def _rotation(rotated: Turned, card: Any, A_a: np.ndarray, field: str, scene: Any) -> np.ndarray:
-    """Q (3, 3), in axes of a. Writes: the angle that the joint has at the start."""
-    if rotated.rotation is not None:
-        return matrix(rotated.rotation.quaternion())
-    if rotated.angle is None:
-        return np.eye(3)
-    if not hasattr(card, "axis"):
-        message = f"'{rotated.joint}' has no axis to rotate about; give a rotation"
-        raise scene.fail(message, f"{field}.angle")
-    x, y, z = A_a.T @ scene.matrix(scene.node(card.frame)) @ scene.unit(card.axis, field)
-    scene.angles_at_start[rotated.joint] = rotated.angle
-    rotation = Rotation(axis=(float(x), float(y), float(z)), angle=rotated.angle)
-    return matrix(rotation.quaternion())
+def _rotation(turned: Turned, one: Link, i: int, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Q (3, 3) and its angular velocity (3,) in axes of a.
+
+    Writes: the angle that the joint has at the start.
+    """
+    for name in ("angle", "rate"):
+        if getattr(turned, name) is not None and one.axis is None:
+            other = "rotation" if name == "angle" else "angular_velocity"
+            message = f"'{turned.joint}' has no axis to rotate about; give {_article(other)}"
+            raise scene.fail(message, f"joints.{i}.{name}")
+    Q, w_Q = np.eye(3), np.asarray(turned.angular_velocity or (0.0, 0.0, 0.0))
+    if turned.rotation is not None:
+        Q = matrix(turned.rotation.quaternion())
+    if turned.rate is not None and one.axis is not None:
+        w_Q = turned.rate * one.axis
+    if turned.angle is not None and one.axis is not None:
+        scene.angles_at_start[turned.joint] = turned.angle
+        x, y, z = (float(value) for value in one.axis)
+        Q = matrix(Rotation(axis=(x, y, z), angle=turned.angle).quaternion())
+    return Q, w_Q
+
+
+def _article(other: str) -> str:
+    return f"{'an' if other.startswith('a') else 'a'} {other}"

@@ -1,0 +1,1 @@
+"""Photogrammetry: from points in the pictures of cameras to the posture of a chain of segments."""

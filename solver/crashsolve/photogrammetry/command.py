@@ -1,0 +1,67 @@
+"""The words of `crashsolve posture`, and what it does from pictures to the card of a posture."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
+from crashsolve.foundation.streams import printable
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the words of the command."""
+    parser.set_defaults(act=_act)
+    parser.add_argument(
+        "request", type=Path, help="what is asked (YAML): crashsolve manual theory/posture"
+    )
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="default REQUEST.posture")
+
+
+def _act(options: argparse.Namespace) -> int:
+    try:
+        import scipy  # noqa: F401
+    except ImportError:
+        advice = "pip install 'crashsolve[signal]'"
+        raise DeckError("posture", None, None, "", "needs scipy", advice) from None
+    name = options.request.name.removesuffix(".yaml").removesuffix(".posture")
+    folder = options.output or Path(f"{name}.posture")
+    for line in posture(options.request, folder):
+        print(printable(line))
+    return int(ExitCode.NORMAL)
+
+
+def posture(path: Path, folder: Path) -> list[str]:
+    """Fit a posture and write its files; returns what there is to report. Raises DeckErrors."""
+    from crashsolve.photogrammetry import report
+    from crashsolve.photogrammetry.motion import rates
+    from crashsolve.photogrammetry.occupant import chain_of
+    from crashsolve.photogrammetry.points import measured
+    from crashsolve.photogrammetry.request import read_request
+    from crashsolve.photogrammetry.segments import fitted
+
+    asked = read_request(path)
+    chain, scene = chain_of(asked)
+    seen = measured(asked)
+    fits = fitted(asked, chain, seen)
+    at = _start(asked, seen)
+    moving = rates(chain, fits, at, asked.card.window)
+    files = {
+        "posture.yaml": report.card(asked, chain, scene.offset[chain.root], fits[at], moving),
+        "points.csv": report.points_table(seen),
+        "joints.csv": report.joints_table(chain, fits),
+    }
+    lines = report.summary(asked, chain, seen, fits, moving).splitlines()
+    return [*lines, "", *(str(written) for written in report.write(folder, files))]
+
+
+def _start(asked: Any, seen: Any) -> int:
+    """Which frame is the start. Raises DeckErrors."""
+    times = [frame.time for frame in seen.frames]
+    if asked.card.start is None:
+        return 0
+    if asked.card.start not in times:
+        near = min(times, key=lambda time: abs(time - asked.card.start))
+        message = f"there is no frame at {asked.card.start:.6g} s"
+        advice = f"{len(times)} frames from {times[0]:.6g} to {times[-1]:.6g} s, next {near:.6g} s"
+        raise DeckErrors([asked.error(("start",), message, advice)])
+    return times.index(asked.card.start)

@@ -1,0 +1,116 @@
+"""The chain of bodies of a deck with its landmarks, as a request asks for it."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crashsolve.deck.family import families
+from crashsolve.deck.laws import choices
+from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.foundation.errors import DeckError, DeckErrors
+from crashsolve.model.scene import Scene
+from crashsolve.photogrammetry.chain_fit import Chain
+from crashsolve.photogrammetry.request import Asked
+from crashsolve.photogrammetry.tables import LANDMARKS, read_table
+from crashsolve.postures._chain import Link, Motion, in_order, link
+
+WHO = "<who>"
+
+
+def chain_of(asked: Asked) -> tuple[Chain, Scene]:
+    """The chain, and the scene that it is taken from. Raises DeckErrors."""
+    deck = read_deck(Path(asked.card.deck))
+    # cards of bodies have the zero posture, whatever the deck makes of it
+    deck.entries["postures"].clear()
+    scene = Scene(deck)
+    scene.raise_errors()
+    if asked.card.root not in deck.entries["bodies"]:
+        advice = choices(asked.card.root, list(deck.entries["bodies"]), "bodies")
+        raise DeckErrors([asked.error(("root",), f"unknown body '{asked.card.root}'", advice)])
+    root = scene.node(asked.card.root)
+    links = _links(asked, deck, scene, root)
+    reached = {root} | {node for one in links for node in (one.a, one.b)}
+    _check_spread(asked, links)
+    at_rest = np.zeros(3)
+    zero = Motion(scene.matrix(root), scene.r[root], at_rest, at_rest)
+    chain = Chain(
+        root,
+        asked.card.root,
+        tuple(links),
+        _landmarks(asked, scene, reached),
+        zero,
+        _stops(deck, links),
+        asked.card.spread,
+    )
+    return chain, scene
+
+
+def _links(asked: Asked, deck: Deck, scene: Scene, root: int) -> list[Link]:
+    """Joints that hang on the root, without those of the ground."""
+    found, entries = [], {}
+    for keyword, family in families().items():
+        for name, entry in deck.entries[keyword].items() if family.has_rows else ():
+            card = entry.card
+            if not hasattr(card, "at") or "ground" in (card.a, card.b):
+                continue
+            found.append(link(scene, name, card))
+            entries[name] = entry
+    order, rest = in_order(root, found)
+    known = {root} | {node for one in order for node in (one.a, one.b)}
+    errors = []
+    for one in order:
+        free = set(getattr(import_module(entries[one.joint].module_name), "FREE", ()))
+        if free not in ({"ball", "swing"}, {"angle"}) or entries[one.joint].type == "planar":
+            message = "a posture is fitted through spherical and revolute joints alone"
+            errors.append(deck.error(entries[one.joint], "type", message))
+    for one in rest:
+        if {one.a, one.b} <= known:
+            message = f"'{one.joint}' closes a loop of the chain of '{asked.card.root}'"
+            errors.append(deck.error(entries[one.joint], None, message))
+    if errors:
+        raise DeckErrors(errors)
+    return order
+
+
+def _landmarks(asked: Asked, scene: Scene, reached: set[int]) -> dict[str, tuple[int, Any]]:
+    path, found, errors = asked.card.landmarks, {}, []
+    for row in read_table(path, LANDMARKS):
+        name = row.names["body"].replace(WHO, asked.card.occupant)
+        problem = ""
+        if name not in scene.names:
+            problem = f"unknown body '{name}'"
+        elif scene.names.index(name) not in reached:
+            problem = f"'{name}' does not hang on '{asked.card.root}'"
+        if problem:
+            errors.append(DeckError(path, row.line, None, row.names["point"], problem))
+            continue
+        node = scene.names.index(name)
+        at = [row.numbers[axis] for axis in "xyz"]
+        found[row.names["point"]] = node, scene.from_mass_centre(node, at)
+    if errors:
+        raise DeckErrors(errors)
+    return found
+
+
+def _stops(deck: Deck, links: list[Link]) -> dict[str, tuple[float, float]]:
+    """Ranges of joints with an axis."""
+    found = {}
+    joints = {one.joint for one in links if one.axis is not None}
+    for entry in deck.entries["springs"].values():
+        if entry.type == "rotation_stop" and entry.card.joint in joints:
+            low, high = entry.card.lower, entry.card.upper
+            found[str(entry.card.joint)] = (
+                -np.inf if low is None else low,
+                np.inf if high is None else high,
+            )
+    return found
+
+
+def _check_spread(asked: Asked, links: list[Link]) -> None:
+    known = [one.joint for one in links]
+    for name in asked.card.spread:
+        if name not in known:
+            advice = choices(name, known, "joints")
+            raise DeckErrors([asked.error(("spread", name), f"unknown joint '{name}'", advice)])

@@ -1,0 +1,226 @@
+"""Points of every frame from their images, with residuals and one covariance for all of a frame.
+
+Images have errors of one variance s^2, the same for targets and points. Of a point seen by k
+cameras 2k - 3 of its equations are left over: their misclosure c, with the covariance S that images
+and cameras give it, says by c S^-1 c, chi-squared of 2k - 3, whether the images belong together.
+All of them, and those of the targets, estimate s where it is not given.
+"""
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+import numpy as np
+
+from crashsolve.foundation.errors import DeckError, DeckErrors
+from crashsolve.photogrammetry import dlt
+from crashsolve.photogrammetry.request import Asked
+from crashsolve.photogrammetry.tables import CALIBRATION, FRAMES, TARGETS, Row, read_table
+
+Array = np.ndarray
+# as flat as this, targets lie in a plane
+FLAT = 1e-3
+# [image units] less than any reading of a picture
+EXACT = 1e-9
+# images that belong together do so but once in a million times
+IMPROBABLE = 1e-6
+
+
+@dataclass(frozen=True)
+class Point:
+    """A reconstructed point. `noise` and `by_cameras` are for images of unit variance."""
+
+    name: str
+    x: Array  # (3,)
+    noise: Array  # (3, 3) covariance by its own images
+    by_cameras: Array  # (3, 11 n) how it moves with the L of all n cameras
+    residuals: Array  # (k, 2) in the images
+    closure: float  # chi-squared of 2k - 3
+    rows: tuple[Row, ...]
+
+    @property
+    def freedom(self) -> int:
+        """Equations left over."""
+        return 2 * len(self.rows) - 3
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The points of a moment, in their order, with their covariance (3n, 3n)."""
+
+    time: float
+    points: tuple[Point, ...]
+    covariance: Array
+
+    def deviations(self) -> Array:
+        """Standard deviations (n, 3)."""
+        found: Array = np.sqrt(np.diag(self.covariance)).reshape(-1, 3)
+        return found
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Cameras, frames, and the standard deviation of images with the equations it rests on."""
+
+    cameras: dict[str, dlt.Camera]
+    frames: tuple[Frame, ...]
+    image_error: float
+    freedom: int
+
+
+def measured(asked: Asked) -> Measured:
+    """All that the pictures say. Raises DeckErrors."""
+    cameras, closures = _cameras(asked)
+    spread = _all_spreads(cameras)
+    times: dict[float, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
+    for row in _rows_of_frames(asked, cameras):
+        times[row.numbers["time"]][row.names["point"]].append(row)
+    volume = _extent(read_table(asked.card.targets, TARGETS))
+    found = {
+        time: [_point(asked, name, rows, cameras, spread) for name, rows in points.items()]
+        for time, points in sorted(times.items())
+    }
+    closures += [(p.closure, p.freedom) for points in found.values() for p in points]
+    freedom = sum(count for _, count in closures)
+    error = asked.card.image_error
+    if error is None:
+        error = float(np.sqrt(sum(chi for chi, _ in closures) / freedom))
+        if error < EXACT:
+            message = "images without errors do not say how large their errors are"
+            raise DeckErrors([asked.error((), message, "give image_error")])
+    frames = tuple(_frame(t, tuple(points), spread, error) for t, points in found.items())
+    _check(asked, frames, error, volume)
+    return Measured(cameras, frames, error, freedom)
+
+
+def _cameras(asked: Asked) -> tuple[dict[str, dlt.Camera], list[tuple[float, int]]]:
+    """Calibrated cameras, and for each the chi-squared of its targets and their freedom."""
+    path = asked.card.calibration
+    targets = {row.names["target"]: row for row in read_table(asked.card.targets, TARGETS)}
+    seen: dict[str, list[Row]] = defaultdict(list)
+    errors: list[DeckError] = []
+    for row in read_table(path, CALIBRATION):
+        if row.names["target"] not in targets:
+            message = f"there is no target '{row.names['target']}' in {asked.card.targets}"
+            errors.append(DeckError(path, row.line, None, row.names["camera"], message))
+        seen[row.names["camera"]].append(row)
+    if errors:
+        raise DeckErrors(errors)
+    cameras, closures = {}, []
+    for name, rows in seen.items():
+        x = np.array([_numbers(targets[row.names["target"]], "xyz") for row in rows])
+        u = np.array([_numbers(row, "uv") for row in rows])
+        try:
+            cameras[name] = _calibrated(x, u, asked)
+            closures.append((cameras[name].closure, 2 * len(x) - dlt.UNKNOWNS))
+        except np.linalg.LinAlgError as error:
+            errors.append(DeckError(path, rows[0].line, None, f"camera '{name}'", str(error)))
+    if errors:
+        raise DeckErrors(errors)
+    return cameras, closures
+
+
+def _calibrated(x: Array, u: Array, asked: Asked) -> dlt.Camera:
+    if len(x) < dlt.FEWEST:
+        message = f"sees {len(x)} targets; {dlt.FEWEST} that are not in one plane are needed"
+        raise np.linalg.LinAlgError(message)
+    if dlt.flatness(x) < FLAT:
+        message = (
+            f"its {len(x)} targets lie in a plane within {dlt.flatness(x):.1g} of their extent; "
+            f"{dlt.FEWEST} that are not in one plane are needed"
+        )
+        raise np.linalg.LinAlgError(message)
+    return dlt.calibrate(x, u, asked.card.method)
+
+
+def _rows_of_frames(asked: Asked, cameras: dict[str, dlt.Camera]) -> list[Row]:
+    """Rows of the digitised points. Raises DeckErrors for unknown cameras and lonely points."""
+    path = asked.card.frames
+    rows = read_table(path, FRAMES)
+    seen: dict[tuple[float, str], list[Row]] = defaultdict(list)
+    errors = []
+    for row in rows:
+        seen[row.numbers["time"], row.names["point"]].append(row)
+        if row.names["camera"] not in cameras:
+            message = f"camera '{row.names['camera']}' is not calibrated"
+            advice = f"there are {', '.join(cameras)}"
+            errors.append(DeckError(path, row.line, None, row.names["point"], message, advice))
+    for (time, name), own in seen.items():
+        if len(own) < 2:
+            message = f"is seen by one camera, '{own[0].names['camera']}', at {time:.6g} s; "
+            message += "2 are needed"
+            advice = "leave the row out where the point is hidden"
+            errors.append(DeckError(path, own[0].line, None, f"point '{name}'", message, advice))
+    if errors:
+        raise DeckErrors(sorted(errors, key=lambda error: error.line or 0))
+    return rows
+
+
+def _point(
+    asked: Asked, name: str, rows: list[Row], cameras: dict[str, dlt.Camera], spread: Array
+) -> Point:
+    order = list(cameras)
+    at = [order.index(row.names["camera"]) for row in rows]
+    L = np.array([cameras[order[i]].L for i in at])
+    u = np.array([_numbers(row, "uv") for row in rows])
+    x = dlt.reconstruct(L, u)
+    seen = np.array([dlt.image_of(one, x) for one in L])
+    by_images, by_own = dlt.sensitivities(L, x)
+    by_cameras = np.zeros((3, dlt.UNKNOWNS * len(order)))
+    columns = np.concatenate([dlt.UNKNOWNS * i + np.arange(dlt.UNKNOWNS) for i in at])
+    by_cameras[:, columns] = by_own
+    closure = dlt.closure_of_point(L, u, x, spread[np.ix_(columns, columns)])
+    noise = by_images @ by_images.T
+    return Point(name, x, noise, by_cameras, u - seen, closure, tuple(rows))
+
+
+def _frame(time: float, points: tuple[Point, ...], spread: Array, error: float) -> Frame:
+    by_cameras = np.concatenate([point.by_cameras for point in points])
+    covariance = by_cameras @ spread @ by_cameras.T
+    for i, point in enumerate(points):
+        covariance[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += point.noise
+    return Frame(time, points, error**2 * covariance)
+
+
+def _check(asked: Asked, frames: tuple[Frame, ...], error: float, volume: float) -> None:
+    """Refuse points whose images do not belong together, or that hardly have a place."""
+    from scipy.stats import chi2
+
+    errors = []
+    for frame in frames:
+        for point, deviation in zip(frame.points, frame.deviations(), strict=True):
+            row, problem, advice = point.rows[0], "", ""
+            if error > 0.0 and chi2.sf(point.closure / error**2, point.freedom) < IMPROBABLE:
+                worst = int(np.argmax(np.abs(point.residuals).max(axis=1)))
+                row = point.rows[worst]
+                size = float(np.linalg.norm(point.residuals[worst]))
+                problem = f"its images do not belong together: {size:.3g} from where camera "
+                problem += f"'{row.names['camera']}' would see it, and the error of images is "
+                problem += f"{error:.3g}"
+                advice = "look for a point that was taken for another"
+            elif not deviation.max() < volume:
+                problem = f"its place is uncertain by {deviation.max():.3g} m, more than the "
+                problem += f"targets extend, {volume:.3g} m"
+                advice = "two cameras must see it from different directions"
+            if problem:
+                what = f"point '{point.name}' at {frame.time:.6g} s"
+                errors.append(DeckError(asked.card.frames, row.line, None, what, problem, advice))
+    if errors:
+        raise DeckErrors(errors)
+
+
+def _all_spreads(cameras: dict[str, dlt.Camera]) -> Array:
+    """Covariance (11 n, 11 n) of the L of all cameras."""
+    n = dlt.UNKNOWNS
+    found = np.zeros((n * len(cameras),) * 2)
+    for i, camera in enumerate(cameras.values()):
+        found[n * i : n * i + n, n * i : n * i + n] = camera.spread
+    return found
+
+
+def _extent(rows: list[Row]) -> float:
+    x = np.array([_numbers(row, "xyz") for row in rows])
+    return float(np.linalg.norm(np.ptp(x, axis=0)))
+
+
+def _numbers(row: Row, names: str) -> list[float]:
+    return [row.numbers[name] for name in names]

@@ -1,0 +1,169 @@
+"""Claim: a known posture is found from pictures within the errors stated; bad ones are refused."""
+
+import importlib.util
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.orientation import matrix
+from crashsolve.photogrammetry.chain_fit import Fit, rotation, rotation_vector
+from crashsolve.photogrammetry.command import posture
+from crashsolve.photogrammetry.motion import rates
+from crashsolve.photogrammetry.occupant import chain_of
+from crashsolve.photogrammetry.points import measured
+from crashsolve.photogrammetry.request import read_request
+from crashsolve.photogrammetry.segments import fitted
+
+DECKS = Path(__file__).resolve().parents[2] / "decks" / "occupants"
+TABLES = ("targets.csv", "calibration.csv", "frames.csv")
+
+
+def _synthetic() -> Any:
+    spec = importlib.util.spec_from_file_location("synthetic", DECKS / "posture" / "synthetic.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def example(tmp_path: Path) -> Path:
+    shutil.copytree(DECKS / "posture", tmp_path / "posture")
+    shutil.copytree(DECKS / "shared", tmp_path / "shared")
+    return tmp_path / "posture" / "driver.posture.yaml"
+
+
+def found(request: Path) -> tuple[Any, list[Fit]]:
+    asked = read_request(request)
+    chain, _ = chain_of(asked)
+    return chain, fitted(asked, chain, measured(asked))
+
+
+def errors_of(chain: Any, fit: Fit, time: float) -> np.ndarray:
+    """Of joints' rotations, about axes of a, against those of true.yaml at a time."""
+    true = {one["joint"]: one for one in _synthetic().posture_at(time)["joints"]}
+    errors = []
+    for link, q in zip(chain.links, chain.split(fit.q), strict=True):
+        card = true[link.joint]
+        if link.axis is not None:
+            errors.append(q - card["angle"])
+            continue
+        axis = np.array(card["rotation"]["axis"], float)
+        half = 0.5 * card["rotation"]["angle"]
+        A = matrix((np.cos(half), *(np.sin(half) * axis / np.linalg.norm(axis))))
+        errors.append(rotation_vector(rotation(q) @ A.T))
+    return np.concatenate(errors)
+
+
+def test_without_noise_the_posture_is_found_to_round_off(example: Path) -> None:
+    synthetic = _synthetic()
+    points = {time: synthetic.landmarks_at(time) for time in synthetic.TIMES}
+    synthetic.write(example.parent, 0.0, 1, points)
+    example.write_text(example.read_text("utf-8") + "image_error: 0.5\n", "utf-8")
+    chain, fits = found(example)
+    for fit, time in zip(fits, synthetic.TIMES, strict=True):
+        # the search ends on changes of 1e-12 of q, and so well within 1e-8 rad
+        assert np.abs(errors_of(chain, fit, time)).max() < 1e-8
+    card = synthetic.posture_at(synthetic.START)
+    own = chain.split(rates(chain, fits, 1, 3).values)
+    for link, rate in zip(chain.links, own, strict=True):
+        true = next(one for one in card["joints"] if one["joint"] == link.joint)
+        given = true["rate"] if link.axis is not None else true["angular_velocity"]
+        # constant rates: what is left is the angles' error over 0.02 s
+        np.testing.assert_allclose(rate, given, atol=1e-6)
+
+
+def test_the_example_is_what_the_script_makes(example: Path, tmp_path: Path) -> None:
+    synthetic = _synthetic()
+    points = {time: synthetic.landmarks_at(time) for time in synthetic.TIMES}
+    synthetic.write(tmp_path, 0.5, 11, points)
+    for name in TABLES:
+        assert (tmp_path / name).read_text("utf-8") == (example.parent / name).read_text("utf-8")
+
+
+def test_with_noise_errors_have_the_covariance_stated(example: Path) -> None:
+    chain, fits = found(example)
+    squares = []
+    for fit, time in zip(fits, _synthetic().TIMES, strict=True):
+        e = errors_of(chain, fit, time)
+        squares.append(e @ np.linalg.solve(fit.covariance[6:, 6:], e))
+    # chi-squared of 25 rotations; frames share errors of cameras: at worst their mean is as one
+    # draw: 25 with a standard deviation of sqrt(50), of which three
+    assert abs(np.mean(squares) - 25) < 3 * np.sqrt(50)
+
+
+def test_the_card_that_is_written_can_be_included(example: Path) -> None:
+    from crashsolve.deck.reading.deck import read_deck
+    from crashsolve.model.scene import Scene
+
+    lines = posture(example, example.parent / "out")
+    assert any("23 points" in line for line in lines)
+    deck = example.parent / "occupant.yaml"
+    text = deck.read_text("utf-8").replace("include:\n", "include:\n  - out/posture.yaml\n")
+    deck.write_text(text, "utf-8")
+    scene = Scene(read_deck(deck))
+    scene.raise_errors()
+    node = scene.node("driver_lower_torso")
+    # of true.yaml; a few times the 2 mm and 0.1 m/s that 0.5 pixels leave
+    np.testing.assert_allclose(scene.r[node] - scene.matrix(node) @ scene.offset[node],
+                               [0.2, -0.1, 0.45], atol=5e-3)  # fmt: skip
+    assert np.linalg.norm(scene.v[node]) > 1.0
+
+
+def without(path: Path, *words: str) -> None:
+    lines = path.read_text("utf-8").splitlines()
+    kept = [line for line in lines if not all(word in f",{line}," for word in words)]
+    assert len(kept) < len(lines)
+    path.write_text("\n".join(kept) + "\n", "utf-8")
+
+
+def refusal(request: Path) -> str:
+    with pytest.raises(DeckErrors) as caught:
+        posture(request, request.parent / "out")
+    return str(caught.value)
+
+
+def test_a_point_seen_by_one_camera_is_refused(example: Path) -> None:
+    for camera in (1, 2, 3):
+        without(example.parent / "frames.csv", f",0.02,{camera},nose,")
+    message = refusal(example)
+    assert "frames.csv:" in message and "seen by one camera, '0', at 0.02 s; 2 are" in message
+
+
+def test_coplanar_targets_are_refused(example: Path) -> None:
+    for target in ("t1", "t2", "t4", "t5", "t7", "t8", "t10", "t11", "t13", "t14", "t16", "t17"):
+        without(example.parent / "calibration.csv", f",2,{target},")
+    message = refusal(example)
+    assert "calibration.csv:" in message and "camera '2'" in message and "in a plane" in message
+
+
+def test_too_few_targets_are_refused_with_the_count_needed(example: Path) -> None:
+    for k in range(5, 18):
+        without(example.parent / "calibration.csv", f",3,t{k},")
+    assert "sees 5 targets; 6 that are not in one plane are needed" in refusal(example)
+
+
+def test_too_few_points_are_refused_with_the_count_needed(example: Path) -> None:
+    for side in ("left", "right"):
+        for name in ("wrist", "hand", "ankle", "toe", "elbow", "knee", "ear"):
+            without(example.parent / "frames.csv", f",{name}_{side},")
+    assert "at least 11 points are needed" in refusal(example)
+
+
+def test_an_open_rotation_is_refused_by_its_joint(example: Path) -> None:
+    without(example.parent / "frames.csv", ",larynx,")
+    message = refusal(example)
+    assert "driver_neck_base" in message or "driver_condyles" in message
+    assert "larynx" in message and "frames.csv:" in message
+
+
+def test_points_that_were_exchanged_are_refused(example: Path) -> None:
+    path = example.parent / "frames.csv"
+    text = path.read_text("utf-8").replace("0.02,1,knee_left,", "0.02,1,swapped,")
+    text = text.replace("0.02,1,knee_right,", "0.02,1,knee_left,")
+    path.write_text(text.replace("0.02,1,swapped,", "0.02,1,knee_right,"), "utf-8")
+    assert "do not belong together" in refusal(example)
