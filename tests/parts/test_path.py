@@ -138,7 +138,7 @@ def test_lees_frame_has_its_published_limit(tmp_path: Path) -> None:
     factors = [re.findall(rf"{kind} of the load factor, (\S+);", log)[0] for kind in KINDS]
     # 1.85445 with shear; a parabola through three equilibria, and elements of 12, err by less
     assert 3.0 * float(factors[0]) == pytest.approx(1.85445, rel=5e-3)
-    # Schweizerhof and Wriggers (1986) plot about -0.95 for the second limit: read off a figure
+    # about -0.95 in the figure of Schweizerhof and Wriggers (1986): from memory, not read again
     assert 3.0 * float(factors[1]) == pytest.approx(-0.95, rel=0.03)
 
 
