@@ -20,6 +20,8 @@ from crashsolve.model.clock import (
 from crashsolve.model.model import Model, State
 from crashsolve.system.timestep import QUARTER
 
+# what helps most where a shell folds on itself: a node meets the nearer of two walls alone
+OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
 # place, likely cause, advice
 Diagnosis = tuple[str, str, str]
 
@@ -238,6 +240,12 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
     return np.abs(total)
 
 
+def of_own_faces(model: Model, card: int) -> bool:
+    """Whether a contact card is one of a shell with itself."""
+    own = (group for group in model.nodal_groups if group.meets_itself)
+    return any(int(group.arrays["p"]["card"][0]) == card for group in own)
+
+
 def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
     """A contact card whose normal force, or friction, has made energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
@@ -253,5 +261,8 @@ def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
         f"{force} has given its bodies {gained:.3g} J more than it took from them "
         f"({taken:.3g} J) and held at the start ({held:.3g} J)"
     )
-    advice = f"{closer(model, state)}; control.energy_limit sets the bound"
+    shorter = closer(model, state)
+    if of_own_faces(model, number):
+        shorter = f"{OWN_FACES}; or {shorter}"
+    advice = f"{shorter}; control.energy_limit sets the bound"
     return f"contact '{model.contacts[number]}'", cause, advice

@@ -182,6 +182,12 @@ class NodalGroup(Touching):
         return "passed" in (self.arrays["probe_states"].dtype.names or ())
 
     @property
+    def meets_itself(self) -> bool:
+        """Whether nodes of a shell press on faces of its own."""
+        rows = self.arrays["p"]
+        return "own" in (rows.dtype.names or ()) and bool(rows["own"][0])
+
+    @property
     def is_round(self) -> bool:
         """Whether ellipsoids press."""
         return "ellipsoids" in self.arrays

@@ -12,6 +12,7 @@ import numpy as np
 
 from crashsolve.model.ledger import LARGEST
 from crashsolve.model.model import Model, State
+from crashsolve.system.diagnosis import OWN_FACES, of_own_faces
 
 # of the most that the normal force or the friction of a card has held and lost
 UNBALANCED = 0.02
@@ -64,9 +65,10 @@ def _warning(model: Model, card: int, what: str, lack: float, handled: float) ->
     shorter = (
         "control.safety or control.step" if is_by_safety else "control.tolerance or control.step"
     )
+    helps = OWN_FACES if of_own_faces(model, card) else f"halve {shorter}"
     verb = "made" if lack > 0.0 else "lost"
     return (
         f"contact '{model.contacts[card]}': its {what} has {verb} {abs(lack):.3g} J that nothing "
         f"accounts for, {share:.2g} % of the {handled:.3g} J it held and lost; "
-        f"halve {shorter}, and compare"
+        f"{helps}, and compare"
     )
