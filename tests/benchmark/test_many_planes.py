@@ -44,7 +44,8 @@ def test_the_pairs_are_those_whose_gap_is_below_the_margin(tmp_path: Path) -> No
     near = np.argwhere(gap < group.search.margin)
     found = np.stack([group.parameters["a"], group.parameters["b"]], axis=1)
     assert found.tolist() == near.tolist()
-    assert 0 < len(found) < 50
+    # of 1000 possible ones
+    assert 0 < len(found) < 250
 
 
 @pytest.mark.parametrize(("count", "body"), [(200, "cart"), (36, "ground")])
