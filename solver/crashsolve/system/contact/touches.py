@@ -321,6 +321,7 @@ def sum_card(c, history, order, applied, f, t, new, out):
     for k in range(3):
         c.force[k] += order * out.force[k]
         history.late[k] += (1.0 - applied) * order * out.force[k]
+    c.depth = max(c.depth, new.depth)
     c.normal += f
     c.tangential += norm(t)
     c.impact_speed = max(c.impact_speed, new.impact_speed)
@@ -329,9 +330,16 @@ def sum_card(c, history, order, applied, f, t, new, out):
 
 
 @kernel
+def sum_apart(c, new, n):
+    """Add a pair apart, and its depth, unless that is a bound, without a normal. Writes: c."""
+    if dot(n, n) > 0.0:
+        c.depth = max(c.depth, new.depth)
+    sum_losses(c, new)
+
+
+@kernel
 def sum_losses(c, new):
-    """Add the losses and the depth of one pair to its contact card. Writes: c."""
-    c.depth = max(c.depth, new.depth)
+    """Add the losses of one pair to its contact card. Writes: c."""
     c.dissipated += new.dissipated
     c.friction_dissipated += new.friction_dissipated
 

@@ -224,6 +224,7 @@ def settle(h, clock, pairs, nodes, cards, card_history):
                 apply_force(w, scale(-1.0, R), vec(new.arm_b))
             sum_force(card, p.order, R, vec(new.normal), new.impact_speed)
             card_new.peak_normal = max(card_new.peak_normal, card.normal)
+        card.depth = max(card.depth, new.depth)
         sum_losses(card, new)
 
 

@@ -65,7 +65,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
                 group.friction.release(p, old, new)
             if group.friction and KICK_DRIFT_KICK:
                 work.part_pair(old, new, friction_loss)
-            touches.sum_losses(card, new)
+            touches.sum_apart(card, new, n)
             continue
         pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
         press(group, clock, h, pair, totals, meeting, nodes, curves, scene)
