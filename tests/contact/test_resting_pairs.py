@@ -17,6 +17,9 @@ SHAPES = {
     "ball": {"type": "sphere", "radius": 0.07},
 }
 
+# times of a card that follow from its releases [s]
+TIMED = ("last_release", "lasted", "duration")
+
 
 def tumbling(folder: Path, seed: int, count: int = 9) -> Path:
     """Bodies of three shapes fall on a floor and on each other, spinning fast."""
@@ -52,8 +55,8 @@ def tumbling(folder: Path, seed: int, count: int = 9) -> Path:
     return path
 
 
-def outcome(path: Path) -> tuple[dict[str, bytes | str], np.ndarray]:
-    """What bodies, energies, touches and contact cards come to; depths of all pairs [m]."""
+def outcome(path: Path) -> tuple[dict[str, bytes | str], np.ndarray, np.ndarray]:
+    """What bodies, energies, touches and contact cards come to; depths of all pairs [m]; TIMED."""
     deck = read_deck(path, {})
     model, state = build(deck)
     engine = Engine(model, state)
@@ -61,9 +64,11 @@ def outcome(path: Path) -> tuple[dict[str, bytes | str], np.ndarray]:
     engine.advance(deck.control.end_time)
     engine.sample()
     found = {name: state.nodes[name].tobytes() for name in ("r", "q", "v", "L")}
-    # the depth of the deepest pair is known where a pair touches: times of touches need no more
-    kept = state.card_history[[c for c in state.card_history.dtype.names if c != "deepest"]]
+    # the deepest pair is looked for where a pair touches, so a release is timed by that pair alone
+    exact = [c for c in state.card_history.dtype.names if c not in ("deepest", *TIMED)]
+    kept = state.card_history[exact]
     found |= {"cards": state.cards.tobytes(), "card_history": repr(kept.tolist())}
+    times = np.array([state.card_history[name] for name in TIMED])
     depths = []
     for group in model.contact_groups:
         found[f"{group.word}.force"] = group.output["force"].tobytes()
@@ -71,7 +76,7 @@ def outcome(path: Path) -> tuple[dict[str, bytes | str], np.ndarray]:
             found[f"{group.word}.{name}"] = group.history[name].tobytes()
         depths.append(group.history["depth"].ravel())
     found |= {"ledger": state.ledger.tobytes(), "clock": state.clock.tobytes()}
-    return found, np.concatenate(depths)
+    return found, np.concatenate(depths), times
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -79,10 +84,12 @@ def test_pairs_left_alone_change_no_bit(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tumbling(tmp_path, seed)
-    found, bounds = outcome(path)
+    found, bounds, times = outcome(path)
     monkeypatch.setattr(ContactGroup, "rests", property(lambda group: False))
-    looked_at, depths = outcome(path)
+    looked_at, depths, same_times = outcome(path)
     assert found == looked_at
+    # a release is known to a part of a step, of 1e-4 s
+    np.testing.assert_allclose(times, same_times, rtol=0.0, atol=1e-5)
     # of some pairs no more is known than a bound, which is one; round-off of its sum
     assert (bounds >= depths - 1e-12).all()
     assert (bounds > depths).any()
