@@ -194,3 +194,21 @@ def test_the_crash_box_has_186_free_coordinates(crashes: dict[str, Result]) -> N
     tied = {name for name in box if "_rear_" in name and "brace" not in name}
     tied |= {name for name in box if name.endswith(("_start", "_end"))}
     assert 6 * len(box - tied) == 186
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("height", [0.5, 1.0])
+def test_a_steep_ramp_keeps_the_balance(tmp_path: Path, height: float) -> None:
+    ramp = run("sports_car.yaml", tmp_path / "out", ramp_height=height, gap=1.8, end=0.35)
+    # the front wheels lean by more than 0.3 rad at its edge
+    assert np.abs(ramp.series("tyrout.tyre_front_left.camber").values).max() > 0.3
+    # %, that of the box; 0.4 and 2.3 without the force of the normal that turns
+    assert np.abs(ramp.series("glstat.model.balance").values).max() < 0.05
+
+
+@pytest.mark.long
+def test_a_wall_along_the_car_is_met_from_outside(tmp_path: Path) -> None:
+    passed = run("sports_car.yaml", tmp_path / "out", angle="89 deg")
+    force = passed.series("rcforc.wheels_on_wall.normal").values
+    assert force[0] == 0.0 and force.max() > 0.0
+    assert np.abs(passed.series("glstat.model.balance").values).max() < 0.05

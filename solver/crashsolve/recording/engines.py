@@ -1,5 +1,7 @@
 """The engine of a deck: what goes from sample to sample."""
 
+from collections.abc import Callable
+
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.model.checks.statics import is_incremental
 from crashsolve.model.model import Model, State
@@ -11,14 +13,23 @@ def is_static(deck: Deck) -> bool:
     return deck.control.solution == "quasi_static"
 
 
-def engine_of(deck: Deck, model: Model, state: State, program: str = "") -> Engine:
-    """Through time, or from equilibrium to equilibrium; `program`: of the deck's last."""
+def engine_of(
+    deck: Deck,
+    model: Model,
+    state: State,
+    program: str = "",
+    does: Callable[[str], None] = lambda _: None,
+) -> Engine:
+    """Through time, or from equilibrium to equilibrium; `program`: of the deck's last.
+
+    `does` takes words for what lasts long beside compiling.
+    """
     if not is_static(deck):
         engine = _in_time(model, state, program)
         if deck.control.start == "equilibrium":
             from crashsolve.statics.start import begin_at_rest
 
-            engine.notes.append(begin_at_rest(engine))
+            engine.notes.append(begin_at_rest(engine, does))
         return engine
     if is_incremental(model.groups):
         from crashsolve.statics.pseudo_transient import RestEngine

@@ -86,7 +86,7 @@ def _solve(
         pulse.does("compiling the step")
         going_on = restart and any((folder / slot).exists() for slot in SLOTS)
         with preparing(deck, folder, pulse, going_on) as log:
-            engine = engine_of(deck, model, state)
+            engine = engine_of(deck, model, state, does=pulse.does)
             spent = {"start of Python": begun, "read": was_read - begun, "build": built - was_read}
             spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
             run = Run(deck, engine, folder, spent, wall_begun, pulse, log)

@@ -15,6 +15,7 @@ Reference: Kelley and Keyes (1998), Convergence analysis of pseudo-transient con
 Journal on Numerical Analysis 35, 508-523.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,12 +41,14 @@ GROWTH, ROUND_OFF = 0.1, 1e-9
 MOST = 3000
 
 
-def begin_at_rest(engine: Engine) -> str:
+def begin_at_rest(engine: Engine, does: Callable[[str], None]) -> str:
     """Move the nodes to equilibrium; returns what was moved. Writes: state.nodes.
+
+    `does` takes words for every pass, since one of many coordinates lasts seconds.
 
     Raises SolverError where there is none.
     """
-    return _Settling(engine).run()
+    return _Settling(engine).run(does)
 
 
 @dataclass
@@ -102,14 +105,16 @@ class _Settling:
         self.nodes = nodes.copy()
         self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
 
-    def run(self) -> str:
+    def run(self, does: Callable[[str], None]) -> str:
         """The whole search; returns what it found."""
         first, here = self.nodes.copy(), self._at_rest(self.nodes)
         tau, passes = FIRST, 0
         while True:
+            does(f"searching the equilibrium, after {passes} of at most {PASSES} passes")
             pass_ = self._pass(here, tau)
             is_still = pass_.size <= STILL and (tau == LONGEST or here.worst == 0.0)
             if is_still and np.abs(here.phi).max(initial=0.0) <= self._closed():
+                does("preparing the first step")
                 break
             if passes == PASSES:
                 raise self._no_equilibrium(here)

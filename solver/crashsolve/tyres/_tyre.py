@@ -3,6 +3,7 @@
     depth   delta = R cos(gamma) - d,   n the normal of the road, d the distance of the centre
     F_z     = max(y(delta) + c w delta_dot, 0),   y = k delta or a curve,   + k_rim beyond the rim
     forward x = u x n / cos(gamma), left y = n x x, u the axis of the wheel, sin(gamma) = u . n
+    leaning -F_z R grad cos(gamma) on the centre, as n turns on edges and rounded roads
     slip    V_s of the wheel's point on the road,   V = max(|V_x|, |V_x - V_sx|)
     carcass q_dot + V q / sigma = -V_s   in both directions,   slips s = (q - k_V / C V_s) / sigma
 
@@ -37,10 +38,12 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub, vec
 from crashsolve.springs._resistance import steepest
-from crashsolve.tyres._road import MOST, ROADS, Profile, above_road, road_columns
+from crashsolve.tyres._road import MOST, PLANE, ROADS, Profile, above_road, road_columns
 
 # cosine of the camber below which a wheel lies on its side, and is not on its tyre
 LYING = 0.1
+# difference by which the turning of a normal is found, over R
+NEAR = 1e-4
 
 
 class TyreCard(Card):
@@ -193,6 +196,7 @@ class Patch(NamedTuple):
     foot: Any  # point of the road under the centre, from the mass centre of the wheel [m]
     radius: Any  # loaded radius r [m]
     camber: Any  # sin(gamma)
+    tilt: Any  # R times the gradient of cos(gamma) over the centre, as the normal turns [1]
     closing: Any  # delta_dot [m/s]
     V_x: Any  # speed of the centre along x [m/s]
     slip_x: Any  # V_sx [m/s]
@@ -219,6 +223,10 @@ def patch_on(p, i, nodes, curves, data):
     y = cross(n, x)
     V_x = dot(x, relative_velocity(wheel, hub, road))
     depth = -1.0 if lies else p.radius * upright - d
+    tilt = (0.0, 0.0, 0.0)
+    if depth > 0.0 and p.kind[i] != PLANE:
+        turning = normal_turning(p, i, nodes, centre, u, n, curves, data)
+        tilt = scale(-p.radius * camber / cosine, turning)
     return Patch(
         depth,
         n,
@@ -228,11 +236,26 @@ def patch_on(p, i, nodes, curves, data):
         foot,
         radius,
         camber,
-        -dot(n, at_bottom),
+        tilt,
+        dot(tilt, relative_velocity(wheel, hub, road)) - dot(n, at_bottom),
         V_x,
         dot(x, at_foot),
         dot(y, at_foot),
     )
+
+
+@kernel
+def normal_turning(p, i, nodes, centre, u, n, curves, data):
+    """Gradient of u . n over the centre, at rounded roads and edges [1/m].
+
+    The distance from a road has a symmetric second derivative, so that it is that of n along u.
+    """
+    step = NEAR * p.radius
+    _, beside = above_road(p, i, nodes, add_scaled(centre, step, u), curves, data)
+    turning = scale(1.0 / step, sub(beside, n))
+    # the normal jumps where two parts of a road are equally near
+    is_jump = dot(turning, turning) * (0.1 * p.radius) ** 2 > 1.0
+    return (0.0, 0.0, 0.0) if is_jump else turning
 
 
 @kernel
@@ -348,6 +371,10 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     to_road = sub(vec(wheel.r), vec(road.r))
     press = scale(grip.F_z, at.n)
     pull = add(scale(F[0], at.x), scale(F[1], at.y))
+    # what the depth gains as the normal turns, the wheel gives
+    hub, lean = arm(wheel, vec(p.centre)), scale(-grip.F_z, at.tilt)
+    apply_force(wheel, lean, hub)
+    apply_force(road, scale(-1.0, lean), add(to_road, hub))
     apply_force(wheel, press, at.bottom)
     apply_force(road, scale(-1.0, press), add(to_road, at.bottom))
     apply_force(wheel, pull, at.foot)
@@ -362,10 +389,9 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     out.loss += old.store[i] - store if h > 0.0 else 0.0
     new.store[i] = store
     out.stored += store
-    hub = arm(wheel, vec(p.centre))
     about = add(cross(sub(at.bottom, hub), press), cross(sub(at.foot, hub), pull))
     about = add(about, moment)
-    total = add(press, pull)
+    total = add(add(press, pull), lean)
     for k in range(3):
         out.force[k] += total[k]
         out.moment[k] += about[k]
