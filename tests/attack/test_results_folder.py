@@ -19,10 +19,10 @@ from crashsolve.output.lock import Lock
 from crashsolve.output.log import STOPPED
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
-# as plain Python: nothing is to be compiled, and a run of a million seconds lasts
+# as plain Python: nothing is to be compiled, and a run of a million steps lasts; 0.5 GB would come
 PLAIN = {"CRASHSOLVE_PLAIN": "1"}
 SHORT = ("--set", "control.end_time=0.02", "--set", "control.estimate=off")
-LONG = ("--set", "control.end_time=1e6", "--set", "control.estimate=off")
+LONG = ("--set", "control.end_time=100", "--set", "control.estimate=off")
 
 
 def until(happens: Callable[[], bool], seconds: float = 60.0) -> None:

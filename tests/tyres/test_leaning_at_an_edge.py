@@ -32,7 +32,7 @@ ROADS = {"profile": "profile: {curve: step}", "box": "road: [block]"}
 
 @pytest.mark.parametrize("law", ["gim", "fiala"])
 @pytest.mark.parametrize("road", ROADS)
-# across and along the way: the normal turns towards the axis of a wheel that is steered
+# across and along its path: the normal turns towards the axis of a wheel that is steered
 @pytest.mark.parametrize("axis", ["[0, 0.9, 0.3]", "[0.3, 0.9, 0.3]"])
 def test_the_balance_is_kept_over_an_edge(tmp_path: Path, law: str, road: str, axis: str) -> None:
     deck, out = tmp_path / "deck.yaml", tmp_path / "out"

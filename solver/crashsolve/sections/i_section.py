@@ -23,10 +23,10 @@ from crashsolve.sections.rectangle import patch
 class ISection(Card):
     """Thin-walled I with equal flanges along y and its web along z."""
 
-    width: float = quantity("m", "b, of the flanges, along y of the section", gt=1e-9, lt=1e6)
-    height: float = quantity("m", "h, outer, along z of the section", gt=1e-9, lt=1e6)
-    flange: float = quantity("m", "t_f, thickness of the flanges", gt=1e-9, lt=1e6)
-    web: float = quantity("m", "t_w, thickness of the web", gt=1e-9, lt=1e6)
+    width: float = quantity("m", "b, of the flanges, along y of the section", gt=1e-12, lt=1e6)
+    height: float = quantity("m", "h, outer, along z of the section", gt=1e-12, lt=1e6)
+    flange: float = quantity("m", "t_f, thickness of the flanges", gt=1e-12, lt=1e6)
+    web: float = quantity("m", "t_w, thickness of the web", gt=1e-12, lt=1e6)
 
     @model_validator(mode="after")
     def _thin(self) -> "ISection":

@@ -21,8 +21,8 @@ from crashsolve.foundation.record import Record
 class Rectangle(Card):
     """Solid rectangular section."""
 
-    width: float = quantity("m", "a, along y of the section", gt=1e-9, lt=1e6)
-    height: float = quantity("m", "b, along z of the section", gt=1e-9, lt=1e6)
+    width: float = quantity("m", "a, along y of the section", gt=1e-12, lt=1e6)
+    height: float = quantity("m", "b, along z of the section", gt=1e-12, lt=1e6)
 
 
 PARAMETERS = HISTORY = OUTPUT = Record()

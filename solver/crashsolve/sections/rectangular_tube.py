@@ -21,9 +21,9 @@ from crashsolve.sections.rectangle import corners, patch
 class RectangularTube(Card):
     """Thin-walled rectangular tube."""
 
-    width: float = quantity("m", "outer, along y of the section", gt=1e-9, lt=1e6)
-    height: float = quantity("m", "outer, along z of the section", gt=1e-9, lt=1e6)
-    thickness: float = quantity("m", "t, of the wall", gt=1e-9, lt=1e6)
+    width: float = quantity("m", "outer, along y of the section", gt=1e-12, lt=1e6)
+    height: float = quantity("m", "outer, along z of the section", gt=1e-12, lt=1e6)
+    thickness: float = quantity("m", "t, of the wall", gt=1e-12, lt=1e6)
 
     @model_validator(mode="after")
     def _thin(self) -> "RectangularTube":

@@ -22,8 +22,8 @@ from crashsolve.foundation.record import Record
 class Tube(Card):
     """Hollow circular section."""
 
-    radius: float = quantity("m", "R, outer", gt=1e-9, lt=1e6)
-    thickness: float = quantity("m", "R - r, of the wall", gt=1e-9, lt=1e6)
+    radius: float = quantity("m", "R, outer", gt=1e-12, lt=1e6)
+    thickness: float = quantity("m", "R - r, of the wall", gt=1e-12, lt=1e6)
 
     @model_validator(mode="after")
     def _hollow(self) -> "Tube":
