@@ -1,4 +1,4 @@
-"""Claims of the anti-roll bar: forces and energy by an independent solution, and what it refuses."""
+"""Claims of the anti-roll bar: forces and energy by an independent solution, refusals."""
 
 from pathlib import Path
 

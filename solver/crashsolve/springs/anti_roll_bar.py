@@ -3,11 +3,11 @@
     T = k theta,   theta = phi_left - phi_right;   N = T / m   in the left link, -T / m in the right
     |x - e(phi)| = l  gives phi,   m = u . (a x r)
 
-phi is the angle of an arm about the axis a of the bar since the start, e its end and r that from the
-axis; l is the length of the link to the point x of the other body, u the unit vector along it and m its
-lever on the bar. Bar and links have no mass, and the bearings bear what the arms do not. Consequence
-to test: with arms r, links at right angles to them and points at the half track s the bar adds
-4 k s^2 / r^2 to the stiffness in roll, and nothing to that in bounce.
+phi is the angle of an arm about the axis a of the bar since the start, e its end and r that from
+the axis; l is the length of the link to the point x of the other body, u the unit vector along it
+and m its lever on the bar. Bar and links have no mass, and the bearings bear what the arms do not.
+Consequence to test: with arms r, links at right angles to them and points at the half track s the
+bar adds 4 k s^2 / r^2 to the stiffness in roll, and nothing to that in bounce.
 """
 
 from math import acos, atan2, pi, sqrt
@@ -181,8 +181,8 @@ def draw(p, i, nodes, torque, at):
     # both links move at once: four points, of which two are of one body
     k = 2.0 * p.stiffness / (at.m * at.m)
     # the lever changes as the arm turns, and the link
-    r, l = arm_length(p, i), p.length[i]
-    k += abs(torque) / (at.m * at.m) * (abs(at.m) / l + r / l + r / abs(at.m))
+    r, length = arm_length(p, i), p.length[i]
+    k += abs(torque) / (at.m * at.m) * ((abs(at.m) + r) / length + r / abs(at.m))
     add_stiffness_bound(body, mobility(body, at.d, at.u), k, 0.0)
     add_stiffness_bound(other, mobility(other, at.far, at.u), k, 0.0)
     return tension
