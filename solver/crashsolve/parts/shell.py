@@ -91,6 +91,9 @@ OUTPUT = Record("""
     deleted         count  elements deleted
 """)
 
+# thickness over width of elements, from which a shell is told to be none
+MANY = 4.0
+
 
 def discretise(card: Shell, scene: Any) -> DiscretisedShell:
     """The part in place."""
@@ -99,7 +102,14 @@ def discretise(card: Shell, scene: Any) -> DiscretisedShell:
             "a shell of one layer is a membrane: it resists stretching, and no bending; give "
             "layers: 2 or more (5 where it yields)"
         )
-    return DiscretisedShell(card, scene)
+    part = DiscretisedShell(card, scene)
+    width = float(np.sqrt(part.area.mean()))
+    if card.thickness > MANY * width:
+        scene.warn(
+            f"a shell is {card.thickness / width:.0f} times as thick as its elements are wide: its "
+            "kinematics are those of thin walls; take fewer, wider elements"
+        )
+    return part
 
 
 def build(card: Shell, scene: Any) -> list[dict[str, Any]]:
