@@ -320,7 +320,8 @@ def _flat(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
 
     In memory a column stands in one piece, as it does in the history.
     """
-    columns = [tables[name].reshape(*tables.shape, -1) for name in names]
+    # widths by name: numpy cannot infer one where there are no samples
+    columns = [tables[name].reshape(*tables.shape, _width(tables.dtype[name])) for name in names]
     found = np.empty((sum(c.shape[2] for c in columns), *tables.shape))
     first = 0
     for column in columns:
@@ -328,3 +329,8 @@ def _flat(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
         found[first:last] = column.transpose(2, 0, 1)
         first = last
     return found.transpose(1, 2, 0)
+
+
+def _width(column: np.dtype[Any]) -> int:
+    """Numbers in a column of a table."""
+    return int(np.prod(column.shape, dtype=int))
