@@ -141,6 +141,11 @@ class Group:
         return "work" in (self.history.dtype.names or ())
 
     @property
+    def is_watched(self) -> bool:
+        """Whether its laws are judged by the work that they do, see system/gain.py."""
+        return "held_first" in (self.history.dtype.names or ())
+
+    @property
     def stored_entry(self) -> int:
         """Place in the ledger of what its laws store."""
         return ledger.entries_of(self)[0]

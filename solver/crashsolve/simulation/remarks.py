@@ -11,6 +11,7 @@ from crashsolve.model.corners import curves_of_time
 from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
 from crashsolve.output.peaks import Extremes
 from crashsolve.system.engine import Engine
+from crashsolve.system.flags import contact_flags
 
 # a strain beyond round-off, and the share of the largest energy that one costs at least
 STRAINED, STORED = 1e-10, 1e-18
@@ -62,17 +63,9 @@ def remarks(engine: Engine, extremes: Extremes, history: Path) -> dict[str, Any]
 
 
 def below_floor(engine: Engine) -> list[str]:
-    """Contacts with a restitution whose touches all began slower than their speed floor."""
-    now, found = engine.state.card_history[int(engine.clock["current"])], {}
-    for group in engine.model.contact_groups:
-        if "damping_speed" not in (group.history.dtype.names or ()):
-            continue
-        for p in group.parameters:
-            fastest, floor = float(now["fastest"][p["card"]]), float(p["speed_floor"])
-            if 0.0 < fastest < floor and p["chi"] > 0.0:
-                name = engine.model.contacts[p["card"]]
-                found[name] = f"{name} ({fastest:.3g} m/s at most, speed_floor {floor:.3g} m/s)"
-    return list(found.values())
+    """Contacts with touches that were pressed on while slower than their speed floor."""
+    cards = {card for card, _ in contact_flags(engine.model, engine.state, "REMARKS")}
+    return [engine.model.contacts[card] for card in sorted(cards)]
 
 
 def read_beyond(engine: Engine) -> list[str]:

@@ -54,6 +54,7 @@ from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
 from crashsolve.system.engine import Engine
+from crashsolve.system.flags import law_warnings
 
 if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
@@ -351,13 +352,12 @@ class Run:
         engine = self.engine
         moves = self.deck.control.solution == "transient"
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
-        history = self.folder / "history.h5"
-        missed = [c.words(self.schedule.interval) for c in missed_contacts(engine, history)]
-        met = (*met_by(engine), *missed)
+        found = missed_contacts(engine, self.folder / "history.h5")
         for text in (
             *self.overlapping,
-            *engine.law_warnings(),
-            *met,
+            *law_warnings(engine.model, engine.state),
+            *met_by(engine),
+            *(c.words(self.schedule.interval) for c in found),
             *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
             *unbalanced,
             *engine.step_warnings(),
