@@ -99,6 +99,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         bodies=scene.names,
         mass=np.where(np.isin(np.arange(len(scene.mass)), list(scene.welded)), 0.0, scene.mass),
         attached_nodes=attachments.table(scene),
+        mass_centres=scene.offset,
         size=scene.size,
         integrator=deck.control.integrator,
         choice="",

@@ -208,6 +208,7 @@ class Model:
     bodies: list[str]  # node names; the first is the ground
     mass: np.ndarray
     attached_nodes: np.ndarray  # nodes welded to rigid bodies
+    mass_centres: np.ndarray  # of bodies from their origins, body axes [m]
     size: float  # model length for tolerances [m]
     integrator: str
     choice: str  # why that one, where the deck leaves it open

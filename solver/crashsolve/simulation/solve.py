@@ -49,7 +49,7 @@ from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks
+from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks, settling
 from crashsolve.simulation.requests import Requests, stop_as_by_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
@@ -219,7 +219,8 @@ class Run:
             self.engine.start()
             refuse_inconsistencies(self.deck, self.engine)
             self.overlapping = pressed_at_start(self.engine)
-            for text in (*self.engine.notes, *self.overlapping):
+            notes = (*self.engine.notes, *self.overlapping, *settling(self.engine))
+            for text in notes:
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         families, blocks = self.histories.families, self.pictures.blocks
