@@ -51,7 +51,7 @@ def settling(engine: Engine) -> list[str]:
             moving |= set(group.parameters["card"][~still].tolist())
     return [
         f"contact '{name}' begins without any depth: loads let its bodies settle as by a blow, "
-        "with twice the force at rest and more; control: {start: equilibrium} begins with them at rest"
+        "with twice the force at rest and more; control: {start: equilibrium} begins at rest"
         for number, name in enumerate(model.contacts)
         if number not in moving and abs(state.cards[number]["depth"]) <= NO_DEPTH * model.size
     ]
