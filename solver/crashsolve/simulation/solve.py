@@ -49,12 +49,13 @@ from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks
+from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks, settling
 from crashsolve.simulation.requests import Requests, stop_as_by_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
 from crashsolve.system.engine import Engine
+from crashsolve.system.flags import law_warnings
 
 if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
@@ -220,7 +221,8 @@ class Run:
             self.engine.start()
             refuse_inconsistencies(self.deck, self.engine)
             self.overlapping = pressed_at_start(self.engine)
-            for text in (*self.engine.notes, *self.overlapping):
+            notes = (*self.engine.notes, *self.overlapping, *settling(self.engine))
+            for text in notes:
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         families, blocks = self.histories.families, self.pictures.blocks
@@ -324,13 +326,12 @@ class Run:
         engine = self.engine
         moves = self.deck.control.solution == "transient"
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
-        history = self.folder / "history.h5"
-        missed = [c.words(self.schedule.interval) for c in missed_contacts(engine, history)]
-        met = (*met_by(engine), *missed)
+        found = missed_contacts(engine, self.folder / "history.h5")
         for text in (
             *self.overlapping,
-            *engine.law_warnings(),
-            *met,
+            *law_warnings(engine.model, engine.state),
+            *met_by(engine),
+            *(c.words(self.schedule.interval) for c in found),
             *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
             *unbalanced,
             *engine.step_warnings(),
