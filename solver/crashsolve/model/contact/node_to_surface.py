@@ -20,6 +20,7 @@ from crashsolve.model.contact import records
 from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import NodalGroup
 from crashsolve.model.contact.near_faces import (
+    chosen,
     faces_around,
     faces_beside,
     merged,
@@ -211,8 +212,8 @@ class NodalBuilder:
         card = surface.entry.card
         if surface.shape == "points":
             meshed, _, first = self.scene.skin(card.part, "part")
-            rows = np.zeros(len(meshed.mass), PROBE.dtype)
-            rows["point"] = first + np.arange(len(rows))
+            rows = np.zeros(len(meshed.used), PROBE.dtype)
+            rows["point"] = first + meshed.used
             return Probes(rows, card.radius, card.part, meshed, first)
         rows = np.zeros(len(surface.elements), PROBE.dtype)
         rows["point"] = -1
@@ -287,7 +288,8 @@ class NodalBuilder:
         )
         values = {"gap": probes.radius, "share": 1.0, "thick": probes.radius + thick}
         values |= {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
-        values |= {"point_count": len(probes.rows), "extent": self.scene.size}
+        count = len(probes.rows) if probes.meshed is None else len(probes.meshed.mass)
+        values |= {"point_count": count, "extent": self.scene.size}
         return narrow, own | {"values": values}, 1
 
     def _on_faces(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
@@ -295,10 +297,11 @@ class NodalBuilder:
         card = b.entry.card
         meshed, corner, first = self.scene.skin(card.part, "part")
         round_ones = self._ellipsoids(a, probes) if a.shape == "ellipsoid" else {}
-        is_own = probes.part == card.part
+        # of one part, or of parts that share a mesh
+        is_own = probes.meshed is not None and probes.first_point == first
         if is_own and probes.radius == 0.0:
             t = card.thickness or meshed.card.thickness
-            message = f"the nodes of '{card.part}' have no thickness of their own, and its walls "
+            message = f"the nodes of '{probes.part}' have no thickness of their own, and its walls "
             message += "would meet half a thickness deep"
             raise self.scene.fail(f"{message}; say radius: {0.5 * t:g} in '{a.entry.name}'", "a")
         quads, count = meshed.mesh.quads, len(meshed.area)
@@ -310,8 +313,7 @@ class NodalBuilder:
         spared = nothing(len(probes.rows))
         if is_own:
             self._refuse_too_thick(gap, meshed, card.part)
-            near = spare(quads, around, card.ring)
-            spared = merged(near, spare_along(meshed.mesh.points, quads, around, FOLDED * gap))
+            spared = self._spared(meshed, probes.meshed.used, card.ring, FOLDED * gap)
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
         values = {
@@ -352,6 +354,15 @@ class NodalBuilder:
         )
         advice = f"take elements of {gap / THICKEST:.3g} m or wider, thinner walls, or no contact"
         raise self.scene.fail(f"{message}; {advice} of '{part}' with itself", "a")
+
+    def _spared(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
+        """Faces of a part that some nodes of its mesh never meet, by these nodes."""
+        others = [own.mesh.quads for own in self.scene.on_mesh_of(meshed) if own is not meshed]
+        quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
+        around = faces_around(quads, len(points))
+        near = spare(quads, around, ring)
+        found = merged(near, spare_along(points, quads, around, reach))
+        return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
 
     def _ellipsoids(self, a: Any, probes: Probes) -> dict[str, np.ndarray]:
         """Ellipsoids, and the ball that rolls in each."""
