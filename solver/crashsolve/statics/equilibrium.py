@@ -69,7 +69,7 @@ class StaticEngine(Engine):
         self.origin = state.nodes.copy()
         self.flutters = False
         self.least = self.first = 0.0  # shortest load step [s], change by the last tangent
-        self.sees_jumps, self.halvings = True, HALVINGS
+        self.sees_jumps, self.halvings, self.growth = True, HALVINGS, 2.0
         self.width = np.inf  # length of the last load step where they are short [s]
         # of the last pass: K (6 n, 6 n) and D (m, 6 n)
         self.tangent: Tangent | None = None
@@ -117,7 +117,7 @@ class StaticEngine(Engine):
         while clock.time < until:
             begun, kept, known = float(clock.time), self.keep(), self.known
             # towards a limit point by steps that double: from close by a long one may not see it
-            target = min(until, begun + self._growth() * self.width)
+            target = min(until, begun + self.growth * self.width)
             while (problem := self._tries(target)) is not None:
                 found.append(problem)
                 target = 0.5 * (begun + target)
@@ -137,10 +137,6 @@ class StaticEngine(Engine):
             self.on_pause()
         if self.sees_jumps:
             self.width = np.inf
-
-    def _growth(self) -> float:
-        """Of the next load step over the last, where they are short."""
-        return 2.0
 
     def _tries(self, target: float) -> Problem | None:
         """Go to the equilibrium of a moment, or of one before it; why it cannot be had."""

@@ -67,6 +67,9 @@ class RestEngine(StaticEngine):
         self.forces.meet(self.rest(time, nodes), self)
         self._choose_step()
         first = self.pseudo
+        # a longer load step is tried after some that were good
+        self.good += 1
+        self.growth = 2.0 if self.good % TRIED == 0 else 1.0
         for _ in range(REPEATS):
             kept, used = self.keep(), self.pseudo
             if not self._relaxes(begun, time):
@@ -105,11 +108,6 @@ class RestEngine(StaticEngine):
             highest, good, previous = min(highest * RELENTING, MOST), used, change
         self.pseudo = first
         return None
-
-    def _growth(self) -> float:
-        """A longer load step is tried after so many that were good."""
-        self.good += 1
-        return 2.0 if self.good % TRIED == 0 else 1.0
 
     def _is_longest(self) -> bool:
         """Whether h grows no more."""
