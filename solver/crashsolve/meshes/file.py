@@ -6,7 +6,7 @@ make nodes and elements there, or what cannot be understood, is refused with its
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from crashsolve.foundation.mesh_files.reading import (
     MeshFileError,
     read_mesh_file,
 )
+from crashsolve.meshes._joined import made_coarser
 from crashsolve.meshes._mesh import Mesh
 
 
@@ -32,6 +33,9 @@ class File(Card):
     unit: float = quantity("m", "length that the file's unit stands for", default=1.0, gt=0)
     elements: SetName = word(
         "element set, property or physical group; all elements of the file if empty", default=""
+    )
+    joined: Literal[1, 2, 4, 8] = word(
+        "elements that become one along each side, where they lie in rows", default=1
     )
 
 
@@ -57,7 +61,8 @@ def build(card: File, scene: Any) -> Mesh:
     at[wanted] = np.arange(len(wanted))
     elements = {name: at[own][at[own] >= 0] for name, own in found.element_sets.items()}
     points = found.points[used] * card.unit
-    return Mesh(points, numbers.reshape(corners.shape), sets, elements)
+    mesh = Mesh(points, numbers.reshape(corners.shape), sets, elements)
+    return made_coarser(mesh, card, scene)
 
 
 def _wanted(found: MeshFile, card: File, scene: Any) -> np.ndarray:

@@ -45,8 +45,9 @@ def settling(engine: Engine) -> list[str]:
     loaded = any(group.keyword == "loads" for group in model.groups)
     if not loaded or model.phases or model.control[0]["follows_path"]:
         return []
-    at_rest = ~(state.nodes["v"].any(axis=1) | state.nodes["w"].any(axis=1))
-    moving = set()
+    motion = np.hstack([state.nodes["v"], state.nodes["w"]])
+    at_rest: np.ndarray = np.abs(motion).max(axis=1) == 0.0
+    moving: set[int] = set()
     for group in model.contact_groups:
         for side, elements in (("a", group.elements_a), ("b", group.elements_b)):
             still = at_rest[elements["node"][group.parameters[side]]]
