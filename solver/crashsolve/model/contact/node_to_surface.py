@@ -356,6 +356,15 @@ class NodalBuilder:
             values["over"] = max(a.elements[0]["semi"]) - probes.radius
         return None, own | {"values": values}, 2
 
+    def _spared(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
+        """Faces of a part that some nodes of its mesh never meet, by these nodes."""
+        others = [own.mesh.quads for own in self.scene.on_mesh_of(meshed) if own is not meshed]
+        quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
+        around = faces_around(quads, len(points))
+        near = spare(quads, around, ring)
+        found = merged(near, spare_along(points, quads, around, reach))
+        return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
+
     def _refuse_too_thick(self, gap: float, meshed: Any, part: str) -> None:
         """Refuse a surface that could touch itself only far from where a shell describes it."""
         width = float(np.sqrt(meshed.area.mean()))
@@ -367,15 +376,6 @@ class NodalBuilder:
         )
         advice = f"take elements of {gap / THICKEST:.3g} m or wider, thinner walls, or no contact"
         raise self.scene.fail(f"{message}; {advice} of '{part}' with itself", "a")
-
-    def _spared(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
-        """Faces of a part that some nodes of its mesh never meet, by these nodes."""
-        others = [own.mesh.quads for own in self.scene.on_mesh_of(meshed) if own is not meshed]
-        quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
-        around = faces_around(quads, len(points))
-        near = spare(quads, around, ring)
-        found = merged(near, spare_along(points, quads, around, reach))
-        return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
 
     def _ellipsoids(self, a: Any, probes: Probes) -> dict[str, np.ndarray]:
         """Ellipsoids, and the ball that rolls in each."""
