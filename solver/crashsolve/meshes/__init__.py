@@ -1,4 +1,4 @@
-"""Meshes: places of nodes, corners of elements, and sets of nodes with names."""
+"""Meshes: positions of nodes, corners of elements, and sets of nodes with names."""
 
 from typing import Protocol
 

@@ -6,10 +6,10 @@ make nodes and elements there, or what cannot be understood, is refused with its
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, FileName, SetName, quantity, word
 from crashsolve.foundation.mesh_files.reading import (
     OUTLINES,
@@ -35,7 +35,7 @@ class File(Card):
     )
 
 
-def build(card: File, scene: Any) -> Mesh:
+def build(card: File, scene: Scene) -> Mesh:
     path = Path(card.file)
     try:
         found = read_mesh_file(path)
@@ -55,7 +55,7 @@ def build(card: File, scene: Any) -> Mesh:
     return Mesh(found.points[used] * card.unit, numbers.reshape(corners.shape), sets)
 
 
-def _wanted(found: MeshFile, card: File, scene: Any) -> np.ndarray:
+def _wanted(found: MeshFile, card: File, scene: Scene) -> np.ndarray:
     """Corners of the elements wanted; the last corner of a triangle is named twice."""
     if not card.elements:
         own = np.arange(len(found.kinds))

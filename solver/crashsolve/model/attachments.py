@@ -8,10 +8,9 @@ that of a rigid body. Consequence to test: a free body with a beam welded on kee
 its angular momentum, as it would with the joint `weld`.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.record import Record
 
 ATTACHED_NODE = Record("""
@@ -24,7 +23,7 @@ ATTACHED_NODE = Record("""
 NOTHING = 1e-300
 
 
-def lump(body: int, attached_nodes: list[int], scene: Any) -> None:
+def lump(body: int, attached_nodes: list[int], scene: Scene) -> None:
     """Add mass and inertia of welded nodes to their body. Writes: scene.mass, J, r, v, offset."""
     some = [body, *attached_nodes]
     mass = scene.mass[some]
@@ -41,7 +40,7 @@ def lump(body: int, attached_nodes: list[int], scene: Any) -> None:
     scene.r[body], scene.mass[body], scene.J[body] = centre, mass.sum(), J.ravel()
 
 
-def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene: Any) -> None:
+def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene: Scene) -> None:
     """Add points (n, 3) of these masses and inertias about any axis to a body.
 
     Writes: scene.mass, J, r, v, offset.
@@ -61,14 +60,14 @@ def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene
     scene.r[body], scene.mass[body], scene.J[body] = centre, total, moments.ravel()
 
 
-def inconsistency(body: int, attached_node: int, scene: Any) -> float:
+def inconsistency(body: int, attached_node: int, scene: Scene) -> float:
     """Difference of the velocities of a node and of its position on the body [m/s]."""
     arm = scene.r[attached_node] - scene.r[body]
     apart = scene.v[attached_node] - scene.v[body] - np.cross(scene.w[body], arm)
     return float(np.linalg.norm(apart))
 
 
-def table(scene: Any) -> np.ndarray:
+def table(scene: Scene) -> np.ndarray:
     """The attached nodes (n,) as kernels read them."""
     rows = np.zeros(len(scene.welded), ATTACHED_NODE.dtype)
     for row, (node, body) in zip(rows, scene.welded.items(), strict=True):

@@ -18,6 +18,7 @@ from typing import Any
 
 from crashsolve.contact.normal._restitution import returned, speed_through
 from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -57,7 +58,7 @@ class DampedPowerCard(PowerCard):
     restitution: float = quantity("1", "coefficient of restitution e", ge=0, le=1)
 
 
-def build(card: PowerCard, scene: Any, pair: Any) -> dict[str, Any]:
+def build(card: PowerCard, scene: Scene, pair: Any) -> dict[str, Any]:
     """Parameters of the force; warns where it returns another restitution than asked.
 
     Refuses two sources of stiffness.
@@ -79,7 +80,7 @@ def build(card: PowerCard, scene: Any, pair: Any) -> dict[str, Any]:
     }
 
 
-def _check_restitution(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> None:
+def _check_restitution(card: DampedPowerCard, scene: Scene, pair: Any, chi: float) -> None:
     if chi == inf:
         raise scene.fail(
             "this law needs a restitution above 0: its damping grows without bound; give 0.01, "
