@@ -74,7 +74,7 @@ class PathSteering(Card):
 PARAMETERS = Record("""
     node_a    index     first body of the joint
     node_b    index     second body
-    turns     flag      1: of its angle, 0: of its travel
+    is_angle  flag      1: of its angle, 0: of its travel
     point_a   m      3  point of the joint from the mass centre of a, axes of a
     point_b   m      3  the same of b, axes of b
     axis_a    1      3  axis, axes of a
@@ -130,7 +130,7 @@ def build(card: PathSteering, scene: Scene) -> dict[str, Any]:
         "node_a": frame["node_a"],
         "node_b": frame["node_b"],
         "axis_a": frame["axis_a"],
-        "turns": int("angle" in free),
+        "is_angle": int("angle" in free),
         "vehicle": vehicle,
         "at": scene.from_mass_centre(vehicle, card.at),
         "forward": forward,
@@ -188,7 +188,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.wanted = p.ratio * out.steer
     k, c = p.stiffness, p.relaxation * p.stiffness
     new.angle = 0.0
-    if p.turns == 1:
+    if p.is_angle == 1:
         out.now = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
         new.angle = out.now
         g = angle_gradient(a, b, p.axis_a, p.side_b)

@@ -106,6 +106,11 @@ class Histories:
         """What a restart must bring back, once the values of all samples taken are made."""
         return {"momenta/start": self._momenta.start, "momenta/largest": self._momenta.largest}
 
+    @property
+    def kept(self) -> Kept:
+        """Tables of the samples taken."""
+        return self._kept
+
     def take(self) -> bool:
         """Keep what the present sample is made of; whether the block is full."""
         self._kept.take()
