@@ -141,6 +141,11 @@ class Group:
         return "work" in (self.history.dtype.names or ())
 
     @property
+    def is_watched(self) -> bool:
+        """Whether its laws are judged by the work that they do, see system/gain.py."""
+        return "held_first" in (self.history.dtype.names or ())
+
+    @property
     def stored_entry(self) -> int:
         """Place in the ledger of what its laws store."""
         return ledger.entries_of(self)[0]
@@ -203,6 +208,7 @@ class Model:
     bodies: list[str]  # node names; the first is the ground
     mass: np.ndarray
     attached_nodes: np.ndarray  # nodes welded to rigid bodies
+    mass_centres: np.ndarray  # of bodies from their origins, body axes [m]
     size: float  # model length for tolerances [m]
     integrator: str
     choice: str  # why that one, where the deck leaves it open

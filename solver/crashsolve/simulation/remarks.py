@@ -11,9 +11,12 @@ from crashsolve.model.corners import curves_of_time
 from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
 from crashsolve.output.peaks import Extremes
 from crashsolve.system.engine import Engine
+from crashsolve.system.flags import contact_flags
 
 # a strain beyond round-off, and the share of the largest energy that one costs at least
 STRAINED, STORED = 1e-10, 1e-18
+# share of the model's size that is no depth
+NO_DEPTH = 1e-9
 # share of the half thicknesses of both sides, beyond which a touch is deep
 DEEP = 0.25
 # share of internal energy in hourglass modes that is too much
@@ -31,6 +34,26 @@ def pressed_at_start(engine: Engine) -> list[str]:
         f"it holds {card['stored']:.6g} J"
         for name, card in zip(engine.model.contacts, engine.state.cards, strict=True)
         if card["touching"] and card["depth"] > 0.0
+    ]
+
+
+def settling(engine: Engine) -> list[str]:
+    """Contacts that begin without any depth between bodies at rest, while loads act."""
+    model, state = engine.model, engine.state
+    loaded = any(group.keyword == "loads" for group in model.groups)
+    if not loaded or model.phases or model.control[0]["follows_path"]:
+        return []
+    at_rest = ~(state.nodes["v"].any(axis=1) | state.nodes["w"].any(axis=1))
+    moving = set()
+    for group in model.contact_groups:
+        for side, elements in (("a", group.elements_a), ("b", group.elements_b)):
+            still = at_rest[elements["node"][group.parameters[side]]]
+            moving |= set(group.parameters["card"][~still].tolist())
+    return [
+        f"contact '{name}' begins without any depth: loads let its bodies settle as by a blow, "
+        "with twice the force at rest and more; control: {start: equilibrium} begins at rest"
+        for number, name in enumerate(model.contacts)
+        if number not in moving and abs(state.cards[number]["depth"]) <= NO_DEPTH * model.size
     ]
 
 
@@ -62,17 +85,9 @@ def remarks(engine: Engine, extremes: Extremes, history: Path) -> dict[str, Any]
 
 
 def below_floor(engine: Engine) -> list[str]:
-    """Contacts with a restitution whose touches all began slower than their speed floor."""
-    now, found = engine.state.card_history[int(engine.clock["current"])], {}
-    for group in engine.model.contact_groups:
-        if "damping_speed" not in (group.history.dtype.names or ()):
-            continue
-        for p in group.parameters:
-            fastest, floor = float(now["fastest"][p["card"]]), float(p["speed_floor"])
-            if 0.0 < fastest < floor and p["chi"] > 0.0:
-                name = engine.model.contacts[p["card"]]
-                found[name] = f"{name} ({fastest:.3g} m/s at most, speed_floor {floor:.3g} m/s)"
-    return list(found.values())
+    """Contacts with touches that were pressed on while slower than their speed floor."""
+    cards = {card for card, _ in contact_flags(engine.model, engine.state, "REMARKS")}
+    return [engine.model.contacts[card] for card in sorted(cards)]
 
 
 def read_beyond(engine: Engine) -> list[str]:

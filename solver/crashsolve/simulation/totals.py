@@ -61,7 +61,7 @@ def _remarks(account: Account) -> dict[str, str]:
     found, remarks = {}, account.remarks
     for name, what in (
         ("untouched", "contacts that never touched"),
-        ("below_floor", "contacts that give back more than asked, slower than their speed floor"),
+        ("below_floor", "contacts pressed on below their speed_floor, damped as at rest"),
         ("undeformed", "parts that never deformed"),
         ("undetermined", "joints whose split of a force is arbitrary"),
     ):

@@ -24,6 +24,7 @@ from crashsolve.threads.sharing import shared_arrays
 # groups by what their laws do
 JOINTS: tuple[Group, ...] = ()  # constraint rows
 FORCES: tuple[Group, ...] = ()  # forces between bodies, or on them
+WATCHED: tuple[Group, ...] = ()  # of them, those judged by their own work
 SENSORS: tuple[Group, ...] = ()  # readings
 FOLLOWERS: tuple[Group, ...] = ()  # sensors that must look at every step
 ELEMENTS: tuple[Group, ...] = ()  # parts whose elements are kept in blocks
@@ -64,6 +65,7 @@ def placeholders(model: Model) -> dict[str, Any]:
     return {
         "JOINTS": tuple(model.joint_groups()),
         "FORCES": tuple(model.force_groups()),
+        "WATCHED": tuple(g for g in model.force_groups() if g.is_watched),
         "SENSORS": tuple(model.sensor_groups()),
         "FOLLOWERS": tuple(model.following_groups()),
         "ELEMENTS": tuple(model.element_groups()),

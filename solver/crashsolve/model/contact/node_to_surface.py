@@ -42,6 +42,9 @@ MARGIN, ROOM = 1.0, 24
 # tightly as its thickness allows a surface touches itself after pi/2 of them, and in its own plane
 # it would have to be crushed to 0.4 of its length
 FOLDED = 2.5
+# gaps of a surface with itself over the width of its faces: beyond this a node leaves hundreds of
+# faces alone, which is no shell that could fold
+THICKEST = 6.0
 # share of the gap by which a step may bring two sides nearer
 REACH = 0.5
 # shapes that press on shapes, and on faces
@@ -306,6 +309,7 @@ class NodalBuilder:
         around = faces_around(quads, len(meshed.mass))
         spared = nothing(len(probes.rows))
         if is_own:
+            self._refuse_too_thick(gap, meshed, card.part)
             near = spare(quads, around, card.ring)
             spared = merged(near, spare_along(meshed.mesh.points, quads, around, FOLDED * gap))
         room = ROOM * len(probes.rows)
@@ -336,6 +340,18 @@ class NodalBuilder:
         if round_ones:
             values["over"] = max(a.elements[0]["semi"]) - probes.radius
         return None, own | {"values": values}, 2
+
+    def _refuse_too_thick(self, gap: float, meshed: Any, part: str) -> None:
+        """Refuse a surface that could touch itself only far from where a shell describes it."""
+        width = float(np.sqrt(meshed.area.mean()))
+        if gap <= THICKEST * width:
+            return
+        message = (
+            f"the walls of '{part}' touch each other {gap:.4g} m apart, {gap / width:.0f} times "
+            f"as far as its elements are wide ({width:.4g} m): a shell cannot fold so tightly"
+        )
+        advice = f"take elements of {gap / THICKEST:.3g} m or wider, thinner walls, or no contact"
+        raise self.scene.fail(f"{message}; {advice} of '{part}' with itself", "a")
 
     def _ellipsoids(self, a: Any, probes: Probes) -> dict[str, np.ndarray]:
         """Ellipsoids, and the ball that rolls in each."""
