@@ -129,7 +129,12 @@ DEFLECTED = Record(f"""
     q_x    m  {MOST}  deflection of the carcass along the wheel, on each road
     q_y    m  {MOST}  the same across
     store  J  {MOST}  energy in it
+    sunk   flag  whether its centre has been on a road or below it
 """)
+SUNK = {
+    "sunk": "its centre has sunk to the road: it is too soft for what it bears; rim_radius and "
+    "rim_stiffness, or a curve, hold it"
+}
 FORCES_OF_TYRE = Record("""
     force         N    3  on the wheel, world axes
     moment        N m  3  on the wheel about its centre, world axes
@@ -302,6 +307,8 @@ class Grip(NamedTuple):
 @kernel
 def grip_on(p, i, old, new, out, at, h, curves):
     """The Grip on road i after a step h. Writes: new, out."""
+    if old.sunk == 1 or at.depth >= p.radius:
+        new.sunk = 1
     if at.depth <= 0.0:
         # off the road the carcass is at ease
         out.loss += old.store[i] if h > 0.0 else 0.0
@@ -358,6 +365,7 @@ def clear(p, new, out):
     """Before the roads are asked. Writes: new, out."""
     for k in range(MOST):
         new.q_x[k] = new.q_y[k] = new.store[k] = 0.0
+    new.sunk = 0
     for k in range(3):
         out.force[k] = out.moment[k] = 0.0
     out.normal = out.longitudinal = out.lateral = out.aligning = 0.0
@@ -400,6 +408,18 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     out.normal += grip.F_z
     load(wheel, at.bottom, at.n, grip.slope, grip.damping)
     load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
+    load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
+    load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
+
+
+@kernel
+def await_road(p, nodes, curves, data):
+    """A tyre off all roads bounds the step: nothing else shortens it before one is met.
+
+    Writes: nodes.
+    """
+    at, wheel = patch_on(p, 0, nodes, curves, data), nodes[p.node]
+    load(wheel, at.bottom, at.n, p.stiffest, p.damping)
     load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
     load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
 
