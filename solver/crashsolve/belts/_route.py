@@ -356,14 +356,23 @@ def leave_alone(new, j):
 @kernel
 def pull_segments(p, new, out, nodes):
     """Forces of all segments on the bodies of their fittings. Writes: nodes."""
-    for i in range(p.segments):
-        u = triple(new.along, i)
-        stiffness = p.steepest / new.webbing[i]
-        f = scale(out.force[i], u)
-        a, b = nodes[p.node[i]], nodes[p.node[i + 1]]
-        d_a = sub(triple(new.leave, i), vec(a.r))
-        d_b = sub(triple(new.arrive, i + 1), vec(b.r))
-        apply_force(a, f, d_a)
-        apply_force(b, scale(-1.0, f), d_b)
-        add_stiffness_bound(a, mobility(a, d_a, u), stiffness, 0.0)
-        add_stiffness_bound(b, mobility(b, d_b, u), stiffness, 0.0)
+    before, u_before, k_before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    for j in range(p.segments + 1):
+        behind, u, k = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+        if j < p.segments:
+            u = triple(new.along, j)
+            behind, k = scale(out.force[j], u), p.steepest / new.webbing[j]
+        body = nodes[p.node[j]]
+        d = sub(triple(new.arrive, j), vec(body.r))
+        if p.surface[j] == 0:
+            apply_force(body, sub(behind, before), d)
+        else:
+            apply_force(body, scale(-1.0, before), d)
+        if j > 0 and body.mass_inv > 0.0:
+            add_stiffness_bound(body, mobility(body, d, u_before), k_before, 0.0)
+        if p.surface[j] != 0:
+            d = sub(triple(new.leave, j), vec(body.r))
+            apply_force(body, behind, d)
+        if j < p.segments and body.mass_inv > 0.0:
+            add_stiffness_bound(body, mobility(body, d, u), k, 0.0)
+        before, u_before, k_before = behind, u, k
