@@ -42,6 +42,23 @@ def test_questions_that_make_no_sense_are_refused_before_the_run(flight: Path) -
     assert "watch 5: statistic: 'at:-0.1' is before the run, from 0 s on" in last
 
 
+def test_a_value_in_a_unit_that_its_statistic_cannot_have_is_refused(flight: Path) -> None:
+    """Of a maximum the unit is that of the channel, of an integral that times seconds."""
+    said = "because: exact, source: none, tolerance: 1 %"
+    asked = [("max", "5 m"), ("max", "5 s"), ("integral", "5 m s"), ("integral", "5 m")]
+    entries = [
+        f"{{channel: rbdout.ball.position.x, statistic: {word}, value: {value}, {said}}}"
+        for word, value in asked
+    ]
+    flight.write_text(f"{FLIGHT}expect: [{', '.join(entries)}]\n")
+    done = crashsolve("check", flight)
+    assert done.returncode == 2
+    assert [line.partition("expect ")[2] for line in done.stderr.splitlines()] == [
+        "2: value: is in s, but 'max' of the channel in m",
+        "4: value: is in m, but 'integral' of the channel in m s",
+    ]
+
+
 def test_a_study_refuses_a_moment_that_no_run_samples(flight: Path) -> None:
     deck = read_deck(flight)
     channel = "rbdout.ball.position.x"

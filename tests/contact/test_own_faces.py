@@ -1,8 +1,14 @@
 """Own faces that a node never meets: by distance along the surface, and by rings."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.build import build
+from crashsolve.model.contact import near_faces
 from crashsolve.model.contact.near_faces import (
     faces_around,
     merged,
@@ -10,7 +16,7 @@ from crashsolve.model.contact.near_faces import (
     spare,
     spare_along,
 )
-from crashsolve.model.contact.node_to_surface import FOLDED
+from crashsolve.model.contact.node_to_surface import FOLDED, THICKEST
 
 
 def strip(
@@ -64,3 +70,42 @@ def test_faces_are_left_out_by_distance_and_by_rings() -> None:
             spare(quads, around, ring), spare_along(points, quads, around, reach)
         )
         assert list(spared[first[node] : first[node + 1]]) == list(faces)
+
+
+def test_the_price_of_distances_along_a_surface_is_that_of_the_pairs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """However few points are looked at together, the pairs are the same."""
+    points, quads = strip(12, 12, 1.0, fold=True)
+    whole = points_along(points, quads, 4.5)
+    monkeypatch.setattr(near_faces, "TABLE", 5 * len(points))
+    for one, other in zip(whole, points_along(points, quads, 4.5), strict=True):
+        assert (one == other).all()
+
+
+TUBE = """control: {end_time: 1e-3}
+materials: {s: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
+parts:
+  tube: {type: shell, thickness: "${t}", material: s, layers: 3,
+         mesh: {type: tube, width: 0.06, length: 0.09, elements: [6, 6, 9]}}
+parameters: {t: 1e-3}
+surfaces: {nodes: {type: nodes, part: tube, radius: "${t/2}"}, walls: {type: faces, part: tube}}
+contacts: {folds: {a: [nodes], b: [walls], normal: {type: penalty}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("times", "answer"), [(3.9, ""), (4.1, "4 times as thick"), (6.1, "6 times as far")]
+)
+def test_walls_many_times_thicker_than_their_elements_are_said(
+    times: float, answer: str, tmp_path: Path
+) -> None:
+    """Elements are 10 mm wide; at six times that a self-contact is refused."""
+    (tmp_path / "deck.yaml").write_text(TUBE)
+    deck = read_deck(tmp_path / "deck.yaml", {"t": str(0.01 * times)})
+    if times > THICKEST:
+        with pytest.raises(DeckErrors, match=answer):
+            build(deck)
+    else:
+        assert answer in " ".join(build(deck)[0].warnings)
+        assert bool(answer) == ("times as thick" in " ".join(build(deck)[0].warnings))

@@ -28,6 +28,30 @@ def test_files_that_each_include_the_next_twice_are_refused(
     assert str(reported.value).count("more than 200 files") == 1
 
 
+def test_a_file_is_read_once_however_often_it_is_included(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The price of a deck of N includes is N copies with their words, and no N readings."""
+    count, read = 100, []
+    plain = files.read_yaml
+    monkeypatch.setattr(files, "read_yaml", lambda *of: (read.append(of[0]), plain(*of))[1])
+    many = ", ".join(f"{{file: car.yaml, with: {{x: {k}}}}}" for k in range(count))
+    (tmp_path / "deck.yaml").write_text(f"control: {{end_time: 1}}\ninclude: [{many}]\n")
+    (tmp_path / "car.yaml").write_text(BODY)
+    deck = read_deck(tmp_path / "deck.yaml")
+    assert [path.name for path in read] == ["deck.yaml", "car.yaml"]
+    assert list(deck.entries["bodies"]) == [f"b{k}" for k in range(count)]
+
+
+def test_a_file_that_cannot_be_read_is_reported_once(tmp_path: Path) -> None:
+    many = ", ".join(f"{{file: car.yaml, with: {{x: {k}}}}}" for k in range(3))
+    (tmp_path / "deck.yaml").write_text(f"control: {{end_time: 1}}\ninclude: [{many}]\n")
+    (tmp_path / "car.yaml").write_text("bodies: {\n")
+    with pytest.raises(DeckErrors) as reported:
+        read_deck(tmp_path / "deck.yaml")
+    assert str(reported.value).count("not valid YAML") == 1
+
+
 def test_words_that_grow_are_refused(tmp_path: Path) -> None:
     """Each file doubles the word: 2^20 letters after 20 of them."""
     (tmp_path / "a0.yaml").write_text(

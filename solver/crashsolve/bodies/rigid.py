@@ -63,7 +63,8 @@ class Rigid(Card):
     mass_centre: Vec3 = quantity("m", "from the body's origin, body axes", default=(0.0, 0.0, 0.0))
     position: Vec3 = quantity(
         "m",
-        "of the body's origin; the channel rbdout.NAME.position is that of the mass centre",
+        "of the body's origin; the channel rbdout.NAME.position is that of the mass centre, "
+        "rbdout.NAME.origin, where some body's mass centre is elsewhere, that of the origin",
         default=(0.0, 0.0, 0.0),
     )
     rotation: Rotation = word("configuration, body to world", default_factory=Rotation)

@@ -40,7 +40,7 @@ def check_axis(unit: Unit | None, j: int, name: str, context: Context) -> None:
     if unit is None or wanted == "1":
         return
     if unit.exponents != parse_unit(wanted).exponents:
-        axis = name.partition("_")[0]
+        axis = "xy"[j]
         message = f"{axis} is in {describe(unit)}, but the curve is used with {axis} in {wanted}"
         refuse(message, within=(name,))
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationInfo, model_validator
 
-from crashsolve.curves._card import EXTRAPOLATE, CurveCard
+from crashsolve.curves._card import EXTRAPOLATE, CurveCard, check_axis
 from crashsolve.curves._derivatives import Jet, with_derivative
 from crashsolve.curves._piecewise import Array, hermite
 from crashsolve.deck.card import word
@@ -54,11 +54,11 @@ class Formula(CurveCard):
         if not isinstance(given, Mapping):
             return given
         context = info.context or Context()
-        ends = {
-            name: number_in(given[name], None, context, (name,))[0]
-            for name in ("from", "to")
-            if name in given
-        }
+        ends = {}
+        for name in ("from", "to"):
+            if name in given:
+                ends[name], unit = number_in(given[name], None, context, (name,))
+                check_axis(unit, 0, name, context)
         return {**given, **ends}
 
     @model_validator(mode="after")

@@ -37,15 +37,16 @@ from crashsolve.deck.diagnostics import (
     reported,
     shown,
 )
+from crashsolve.deck.family import FamilyError
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
-from crashsolve.deck.laws import UnknownType, law_class, types_in
+from crashsolve.deck.laws import UnknownType, class_name, law_module, types_in
 from crashsolve.deck.numbers import Context, number, number_in
 from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
-__all__ += ["MaterialName", "NewName", "PartName", "Reference", "SectionName", "SensorName"]
-__all__ += ["SetName", "SpringName", "SurfaceName", "existing_file", "number_as_name"]
+__all__ += ["MaterialName", "MeshName", "NewName", "PartName", "Reference", "SectionName"]
+__all__ += ["SensorName", "SetName", "SpringName", "SurfaceName", "existing_file", "number_as_name"]
 __all__ += ["reference_of"]
 
 # whole numbers that every part of the program counts exactly
@@ -102,6 +103,7 @@ LoadName = Annotated[str, AfterValidator(Reference("loads"))]
 CurveName = Annotated[str, AfterValidator(Reference("curves"))]
 SensorName = Annotated[str, AfterValidator(Reference("sensors"))]
 MaterialName = Annotated[str, AfterValidator(Reference("materials"))]
+MeshName = Annotated[str, AfterValidator(Reference("meshes"))]
 SectionName = Annotated[str, AfterValidator(Reference("sections"))]
 PartName = Annotated[str, AfterValidator(Reference("parts"))]
 
@@ -181,6 +183,15 @@ class Card(BaseModel):
             return handler(value)
         except ValidationError as error:
             raise explained(cls, error) from None
+
+
+def law_class(folder: str, word: object) -> type[Card]:
+    """Card of a type of a family, its module imported now; raises UnknownType."""
+    module = law_module(folder, word)
+    card = getattr(module, class_name(str(word)))
+    if not issubclass(card, Card):
+        raise FamilyError(f"{module.__name__}: {card.__name__} must be a Card")
+    return card
 
 
 def _as_tuple(value: Any) -> Any:

@@ -24,7 +24,21 @@ from crashsolve.deck.source import BROKEN
 
 
 class SiFloat(float):
-    """A number known to be in SI already, such as an expression of parameters with units."""
+    """A number known to be in SI already, such as an expression of parameters with units.
+
+    `unit` is its SI unit; None where the expression does not state one.
+    """
+
+    unit: Unit | None
+
+    def __new__(cls, value: float, unit: Unit | None = None) -> "SiFloat":
+        self = super().__new__(cls, value)
+        self.unit = unit and Unit(1.0, unit.exponents)
+        return self
+
+    def __getnewargs__(self) -> tuple[float, Unit | None]:
+        """What copies are made of."""
+        return float(self), self.unit
 
 
 @dataclass(frozen=True)
@@ -60,6 +74,8 @@ def as_written(value: float) -> str:
 def number(value: str | float, wanted: str, bases: Mapping[str, Unit]) -> float:
     """A number of the dimension of `wanted`, bare ones in units of `bases`; raises UnitError."""
     if isinstance(value, SiFloat):
+        if value.unit and value.unit.exponents != parse_unit(wanted).exponents:
+            raise UnitError(f"this expression is in {describe(value.unit)}")
         return float(value)
     if isinstance(value, str):
         return to_si(value, wanted, bases)
@@ -80,7 +96,13 @@ def number_in(
     if value is BROKEN:
         already_reported()
     if isinstance(value, SiFloat):
-        return float(value), unit
+        if unit and value.unit and value.unit.exponents != unit.exponents:
+            refuse(
+                f"must be in {describe(unit)}",
+                f"this expression is in {describe(value.unit)}",
+                within=within,
+            )
+        return float(value), unit or value.unit
     kind = "a number, alone or with a unit"
     try:
         if isinstance(value, str):

@@ -34,6 +34,7 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
+from crashsolve.model.force_columns import FORCE_HISTORY, FORCE_OUTPUT, history_of_force
 from crashsolve.model.implicit.assembly import embody
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
@@ -48,16 +49,6 @@ if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck
     from crashsolve.deck.reading.items import Entry
 
-# every law that stores or loses energy has these beside its own columns
-FORCE_HISTORY = Record("""
-    dissipated  J  energy lost so far
-    power       W  its present rate
-""")
-FORCE_OUTPUT = Record("""
-    stored  J  recoverable energy
-    power   W  rate of energy lost, or of work done by a load
-    loss    J  energy lost in this step without a rate
-""")
 # columns of loads on points, whose positions are known when all entries are
 FILLED_LATER = ("first_member", "member_count")
 # error of a step where the deck asks for nothing
@@ -108,6 +99,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         bodies=scene.names,
         mass=np.where(np.isin(np.arange(len(scene.mass)), list(scene.welded)), 0.0, scene.mass),
         attached_nodes=attachments.table(scene),
+        mass_centres=scene.offset,
         size=scene.size,
         integrator=deck.control.integrator,
         choice="",
@@ -294,7 +286,8 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
         parameters = parameters + Record("first_row  index  first constraint row")
     if hasattr(module, "force"):
         try:
-            history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
+            history = history + history_of_force(keyword, module, scene)
+            output = output + FORCE_OUTPUT
         except ValueError as error:
             message = f"{module.__name__}: {error}; every law of force has these of itself"
             raise FamilyError(message) from None

@@ -10,8 +10,10 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
+from crashsolve.channels.display import is_convertible
 from crashsolve.channels.errors import TooShort
-from crashsolve.channels.statistic import moment_asked
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistic import moment_asked, unit_of
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.statistic import PATH
@@ -36,21 +38,8 @@ def look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
     ]
     for keyword, cards, locations in sections:
         for number, (card, location) in enumerate(zip(cards, locations, strict=True), 1):
-            try:
-                found[card.channel] = find(card.channel, families)
-                _try_out(card.channel, found[card.channel], interval)
-            except ValueError as problem:
-                diagnostics.append(
-                    DeckError(*location, f"{keyword} {number}", f"channel: {problem}")
-                )
-            moment = None if card.statistic == PATH else moment_asked(card.statistic)
-            if moment is not None and moment < deck.control.start_time:
-                message = (
-                    f"'{card.statistic}' is before the run, from {deck.control.start_time:g} s on"
-                )
-                diagnostics.append(
-                    DeckError(*location, f"{keyword} {number}", f"statistic: {message}")
-                )
+            for problem in _problems_of(card, families, found, deck):
+                diagnostics.append(DeckError(*location, f"{keyword} {number}", problem))
     for where, expression in _of_report(deck):
         try:
             if not _fits_some(expression, families):
@@ -90,8 +79,32 @@ def _fits_some(pattern: str, families: Sequence[Family]) -> bool:
     return any(fnmatchcase(name, pattern) for family in families for name in family.channels())
 
 
-def _try_out(expression: str, channels: Sequence[Channel], interval: float) -> None:
-    """Raises ChannelError where units do not fit, or samples are too far apart for a function.
+def _problems_of(
+    card: Expect | Watch,
+    families: Sequence[Family],
+    found: dict[str, list[Channel]],
+    deck: Deck,
+) -> Iterator[str]:
+    """What is wrong with a question, by its fields; adds the channels it asks for to `found`."""
+    start = deck.control.start_time
+    try:
+        found[card.channel] = find(card.channel, families)
+        tried = _try_out(card.channel, found[card.channel], Schedule.of(deck).interval)
+        if tried is not None and isinstance(card, Expect) and card.unit:
+            unit = unit_of(card.statistic, tried.unit)
+            if not is_convertible(card.unit, unit):
+                yield f"value: is in {card.unit}, but '{card.statistic}' of the channel in {unit}"
+    except ValueError as problem:
+        yield f"channel: {problem}"
+    moment = None if card.statistic == PATH else moment_asked(card.statistic)
+    if moment is not None and moment < start:
+        yield f"statistic: '{card.statistic}' is before the run, from {start:g} s on"
+
+
+def _try_out(expression: str, channels: Sequence[Channel], interval: float) -> Series | None:
+    """The expression of made-up samples; None where they are too few for it.
+
+    Raises ChannelError where units do not fit, or samples are too far apart for a function.
 
     The run may still be too short for one, which its results say.
     """
@@ -99,4 +112,5 @@ def _try_out(expression: str, channels: Sequence[Channel], interval: float) -> N
     values = {c.name: 1.0 + 0.1 * np.cos(count + i) for i, c in enumerate(channels)}
     samples = Samples(interval * count, values, units={c.name: c.unit for c in channels})
     with suppress(TooShort):
-        samples.series(expression)
+        return samples.series(expression)
+    return None

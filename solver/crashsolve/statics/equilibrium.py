@@ -21,6 +21,7 @@ from crashsolve.model.jacobian import jacobian, whole_rows
 from crashsolve.model.model import Model, State
 from crashsolve.statics.balance import Forces, Work
 from crashsolve.statics.elimination import eliminate
+from crashsolve.statics.equations import Tangent
 from crashsolve.statics.limit_point import passes_limit_point
 from crashsolve.statics.loading import Loading
 from crashsolve.statics.motions import move, nudge, rotations
@@ -46,8 +47,6 @@ HALVINGS = 7
 # of the largest force, and of the change over a load step: where `control.tolerance` says nothing
 TOLERANCE = 1e-8
 
-Tangent = tuple[np.ndarray, np.ndarray]
-
 
 class StaticEngine(Engine):
     """Goes from equilibrium to equilibrium instead of stepping through time."""
@@ -70,7 +69,8 @@ class StaticEngine(Engine):
         self.origin = state.nodes.copy()
         self.flutters = False
         self.least = self.first = 0.0  # shortest load step [s], change by the last tangent
-        self.sees_jumps = True
+        self.sees_jumps, self.halvings, self.growth = True, HALVINGS, 2.0
+        self.width = np.inf  # length of the last load step where they are short [s]
         # of the last pass: K (6 n, 6 n) and D (m, 6 n)
         self.tangent: Tangent | None = None
         # of the last equilibrium, where there are hinges
@@ -98,7 +98,7 @@ class StaticEngine(Engine):
         """The equilibrium in which the run begins. Raises SolverError."""
         super().start()
         loading, clock = self.loading, self.clock
-        if not loading.rising and not self._rest(loading.start, self.state.nodes).any():
+        if not loading.rising and not self.rest(loading.start, self.state.nodes).any():
             return
         # nobody can be answered before the files are open
         answer, self.on_pause = self.on_pause, lambda: None
@@ -113,11 +113,11 @@ class StaticEngine(Engine):
     def _step(self, until: float, goal: float) -> None:
         """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
         clock, found = self.clock, list[Problem]()
-        self.least, width = (until - float(clock.time)) / 2**HALVINGS, np.inf
+        self.least = (until - float(clock.time)) / 2**self.halvings
         while clock.time < until:
             begun, kept, known = float(clock.time), self.keep(), self.known
             # towards a limit point by steps that double: from close by a long one may not see it
-            target = min(until, begun + 2.0 * width)
+            target = min(until, begun + self.growth * self.width)
             while (problem := self._tries(target)) is not None:
                 found.append(problem)
                 target = 0.5 * (begun + target)
@@ -130,9 +130,13 @@ class StaticEngine(Engine):
                 if is_last:
                     ahead = [problem for problem in found if problem.target > begun]
                     raise first_unstable_mode(ahead).error(self, begun)
-            if any(problem.kind == "jump" for problem in found):
-                width = float(clock.time) - begun
+            is_short = target < until and np.isfinite(self.width)
+            # what yields does so in the next load steps too
+            if is_short or any(p.kind == "jump" or not self.sees_jumps for p in found):
+                self.width = float(clock.time) - begun
             self.on_pause()
+        if self.sees_jumps:
+            self.width = np.inf
 
     def _tries(self, target: float) -> Problem | None:
         """Go to the equilibrium of a moment, or of one before it; why it cannot be had."""
@@ -176,7 +180,7 @@ class StaticEngine(Engine):
 
     def _missing_energy(self) -> float:
         """Imbalance of the present state [J]."""
-        self._rest(float(self.clock.time), self.state.nodes)
+        self.rest(float(self.clock.time), self.state.nodes)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         return float(self.ledger[energy.IMBALANCE])
 
@@ -270,6 +274,10 @@ class StaticEngine(Engine):
         clock.iterations += count
         # where a hinge has just begun to yield, a tangent cannot know which way it goes on
         self.known = self.tangent if self.yielding.groups or self.plastic_flow.groups else None
+
+    def out_of_balance(self) -> str:
+        """What the forces lack of an equilibrium, for a message."""
+        return self.forces.message()
 
     def _is_closed(self, phi: np.ndarray) -> bool:
         """Whether the joints are. Writes: clock.residual."""
@@ -373,7 +381,7 @@ class StaticEngine(Engine):
                 i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
                 kept = nodes[i].copy()
                 nudge(nodes[i], int(k % 6), size)
-                columns[:, k] = (self._rest(time, nodes) - g) / size
+                columns[:, k] = (self.rest(time, nodes) - g) / size
                 nodes[i] = kept
         return columns
 
@@ -412,12 +420,12 @@ class StaticEngine(Engine):
 
     def imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Forces and moments that nothing holds (6 n,), D (m, 6 n) and Phi (m,)."""
-        g, rows = self._rest(time, self.state.nodes), self.rows
+        g, rows = self.rest(time, self.state.nodes), self.rows
         D = jacobian(self.model.joints, rows, len(self.nodes))[:, self.free]
         phi = rows["phi"][whole_rows(self.model.joints)]
         return g, D.reshape(len(phi), g.size), phi
 
-    def _rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
+    def rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
         """A sample of these nodes: forces and moments (6 n,) that would move the free ones."""
         self.loading.set_time(time)
         time = self.loading.time(time)

@@ -10,13 +10,13 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from crashsolve.channels.units import SI
-from crashsolve.deck.card import Card, Name, Reference, reference_of
+from crashsolve.deck.card import Card, Name, Reference, law_class, reference_of
 from crashsolve.deck.diagnostics import Diagnostic, diagnostics_of, shown
 from crashsolve.deck.dump import as_data, as_text
 from crashsolve.deck.expansion import MADE, expand, stands_for_many
 from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.keywords import SECTIONS, answering
-from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
+from crashsolve.deck.laws import UnknownType, types_in
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.reading.files import Files
 from crashsolve.deck.reading.items import Entry, Item, items_of
@@ -32,6 +32,7 @@ from crashsolve.deck.run_cards.output import Output
 from crashsolve.deck.run_cards.units import Units
 from crashsolve.deck.run_cards.watch import Watch
 from crashsolve.deck.source import BROKEN, Position, Table
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 AnyCard = TypeVar("AnyCard", bound=Card)
@@ -167,7 +168,7 @@ class _Reader:
         expect = [self.card(item, Expect) for item in self.items["expect"].values()]
         watch = [self.card(item, Watch) for item in self.items["watch"].values()]
         title = self.title()
-        self.refuse_endless(entries["parts"])
+        self.refuse_endless(entries)
         self.unread_parts = set(self.items["parts"]) - set(entries["parts"]) | self.unwritten
         self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.diagnostics)
         entries["joints"] |= joints_of_parts(entries, self.diagnostics)
@@ -233,16 +234,18 @@ class _Reader:
                 self.unwritten.add(item.name)
             del self.items["parts"][item.name]
 
-    def refuse_endless(self, parts: dict[str, Entry]) -> None:
+    def refuse_endless(self, entries: dict[str, dict[str, Entry]]) -> None:
         """Raise DeckErrors at a part with which the model is too large: its names have no room."""
         shells = beams = 0
-        for part in parts.values():
+        shared = [(entry, entry.card) for entry in entries["meshes"].values()]
+        others = [(part, getattr(part.card, "mesh", None)) for part in entries["parts"].values()]
+        for part, mesh in shared + others:
             own = getattr(part.card, "beams", 0)
-            mesh = getattr(part.card, "mesh", None)
             more = 0 if own else getattr(mesh, "count", 0)
             why = excess(shells + more, beams + own)
             if why:
-                path = ("mesh", "elements") if hasattr(mesh, "elements") else ("elements",)
+                within = ("mesh",) if hasattr(mesh, "elements") and mesh is not part.card else ()
+                path = (*within, "elements")
                 self.refuse(part.item, Diagnostic(path, why, "take fewer"))
                 raise DeckErrors(self.in_order())
             shells, beams = shells + more, beams + own

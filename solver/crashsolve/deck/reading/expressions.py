@@ -7,11 +7,12 @@ import operator
 import re
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
-from crashsolve.deck.laws import choices
+from crashsolve.deck.words import choices
 
 MAX_LENGTH = 500
+U = TypeVar("U")
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "sin": math.sin,
@@ -92,6 +93,29 @@ class Expression:
         if not math.isfinite(result):
             raise ExpressionError(f"'{self.text}' is too large")
         return result
+
+    def unit(self, units: Mapping[str, U | None]) -> U | None:
+        """The unit of a lone name, or of sums of names; None of others, which may have any.
+
+        The numbers of a product or a power may have units that nobody has written.
+        """
+        return self._unit(self.root, units)
+
+    def _unit(self, node: ast.AST, units: Mapping[str, U | None]) -> U | None:
+        match node:
+            case ast.Name(id=name):
+                return units.get(name)
+            case ast.UnaryOp(operand=operand):
+                return self._unit(operand, units)
+            case ast.BinOp(op=ast.Add() | ast.Sub(), left=left, right=right):
+                parts = [left, right]
+            case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=parts):
+                pass
+            case _:
+                return None
+        found = [unit for part in parts if (unit := self._unit(part, units)) is not None]
+        # the same for all of them
+        return found[0] if found and all(unit == found[0] for unit in found) else None
 
     def _evaluate(self, node: ast.AST, names: Mapping[str, float]) -> float:
         match node:

@@ -18,7 +18,7 @@ from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar, 
 from crashsolve.foundation.errors import DeckError
 
 # files within files, files in all, and letters of a text once its words are put in
-DEEPEST, MOST, LONGEST = 50, 10_000, 10_000
+DEEPEST, MOST, LONGEST = 50, 5_000, 10_000
 _WORD = re.compile(r"<([A-Za-z_][A-Za-z0-9_]*)>")
 
 
@@ -42,14 +42,19 @@ class Files:
         self.tables: dict[Path, Table] = {}
         self.paths: list[Path] = []
         self.seen: set[tuple[Path, tuple[tuple[str, str], ...]]] = set()
-        self.open: list[Path] = []
+        self.open: dict[Path, None] = {}
+        # of files that are included many times: each is read, and its path resolved, once
+        self._contents: dict[Path, Table | None] = {}
+        self._real: dict[Path, Path] = {}
         self._times: dict[Path, int] = {}
         self._is_full = False
         self.incomplete = False
 
     def read(self, path: Path, words: dict[str, str] | None = None) -> dict[Path, Table]:
         """All files, each before those it includes."""
-        table = read_yaml(path, self.diagnostics)
+        if path not in self._contents:
+            self._contents[path] = read_yaml(path, self.diagnostics)
+        table = self._contents[path]
         if table is None:
             self.incomplete = True
             return self.tables
@@ -58,8 +63,8 @@ class Files:
         self.tables[self._own_path(path)] = table
         if self._times[path] == 1:
             self.paths.append(path)
-        self.seen.add(_key(path, words or {}))
-        self.open.append(path.resolve())
+        self.seen.add(self._key(path, words or {}))
+        self.open[self._resolved(path)] = None
         for file in self._included(table):
             if self._is_full:
                 break
@@ -69,7 +74,7 @@ class Files:
                 self.incomplete = True
             else:
                 self.read(path.parent / file.name, file.words or None)
-        self.open.pop()
+        self.open.popitem()
         return self.tables
 
     def _own_path(self, path: Path) -> Path:
@@ -82,20 +87,33 @@ class Files:
             own = path.with_name(f"{path.name} ({count})")
         return own
 
+    def _resolved(self, path: Path) -> Path:
+        """The real path of a file."""
+        if path not in self._real:
+            self._real[path] = path.resolve()
+        return self._real[path]
+
+    def _key(self, path: Path, words: dict[str, str]) -> tuple[Path, tuple[tuple[str, str], ...]]:
+        """What makes two includes the same."""
+        return self._resolved(path), tuple(sorted(words.items()))
+
     def _problem(self, path: Path, words: dict[str, str]) -> str:
         """Why a file cannot be included, if so."""
-        if not isfile(path):
+        if path not in self._contents and not isfile(path):
             return f"there is no file '{path}'"
         if len(self.open) >= DEEPEST:
             return f"includes are nested more than {DEEPEST} deep"
         if len(self.tables) >= MOST:
             self._is_full = True
             return f"the deck has more than {MOST} files, each counted as often as it is included"
-        if path.resolve() in self.open:
-            chain = [*self.open[self.open.index(path.resolve()) :], path]
+        if self._resolved(path) in self.open:
+            files = list(self.open)
+            chain = [*files[files.index(self._resolved(path)) :], path]
             return f"the file includes itself ({' -> '.join(link.name for link in chain)})"
         with_same = " with the same words" if words else ""
-        return f"the file is included twice{with_same}" if _key(path, words) in self.seen else ""
+        return (
+            f"the file is included twice{with_same}" if self._key(path, words) in self.seen else ""
+        )
 
     def _included(self, table: Table) -> list[Included]:
         """What a file includes; an error for each entry that cannot be read."""
@@ -203,8 +221,3 @@ class _Filling:
         message = f"with its words put in the text has {len(filled)} letters, more than {LONGEST}"
         self.diagnostics.append(DeckError(*location, "include", message))
         return text
-
-
-def _key(path: Path, words: dict[str, str]) -> tuple[Path, tuple[tuple[str, str], ...]]:
-    """What makes two includes the same."""
-    return path.resolve(), tuple(sorted(words.items()))

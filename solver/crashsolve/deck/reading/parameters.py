@@ -10,11 +10,11 @@ from typing import Any
 
 from crashsolve.channels.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
 from crashsolve.deck.diagnostics import shown
-from crashsolve.deck.laws import choices
 from crashsolve.deck.numbers import SiFloat, as_written
 from crashsolve.deck.reading.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
 from crashsolve.deck.reading.items import Item
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 
 # names that are reported a circle
@@ -150,8 +150,9 @@ class Parameters:
                 advice = choices(name, self.items, "parameters")
                 raise ExpressionError(f"unknown parameter '{name}'", advice)
         value = expression.value(names)
-        if any(isinstance(number, SiFloat) for number in names.values()):
-            return SiFloat(value)
+        units = {name: n.unit for name, n in names.items() if isinstance(n, SiFloat)}
+        if units:
+            return SiFloat(value, expression.unit(units))
         return int(value) if value.is_integer() and abs(value) < 2**53 else value
 
     def _value(self, name: str) -> Any:
@@ -211,7 +212,10 @@ def _number(value: Any) -> float:
     """A number, in SI when it has a unit."""
     if isinstance(value, str):
         number, name = split_quantity(value)
-        return SiFloat(number * parse_unit(name).factor) if name else number
+        if not name:
+            return number
+        unit = parse_unit(name)
+        return SiFloat(number * unit.factor, unit)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise UnitError(f"this is {shown(value)}")
     return value

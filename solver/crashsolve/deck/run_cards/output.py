@@ -24,7 +24,13 @@ class History(Card):
 class States(Card):
     """Configurations of all bodies for pictures and films."""
 
-    interval: float | None = quantity("s", "time between states; a 50th of the run", None, gt=0)
+    interval: float | None = quantity(
+        "s",
+        "time between states, and then at no others; a 50th of the run, and states at the first "
+        "touch of another contact, the largest contact force and the first yield",
+        None,
+        gt=0,
+    )
 
 
 class Restart(Card):

@@ -5,12 +5,21 @@ from typing import Any
 
 import numpy as np
 
+# distances from some points to all, that are known at a time
+TABLE = 4_000_000
+
+
+def _distinct(numbers: np.ndarray) -> np.ndarray:
+    """Numbers once each, ascending; of millions sorting is faster than the hashes of np.unique."""
+    numbers = np.sort(numbers)
+    return numbers[np.r_[True, numbers[1:] != numbers[:-1]][: len(numbers)]]
+
 
 def grouped(keys: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Values by key, each once and ascending: where those of a key begin (count + 1,), all (n,)."""
-    pairs = np.unique(np.column_stack([keys, values]), axis=0)
-    first = np.searchsorted(pairs[:, 0], np.arange(count + 1))
-    return first.astype(np.int64), np.ascontiguousarray(pairs[:, 1])
+    most = int(values.max(initial=0)) + 1
+    keys, values = np.divmod(_distinct(keys * most + values), most)
+    return np.searchsorted(keys, np.arange(count + 1)).astype(np.int64), values.astype(np.int64)
 
 
 def faces_around(quads: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -68,33 +77,49 @@ def points_along(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of points within `reach` [m] of each other along sides and diagonals of faces.
 
-    Shortest ways, all points at once, edge by edge; each point is a pair with itself.
+    Shortest ways, edge by edge; each point is a pair with itself. Some points at a time, so that
+    their distances to all others fit into memory; the cost is that of the pairs.
     """
     count = len(points)
     ends = np.concatenate([quads[:, pair] for pair in permutations(range(4), 2)])
     first, others = grouped(ends[:, 0], ends[:, 1], count)
     starts = np.repeat(np.arange(count), np.diff(first))
     lengths = np.linalg.norm(points[others] - points[starts], axis=1)
-    # pairs as one number each, ascending, with the shortest way so far
-    known = front = np.arange(count) * (count + 1)
-    distances = distance = np.zeros(count)
+    at_once = max(TABLE // count, 1)
+    shortest, found = np.full(at_once * count, np.inf), []
+    for begin in range(0, count, at_once):
+        owners = np.arange(begin, min(begin + at_once, count))
+        # pairs as one number each, by rows of the table of distances
+        pairs = _reached(
+            (owners - begin) * count + owners, (first, others, lengths), shortest, reach
+        )
+        shortest[pairs] = np.inf
+        found.append(pairs + begin * count)
+    owners, reached = np.divmod(np.concatenate(found), count)
+    return owners, reached
+
+
+def _reached(
+    front: np.ndarray, edges: tuple[np.ndarray, ...], shortest: np.ndarray, reach: float
+) -> np.ndarray:
+    """Pairs that are met on the way from a front, ascending. Writes: shortest."""
+    first, others, lengths = edges
+    count = len(first) - 1
+    shortest[front] = 0.0
+    met = [front]
     while len(front):
         owner, via = np.divmod(front, count)
         sizes = np.diff(first)[via]
         at = np.repeat(first[via] - np.r_[0, np.cumsum(sizes)[:-1]], sizes)
         at += np.arange(sizes.sum())
-        longer = np.repeat(distance, sizes) + lengths[at]
-        pair, is_near = np.repeat(owner, sizes) * count + others[at], longer < reach
-        pair, longer = pair[is_near], longer[is_near]
-        pairs, values = np.r_[known, pair], np.r_[distances, longer]
-        is_new = np.r_[np.zeros(len(known), bool), np.ones(len(pair), bool)]
-        # of equal ways the known one
-        order = np.lexsort((is_new, values, pairs))
-        pairs, values, is_new = pairs[order], values[order], is_new[order]
-        best = np.r_[True, pairs[1:] != pairs[:-1]]
-        known, distances, is_new = pairs[best], values[best], is_new[best]
-        front, distance = known[is_new], distances[is_new]
-    return known // count, known % count
+        longer = np.repeat(shortest[front], sizes) + lengths[at]
+        pair = np.repeat(owner * count, sizes) + others[at]
+        is_better = (longer < reach) & (longer < shortest[pair])
+        pair, longer = pair[is_better], longer[is_better]
+        met.append(_distinct(pair[np.isinf(shortest[pair])]))
+        np.minimum.at(shortest, pair, longer)
+        front = _distinct(pair)
+    return np.sort(np.concatenate(met))
 
 
 def merged(one: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -102,6 +127,16 @@ def merged(one: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
     count = len(one[0]) - 1
     keys = np.r_[*(np.repeat(np.arange(count), np.diff(first)) for first, _ in (one, other))]
     return grouped(keys, np.r_[one[1], other[1]], count)
+
+
+def chosen(
+    first: np.ndarray, values: np.ndarray, keys: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of a table as `grouped` gives it some keys, in this order, and their values below `count`."""
+    rows = [values[first[key] : first[key + 1]] for key in keys]
+    rows = [row[row < count] for row in rows]
+    ends = np.cumsum([0, *map(len, rows)])
+    return ends.astype(np.int64), np.concatenate([*rows, np.zeros(1, np.int64)])
 
 
 def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:
