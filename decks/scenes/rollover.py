@@ -40,7 +40,7 @@ def severity(folder: Path) -> None:
     for name, label in HEADS.items():
         found = Result(folder).series(f"si(nodout.{name}_head_acceleration.resultant)")
         axes.plot(found.time, found.values, label=label)
-    # three decades: the chapter's curves stay below 4000, those of single blows do not
+    # three decades: the curves of the chapter stay below 4000, ours do not
     axes.set(xlabel="time [s]", ylabel="Severity Index", yscale="log", ylim=(10, 1e5))
     axes.grid(alpha=0.3)
     axes.legend(loc="lower right")
