@@ -42,6 +42,8 @@ WARNINGS = {
     "0.001 of the belt; move the ring, or give it more webbing",
     "slipped": "the belt slipped off a surface, and went straight until it was clear of it; what "
     "became slack is lost: move its fittings, or hold it by a ring",
+    "crossed": "the belt slid sideways over a ball or an ellipsoid by more than a right angle, as "
+    "nothing holds it there: it would have slipped off; hold it by a ring",
     "emptied": "the retractor ran out of webbing, and held from there on; give it more reserve",
     "inside": "a fitting was within a surface that the belt goes over, and the belt went through",
     "beyond": "the belt lay on a cylinder beyond its end, which was taken as longer",
