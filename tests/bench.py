@@ -3,6 +3,7 @@
 Nothing is compiled, so that tests are quick and every line is seen by coverage and debugger.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -66,6 +67,7 @@ class Bench:
 
     def _read(self, path: Path) -> None:
         self.model, state = build(read_deck(path))
+        self.tables = {"nodes": state.nodes, "rows": state.rows, "curves": self.model.curves}
         self.nodes: Any = as_rows(state.nodes)
         self.rows: Any = as_rows(state.rows)
         self.curves: Any = as_rows(self.model.curves)
@@ -125,7 +127,9 @@ class Law:
     def __init__(self, bench: Bench, keyword: str, name: str) -> None:
         group = next(g for g in bench.model.groups if g.keyword == keyword and name in g.names)
         i = group.names.index(name)
-        self.bench, self.module = bench, group.module
+        self.bench, self.module, self.group, self.i = bench, group.module, group, i
+        # its kernel as plain Python; a test may put a compiled one here
+        self.kernel: Callable[..., None] = getattr(group.module, "force", _no_force)
         self.p = as_rows(group.parameters)[i]
         self.old = as_rows(group.history)[0, i]
         self.new = as_rows(group.history)[1, i]
@@ -140,9 +144,8 @@ class Law:
             nodes[name] = 0.0
         spoil(self.new, getattr(self.module, "HISTORY", Record()))
         spoil(self.out, self.module.OUTPUT)
-        kernel = self.module.force
         args = (t, h, nodes, self.bench.rows, self.bench.curves, *self.materials)
-        kernel(self.p, self.old, self.new, self.out, *args)
+        self.kernel(self.p, self.old, self.new, self.out, *args)
         return self.out
 
     def power_on_bodies(self) -> float:
@@ -173,6 +176,10 @@ class Law:
             self.module.follow(self.p, self.old, self.new, self.out, bench.nodes)
         self.module.measure(self.p, self.out, t, bench.nodes, bench.rows, bench.curves)
         return self.out
+
+
+def _no_force(*args: Any) -> None:
+    raise AssertionError("the law has no force")
 
 
 class Rows:

@@ -8,8 +8,8 @@ from typing import Any
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.fields import deck_words
-from crashsolve.deck.laws import choices
 from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 from crashsolve.output.files import reported
 

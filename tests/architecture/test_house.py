@@ -73,12 +73,15 @@ def tree_of(path: Path) -> ast.Module:
 
 
 @cache
-def imports(path: Path) -> tuple[str, ...]:
-    """Full names of all modules a file imports when it runs, at the top and within functions."""
-    return tuple(_imports(path))
+def imports(path: Path, types: bool = False) -> tuple[str, ...]:
+    """Full names of all modules a file imports when it runs, at the top and within functions.
+
+    With `types` also those that it names in annotations alone.
+    """
+    return tuple(_imports(path, types))
 
 
-def _imports(path: Path) -> Iterator[str]:
+def _imports(path: Path, types: bool) -> Iterator[str]:
     nodes = list(ast.walk(tree_of(path)))
     for_types = {
         inner
@@ -87,7 +90,7 @@ def _imports(path: Path) -> Iterator[str]:
         for inner in ast.walk(node)
     }
     for node in nodes:
-        if node in for_types:
+        if node in for_types and not types:
             continue
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -111,7 +114,7 @@ def test_imports_only_go_down_the_layers() -> None:
     up = []
     for path in MODULES:
         here = module_name(path)
-        for there in imports(path):
+        for there in imports(path, types=True):
             pair = package_of(here), package_of(there)
             if not there.startswith("crashsolve.") or pair[0] == pair[1]:
                 continue
@@ -144,7 +147,7 @@ def test_the_packages_of_the_postprocessor_have_an_order() -> None:
     up = []
     for path in POST.glob("*/*.py"):
         height = POST_LAYERS.index(path.parent.name)
-        for there in imports(path):
+        for there in imports(path, types=True):
             package = there.split(".")[1] if there.startswith("crashpost.") else ""
             if package in POST_LAYERS and POST_LAYERS.index(package) > height:
                 up.append(f"{module_name(path, POST)} imports {there}")
@@ -153,11 +156,16 @@ def test_the_packages_of_the_postprocessor_have_an_order() -> None:
 
 @pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
 def test_no_modules_import_each_other_in_a_circle(package: Path) -> None:
-    """Imports at the top of modules and within functions; those for types alone do not run."""
+    """Imports at the top of modules, within functions, and for types alone; without exceptions.
+
+    Who needs no more of another than some attributes states a Protocol of them.
+    """
     paths = {module_name(path, package): path for path in package.rglob("*.py")}
     graph = {
         name: {
-            known for there in imports(path) if (known := _module(there, paths)) not in (None, name)
+            known
+            for there in imports(path, types=True)
+            if (known := _module(there, paths)) not in (None, name)
         }
         for name, path in paths.items()
     }

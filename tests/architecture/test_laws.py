@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from crashsolve.deck.card import Card
+from crashsolve.deck.card import Card, law_class
 from crashsolve.deck.family import check_law, constants, families, provided
 from crashsolve.deck.keywords import SECTIONS
-from crashsolve.deck.laws import law_class, types_in
+from crashsolve.deck.laws import types_in
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.deck.schema import _nested_folders
 

@@ -14,9 +14,12 @@ import pytest
 from command import arguments, crashsolve, environment, start
 
 from crashpost.results.status import read_status
+from crashsolve.deck.reading.deck import read_deck
 from crashsolve.output.errors import OutputError
 from crashsolve.output.lock import Lock
-from crashsolve.output.log import STOPPED
+from crashsolve.output.log import STOPPED, Log
+from crashsolve.simulation import progress
+from crashsolve.simulation.heartbeat import Pulse
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
 # as plain Python: nothing is to be compiled, and a run of a million steps lasts; 0.5 GB would come
@@ -150,6 +153,27 @@ def test_an_interrupt_while_compiling_is_a_stop_on_request(tmp_path: Path) -> No
     assert read_status(tmp_path / "status.json")["state"] == "stopped"
     log = (tmp_path / "log.txt").read_text()
     assert "interrupted while preparing" in log and log.splitlines()[-1] == STOPPED
+
+
+def test_an_interrupt_while_the_log_is_being_opened_is_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened = []
+
+    def interrupted(path: Path, append: bool) -> Log:
+        log = Log(path, append=append)
+        opened.append(log)
+        if len(opened) == 1:
+            raise KeyboardInterrupt
+        return log
+
+    monkeypatch.setattr(progress, "Log", interrupted)
+    deck, pulse = read_deck(OSCILLATOR), Pulse("reading", print)
+    with pytest.raises(KeyboardInterrupt), progress.preparing(deck, tmp_path, pulse, False):
+        pytest.fail("nothing runs after an interrupt")
+    lines = (tmp_path / "log.txt").read_text().splitlines()
+    assert (lines[0], lines[-1]) == ("interrupted while preparing", STOPPED)
+    assert read_status(tmp_path / "status.json")["state"] == "stopped"
 
 
 def test_a_lock_is_for_one_and_ends_with_its_block(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from test_friction_laws import LAWS as FRICTIONS
 from test_normal_laws import LAWS as NORMALS
 from touching import Contact
 
-from crashsolve.deck.laws import law_class
+from crashsolve.deck.card import law_class
 
 
 @pytest.mark.parametrize("law", NORMALS)

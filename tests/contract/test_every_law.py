@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 from bench import Bench, Law, Rows, Tangents, tangents_of, written
 
+from crashsolve.deck.card import law_class
 from crashsolve.deck.family import ANY, constants, families, provided
-from crashsolve.deck.laws import law_class, types_in
+from crashsolve.deck.laws import types_in
 from crashsolve.foundation.record import Record
 
 DECKS = Path(__file__).resolve().parents[2] / "decks" / "verification"

@@ -2,35 +2,31 @@
 
 The paths are long enough for laws to yield and to slip: five times those of test_every_law.py. They
 are chosen by the work on the bodies alone, so that a law that hides its losses has the same path.
+The laws run as machine code that checks its bounds; with CRASHSOLVE_PLAIN=1 as plain Python.
 """
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from bench import Bench
-from test_every_law import BETWEEN, Law, _ends, each, example, moving
+from compiled_laws import compiled
+from test_every_law import BETWEEN, Law, _ends, each, moving
 
 SCALE, SEEDS = 5.0, range(1, 9)
-# laws that these paths do not reach: friction wants a joint that presses, and stops lie beyond
-UNREACHED = {
-    ("springs", "translation_friction"),
-    ("springs", "rotation_stop"),
-    ("springs", "twist_stop"),
-}
-# their force at rest does not depend on the position, or only where they flow; tyres slip out of
-# their range on these paths, and have tests of their own
+# their force at rest does not depend on the position, or only where they flow
 FLAT = {("springs", "brake"), ("springs", "damper"), ("hinges", "axial")}
 TYRES = {law for law in BETWEEN if law[0] == "tyres"}
-# stops that the way there and back does not reach, the way out does
-STOPS = {("springs", "cone_stop"), ("springs", "translation_stop")}
-LEDGER = [law for law in BETWEEN if law not in UNREACHED | TYRES | STOPS]
-STIFF = [law for law in BETWEEN if law not in UNREACHED | TYRES | FLAT]
+STIFF = [law for law in BETWEEN if law not in FLAT]
+# ranges of some tenths of a radian or a metre, which bodies leave at 3 rad/s and 3 m/s
+STOPS = {law for law in BETWEEN if law[1].endswith("_stop")}
 # laws that must lose something on their path, so that the ledger would not close without
 LOSING = {
     ("springs", "brake"),
     ("springs", "elastoplastic"),
     ("springs", "curve_torsional"),
     ("springs", "rotation_friction"),
+    ("springs", "translation_friction"),
     ("springs", "segment"),
     ("hinges", "axial"),
     ("hinges", "bending"),
@@ -38,24 +34,47 @@ LOSING = {
 }
 
 
-def start(law: tuple[str, str], seed: int) -> tuple[Law, list[int]]:
-    """The law with its bodies in motion."""
-    one = example(law)
+def start(law: tuple[str, str], seed: int, pressed: float = 40.0) -> tuple[Law, list[int]]:
+    """The law with its bodies in motion, in the range where it acts; its joint is pressed [N]."""
+    one = compiled(law)
     moving(one, seed)
     ends = [node for node in _ends(one) if node > 0]
+    nodes, rng = one.bench.nodes, np.random.default_rng(seed)
     for node in ends:
-        one.bench.move(node, v=SCALE * one.bench.nodes[node].v, w=SCALE * one.bench.nodes[node].w)
+        if law in TYRES:
+            # rolls with a slip of some per cent along and across, which grows to sliding
+            roll = rng.uniform(2.0, 6.0)
+            v = (roll, rng.uniform(-0.2, 0.2), rng.uniform(-0.01, 0.01))
+            w = (0.0, (1.0 + rng.uniform(0.01, 0.1)) * roll / one.p.radius, 0.0)
+            one.bench.move(node, v=v, w=w)
+        elif law[1] == "rotation_stop":
+            # a joint holds its axis, and the moment does not turn with the bodies
+            one.bench.move(node, v=nodes[node].v, w=3.0 * rng.normal() * one.p.axis_a)
+        elif law in STOPS:
+            one.bench.move(node, v=3.0 * rng.normal(size=3), w=3.0 * rng.normal(size=3))
+        else:
+            one.bench.move(node, v=SCALE * nodes[node].v, w=SCALE * nodes[node].w)
+    if law[1] == "translation_friction":
+        one.bench.rows.multiplier[:] = one.bench.rows.reaction[:] = pressed
     return one, ends
 
 
-def sums(law: tuple[str, str], seed: int, steps: int) -> tuple[float, float, float, float]:
-    """Work on the bodies, power and loss of the ledger, growth of the stored energy: a way there
-    and back.
-    """
+class Sums(NamedTuple):
+    """Energies of a path there and back [J]."""
+
+    work: float  # on the bodies
+    power: float
+    loss: float
+    stored: float  # since the start
+    largest: float  # of work and stored energy, anywhere on the path
+
+
+def sums(law: tuple[str, str], seed: int, steps: int) -> Sums:
+    """Work on the bodies and the ledger of a law over steps of a second in all."""
     one, ends = start(law, seed)
     bench: Bench = one.bench
     first = {node: (bench.nodes[node].v.copy(), bench.nodes[node].w.copy()) for node in ends}
-    h, work, power, loss, stored = 1.0 / steps, 0.0, 0.0, 0.0, 0.0
+    h, work, power, loss, stored, largest = 1.0 / steps, 0.0, 0.0, 0.0, 0.0, 0.0
     before = np.zeros(2)
 
     def go_at(time: float) -> None:
@@ -73,29 +92,31 @@ def sums(law: tuple[str, str], seed: int, steps: int) -> tuple[float, float, flo
             work += 0.5 * h * (before[0] + rates[0])
             power += 0.5 * h * (before[1] + rates[1])
             loss += float(out.loss)
-        before = rates
+        before, largest = rates, max(largest, abs(work), abs(float(out.stored) - stored))
         one.accept()
         go_at((k + 0.5) * h)
         for node in ends:
             bench.rotation(node, h * bench.nodes[node].w)
             bench.move(node, r=bench.nodes[node].r + h * bench.nodes[node].v)
-    return work, power, loss, float(one.out.stored) - stored
+    return Sums(work, power, loss, float(one.out.stored) - stored, largest)
 
 
 @cache
 def acting_seed(law: tuple[str, str]) -> int:
     """The first path on which the law moves energy at all."""
-    return next(seed for seed in SEEDS if abs(sums(law, seed, 30)[0]) > 1e-9)
+    return next(seed for seed in SEEDS if sums(law, seed, 30).largest > 1e-9)
 
 
-@each(LEDGER)
+@each(BETWEEN)
 def test_what_a_law_loses_is_in_its_ledger(law: tuple[str, str]) -> None:
-    work, power, loss, stored = sums(law, acting_seed(law), 240)
-    scale = max(abs(work), abs(power), abs(loss), abs(stored))
-    # corners of a law within a step leave errors of first order: 1 / 240 of a few turns
-    assert abs(work + power + loss + stored) <= 0.02 * scale
+    found = sums(law, acting_seed(law), 240)
+    missing = abs(found.work + found.power + found.loss + found.stored)
+    # corners of a law within a step leave errors of first order, 1 / 240 of a few turns; the
+    # carcass of tyres has none, and its loss is a small part of the work
+    assert missing <= (1e-3 if law in TYRES else 0.02) * found.largest
     # without the loss the ledger would not close: what is asked here has an edge
-    assert law not in LOSING or loss > 0.04 * scale
+    assert law not in LOSING or found.loss > 0.04 * found.largest
+    assert law not in TYRES or abs(found.loss) > 0.02 * found.largest
 
 
 @each(STIFF)
@@ -103,7 +124,8 @@ def test_the_promised_stiffness_bounds_the_highest_frequency(law: tuple[str, str
     """2 max_i stiffness_i is not below the largest eigenvalue of M^-1 K (system.timestep)."""
     found = 0
     for seed in SEEDS:
-        one, ends = start(law, seed)
+        # friction that holds: pressed, its bristle stretches by a metre before it slides
+        one, ends = start(law, seed, pressed=4e6)
         for _ in range(6):
             one.bench.drift(0.15)
             highest, promised = spectrum(one, ends)

@@ -12,9 +12,9 @@ from crashsolve.channels.units import BASES, parse_unit
 from crashsolve.curves import file, formula, table
 from crashsolve.curves._card import EXTRAPOLATE
 from crashsolve.curves._piecewise import coefficients
-from crashsolve.deck.card import reference_of
+from crashsolve.deck.card import law_class, reference_of
 from crashsolve.deck.keywords import SECTIONS
-from crashsolve.deck.laws import law_class, types_in
+from crashsolve.deck.laws import types_in
 from crashsolve.deck.numbers import Context, SiFloat
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.deck.schema import _nested_folders

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 import yaml
 
-from crashsolve.deck.card import Card
+from crashsolve.deck.card import Card, law_class
 from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.keywords import KEYWORDS, SECTIONS, SINGLE
-from crashsolve.deck.laws import law_class, package_folder, types_in
+from crashsolve.deck.laws import package_folder, types_in
 from crashsolve.deck.schema import (
     _cards_in,
     _nested_folders,

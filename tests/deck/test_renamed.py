@@ -2,8 +2,9 @@
 
 import pytest
 
-from crashsolve.deck.laws import choices, nearest, types_in
+from crashsolve.deck.laws import types_in
 from crashsolve.deck.renamed import RENAMED
+from crashsolve.deck.words import choices, nearest
 
 SHELL = ("mesh", "thickness", "supports", "section_cuts", "impulses", "nodes", "welded")
 

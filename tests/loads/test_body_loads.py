@@ -32,9 +32,14 @@ def bench(tmp_path: Path) -> Bench:
 
 
 def test_every_load_is_under_this_contract() -> None:
-    # these act on shells alone: test_pressure.py, test_nodal_force.py; the last one within a joint
+    # these act on shells alone: test_pressure.py, test_nodal_force.py; the others within a joint
     words = {words.split(",")[0].split()[1] for words in LOADS.values()}
-    assert set(types_in("loads")) == words | {"nodal_force", "pressure", "drive_torque"}
+    assert set(types_in("loads")) == words | {
+        "nodal_force",
+        "pressure",
+        "drive_torque",
+        "path_steering",
+    }
 
 
 @pytest.mark.parametrize("name", LOADS)

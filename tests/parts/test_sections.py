@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crashsolve.deck.laws import law_class, types_in
+from crashsolve.deck.card import law_class
+from crashsolve.deck.laws import types_in
 
 NU = 0.3
 SECTIONS = {

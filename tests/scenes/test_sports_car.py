@@ -127,6 +127,36 @@ def test_the_car_stands_on_its_wheels(tmp_path: Path) -> None:
     assert rolling.series("rbdout.chassis.velocity.x").values[-1] == pytest.approx(SPEED, rel=1e-6)
 
 
+@pytest.mark.long
+def test_a_driver_takes_the_car_through_the_cones_of_a_lane_change(tmp_path: Path) -> None:
+    drive = run("sports_car/lane_change.yaml", tmp_path)
+    x, y, heading = (
+        drive.series(channel).values
+        for channel in (
+            "rbdout.chassis.position.x",
+            "rbdout.chassis.position.y",
+            "disbout.heading.angle",
+        )
+    )
+    # ISO 3888-2: begin, length, middle and width of the lanes for a car 1.75 m wide and 3.7 m long
+    w = 1.75
+    one, two, three = 1.1 * w + 0.25, w + 1.0, max(1.3 * w + 0.25, 3.0)
+    lanes = [
+        (0, 12, 0, one),
+        (25.5, 11, one / 2 + 1 + two / 2, two),
+        (49, 12, (three - one) / 2, three),
+    ]
+    for a in (0.6 * WHEELBASE + 0.8, -0.4 * WHEELBASE - 0.7):
+        for b in (w / 2, -w / 2):
+            at = x - 8.0 + np.cos(heading) * a - np.sin(heading) * b
+            aside = y + np.sin(heading) * a + np.cos(heading) * b
+            assert at[-1] > 49 + 0.5
+            for begin, length, middle, width in lanes:
+                within = (at >= begin) & (at <= begin + length)
+                # 0.11 m of room at the least
+                assert np.abs(aside[within] - middle).max() < width / 2 - 0.05
+
+
 @pytest.fixture(scope="module")
 def crashes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
     scenarios = {

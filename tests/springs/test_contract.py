@@ -51,6 +51,9 @@ REVERSIBLE = {
     "cable": "{type: cable, through: [{body: a, at: [0.1, 0, 0.2]}, {body: b,"
     " at: [0.3, -2, 0.4]}, {body: a, at: [0, 0.2, -0.1]}, {body: b, at: [1, 1, 3]}],"
     " stiffness: 50, damping: 0.3, length: 0.5}",
+    "anti_roll_bar": "{type: anti_roll_bar, body: a, at: [0.1, 0.2, 0], axis: [1, 2, 0],"
+    " left: {arm: [0.1, 0.1, 1.6], body: b, at: [1, -1, 0.5]},"
+    " right: {arm: [0.3, 0.4, -1.4], body: b, at: [1, 0, -0.5]}, stiffness: 50}",
     "strut": f"{{type: strut, {POINTS}, stiffness: 50, length: 0.7, bump_damping: 1,"
     " rebound_damping: 4}",
     "strut in bump": f"{{type: strut, {POINTS}, stiffness: 50, length: 0.7, bump_length: 3,"

@@ -218,6 +218,27 @@ def test_corners_steps_and_troughs_of_a_profile_have_their_true_distance(seed: i
     assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("over", [-0.01, 0.02])
+def test_the_step_counts_the_rim_also_before_it_is_met(tmp_path: Path, over: float) -> None:
+    words = f"{WORDS}, rim_radius: 0.55, rim_stiffness: 7000"
+    law = tyre(tmp_path, f"{{type: gim, road: [level], stiffness: 900, {words}}}")
+    law.bench.move(2, q=[1.0, 0.0, 0.0, 0.0])
+    n = np.array([0.1, 0.2, 1.0]) / np.sqrt(1.05)
+    deeper = 0.15 + over - float(act(law, 0.0).depth)
+    law.bench.move(2, r=law.bench.nodes[2].r - deeper * n)
+    assert float(act(law, 0.0).depth) == pytest.approx(0.15 + over, abs=1e-12)
+    # along the normal the wheel weighs 3 kg
+    assert law.bench.nodes[2].stiffness >= 7900.0 / 3.0
+    if over > 0.0:
+        pressed = [law.bench.nodes[2].r - step * n for step in (-1e-6, 1e-6)]
+        loads = []
+        for r in pressed:
+            law.bench.move(2, r=r)
+            loads.append(float(act(law, 0.0).normal))
+        # central difference of forces of 300 N: round-off 1e-13 / 1e-6
+        assert (loads[1] - loads[0]) / 2e-6 == pytest.approx(7900.0, rel=1e-6)
+
+
 WRONG = {
     "wheel: the ground is no wheel": "{type: gim, road: [level], stiffness: 900, "
     + WORDS.replace("wheel: b", "wheel: ground")

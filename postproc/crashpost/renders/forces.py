@@ -1,7 +1,7 @@
 """Which forces or velocities arrows show at a state, and where they act."""
 
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -9,11 +9,19 @@ from crashpost.errors import PostError, unknown
 from crashpost.renders.look import Look
 from crashpost.results.states import States
 
-if TYPE_CHECKING:
-    from crashpost.renders.drawing import Scene
-
 # contact forces this far from what is shown, of its size, act on it
 BESIDE = 0.02
+
+
+class Shown(Protocol):
+    """What arrows ask of a scene: its states and look, numbers of the bodies that are shown."""
+
+    states: States
+    look: Look
+    bodies: set[int]
+
+    def positions(self, number: float, name: str) -> np.ndarray: ...
+    def extent(self, number: float) -> np.ndarray: ...
 
 
 def contacts_with_arrows(states: States, look: Look) -> set[int]:
@@ -32,7 +40,7 @@ def contacts_with_arrows(states: States, look: Look) -> set[int]:
     return met
 
 
-def forces_of(scene: "Scene", number: float, contacts: set[int]) -> tuple[np.ndarray, np.ndarray]:
+def forces_of(scene: Shown, number: float, contacts: set[int]) -> tuple[np.ndarray, np.ndarray]:
     """Where arrows start (n, 3), and what they show (n, 3) [N or m/s]."""
     states, empty = scene.states, np.empty((0, 3))
     if scene.look.arrows == "velocity":
@@ -53,7 +61,7 @@ def forces_of(scene: "Scene", number: float, contacts: set[int]) -> tuple[np.nda
     return starts[chosen], forces[chosen]
 
 
-def _near(scene: "Scene", points: np.ndarray, number: float) -> np.ndarray:
+def _near(scene: Shown, points: np.ndarray, number: float) -> np.ndarray:
     """Which points (n,) lie in the box around what is shown at a state."""
     shown = scene.extent(number)
     if not len(shown):

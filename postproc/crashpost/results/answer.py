@@ -1,13 +1,11 @@
 """One number of a result, in the unit asked for, with what has to be said about it."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from crashpost.results.history import History
 from crashsolve.channels.display import factor
 from crashsolve.channels.series import Window
 from crashsolve.channels.statistic import remark, statistic, unit_of
-
-if TYPE_CHECKING:
-    from crashpost.results.result import Result
 
 
 class Answer(NamedTuple):
@@ -19,7 +17,7 @@ class Answer(NamedTuple):
 
 
 def answer(
-    result: "Result", channel: str, word: str, during: Window | None = None, unit: str | None = None
+    result: History, channel: str, word: str, during: Window | None = None, unit: str | None = None
 ) -> Answer:
     """The statistic `word` of a channel or expression, in `unit`; raises PostError."""
     series = result.series(channel)

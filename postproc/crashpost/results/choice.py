@@ -5,13 +5,11 @@ rcforc.left.force.normal    rcforc.*.force.x    -rbdout.a.velocity.x    rcforc.l
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from crashpost.errors import PostError
+from crashpost.results.history import History
 from crashsolve.channels.statistic import check
-
-if TYPE_CHECKING:
-    from crashpost.results.result import Result
 
 PATTERN = frozenset("*?[")
 # a word with one of these is arithmetic, whatever stars it has
@@ -30,7 +28,7 @@ class Choice(NamedTuple):
     statistic: str = ""
 
 
-def choices(result: "Result", words: Sequence[str]) -> list[Choice]:
+def choices(result: History, words: Sequence[str]) -> list[Choice]:
     """What the words name, each once and in their order; raises PostError for an idle one."""
     found: dict[Choice, None] = {}
     for word in words:
@@ -41,7 +39,7 @@ def choices(result: "Result", words: Sequence[str]) -> list[Choice]:
     return list(found)
 
 
-def channels(result: "Result", words: Sequence[str]) -> list[str]:
+def channels(result: History, words: Sequence[str]) -> list[str]:
     """The same where a statistic has no meaning; raises PostError for one."""
     found = choices(result, words)
     for choice in found:
@@ -52,7 +50,7 @@ def channels(result: "Result", words: Sequence[str]) -> list[str]:
     return [choice.channel for choice in found]
 
 
-def _fitting(result: "Result", word: str) -> list[str]:
+def _fitting(result: History, word: str) -> list[str]:
     """The channels that fit a word, or the expression it is; raises PostError."""
     if result.has(word):
         return [word]

@@ -5,14 +5,13 @@ from typing import TYPE_CHECKING
 
 from crashpost.errors import PostError
 from crashpost.results.choice import channels
+from crashpost.results.history import History
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from crashpost.results.result import Result
 
-
-def frame(result: "Result", words: Sequence[str]) -> "DataFrame":
+def frame(result: History, words: Sequence[str]) -> "DataFrame":
     """The channels that the words name over time [s]; `attrs["units"]` has their units.
 
     NaN where an expression divides by zero. Raises PostError for a word that names nothing, and

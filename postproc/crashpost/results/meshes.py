@@ -5,14 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crashpost.errors import PostError
+from crashpost.results.history import History
 
 if TYPE_CHECKING:
     from pyvista import MultiBlock
 
-    from crashpost.results.result import Result
 
-
-def scene(result: "Result", time: float | None) -> "MultiBlock":
+def scene(result: History, time: float | None) -> "MultiBlock":
     """The blocks of the state nearest to a time [s], the last one without; its points moved there.
 
     `field_data["time"]` is the time of the state. Raises PostError for a time between which and the

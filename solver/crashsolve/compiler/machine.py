@@ -178,13 +178,15 @@ def forget_linker() -> None:
 
 def _function(engine: Any, name: str) -> Function:
     """A compiled function, as Python calls it."""
-    call = SIGNATURE(engine.get_function_address(name))
+    address = engine.get_function_address(name)
+    call = SIGNATURE(address)
 
     def function(number: float, flag: bool, tables: Tables) -> None:
         call(number, flag, tables.pointer)
 
     # the code lives as long as its engine
     function.keep = engine  # type: ignore[attr-defined]
+    function.address = address  # type: ignore[attr-defined]
     return _checked(function, engine) if runs_checked() else function
 
 

@@ -37,8 +37,9 @@ from crashsolve.deck.diagnostics import (
     reported,
     shown,
 )
+from crashsolve.deck.family import FamilyError
 from crashsolve.deck.fields import BOUNDS, Declared, Law, declared, in_unit, quantity, word
-from crashsolve.deck.laws import UnknownType, law_class, types_in
+from crashsolve.deck.laws import UnknownType, class_name, law_module, types_in
 from crashsolve.deck.numbers import Context, number, number_in
 from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE
 
@@ -181,6 +182,15 @@ class Card(BaseModel):
             return handler(value)
         except ValidationError as error:
             raise explained(cls, error) from None
+
+
+def law_class(folder: str, word: object) -> type[Card]:
+    """Card of a type of a family, its module imported now; raises UnknownType."""
+    module = law_module(folder, word)
+    card = getattr(module, class_name(str(word)))
+    if not issubclass(card, Card):
+        raise FamilyError(f"{module.__name__}: {card.__name__} must be a Card")
+    return card
 
 
 def _as_tuple(value: Any) -> Any:

@@ -12,8 +12,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from crashsolve.deck.fields import Declared, deck_words, declared, in_unit
-from crashsolve.deck.laws import choices, nearest
 from crashsolve.deck.source import BROKEN
+from crashsolve.deck.words import choices, nearest
 
 Path = tuple[str | int, ...]
 

@@ -2,16 +2,39 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Protocol
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.laws import type_word
 from crashsolve.deck.source import plain_scalar
 
-if TYPE_CHECKING:
-    from crashsolve.deck.reading.deck import Deck
+
+class Written(Protocol):
+    """An entry: its card."""
+
+    @property
+    def card(self) -> Any: ...
+
+
+class Dumped(Protocol):
+    """What a deck is written from."""
+
+    @property
+    def title(self) -> str: ...
+    @property
+    def parameters(self) -> Mapping[str, float]: ...
+    @property
+    def control(self) -> Card: ...
+    @property
+    def output(self) -> Card: ...
+    @property
+    def entries(self) -> Mapping[str, Mapping[str, Written]]: ...
+    @property
+    def watch(self) -> Sequence[Card]: ...
+    @property
+    def expect(self) -> Sequence[Card]: ...
 
 
 def as_data(value: Any) -> Any:
@@ -35,7 +58,7 @@ def as_law(card: Card) -> dict[str, Any]:
     return {"type": type_word(card), **as_data(card)}
 
 
-def as_text(deck: "Deck") -> str:
+def as_text(deck: Dumped) -> str:
     """The deck as one YAML text that reads back as the same deck."""
     data: dict[str, Any] = {"title": deck.title, "parameters": deck.parameters}
     data["control"] = as_data(deck.control)

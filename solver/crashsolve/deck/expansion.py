@@ -11,9 +11,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from crashsolve.deck.card import law_class
 from crashsolve.deck.diagnostics import Diagnostic
 from crashsolve.deck.keywords import SECTIONS
-from crashsolve.deck.laws import law_class, types_in
+from crashsolve.deck.laws import types_in
 from crashsolve.deck.reading.items import Item, Items
 from crashsolve.deck.source import locate
 

@@ -13,10 +13,10 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import AfterValidator, BeforeValidator
 
-from crashsolve.deck.card import Card, Reference, existing_file, number_as_name
+from crashsolve.deck.card import Card, Reference, existing_file, law_class, number_as_name
 from crashsolve.deck.fields import BOUNDS, Declared, deck_words, declared
 from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS, SINGLE
-from crashsolve.deck.laws import PACKAGE, law_class, package_folder, types_in
+from crashsolve.deck.laws import PACKAGE, package_folder, types_in
 
 _SCALARS: dict[Any, dict[str, Any]] = {
     float: {"type": ["number", "string"]},

@@ -21,6 +21,7 @@ from crashsolve.model.build import build
 from crashsolve.recording.between import Between
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
+from crashsolve.recording.marching import MOST
 from crashsolve.recording.samples import Channel, Samples, gather
 from crashsolve.recording.sampling import Schedule
 from crashsolve.study.settings import order_of
@@ -93,25 +94,38 @@ class Companions:
         kept = _Kept(engine, Histories(engine, self.names))
         between = Between(engine, not is_static(self.deck), kept.take)
         engine.start()
-        k = 0
-        while True:
-            engine.sample(schedule.time(k))
-            between.mark()
-            kept.take(schedule.time(k))
-            if schedule.is_end(k):
-                break
+        if not is_static(self.deck) and coarseness >= 2.0:
+            # where samples bound its steps it passes some of them
+            between.march.job.longest = _longest(schedule)
+        k = self._sample(0, kept, between, schedule)
+        while not schedule.is_end(k):
             self._abandon_on_request()
             if is_static(self.deck):
                 self._load_finer(engine, schedule.time(k), schedule.time(k + 1), coarseness)
-                k += 1
+                k = self._sample(k + 1, kept, between, schedule)
                 continue
+            times = schedule.times(k + 1, MOST)
+            if between.march.may_go(float(times[-1]), kept.histories.kept):
+                count, _ = between.march.go(times, kept.histories.kept)
+                kept.taken(times[:count].tolist())
+                k += count
+                if count:
+                    continue
             k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
             engine.reach(schedule.time(k))
             between.fill(schedule.time(k))
+            self._sample(k, kept, between, schedule)
         kept.close()
         samples = gather(kept.times, kept.blocks, self.channels)
         spent = clock.process_time() - begun
         return replace(samples, cycles=int(engine.clock["cycle"]), cpu=spent)
+
+    def _sample(self, k: int, kept: "_Kept", between: Between, schedule: Schedule) -> int:
+        """Take sample k, with which an interval begins; returns k. Raises SolverError."""
+        kept.engine.sample(schedule.time(k))
+        between.mark()
+        kept.take(schedule.time(k))
+        return k
 
     def _abandon_on_request(self) -> None:
         if self.stopped():
@@ -131,7 +145,7 @@ class Companions:
         None that was asked for is left out.
         """
         stride, plain = 1, schedule.plain_number(k)
-        is_bound = plain is not None and step > schedule.interval * (1.0 + 1e-9)
+        is_bound = plain is not None and step > _longest(schedule)
         while is_bound and 2 * stride <= coarseness and (plain or 0) % (2 * stride) == 0:
             stride *= 2
         for following in range(k + 1, k + stride):
@@ -140,6 +154,11 @@ class Companions:
         while schedule.time(k) == schedule.time(k + stride) or schedule.is_end(k + stride - 1):
             stride -= 1
         return k + stride
+
+
+def _longest(schedule: Schedule) -> float:
+    """Longest step [s] that the samples do not bound."""
+    return schedule.interval * (1.0 + 1e-9)
 
 
 class _Kept:
@@ -154,6 +173,12 @@ class _Kept:
         """Keep the present sample. Raises SolverError."""
         self.times.append(time)
         if self.histories.take():
+            self.close()
+
+    def taken(self, times: list[float]) -> None:
+        """Samples at times [s] have been kept already. Raises SolverError."""
+        self.times += times
+        if self.histories.kept.is_full:
             self.close()
 
     def close(self) -> None:

@@ -43,14 +43,21 @@ class Choice(NamedTuple):
     reason: str
 
 
-def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Choice:
-    """The integrator for a deck whose control says auto."""
+def _of_rattle_alone(model: Any, stepwise: list[str]) -> Choice | None:
+    """The choice of rattle where no other method serves; None where one does."""
     if stepwise:
         return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
     if model.phases:
         return Choice("rattle", "phases look at the motion after short steps")
     if len(model.attached_nodes):
         return Choice("rattle", "nodes are welded to rigid bodies")
+    return None
+
+
+def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Choice:
+    """The integrator for a deck whose control says auto."""
+    if needs_rattle := _of_rattle_alone(model, stepwise):
+        return needs_rattle
     searched = [c.word for c in model.contact_groups if c.search is not None]
     if searched:
         return Choice("rattle", f"contacts '{searched[0]}' keep a list of near pairs")
@@ -71,12 +78,8 @@ def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Cho
 
 def by_default(model: Any, stepwise: list[str]) -> Choice:
     """The integrator for a deck that says nothing of it."""
-    if stepwise:
-        return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
-    if model.phases:
-        return Choice("rattle", "phases look at the motion after short steps")
-    if len(model.attached_nodes):
-        return Choice("rattle", "nodes are welded to rigid bodies")
+    if needs_rattle := _of_rattle_alone(model, stepwise):
+        return needs_rattle
     if model.contacts:
         return Choice("rattle", "contacts begin and end")
     if model.elements or any(g.keyword == "parts" for g in model.groups):

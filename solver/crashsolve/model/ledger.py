@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.family import families
+from crashsolve.foundation.kernels import kernel
 
 # words whose entries are reported otherwise than NAME_stored and NAME_dissipated
 OTHERWISE: dict[str, tuple[str, str | None]] = {
@@ -73,11 +74,13 @@ def entries_of(group: Any) -> tuple[int, int | None]:
     return INDEX[stored], None if lost is None else INDEX[lost]
 
 
+@kernel
 def is_broken(ledger: np.ndarray, limit: float) -> bool:
     """Whether the imbalance exceeds `limit` times the largest energy (0: never asked)."""
     return limit > 0.0 and not abs(ledger[IMBALANCE]) <= limit * ledger[LARGEST]
 
 
+@kernel
 def is_out_of_nothing(ledger: np.ndarray, limit: float) -> bool:
     """Whether motion and laws have many times the energy that was there or came in."""
     due = ledger[INITIAL] - ledger[POTENTIAL] + ledger[EXTERNAL_WORK] + ledger[DRIVER_WORK]

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
+from crashsolve.deck.card import law_class
 from crashsolve.deck.family import CHOSEN, families
-from crashsolve.deck.laws import law_class, types_in
+from crashsolve.deck.laws import types_in
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.orientation import matrix, perpendicular
 from crashsolve.model import attachments as welds

@@ -14,21 +14,12 @@ References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonline
 shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 """
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.card import Card, Law, MaterialName, Vec3, quantity, word
-from crashsolve.elements.damping import Damped, coefficients
-from crashsolve.elements.shells.cards import (
-    Impulse,
-    NamedNode,
-    NodeVelocity,
-    SectionCut,
-    Support,
-    Trace,
-    Weld,
-)
+from crashsolve.elements.damping import coefficients
+from crashsolve.elements.shells.cards import ShellCard
 from crashsolve.elements.shells.energies import moving
 from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.elements.shells.outputs import FIELDS as FIELDS
@@ -47,35 +38,8 @@ ROWS = WORK.SIZE
 FAMILY = "matsum"
 
 
-class Shell(Damped):
+class Shell(ShellCard):
     """Thin shell of quadrilaterals."""
-
-    mesh: Card = Law("meshes", "positions of the nodes, elements, sets of nodes")
-    thickness: float = quantity("m", "t", gt=0)
-    element: Literal["reduced", "fully_integrated", "triangles"] = word(
-        "quadrilaterals with one point in their plane, or 2 by 2, or each cut into two triangles",
-        default="reduced",
-    )
-    material: MaterialName = word("what it is made of")
-    layers: int = word("points through the thickness", default=5, ge=1, le=MOST_LAYERS)
-    rule: Literal["gauss", "lobatto"] = word("where they lie; lobatto: at the faces too", "gauss")
-    thinning: bool = word("the thickness follows the strain", default=False)
-    nodes: tuple[NamedNode, ...] = word("nodes that are bodies", default=())
-    supports: tuple[Support, ...] = word("supports", default=())
-    welded: tuple[Weld, ...] = word("nodes without a motion of their own", default=())
-    traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
-    gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
-    section_cuts: tuple[SectionCut, ...] = word(
-        "sections with a history: secforc.P_name", default=()
-    )
-    velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
-    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
-    velocities: tuple[NodeVelocity, ...] = word("at the start, of sets of nodes", default=())
-    impulses: tuple[Impulse, ...] = word("impulses at the start, on regions", default=())
-
-    def node_names(self, part: str) -> list[str]:
-        """Names of those nodes of a part of this name that are bodies."""
-        return [f"{part}_{node.name}" for node in self.nodes]
 
 
 PARAMETERS = Record(f"""

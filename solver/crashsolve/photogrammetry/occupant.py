@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.family import families
-from crashsolve.deck.laws import choices
 from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.scene import Scene
 from crashsolve.photogrammetry.chain_fit import Chain

@@ -86,40 +86,50 @@ class Snapshot:
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
         self._arrays: dict[str, np.ndarray] = {}
-        # lists of pairs are other arrays whenever they are made anew
-        self._stays = not (_lists(engine) or _nodal(engine))
-        kept = _kept_aside(engine) if self._stays else {}
-        self._names = [name for name, a in kept.items() if a.size]
-        found = [kept[name] for name in self._names]
-        # in bytes, as numpy takes columns one by one
-        bytes_of = [a.reshape(-1).view(np.uint8) if a.flags.c_contiguous else a for a in found]
-        self._pairs = [(array, array.copy()) for array in bytes_of]
+        self._pairs: list[tuple[np.ndarray, np.ndarray]] = []
+        # of which arrays the pairs are; lists of pairs are others whenever they are made anew
+        self._bound = -1
+        arrays = changing(engine).values()
+        # lists of nodes and faces are made anew by the step itself
+        self.is_copied = not _nodal(engine) and all(a.flags.c_contiguous for a in arrays)
+
+    def pieces(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """What is to be copied, from and to, in bytes, as numpy takes columns one by one."""
+        if self._bound != self.engine.bindings:
+            now = {name: a for name, a in changing(self.engine).items() if a.size}
+            self._arrays = {name: a.copy() for name, a in now.items()}
+            self._pairs = [(_bytes(a), _bytes(self._arrays[name])) for name, a in now.items()]
+            self._bound = self.engine.bindings
+        return self._pairs
 
     def take(self) -> None:
         """Keep what is now."""
-        if not self._stays:
+        if not self.is_copied:
             self._arrays = {name: a.copy() for name, a in changing(self.engine).items()}
-        for now, kept in self._pairs:
+            return
+        for now, kept in self.pieces():
             kept[...] = now
 
     def arrays(self) -> dict[str, np.ndarray]:
         """What was kept, by name."""
-        kept = dict(zip(self._names, (copy for _, copy in self._pairs), strict=True))
-        return kept | self._arrays
+        return self._arrays
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:
-        """Keep what `arrays` of another snapshot gave. Raises KeyError or ValueError."""
-        for name, (_, kept) in zip(self._names, self._pairs, strict=True):
-            kept[...] = arrays[name]
-        if not self._stays:
-            self._arrays = dict(arrays)
+        """Keep what `arrays` of another snapshot gave."""
+        self._arrays, self._bound = dict(arrays), -1
 
     def put_back(self) -> None:
         """Make what was kept the present; of lists of pairs once for every `take`."""
-        if not self._stays:
-            restore(self.engine, self._arrays)
-        for now, kept in self._pairs:
-            now[...] = kept
+        if self.is_copied and self._bound == self.engine.bindings:
+            for now, kept in self._pairs:
+                now[...] = kept
+            return
+        empty = {name: a for name, a in changing(self.engine).items() if not a.size}
+        restore(self.engine, empty | self._arrays)
+
+
+def _bytes(array: np.ndarray) -> np.ndarray:
+    return array.reshape(-1).view(np.uint8)
 
 
 def size_of(engine: Engine) -> int:

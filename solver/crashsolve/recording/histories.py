@@ -106,6 +106,11 @@ class Histories:
         """What a restart must bring back, once the values of all samples taken are made."""
         return {"momenta/start": self._momenta.start, "momenta/largest": self._momenta.largest}
 
+    @property
+    def kept(self) -> Kept:
+        """Tables of the samples taken."""
+        return self._kept
+
     def take(self) -> bool:
         """Keep what the present sample is made of; whether the block is full."""
         self._kept.take()
@@ -315,7 +320,8 @@ def _flat(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
 
     In memory a column stands in one piece, as it does in the history.
     """
-    columns = [tables[name].reshape(*tables.shape, -1) for name in names]
+    # widths by name: numpy cannot infer one where there are no samples
+    columns = [tables[name].reshape(*tables.shape, _width(tables.dtype[name])) for name in names]
     found = np.empty((sum(c.shape[2] for c in columns), *tables.shape))
     first = 0
     for column in columns:
@@ -323,3 +329,8 @@ def _flat(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
         found[first:last] = column.transpose(2, 0, 1)
         first = last
     return found.transpose(1, 2, 0)
+
+
+def _width(column: np.dtype[Any]) -> int:
+    """Numbers in a column of a table."""
+    return int(np.prod(column.shape, dtype=int))

@@ -35,8 +35,8 @@ class Kept:
         size = sum(dtype.itemsize * int(np.prod(shape)) for shape, dtype in tables)
         self.most = min(max(MOST_BYTES // max(size, 1), 1), MOST_SAMPLES)
         self._tables = [np.empty((self.most, *shape), dtype) for shape, dtype in tables]
-        # numpy would copy columns one by one
-        self._pieces = [
+        # from and to, the latter (samples, ...): numpy would copy columns one by one
+        self.pieces = [
             piece
             for source, copies in zip(sources, self._tables, strict=True)
             if not callable(source) and copies.size
@@ -47,7 +47,7 @@ class Kept:
     def take(self) -> None:
         """Keep the tables of the present sample."""
         k = self.count
-        for piece, copies in self._pieces:
+        for piece, copies in self.pieces:
             copies[k] = piece
         for i, source in self._asked:
             self._tables[i][k] = source()
@@ -56,6 +56,16 @@ class Kept:
     @property
     def is_full(self) -> bool:
         return self.count == self.most
+
+    @property
+    def room(self) -> int:
+        """Samples that may still be kept."""
+        return self.most - self.count
+
+    @property
+    def is_copied(self) -> bool:
+        """Whether nothing is asked for at a sample."""
+        return not self._asked
 
     def tables(self) -> list[np.ndarray]:
         """The tables (samples, ...) kept since the last call; the next sample overwrites them."""

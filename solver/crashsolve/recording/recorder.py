@@ -19,6 +19,12 @@ class Recorder:
         if self.histories.take() or self.history.is_due():
             self._hand_over()
 
+    def taken(self, times: list[float]) -> None:
+        """Samples at times [s] have been kept already. Raises OutputError."""
+        self._times += times
+        if self.histories.kept.is_full or self.history.is_due():
+            self._hand_over()
+
     def flush(self) -> None:
         """Write all samples taken. Raises OutputError."""
         self._hand_over()

@@ -8,7 +8,7 @@ import numpy as np
 
 from crashsolve.channels.expression import channels_in, evaluate
 from crashsolve.channels.series import Series
-from crashsolve.deck.laws import choices
+from crashsolve.deck.words import choices
 from crashsolve.output.channels import Family
 
 # channels of glstat that measure the run and not the model: they are errors themselves

@@ -6,6 +6,8 @@ The times that `expect` and `watch` ask for, by `at:T` and as ends of a window, 
 from bisect import bisect_left
 from dataclasses import dataclass
 
+import numpy as np
+
 from crashsolve.channels.statistic import moment_asked
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.expect import Expect
@@ -45,6 +47,16 @@ class Schedule:
         if j < len(self.numbers) and self.numbers[j] == k:
             return self.asked[j]
         return self._plain(k - j)
+
+    def times(self, k: int, most: int) -> np.ndarray:
+        """Times [s] of sample k and those after it, up to the end or so many."""
+        last = bisect_left(self.numbers, k + most)
+        if bisect_left(self.numbers, k) == last:
+            targets = self.start + np.arange(k - last, k - last + most) * self.interval
+            targets[targets > self.end - SAME * self.interval] = self.end
+        else:
+            targets = np.array([self.time(i) for i in range(k, k + most)])
+        return targets[: int(np.searchsorted(targets, self.end)) + 1]
 
     def number(self, time: float) -> int:
         """Number of the sample nearest to a time [s]."""

@@ -3,10 +3,15 @@
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from crashsolve.deck.keywords import answering
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.system.engine import Engine
+
+# a depth of this share of the model's size is touching
+ONTO = 1e-9
 
 
 def refuse_inconsistencies(deck: Deck, engine: Engine) -> None:
@@ -25,5 +30,35 @@ def _inconsistencies(deck: Deck, engine: Engine) -> Iterator[tuple[Any, str, str
     joints = {name: card for k in answering("joints") for name, card in entries[k].items()}
     for name, text in engine.assembly_errors():
         yield joints[name], text, "correct the joint or the bodies"
-    for name, text in engine.overlaps():
+    for name, text in overlaps(engine):
         yield entries["contacts"][name], text, "move the bodies apart"
+
+
+def overlaps(engine: Engine) -> list[tuple[str, str]]:
+    """Contacts that begin so deep that the way out is anyone's guess: (contact, what is wrong).
+
+    Sides are solid: a ball in a hollow one, or on its very middle, is not meant.
+    """
+    model = engine.model
+    current, found = int(engine.clock["current"]), {}
+    for group in model.contact_groups:
+        depth, thick = group.history["depth"][current], group.parameters["thick"]
+        # a constraint has no depth: what it is to hold begins apart, or touching
+        limit = ONTO * model.size if group.is_unilateral else 0.5 * thick
+        for i in np.flatnonzero(depth > limit):
+            why = (
+                "nodes that are held must not begin inside"
+                if group.is_unilateral
+                else f"over half of the {thick[i]:.3g} m from the middle of one side "
+                "to that of the other"
+            )
+            card = model.contacts[group.parameters["card"][i]]
+            found[card] = f"begins {depth[i]:.3g} m deep, {why}"
+    for nodal in model.nodal_groups:
+        depth = nodal.arrays["totals"]["depth"][0]
+        if nodal.narrow is None and depth > ONTO * model.size:
+            found[nodal.card] = (
+                f"begins {depth:.3g} m deep: nodes are nearer to faces than both are thick; "
+                "move them apart, or say `ring` if they are neighbours in the mesh"
+            )
+    return list(found.items())

@@ -6,32 +6,25 @@ An interval between two samples counts as contact when something touches at its 
 an onset or the end of a contact; "after" is every other interval after the first onset.
 """
 
-from crashsolve.system.engine import Engine
+from crashsolve.recording.marching import March
 
 PHASES = ("before", "during", "after")
 
 
 class ContactPhases:
-    """Counts steps and time by phase, from the start of a run or from its restart."""
+    """Steps and time by phase, as `march` counts them from the start of a run or its restart."""
 
-    def __init__(self, engine: Engine) -> None:
-        state = engine.state
-        self._clock, self._touching = state.clock, state.cards["touching"]
-        self._onsets = state.card_history["onsets"]
-        self._steps = dict.fromkeys(PHASES, 0)
-        self._time = dict.fromkeys(PHASES, 0.0)
-        self._last = self._look()
+    def __init__(self, march: March) -> None:
+        self._counted = march.phase
+        march.count_from_here()
 
-    def count(self) -> None:
-        """Add the interval since the last sample."""
-        now = self._look()
-        time, cycle, onsets, touching = now
-        phase = "after" if onsets else "before"
-        if touching or self._last[3] or onsets > self._last[2]:
-            phase = "during"
-        self._time[phase] += time - self._last[0]
-        self._steps[phase] += cycle - self._last[1]
-        self._last = now
+    @property
+    def _steps(self) -> dict[str, int]:
+        return dict(zip(PHASES, self._counted["steps"][0].tolist(), strict=True))
+
+    @property
+    def _time(self) -> dict[str, float]:
+        return dict(zip(PHASES, self._counted["spans"][0].tolist(), strict=True))
 
     def cycles(self) -> int:
         """Steps counted so far."""
@@ -54,9 +47,3 @@ class ContactPhases:
             return {"average step": f"{self.simulated() / self.cycles():.4g} s"}
         texts = ["-" if step is None else f"{step:.4g} s" for step in self.averages().values()]
         return {"average step before, during, after contact": ", ".join(texts)}
-
-    def _look(self) -> tuple[float, int, int, bool]:
-        """Time [s], steps, onsets of contact so far, and whether anything touches."""
-        clock = self._clock[0]
-        onsets = int(self._onsets[clock["current"]].sum())
-        return float(clock["time"]), int(clock["cycle"]), onsets, bool(self._touching.any())

@@ -73,6 +73,9 @@ def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[
         status.exit_code = int(ExitCode.STOPPED if is_asked else code)
         status.message = "interrupted while preparing" if is_asked else str(error) or repr(error)
         write_status(path, status)
+        if log is None and is_asked:
+            # the signal came while log.txt was being opened
+            log = Log(folder / "log.txt", append=append)
         if log is not None:
             (log.line if is_asked else log.error)(status.message)
             log.finish(STOPPED if is_asked else ERROR)

@@ -38,6 +38,7 @@ from crashsolve.recording.between import Between
 from crashsolve.recording.changing import changing, restore
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
+from crashsolve.recording.marching import MOST
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.expected_size import expected_size
@@ -238,6 +239,7 @@ class Run:
         self.files.callback(self.states.close)
         if resumed is None:
             self.engine.sample()
+            self.recorder.take(self.deck.control.start_time)
             self._write(self.deck.control.start_time, force=True)
 
     def _prepare_estimates(self, dump: Any) -> "Estimating | None":
@@ -297,36 +299,77 @@ class Run:
         """Advance from sample to sample until the end."""
         end = self.schedule.end
         self.pulse.does("one step")
-        phases = self.account.phases = ContactPhases(self.engine)
+        march = self.between.march
+        self.account.phases = ContactPhases(march)
         self.sampled = float(self.engine.clock["sampled"])
         k = self.schedule.last_until(self.sampled)
         target = self.schedule.time(k)
         self.between.begin()
         while target < end and not self.engine.is_complete:
+            times, kept = self._times_ahead(k), self.histories.kept
+            if march.may_go(float(times[-1]), kept):
+                count = self._march_through(times)
+                k += count
+                target = self.schedule.time(k)
+                if count == len(times):
+                    continue
             k += 1
-            target = self.schedule.time(k)
-            # no run has children while it marches: their times need not be asked for
-            begun = time.process_time()
-            try:
-                self.engine.reach(target)
-            finally:
-                advanced = time.process_time()
-                self.cpu["steps"] += advanced - begun
-            if self.engine.is_complete:
-                target = float(self.engine.clock["time"])
-            self.between.fill(target)
-            self.engine.sample(target)
-            self.between.mark()
-            phases.count()
-            self.account.keep_alive()
-            self._write(target, force=target == end or self.engine.is_complete)
-            self.sampled = target
-            self._obey()
-            self.cpu["output"] += time.process_time() - advanced
+            target = self._go_to(self.schedule.time(k))
+
+    def _march_through(self, times: np.ndarray) -> int:
+        """Samples at times [s] in compiled code; how many are done, the last one written."""
+        # no run has children while it marches: their times need not be asked for
+        begun = time.process_time()
+        count, stepping = self.between.march.go(times, self.histories.kept)
+        self.cpu["steps"] += stepping
+        if count:
+            before = times[count - 2] if count > 1 else self.sampled
+            self.sampled, now = float(before), float(times[count - 1])
+            self.recorder.taken(times[:count].tolist())
+            self._after(now)
+        self.cpu["output"] += time.process_time() - begun - stepping
+        return count
+
+    def _go_to(self, target: float) -> float:
+        """Advance to one sample and take it; its time, which may be another of an equilibrium."""
+        begun = time.process_time()
+        try:
+            self.engine.reach(target)
+        finally:
+            advanced = time.process_time()
+            self.cpu["steps"] += advanced - begun
+        if self.engine.is_complete:
+            target = float(self.engine.clock["time"])
+        self.between.fill(target)
+        self.engine.sample(target)
+        self.between.mark()
+        self.between.march.tally()
+        self.recorder.take(target)
+        self._after(target)
+        self.cpu["output"] += time.process_time() - advanced
+        return target
+
+    def _after(self, now: float) -> None:
+        """What follows a sample, the last of those taken."""
+        self.account.keep_alive()
+        self._write(now, force=now == self.schedule.end or self.engine.is_complete)
+        self.sampled = now
+        self._obey()
+
+    def _times_ahead(self, k: int) -> np.ndarray:
+        """Times [s] of the samples after sample k, up to the first at which more is due."""
+        times = self.schedule.times(k + 1, MOST)
+        begun = self.deck.control.start_time
+        all_times = np.concatenate([[self.sampled], times]) - begun
+        is_due = times >= self.schedule.end
+        for step in (self.state_step, self.log_step, self.restart_step):
+            if step:
+                number = (all_times / step + 1e-9).astype(np.int64)
+                is_due |= number[1:] > number[:-1]
+        return times[: int(np.argmax(is_due)) + 1] if is_due.any() else times
 
     def _write(self, now: float, force: bool) -> None:
-        """Whatever is due at this sample."""
-        self.recorder.take(now)
+        """Whatever is due at this sample, beside what is kept of it."""
         if force or self._due(now, self.state_step):
             self.states.write(now, self.pictures.fields())
         if force or self._due(now, self.log_step):

@@ -13,14 +13,12 @@ once. Consequence to test: the work is the energy stored, however few the load s
 rise linearly.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from crashsolve.statics.equations import Equations
 from crashsolve.statics.loading import potential
-
-if TYPE_CHECKING:
-    from crashsolve.statics.equilibrium import StaticEngine
 
 # of stiffness times size: round-off of positions, in sums of some terms
 ROUND_OFF = 10.0 * np.finfo(float).eps
@@ -37,12 +35,12 @@ class Forces:
         self.largest = [0.0, 0.0]
         self.left = (0.0, 0.0)
 
-    def meet(self, g: np.ndarray, engine: "StaticEngine") -> None:
+    def meet(self, g: np.ndarray, engine: Equations) -> None:
         """Forces and moments (6 n,) before anything gives way."""
         self._grow(*_largest(g))
         self.meet_reactions(engine)
 
-    def meet_reactions(self, engine: "StaticEngine") -> None:
+    def meet_reactions(self, engine: Equations) -> None:
         """What the joints hold in the last sample."""
         held = np.abs(engine.rows["reaction"])
         rotations = np.zeros(len(held), bool)
@@ -96,7 +94,7 @@ def _largest(g: np.ndarray) -> tuple[float, float]:
 class Work:
     """Counts the work that load steps do, in the histories of loads and in clock.driver_work."""
 
-    def __init__(self, engine: "StaticEngine") -> None:
+    def __init__(self, engine: Equations) -> None:
         self.engine = engine
         self.held, self.reactions = np.zeros(0), np.zeros(0)
         # of loads that count their own work: work so far, and force on the free nodes
@@ -105,7 +103,7 @@ class Work:
     def begin(self) -> None:
         """Note what is out of balance, and what drivers hold, before a load step."""
         engine = self.engine
-        self.held = engine._rest(float(engine.clock.time), engine.state.nodes)
+        self.held = engine.rest(float(engine.clock.time), engine.state.nodes)
         self.reactions = engine.rows["reaction"][engine.loading.rows()].copy()
         now, current = float(engine.clock.time), int(engine.clock.current)
         self.before = {
@@ -142,7 +140,7 @@ class Work:
         if not rows:
             return 0.0
         travel = engine.loading.positions(now) - engine.loading.positions(begun)
-        engine._rest(now, engine.state.nodes)
+        engine.rest(now, engine.state.nodes)
         return float(0.5 * (self.reactions + engine.rows["reaction"][rows]) @ travel)
 
     def _loads(self) -> list[Any]:
@@ -171,7 +169,7 @@ class Work:
     def _applied(self, moment: float) -> np.ndarray:
         """All forces and moments (6 n,) on the free nodes but those of joints."""
         engine = self.engine
-        engine._rest(moment, engine.state.nodes)
+        engine.rest(moment, engine.state.nodes)
         own = engine.nodes[engine.free]
         return np.hstack([own["force"], own["torque"]]).ravel()
 
@@ -186,6 +184,6 @@ class Work:
         A, J = (nodes[name][free].reshape(-1, 3, 3) for name in ("A", "J"))
         inertia = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
         nodes["L"][free] = np.matmul(inertia, change[:, 3:, None])[:, :, 0]
-        engine._rest(time, nodes)
+        engine.rest(time, nodes)
         new = 1 - int(engine.clock.current)
         return {g.word: g.history[new]["power"].copy() for g in self._loads()}

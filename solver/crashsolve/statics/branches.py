@@ -16,15 +16,13 @@ Cedolin (1991), Stability of Structures, 10.2 (the stable path).
 """
 
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from crashsolve.hinges._law import line_origin, resistance
 from crashsolve.statics.elimination import eliminate
-
-if TYPE_CHECKING:
-    from crashsolve.statics.equilibrium import StaticEngine
+from crashsolve.statics.equations import Equations
 
 # a hinge is at yield so near to it, of its moment; the slope ahead is that so far ahead, of its
 # elastic range: corners are met to CLOSE of a load step, and slopes change at corners alone
@@ -46,7 +44,7 @@ class Candidate:
 class Branches:
     """What flows on over a load step from an accepted state."""
 
-    def __init__(self, engine: "StaticEngine", candidates: list[Candidate], time: float) -> None:
+    def __init__(self, engine: Equations, candidates: list[Candidate], time: float) -> None:
         self.candidates = candidates
         self.sets: list[tuple[float, Set, np.ndarray]] = []
         if not 0 < len(self.candidates) <= MOST:

@@ -21,6 +21,7 @@ from crashsolve.model.jacobian import jacobian, whole_rows
 from crashsolve.model.model import Model, State
 from crashsolve.statics.balance import Forces, Work
 from crashsolve.statics.elimination import eliminate
+from crashsolve.statics.equations import Tangent
 from crashsolve.statics.limit_point import passes_limit_point
 from crashsolve.statics.loading import Loading
 from crashsolve.statics.motions import move, nudge, rotations
@@ -45,8 +46,6 @@ SHARED = 1e-10
 HALVINGS = 7
 # of the largest force, and of the change over a load step: where `control.tolerance` says nothing
 TOLERANCE = 1e-8
-
-Tangent = tuple[np.ndarray, np.ndarray]
 
 
 class StaticEngine(Engine):
@@ -98,7 +97,7 @@ class StaticEngine(Engine):
         """The equilibrium in which the run begins. Raises SolverError."""
         super().start()
         loading, clock = self.loading, self.clock
-        if not loading.rising and not self._rest(loading.start, self.state.nodes).any():
+        if not loading.rising and not self.rest(loading.start, self.state.nodes).any():
             return
         # nobody can be answered before the files are open
         answer, self.on_pause = self.on_pause, lambda: None
@@ -176,7 +175,7 @@ class StaticEngine(Engine):
 
     def _missing_energy(self) -> float:
         """Imbalance of the present state [J]."""
-        self._rest(float(self.clock.time), self.state.nodes)
+        self.rest(float(self.clock.time), self.state.nodes)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         return float(self.ledger[energy.IMBALANCE])
 
@@ -270,6 +269,10 @@ class StaticEngine(Engine):
         clock.iterations += count
         # where a hinge has just begun to yield, a tangent cannot know which way it goes on
         self.known = self.tangent if self.yielding.groups or self.plastic_flow.groups else None
+
+    def out_of_balance(self) -> str:
+        """What the forces lack of an equilibrium, for a message."""
+        return self.forces.message()
 
     def _is_closed(self, phi: np.ndarray) -> bool:
         """Whether the joints are. Writes: clock.residual."""
@@ -373,7 +376,7 @@ class StaticEngine(Engine):
                 i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
                 kept = nodes[i].copy()
                 nudge(nodes[i], int(k % 6), size)
-                columns[:, k] = (self._rest(time, nodes) - g) / size
+                columns[:, k] = (self.rest(time, nodes) - g) / size
                 nodes[i] = kept
         return columns
 
@@ -412,12 +415,12 @@ class StaticEngine(Engine):
 
     def imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Forces and moments that nothing holds (6 n,), D (m, 6 n) and Phi (m,)."""
-        g, rows = self._rest(time, self.state.nodes), self.rows
+        g, rows = self.rest(time, self.state.nodes), self.rows
         D = jacobian(self.model.joints, rows, len(self.nodes))[:, self.free]
         phi = rows["phi"][whole_rows(self.model.joints)]
         return g, D.reshape(len(phi), g.size), phi
 
-    def _rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
+    def rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
         """A sample of these nodes: forces and moments (6 n,) that would move the free ones."""
         self.loading.set_time(time)
         time = self.loading.time(time)

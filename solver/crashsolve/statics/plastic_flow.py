@@ -7,15 +7,13 @@ nothing, and kept, while some elastic iterations bring the chain back together. 
 asked again in the next pass, and in the equilibrium.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from crashsolve.model.checks.statics import follows_load_steps
 from crashsolve.springs._segment_yield import FLOWS, FROZEN
-
-if TYPE_CHECKING:
-    from crashsolve.statics.equilibrium import StaticEngine
+from crashsolve.statics.equations import Equations
 
 # elastic iterations at most, and the correction that ends them, over that which they follow
 PASSES, LITTLE = 6, 1e-3
@@ -40,7 +38,7 @@ class PlasticFlow:
         is_frozen = group in self.groups and bool((group.parameters["at_rest"] == FROZEN).any())
         return group.history[1 - current if is_frozen else current]
 
-    def predicted(self, engine: "StaticEngine", time: float) -> float:
+    def predicted(self, engine: Equations, time: float) -> float:
         """Moment a little behind the first yield of a segment, by the tangent; at most `time`.
 
         A step far beyond yield would find a chain of segments that all flow: a mechanism.
@@ -57,13 +55,13 @@ class PlasticFlow:
         )
         return begun + cut * share * (time - begun) if share < 1.0 else time
 
-    def _of_all(self, engine: "StaticEngine", change: np.ndarray) -> np.ndarray:
+    def _of_all(self, engine: Equations, change: np.ndarray) -> np.ndarray:
         """Motions (n, 6) of all nodes, of those of the free ones."""
         whole = np.zeros((len(engine.state.nodes), 6))
         whole[engine.free] = change
         return whole
 
-    def take(self, engine: "StaticEngine", time: float, change: np.ndarray) -> None:
+    def take(self, engine: Equations, time: float, change: np.ndarray) -> None:
         """Move by a correction (n, 6) of the free nodes. Writes: the State."""
         nodes, size = engine.state.nodes, engine.size_of(change)
         if not self.groups or size < NEAR:

@@ -1,13 +1,9 @@
 """Why there is no next equilibrium to go to, as the user reads it."""
 
-from typing import TYPE_CHECKING
-
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model import ledger as energy
+from crashsolve.statics.equations import Equations
 from crashsolve.system.diagnosis import curve_end
-
-if TYPE_CHECKING:
-    from crashsolve.statics.equilibrium import StaticEngine
 
 
 class Problem:
@@ -18,7 +14,7 @@ class Problem:
     def __init__(self, kind: str, target: float, location: str = "the model") -> None:
         self.kind, self.target, self.location = kind, target, location
 
-    def error(self, engine: "StaticEngine", moment: float) -> SolverError:
+    def error(self, engine: Equations, moment: float) -> SolverError:
         """What the user reads, who has equilibria up to a moment."""
         time, cycle = engine.loading.time(moment), int(engine.clock.cycle)
         if self.kind == "end of curve":
@@ -28,17 +24,17 @@ class Problem:
         cause, advice = texts[self.kind](engine, moment)
         return SolverError(time, cycle, self.location, cause, advice)
 
-    def _lost(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+    def _lost(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
             f"no equilibrium found behind this one, at {engine.loading.message(self.target)} "
-            f"(last correction {float(engine.clock.value):.2g}, {engine.forces.message()})",
+            f"(last correction {float(engine.clock.value):.2g}, {engine.out_of_balance()})",
             "hold what can move freely; let loads rise along a curve, in more steps; beyond a "
             "limit load there is none: where a structure flows, prescribe its motion by a driver, "
             "whose reaction is the load; where it snaps through, follow the path of equilibria by "
             "control.path: arc_length, or say solution: transient with damping",
         )
 
-    def _unbalanced(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+    def _unbalanced(self, engine: Equations, moment: float) -> tuple[str, str]:
         share = 100.0 * engine.ledger[energy.IMBALANCE] / (engine.ledger[energy.LARGEST] or 1.0)
         return (
             f"the energy balance is off on the way to {engine.loading.message(self.target)} "
@@ -48,7 +44,7 @@ class Problem:
             "solution: transient with damping; control.energy_limit sets the bound",
         )
 
-    def _left(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+    def _left(self, engine: Equations, moment: float) -> tuple[str, str]:
         at = engine.loading.message
         return (
             f"the equilibrium becomes unstable between {at(moment)} and {at(self.target)}: "
@@ -59,7 +55,7 @@ class Problem:
             "solution: transient; what stands upside down needs something that holds it",
         )
 
-    def _jumped(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+    def _jumped(self, engine: Equations, moment: float) -> tuple[str, str]:
         at = engine.loading.message
         return (
             f"a limit point between {at(moment)} and {at(self.target)}: the equilibrium under the "
@@ -70,15 +66,15 @@ class Problem:
             "solution: transient with damping",
         )
 
-    def _lost_path(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+    def _lost_path(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
             "no equilibrium found along the path behind this one, under the loads of "
-            f"{engine.loading.message(moment)} ({engine.forces.message()})",
+            f"{engine.loading.message(moment)} ({engine.out_of_balance()})",
             "take more steps: the path may turn sharply, or branch where symmetry is lost, which a "
             "small imperfection or side load makes smooth",
         )
 
-    def _forked(self, engine: "StaticEngine", moment: float) -> tuple[str, str]:
+    def _forked(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
             "either of them may go on while the others unload, and both ways are equally stable: "
             "nothing in the model says which",

@@ -59,7 +59,7 @@ class RestEngine(StaticEngine):
         clock, nodes = self.clock, self.state.nodes
         begun, start, previous = float(clock.time), nodes.copy(), np.inf
         growth, highest, good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
-        self.forces.meet(self._rest(time, nodes), self)
+        self.forces.meet(self.rest(time, nodes), self)
         self._choose_step()
         for _ in range(REPEATS):
             kept, used = self.keep(), self.pseudo
@@ -75,7 +75,7 @@ class RestEngine(StaticEngine):
             # of one step alone nobody knows
             is_known = 0.0 < previous < np.inf
             left = min(change / previous, UNKNOWN) if is_known else UNKNOWN * (change > 0.0)
-            g = self._rest(time, nodes)
+            g = self.rest(time, nodes)
             self.forces.meet_reactions(self)
             balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest()
             # a load step counts as one
@@ -176,7 +176,7 @@ class RestEngine(StaticEngine):
             i, size = int(self.free[own[k // 6]]), STEP * (self.model.size if k % 6 < 3 else 1.0)
             kept = nodes[i].copy()
             nudge(nodes[i], k % 6, size)
-            columns.append((imbalance - self._rest(now, nodes)) / size)
+            columns.append((imbalance - self.rest(now, nodes)) / size)
             nodes[i] = kept
         at = (6 * own[:, None] + np.arange(6)).ravel()
         mode, _ = unstable_mode(

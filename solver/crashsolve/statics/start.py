@@ -7,9 +7,9 @@ g are the forces at rest that joints do not hold, delta_c closes the joints. tau
 (pseudo-transient continuation): small steps along the forces at first, so that what hangs above its
 springs settles on them, Newton's steps in the end. Directions in which nothing acts, as those in
 which a car rolls, keep their coordinate. Forces are those without motion: dampers, friction and
-slip of tyres rest. Velocities of the deck stay, but for what joints of the new configuration do not
-allow. Consequence to test: loads sum to the weight and divide by their lever arms, and the motion
-that follows stays below 1 % of them.
+slip of tyres rest, but for the carcass of wheels that stand (`standing.py`). Velocities of the deck
+stay, but for what joints of the new configuration do not allow. Consequence to test: loads sum to
+the weight and divide by their lever arms, and the motion that follows stays below 1 % of them.
 
 Reference: Kelley and Keyes (1998), Convergence analysis of pseudo-transient continuation, SIAM
 Journal on Numerical Analysis 35, 508-523.
@@ -24,6 +24,7 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.jacobian import jacobian, null_space, whole_rows
 from crashsolve.statics.motions import move, nudge
+from crashsolve.statics.standing import Standing
 from crashsolve.system.engine import Engine
 
 # differences: over the model's size, and rad
@@ -33,6 +34,10 @@ FAR, ANGLE = 0.05, 0.1
 # of tau [s]: that of the first pass, the largest, which leaves neutral directions alone, the least
 FIRST, LONGEST, SHORTEST = 0.01, 10.0, 1e-7
 PASSES = 300
+# searches where wheels stand: what one drags across the road as it is set down, the next lets go
+SEARCHES = 3
+# passes on end in which a tyre that stands slides all over, after which nothing will hold it
+SLIDES = 40
 # a correction that is none, in the model's size or rad
 STILL = 1e-11
 # growth of a motion away from the equilibrium that is none of round-off [1/s]
@@ -102,22 +107,34 @@ class _Settling:
         if 6 * len(self.free) > MOST:
             message = f"the model has {6 * len(self.free)} coordinates, and it takes {MOST} at most"
             raise self._refusal(1, message)
+        self.standing = Standing(self.model, nodes, int(engine.clock["current"]))
         self.nodes = nodes.copy()
         self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
 
     def run(self, does: Callable[[str], None]) -> str:
         """The whole search; returns what it found."""
-        first, here = self.nodes.copy(), self._at_rest(self.nodes)
-        tau, passes = FIRST, 0
+        first, passes = self.nodes.copy(), 0
+        for _ in range(SEARCHES if self.standing.patches else 1):
+            self.standing.begin(self.nodes)
+            here, passes = self._search(passes, does)
+        does("preparing the first step")
+        self._refuse_unstable(here)
+        self._take_over(here.D)
+        return self._words(first, passes)
+
+    def _search(self, passes: int, does: Callable[[str], None]) -> tuple["_Rest", int]:
+        """Passes from the present configuration to an equilibrium; what acts there, all passes."""
+        here, tau, slides = self._at_rest(self.nodes), FIRST, 0
+        self.standing.accept(self.nodes)
         while True:
             does(f"searching the equilibrium, after {passes} of at most {PASSES} passes")
             pass_ = self._pass(here, tau)
             is_still = pass_.size <= STILL and (tau == LONGEST or here.worst == 0.0)
             if is_still and np.abs(here.phi).max(initial=0.0) <= self._closed():
-                does("preparing the first step")
-                break
-            if passes == PASSES:
-                raise self._no_equilibrium(here)
+                return here, passes
+            slides = slides + 1 if self.standing.sliding() else 0
+            if passes == PASSES or slides == SLIDES:
+                raise self._no_equilibrium(here, passes)
             passes += 1
             tried = self.nodes.copy()
             self._shift(tried, pass_.change)
@@ -128,16 +145,15 @@ class _Settling:
                 tau *= 0.25
                 continue
             self.nodes, here = tried, there
+            self.standing.accept(self.nodes)
             if growth <= 1.0 or pass_.size <= STILL:
                 tau = min(2.0 * tau / max(growth, 0.1), LONGEST)
             self._look_again()
-        self._refuse_unstable(here)
-        self._take_over(here.D)
-        return self._words(first, passes)
 
     def _at_rest(self, nodes: np.ndarray) -> "_Rest":
         """What acts in a configuration without velocities."""
         engine = self.engine
+        self.standing.follow(nodes)
         engine.sample_of(nodes)
         found = engine.nodes[self.free]
         g = np.empty((len(self.free), 6))
@@ -230,6 +246,8 @@ class _Settling:
         nodes = self.engine.state.nodes
         for name in ("r", "q", "A"):
             nodes[name] = self.nodes[name]
+        self._at_rest(self.nodes)
+        self.standing.keep()
         self.engine.sample_of(nodes)
         given = np.hstack([nodes["v"][self.free], nodes["w"][self.free]]).ravel()
         if len(D):
@@ -249,15 +267,17 @@ class _Settling:
         far = f"by {moved[node]:.4g} m at most, {self._name(node)}"
         return f"equilibrium found in {passes} passes: mass centres were moved {far}"
 
-    def _no_equilibrium(self, here: "_Rest") -> SolverError:
+    def _no_equilibrium(self, here: "_Rest", passes: int) -> SolverError:
         k, axis = divmod(int(np.abs(here.rates).argmax()), 6)
         kind = "turned" if axis > 2 else "accelerated"
         rate = abs(here.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
         unit = "rad/s^2 about" if axis > 2 else "m/s^2 along"
+        sliding = self.standing.sliding()
+        slides = f"; tyres that slide hold no more: {sliding}" if sliding else ""
         return self._refusal(
             int(self.free[k]),
-            f"there is no equilibrium: after {PASSES} passes it is still {kind} by "
-            f"{rate:.4g} {unit} {'xyz'[axis % 3]}, which nothing bears",
+            f"there is no equilibrium: after {passes} passes it is still {kind} by "
+            f"{rate:.4g} {unit} {'xyz'[axis % 3]}, which nothing bears{slides}",
         )
 
     def _refusal(self, node: int, cause: str) -> SolverError:

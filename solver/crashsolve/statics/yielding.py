@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import product
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,10 +27,8 @@ from crashsolve.foundation.curve import HOLD, POINT
 from crashsolve.model.model import Model
 from crashsolve.model.nodes import COMPLIANT
 from crashsolve.statics.branches import Branches, Candidate, slope_ahead
+from crashsolve.statics.equations import Equations, Tangent
 from crashsolve.statics.problem import Problem
-
-if TYPE_CHECKING:
-    from crashsolve.statics.equilibrium import StaticEngine, Tangent
 
 # a corner may be passed by this share of the change over the load step: its square is the error of
 # work
@@ -93,7 +91,7 @@ class Yielding:
                     K[a, :, b] += row.stiffness * np.multiply.outer(d[i], d[j])
         return K
 
-    def predicted(self, engine: "StaticEngine", time: float) -> float:
+    def predicted(self, engine: Equations, time: float) -> float:
         """Moment a little behind the first corner, by the tangent; at most `time`.
 
         Newton's method then has one corner before it, where a long step might lead it far away.
@@ -111,7 +109,7 @@ class Yielding:
         )
         return begun + min(share, 1.0) * (time - begun)
 
-    def before(self, engine: "StaticEngine", time: float) -> float:
+    def before(self, engine: Equations, time: float) -> float:
         """Moment a little before the first corner on the way to another, by the tangent."""
         begun = float(engine.clock.time)
         change = engine.correction(time, engine.known)
@@ -121,7 +119,7 @@ class Yielding:
         share = cut * self._crossing(engine, cut * change, SHORT)
         return begun + (1.0 - 2.0 * SHORT) * share * (time - begun)
 
-    def branch(self, engine: "StaticEngine", time: float) -> "Tangent | None":
+    def branch(self, engine: Equations, time: float) -> Tangent | None:
         """Tangent of the hinges that flow on from a corner; None where that is not known.
 
         Raises SolverError where either of two may.
@@ -131,7 +129,7 @@ class Yielding:
             raise Problem("fork", time, " and ".join(fork)).error(engine, float(engine.clock.time))
         return found.tangent()
 
-    def at_yield(self, engine: "StaticEngine") -> list[Candidate]:
+    def at_yield(self, engine: Equations) -> list[Candidate]:
         """The motions of hinges that stand at yield."""
         current, nodes, found = int(engine.clock.current), engine.state.nodes, list[Candidate]()
         index = np.full(len(nodes), -1)
@@ -162,7 +160,7 @@ class Yielding:
                             found.append(Candidate(name, d.ravel(), row.stiffness, side, slope))
         return found
 
-    def _crossing(self, engine: "StaticEngine", change: np.ndarray, closely: float = 0.1) -> float:
+    def _crossing(self, engine: Equations, change: np.ndarray, closely: float = 0.1) -> float:
         """Share of a way (n, 6) of the free nodes to the first corner; 1 where there is none.
 
         To a part `closely` of itself, and not before it.
@@ -182,7 +180,7 @@ class Yielding:
         return high
 
     def first(
-        self, engine: "StaticEngine", start: np.ndarray, time: float, count: int
+        self, engine: Equations, start: np.ndarray, time: float, count: int
     ) -> tuple[float, int]:
         """Moment of the first corner between nodes `start` and the equilibrium at `time`; passes.
 

@@ -16,10 +16,10 @@ from typing import Any
 from crashsolve.channels.errors import ChannelError
 from crashsolve.channels.series import Window
 from crashsolve.channels.statistic import check, moment_asked, unit_of, words
-from crashsolve.deck.laws import choices
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.statistic import PATH
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 from crashsolve.recording.sampling import Schedule
 

@@ -215,7 +215,14 @@ def curve_end(model: Model, clock: Any) -> Diagnosis:
 
 
 def folded(model: Model, node: int, angle: float) -> Diagnosis:
-    """A bushing, segment or beam element that is turned by nearly half a turn, angle [rad]."""
+    """A bushing, segment or beam element that is turned by nearly half a turn, angle [rad].
+
+    A negative angle: the link of an anti-roll bar at its dead centre.
+    """
+    if angle < 0.0:
+        cause = "a link from it to an anti-roll bar has no lever on the bar any more"
+        advice = "longer arms or links, or stops that end the travel of the wheel before"
+        return f"body '{model.node_with_element(node)}'", cause, advice
     cause = f"it is turned by {angle:.3g} rad against what a spring or beam element ties it to"
     advice = (
         "half a turn is the end of what these know: take more elements or segments; let a joint "

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.compiler.machine import runs_plain
+from crashsolve.compiler.machine import runs_checked, runs_plain
 from crashsolve.compiler.table import Tables
 from crashsolve.deck.family import families
 from crashsolve.foundation.rows import as_rows
@@ -40,8 +40,6 @@ from crashsolve.threads.sharing import own_arrays
 
 # an assembly error above this share of the model's size is an error in the deck, not round-off
 ASSEMBLY = 1e-6
-# a depth of this share of the model's size is touching
-ONTO = 1e-9
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
 MANY_PASSES = 4.0
@@ -86,7 +84,9 @@ class Engine:
         # a sample within a step begins from the histories of the step's start
         kept = model.groups if self.is_dense else []
         self._histories = {f"{g.word}_history": (g.history, g.history.copy()) for g in kept}
-        self._copied = self._in_bytes()
+        self.copied = self._in_bytes()
+        # how often tables have been bound: others by then are not those of a copy
+        self.bindings = 0
         self.bind()
         self.program = program or compose(model)
         self._advance = load(self.program, self._present)
@@ -103,6 +103,22 @@ class Engine:
         # steps from one look to the next, of an interval that is run once more
         self._stride = 0
 
+    @property
+    def addresses(self) -> tuple[int, int, int] | None:
+        """Where the compiled step is, its tables at present, and those of a sample.
+
+        None where it is no function of one thread that code without checks may call.
+        """
+        step: int | None = getattr(self._advance, "address", None)
+        if step is None or runs_checked():
+            return None
+        return step, self._present.pointer, self._sampled.pointer
+
+    def has_no_bend(self, until: float) -> bool:
+        """Whether no curve of time has a corner or another bound on steps by `until` [s]."""
+        is_free = not len(self._curve_starts) or float(self.model.control[0]["fixed_step"]) > 0.0
+        return is_free and self.clock["kinked"] != CORNER and self._next_corner(until) > until
+
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """What a sample copies, from and to: in bytes, as numpy takes columns one by one."""
         s = self.state
@@ -115,6 +131,7 @@ class Engine:
     def bind(self) -> None:
         """Hand the present arrays to the compiled step: the State, and the copies of a sample."""
         m, s = self.model, self.state
+        self.bindings += 1
         # time, step, cycle and totals: at present, and of the last sample
         self.clock: Any = as_rows(s.clock)[0]
         self.sampled: Any = as_rows(self.sample_clock)[0]
@@ -221,18 +238,23 @@ class Engine:
             status = self._call(until)
             if status == REACHED:
                 return
-            if status == PAUSED:
-                self.on_pause()
-            elif status == TOUCHED:
-                self.masses.find(s)
-                self._renew_forces()
-            elif status == REBUILD:
-                self._refuse_passing()
-                renew(self.model.contact_groups, s)
-                give_room(self.model.nodal_groups)
-                self.bind()
-            else:
-                raise diagnose(self.model, s, self.clock, s.ledger)
+            self.answer(status)
+
+    def answer(self, status: int) -> None:
+        """What the loop gave control back for, other than its goal. Raises SolverError."""
+        s = self.state
+        if status == PAUSED:
+            self.on_pause()
+        elif status == TOUCHED:
+            self.masses.find(s)
+            self._renew_forces()
+        elif status == REBUILD:
+            self._refuse_passing()
+            renew(self.model.contact_groups, s)
+            give_room(self.model.nodal_groups)
+            self.bind()
+        else:
+            raise diagnose(self.model, s, self.clock, s.ledger)
 
     def _next_corner(self, until: float) -> float:
         """Time of the next corner of a curve of time [s]; infinite where there is none."""
@@ -284,9 +306,13 @@ class Engine:
 
     def _call(self, until: float) -> int:
         """One call of the compiled loop, of about LONGEST_CALL at most; returns its status."""
+        return self.within_pause(lambda: self._advance(until, False, self._present))
+
+    def within_pause(self, act: Callable[[], None]) -> int:
+        """Call the compiled loop, for LONGEST_CALL at most or `_stride` steps; its status."""
         clock, begun = self.state.clock[0], monotonic()
         clock["pause"] = clock["cycle"] + (self._stride or self._steps_per_call)
-        self._advance(until, False, self._present)
+        act()
         # no trace of how long it took may reach a dump
         clock["pause"] = 0
         spent = monotonic() - begun
@@ -302,7 +328,7 @@ class Engine:
 
         Raises SolverError, after a few steps already where energy comes out of nothing.
         """
-        for now, copy in self._copied:
+        for now, copy in self.copied:
             copy[:] = now
         clock = self.sample_clock[0]
         points = self.state.points
@@ -418,31 +444,3 @@ class Engine:
                     )
                 )
         return found
-
-    def overlaps(self) -> list[tuple[str, str]]:
-        """Contacts that begin so deep that the way out is anyone's guess: (contact, what is wrong).
-
-        Sides are solid: a ball in a hollow one, or on its very middle, is not meant.
-        """
-        current, found = int(self.clock["current"]), {}
-        for group in self.model.contact_groups:
-            depth, thick = group.history["depth"][current], group.parameters["thick"]
-            # a constraint has no depth: what it is to hold begins apart, or touching
-            limit = ONTO * self.model.size if group.is_unilateral else 0.5 * thick
-            for i in np.flatnonzero(depth > limit):
-                why = (
-                    "nodes that are held must not begin inside"
-                    if group.is_unilateral
-                    else f"over half of the {thick[i]:.3g} m from the middle of one side "
-                    "to that of the other"
-                )
-                card = self.model.contacts[group.parameters["card"][i]]
-                found[card] = f"begins {depth[i]:.3g} m deep, {why}"
-        for nodal in self.model.nodal_groups:
-            depth = nodal.arrays["totals"]["depth"][0]
-            if nodal.narrow is None and depth > ONTO * self.model.size:
-                found[nodal.card] = (
-                    f"begins {depth:.3g} m deep: nodes are nearer to faces than both are thick; "
-                    "move them apart, or say `ring` if they are neighbours in the mesh"
-                )
-        return list(found.items())

@@ -281,7 +281,8 @@ def vertical_force(p, at, curves):
     share = min(delta / p.damping_depth, 1.0)
     c = p.damping * share * share * (3.0 - 2.0 * share)
     total = max(elastic + c * at.closing, 0.0)
-    return total, stored, (total - elastic) * at.closing, slope, c
+    # the rim counts before it is met: nothing else shortens the step by then
+    return total, stored, (total - elastic) * at.closing, max(slope, p.stiffest), c
 
 
 class Grip(NamedTuple):

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import FunctionType
 
 from crashsolve.compiler.table import Slot
-from crashsolve.compiler.translation import builtin, lanes, threads
+from crashsolve.compiler.translation import addresses, builtin, lanes, threads
 from crashsolve.compiler.translation.function import Function
 from crashsolve.compiler.translation.kinds import (
     BOOL,
@@ -71,7 +71,7 @@ class Module:
         """The module. Constants stand first, by name."""
         constants = [f"{name} = private constant {text}" for text, name in self.constants.items()]
         checks = CHECKS if self.is_checked else ()
-        heads = [*builtin.declarations(), *threads.DECLARED, *checks]
+        heads = [*builtin.declarations(), *threads.DECLARED, *addresses.DECLARED, *checks]
         return "\n".join([*heads, *constants, *self.parts])
 
     def keep(self, text: str) -> str:

@@ -10,13 +10,13 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from crashsolve.channels.units import SI
-from crashsolve.deck.card import Card, Name, Reference, reference_of
+from crashsolve.deck.card import Card, Name, Reference, law_class, reference_of
 from crashsolve.deck.diagnostics import Diagnostic, diagnostics_of, shown
 from crashsolve.deck.dump import as_data, as_text
 from crashsolve.deck.expansion import MADE, expand, stands_for_many
 from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.keywords import SECTIONS, answering
-from crashsolve.deck.laws import UnknownType, choices, law_class, types_in
+from crashsolve.deck.laws import UnknownType, types_in
 from crashsolve.deck.numbers import Context
 from crashsolve.deck.reading.files import Files
 from crashsolve.deck.reading.items import Entry, Item, items_of
@@ -32,6 +32,7 @@ from crashsolve.deck.run_cards.output import Output
 from crashsolve.deck.run_cards.units import Units
 from crashsolve.deck.run_cards.watch import Watch
 from crashsolve.deck.source import BROKEN, Position, Table
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 AnyCard = TypeVar("AnyCard", bound=Card)

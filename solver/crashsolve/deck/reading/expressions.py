@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
-from crashsolve.deck.laws import choices
+from crashsolve.deck.words import choices
 
 MAX_LENGTH = 500
 U = TypeVar("U")

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 from crashsolve.deck.diagnostics import shown
 from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS
-from crashsolve.deck.laws import choices
 from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE, Position, Rows, Table
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 
 _NAMED = {keyword: section.singular for keyword, section in SECTIONS.items()}

@@ -13,9 +13,9 @@ from typing import Any
 
 from crashsolve.deck.diagnostics import shown
 from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS
-from crashsolve.deck.laws import choices
 from crashsolve.deck.reading.items import Item, Items, Step
 from crashsolve.deck.source import Position, Rows, Table, plain_scalar
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 
 PARAMETERS = "parameters."

@@ -10,11 +10,11 @@ from typing import Any
 
 from crashsolve.channels.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
 from crashsolve.deck.diagnostics import shown
-from crashsolve.deck.laws import choices
 from crashsolve.deck.numbers import SiFloat, as_written
 from crashsolve.deck.reading.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
 from crashsolve.deck.reading.items import Item
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 
 # names that are reported a circle

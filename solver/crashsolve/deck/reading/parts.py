@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
+from crashsolve.deck.card import law_class
 from crashsolve.deck.diagnostics import Diagnostic
-from crashsolve.deck.laws import law_class
 from crashsolve.deck.reading.items import Entry, Item
 from crashsolve.deck.reading.locations import placed
 from crashsolve.foundation.errors import DeckError

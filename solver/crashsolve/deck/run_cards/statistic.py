@@ -6,7 +6,7 @@ from crashsolve.channels.expression import FOLDER
 from crashsolve.channels.folder import words_in
 from crashsolve.channels.series import Window
 from crashsolve.deck.diagnostics import refuse
-from crashsolve.deck.laws import choices
+from crashsolve.deck.words import choices
 
 PATH = "path"  # no one number, but the whole history
 

@@ -1,10 +1,23 @@
-"""Tables within the card of a shell: named nodes, traces, sections, supports, starts."""
+"""The card of shells, and the tables within it: named nodes, traces, sections, supports, starts."""
 
 from typing import Literal
 
 from pydantic import model_validator
 
-from crashsolve.deck.card import BodyName, Card, NewName, PartName, SetName, Vec3, quantity, word
+from crashsolve.deck.card import (
+    BodyName,
+    Card,
+    Law,
+    MaterialName,
+    NewName,
+    PartName,
+    SetName,
+    Vec3,
+    quantity,
+    word,
+)
+from crashsolve.elements.damping import Damped
+from crashsolve.elements.shells.records import MOST_LAYERS
 from crashsolve.foundation.vec3 import ZERO
 
 MOTIONS = ("x", "y", "z", "rotation_x", "rotation_y", "rotation_z")
@@ -79,3 +92,34 @@ class Impulse(Card):
     low: Vec3 = quantity("m", "corner of the box with the least coordinates")
     high: Vec3 = quantity("m", "corner with the largest")
     speed: float = quantity("m/s", "impulse over mass; a node has its share of the elements there")
+
+
+class ShellCard(Damped):
+    """What the user writes of a shell, by which its mesh, layout and outputs are made."""
+
+    mesh: Card = Law("meshes", "positions of the nodes, elements, sets of nodes")
+    thickness: float = quantity("m", "t", gt=0)
+    element: Literal["reduced", "fully_integrated", "triangles"] = word(
+        "quadrilaterals with one point in their plane, or 2 by 2, or each cut into two triangles",
+        default="reduced",
+    )
+    material: MaterialName = word("what it is made of")
+    layers: int = word("points through the thickness", default=5, ge=1, le=MOST_LAYERS)
+    rule: Literal["gauss", "lobatto"] = word("where they lie; lobatto: at the faces too", "gauss")
+    thinning: bool = word("the thickness follows the strain", default=False)
+    nodes: tuple[NamedNode, ...] = word("nodes that are bodies", default=())
+    supports: tuple[Support, ...] = word("supports", default=())
+    welded: tuple[Weld, ...] = word("nodes without a motion of their own", default=())
+    traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
+    gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
+    section_cuts: tuple[SectionCut, ...] = word(
+        "sections with a history: secforc.P_name", default=()
+    )
+    velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
+    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+    velocities: tuple[NodeVelocity, ...] = word("at the start, of sets of nodes", default=())
+    impulses: tuple[Impulse, ...] = word("impulses at the start, on regions", default=())
+
+    def node_names(self, part: str) -> list[str]:
+        """Names of those nodes of a part of this name that are bodies."""
+        return [f"{part}_{node.name}" for node in self.nodes]

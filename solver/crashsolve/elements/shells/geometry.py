@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from crashsolve.elements.shells.cards import NamedNode, SectionCut, Trace
+from crashsolve.elements.shells.cards import NamedNode, SectionCut, ShellCard, Trace
 from crashsolve.elements.shells.forces.quadrilateral import rate_bound
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
 
-if TYPE_CHECKING:
-    from crashsolve.parts.shell import Shell
 
-
-def rule(card: Shell, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+def rule(card: ShellCard, scene: Any) -> tuple[np.ndarray, np.ndarray]:
     """Places -1 to 1 and weights, sum 2, of the layers, (layers,) each."""
     if card.rule == "gauss":
         return np.polynomial.legendre.leggauss(card.layers)

@@ -8,13 +8,13 @@ momentum of the nodes are those of the elements.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from crashsolve.elements.damping import IMPLICIT, heavier, report_added
 from crashsolve.elements.shells import outputs
-from crashsolve.elements.shells.cards import MOTIONS
+from crashsolve.elements.shells.cards import MOTIONS, ShellCard
 from crashsolve.elements.shells.forces.triangle import rate_bound as triangle_bound
 from crashsolve.elements.shells.geometry import (
     blocks_of,
@@ -34,9 +34,6 @@ from crashsolve.elements.shells.records import (
 )
 from crashsolve.foundation.point import ATTACHED, LANES
 
-if TYPE_CHECKING:
-    from crashsolve.parts.shell import Shell
-
 # points in the plane of a quadrilateral
 POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 
@@ -44,7 +41,7 @@ POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 class DiscretisedShell:
     """A shell part in place: its mesh, with the masses of its nodes."""
 
-    def __init__(self, card: Shell, scene: Any) -> None:
+    def __init__(self, card: ShellCard, scene: Any) -> None:
         self.law, self.material = scene.law("materials", card.material)
         self.card = card
         self.layer_rows = self.law.layer_rows(self.material)

@@ -5,10 +5,11 @@ N = t/2 sum w sigma and so on, means of the points of a plane where there are se
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from crashsolve.elements.shells.cards import ShellCard
 from crashsolve.elements.shells.geometry import blocks_of
 from crashsolve.elements.shells.records import (
     BLOCK,
@@ -16,10 +17,6 @@ from crashsolve.elements.shells.records import (
     VISCOUS,
 )
 from crashsolve.foundation.point import LANES
-
-if TYPE_CHECKING:
-    from crashsolve.elements.shells.layout import DiscretisedShell
-
 
 # elements worked on at a time where memory counts
 PIECE = 1024
@@ -39,8 +36,23 @@ FIELDS = {
 }
 
 
+class Part(Protocol):
+    """What outputs ask of a shell part."""
+
+    card: ShellCard
+    law: Any  # module of its material
+    material: Any  # card of it
+    rule: tuple[np.ndarray, np.ndarray]  # positions and weights of the layers
+    layer_rows: int
+    slows: bool
+    can_fail: bool
+
+    def sections(self) -> list[tuple[slice, int]]: ...
+    def stride_of(self, points: int) -> int: ...
+
+
 def values_of(
-    part: DiscretisedShell, blocks: np.ndarray, row: Any, wanted: np.ndarray, kind: Any = float
+    part: Part, blocks: np.ndarray, row: Any, wanted: np.ndarray, kind: Any = float
 ) -> dict[str, np.ndarray]:
     """Values of FIELDS of some elements (n, ...), in their units, from what all parts keep."""
     start = int(row["first"])
@@ -68,7 +80,7 @@ def _rows(table: np.ndarray, positions: np.ndarray) -> np.ndarray:
     return rotated[first - begun * LANES : last - begun * LANES]
 
 
-def fields(part: DiscretisedShell, rows: np.ndarray) -> dict[str, np.ndarray]:
+def fields(part: Part, rows: np.ndarray) -> dict[str, np.ndarray]:
     """Values of FIELDS from what elements keep (m, rows): means of the points of a plane."""
     count = part.card.layers
     end = rows.shape[1] - VISCOUS.SIZE * part.slows - EROSION.SIZE * part.can_fail

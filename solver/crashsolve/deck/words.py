@@ -1,0 +1,81 @@
+"""Advice on a word that a deck has wrong: the right one most like it, and those that there are."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+from crashsolve.deck.renamed import RENAMED
+
+# letters of a word that a message quotes
+LONGEST = 80
+# fields by the symbols and words that other codes and textbooks have for them
+SYMBOLS = {
+    "E": ("young", "young_a"),
+    **dict.fromkeys(("youngs_modulus", "modulus", "elastic_modulus"), ("young", "young_a")),
+    **dict.fromkeys(("nu", "pr", "poissons_ratio"), ("poisson", "poisson_a")),
+    **dict.fromkeys(("rho", "ro", "rho0"), ("density", "density_a")),
+    **dict.fromkeys(("yield", "sigma_y", "sigy", "fy", "Y", "sy"), ("yield_stress", "yield_force")),
+    **dict.fromkeys(("etan", "Et", "tangent_modulus"), ("tangent", "hardening")),
+    **dict.fromkeys(
+        ("mu", "friction_coefficient"), ("coefficient", "dynamic", "friction_coefficient")
+    ),
+    **dict.fromkeys(("mu_s", "mu_static"), ("static",)),
+    **dict.fromkeys(("mu_k", "mu_d", "mu_dynamic"), ("dynamic",)),
+    **dict.fromkeys(("e", "cor", "epsilon"), ("restitution", "exponent")),
+    "g": ("acceleration", "gravity"),
+    **dict.fromkeys(("k", "K"), ("stiffness",)),
+    **dict.fromkeys(("c", "d"), ("damping",)),
+    **dict.fromkeys(("zeta", "xi"), ("damping_ratio", "damping")),
+    "t": ("thickness", "end_time", "during"),
+    **dict.fromkeys(("h", "dt"), ("step", "interval", "thickness", "height")),
+    **dict.fromkeys(("tend", "t_end", "T", "duration"), ("end_time", "torque")),
+    "m": ("mass", "softening"),
+    **dict.fromkeys(("I", "J"), ("inertia", "torsion")),
+    **dict.fromkeys(("v", "v0", "vel"), ("velocity", "speed")),
+    **dict.fromkeys(("w", "omega", "omega0", "spin"), ("angular_velocity", "width")),
+    **dict.fromkeys(("x", "x0", "pos", "r0"), ("position", "at")),
+    **dict.fromkeys(("q", "quat"), ("quaternion", "rotation")),
+    **dict.fromkeys(("r", "R"), ("radius",)),
+    **dict.fromkeys(("l", "L"), ("length",)),
+    "b": ("width", "kinematic"),
+    "n": ("exponent", "elements", "normal"),
+    "p": ("pressure",),
+    "F": ("force",),
+    "M": ("torque",),
+    "A": ("area", "yield_stress"),
+    "B": ("hardening",),
+    "C": ("rate",),
+    "H": ("hardening",),
+    "alpha": ("drag",),
+    "beta": ("kinematic", "damping"),
+}
+
+
+def nearest(word: object, known: Iterable[str]) -> str:
+    """Question about a wrong word: the right one most like it, if any is."""
+    names = list(known)
+    if RENAMED.get(str(word)) in names:
+        return f"it is called '{RENAMED[str(word)]}' now"
+    near = get_close_matches(str(word), names, n=1)
+    return f"did you mean '{near[0]}'?" if near else ""
+
+
+def nearest_field(word: object, known: Iterable[str]) -> str:
+    """The same for a field of a card, which may be known by its symbol."""
+    names, text = list(known), str(word)
+    for meant in (*SYMBOLS.get(text, ()), text.lower()):
+        if meant in names:
+            return f"did you mean '{meant}'?"
+    return nearest(word, names)
+
+
+def choices(word: object, known: Iterable[str], what: str) -> str:
+    """Advice on a wrong word: the right one most like it, and the list of all."""
+    names = list(known)
+    listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    question = nearest_field(word, names) if what == "fields" else nearest(word, names)
+    return f"{question} ({what}: {listed or 'none'})".lstrip()
+
+
+def shortened(word: str) -> str:
+    """A word as a message quotes it: of a long one its beginning."""
+    return word if len(word) <= LONGEST else f"{word[:LONGEST]}..."

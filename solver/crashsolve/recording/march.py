@@ -1,0 +1,244 @@
+"""From sample to sample in compiled code, and what an interval between two of them hides.
+
+A sample in Python costs as much as tens of steps of a small scene. `march` calls the compiled step
+and copies tables by their addresses, so that it serves all scenes; it gives control back where a
+sample needs more than copies (`recording/marching.py`).
+
+An interval hides a touch when its ends do not show what a contact bore in it:
+
+    peak:     the largest normal force has grown, and neither end shows SHOWN of it
+    impulse:  |dI - (F_0 + F_1) dt / 2| is more than PART of the sum of |dI| so far
+"""
+
+from math import sqrt
+
+from crashsolve.foundation.addresses import call_step, copy_bytes, number_at, ticks
+from crashsolve.foundation.kernels import entry, kernel
+from crashsolve.foundation.record import Record
+from crashsolve.model.clock import CONTACT_GAIN, ENERGY, NOT_FINITE, POSITION, REACHED
+from crashsolve.model.ledger import LARGEST, is_out_of_nothing
+from crashsolve.system.engine import FIRST_JUDGED
+
+SHOWN, PART = 0.9, 0.1
+# why `march` gave control back: all samples are done; the step did; the last interval hides
+# a touch; the last sample must be judged by who can report it; the next step is longer than wanted
+DONE, STEPPED, HIDDEN, SUSPECT, LONG = range(5)
+
+JOB = Record("""
+    step      index  address of the compiled step
+    present   index  address of its tables at present
+    of_sample  index  address of its tables of a sample
+    is_dense  flag   whether steps may go beyond a sample
+    end       s      time at which the run ends
+    limit     1      control.energy_limit
+    longest   s      no sample is taken where the next step is longer
+    most      count  samples wanted
+    count     count  samples done
+    first     index  row of the first of them among those kept
+    cards     count  contact cards
+    before    count  rows of `before`
+    rows      count  rows of `rows`
+    snapshot  count  rows of `snapshot`
+    passed    count  rows of `passed`
+    why       index  DONE, STEPPED, HIDDEN, SUSPECT or LONG
+    stepping  count  ticks of the steps
+    total     count  ticks of all
+""")
+WATCH = Record("""
+    watches   flag   whether intervals are watched
+    time      s      begin of the interval
+    cycle     count  steps by then
+    is_asked  flag   whether this interval has been looked at
+    hides     flag   what was found
+""")
+# of every contact card, as the interval began
+MARK = Record("""
+    force    N    3  on side a
+    impulse  N s  3  on side a
+    normal   N       normal force
+    peak     N       largest normal force so far
+    borne    N s     sum of |dI| in intervals of several steps
+""")
+# steps and time before, during and after contact
+PHASE = Record("""
+    time      s         at the last look
+    cycle     count     at the last look
+    onsets    count     of contacts so far
+    touching  flag      whether anything touched
+    steps     count  3  before, during, after contact
+    spans     s      3  of these
+""")
+# bytes to copy: `number` pieces of `count` bytes each, for every sample `advance` further on
+COPY = Record("""
+    target         index  address
+    target_stride  count  from one piece to the next
+    source         index  address
+    source_stride  count  from one piece to the next
+    count          count  bytes of a piece
+    number         count  pieces
+    advance        count  bytes
+""")
+# columns of times at which a pair passed: not 0 stops the run
+PASSED = Record("""
+    address  index  of the first number
+    stride   count  bytes from one to the next
+    number   count  pairs
+    half     count  bytes of a history
+""")
+
+
+@entry
+def march(_, flag, scene):
+    """Samples at scene.times, one after the other. Writes: all of the State, what is kept."""
+    job, clock = scene.job[0], scene.clock[0]
+    begun = ticks()
+    job.why, job.count, job.stepping = DONE, 0, 0
+    while job.why == DONE and job.count < job.most:
+        if clock.next_step > job.longest:
+            job.why = LONG
+            continue
+        until = scene.times[job.count]
+        clock.goal = max(until, job.end) if job.is_dense else until
+        left = ticks()
+        call_step(job.step, until, False, job.present)
+        job.stepping += ticks() - left
+        if clock.status != REACHED:
+            job.why = STEPPED
+        elif hides(clock, scene):
+            job.why = HIDDEN
+        elif not sample(until, job, clock, scene):
+            job.why = SUSPECT
+        else:
+            copy(scene.rows, job.rows, job.first + job.count)
+            begin_interval(clock, scene)
+            count_interval(clock, scene)
+            job.count += 1
+    job.total = ticks() - begun
+
+
+@entry
+def ask(_, flag, scene):
+    """Whether the interval that ends now hides a touch. Writes: watch, marks."""
+    hides(scene.clock[0], scene)
+
+
+@entry
+def begin(_, flag, scene):
+    """An interval begins. Writes: watch, marks, the snapshot."""
+    begin_interval(scene.clock[0], scene)
+
+
+@entry
+def tally(_, flag, scene):
+    """An interval has ended. Writes: phase."""
+    count_interval(scene.clock[0], scene)
+
+
+@kernel
+def copy(table, rows, k):
+    """Copy what a table of COPY says, for sample k. Writes: memory."""
+    for i in range(rows):
+        one = table[i]
+        target, source = one.target + k * one.advance, one.source
+        for j in range(one.number):
+            copy_bytes(target + j * one.target_stride, source + j * one.source_stride, one.count)
+
+
+@kernel
+def sample(until, job, clock, scene):
+    """Take a sample; whether the run may go on. Writes: the tables of a sample, clock, ledger."""
+    copy(scene.before, job.before, 0)
+    call_step(job.step, until, True, job.of_sample)
+    sampled, ledger = scene.sample_clock[0], scene.sample_ledger
+    clock.sampled = sampled.time
+    for trouble in (NOT_FINITE, ENERGY, CONTACT_GAIN, POSITION):
+        if sampled.status == trouble:
+            return False
+    if sampled.cycle >= FIRST_JUDGED and is_out_of_nothing(ledger, job.limit):
+        return False
+    if has_passed(scene.passed, job.passed, clock.current):
+        return False
+    scene.ledger[LARGEST] = ledger[LARGEST]
+    clock.missing = sampled.missing
+    clock.missing_share = sampled.missing_share
+    clock.missing_time = sampled.missing_time
+    return True
+
+
+@kernel
+def has_passed(passed, rows, current):
+    """Whether a body has passed the middle of what it strikes."""
+    for i in range(rows):
+        one = passed[i]
+        for j in range(one.number):
+            if number_at(one.address + current * one.half + j * one.stride) > 0.0:
+                return True
+    return False
+
+
+@kernel
+def hides(clock, scene):
+    """Whether the ends of the interval show too little of any contact. Writes: watch, marks."""
+    watch = scene.watch[0]
+    if watch.is_asked or not watch.watches:
+        return watch.hides
+    watch.is_asked, watch.hides = 1, 0
+    # of one step both ends are samples
+    if clock.cycle - watch.cycle < 2:
+        return 0
+    half = 0.5 * (clock.time - watch.time)
+    for i in range(scene.job[0].cards):
+        card, history, mark = scene.cards[i], scene.card_history[clock.current, i], scene.marks[i]
+        size, lack = 0.0, 0.0
+        for k in range(3):
+            change = history.impulse[k] - mark.impulse[k]
+            seen = half * (mark.force[k] + card.force[k])
+            size += change * change
+            lack += (change - seen) * (change - seen)
+        known = mark.borne
+        mark.borne += sqrt(size)
+        shown = max(mark.normal, card.normal)
+        if history.peak_normal > mark.peak and shown < SHOWN * history.peak_normal:
+            watch.hides = 1
+        if known > 0.0 and sqrt(lack) > PART * mark.borne:
+            watch.hides = 1
+    return watch.hides
+
+
+@kernel
+def begin_interval(clock, scene):
+    """Writes: watch, marks, the snapshot."""
+    watch = scene.watch[0]
+    watch.is_asked, watch.hides = 0, 0
+    if not watch.watches:
+        return
+    # when the loop is to pause depends on how fast it runs: no trace of that may reach a dump
+    pause = clock.pause
+    clock.pause = 0
+    copy(scene.snapshot, scene.job[0].snapshot, 0)
+    clock.pause = pause
+    watch.time, watch.cycle = clock.time, clock.cycle
+    for i in range(scene.job[0].cards):
+        card, history, mark = scene.cards[i], scene.card_history[clock.current, i], scene.marks[i]
+        for k in range(3):
+            mark.force[k] = card.force[k]
+            mark.impulse[k] = history.impulse[k]
+        mark.normal, mark.peak = card.normal, history.peak_normal
+
+
+@kernel
+def count_interval(clock, scene):
+    """An interval is one in contact when something touches at an end, or began. Writes: phase."""
+    phase = scene.phase[0]
+    onsets, touching = 0, 0
+    for i in range(scene.job[0].cards):
+        onsets += scene.card_history[clock.current, i].onsets
+        if scene.cards[i].touching != 0.0:
+            touching = 1
+    which = 2 if onsets > 0 else 0
+    if touching or phase.touching or onsets > phase.onsets:
+        which = 1
+    phase.spans[which] += clock.time - phase.time
+    phase.steps[which] += clock.cycle - phase.cycle
+    phase.time, phase.cycle = clock.time, clock.cycle
+    phase.onsets, phase.touching = onsets, touching

@@ -1,0 +1,187 @@
+"""What the compiled loop from sample to sample is given (march.py): tables, and what to copy.
+
+    copies before a sample, of the State;  rows kept of a sample;  a snapshot as an interval begins
+
+They are made anew when tables are bound to other arrays. Where something must be asked of Python at
+every sample, no block is marched, and the run goes from one sample to the next. Consequence to
+test: the same bits as sample by sample.
+"""
+
+import time as clock
+from collections.abc import Iterable
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crashsolve.compiler.machine import machine_codes, runs_plain
+from crashsolve.compiler.table import Tables
+from crashsolve.foundation.rows import as_rows
+from crashsolve.model.model import Model
+from crashsolve.recording import march
+from crashsolve.recording.kept import Kept
+from crashsolve.system.engine import Engine
+
+if TYPE_CHECKING:
+    from crashsolve.recording.changing import Snapshot
+
+ENTRIES = ("march", "ask", "begin", "tally")
+# samples of one block at most
+MOST = 256
+Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
+
+
+class March:
+    """Tables and entries of march.py for one engine. Writes: all of the State."""
+
+    def __init__(self, engine: Engine, snapshot: "Snapshot | None") -> None:
+        """With a snapshot, intervals are watched, and it is taken as each begins."""
+        self.engine, self.snapshot = engine, snapshot
+        self._bound = -1
+        self._kept: Kept | None = None
+        state, control = engine.state, engine.model.control[0]
+        self._job = np.zeros(1, march.JOB.dtype)
+        self.job: Any = as_rows(self._job)[0]
+        self.job.is_dense, self.job.end = engine.is_dense, control["end"]
+        self.job.limit, self.job.longest = control["energy_limit"], inf
+        self.job.cards = len(engine.model.contacts)
+        self.watch_table = np.zeros(1, march.WATCH.dtype)
+        self.watch: Any = as_rows(self.watch_table)[0]
+        self.watch.watches = snapshot is not None
+        self.marks = np.zeros(len(state.cards), march.MARK.dtype)
+        self.phase = np.zeros(1, march.PHASE.dtype)
+        self._times = np.zeros(MOST)
+        # one engine of exactly this kind: others do more between samples
+        self._is_plain = type(engine) is Engine and not engine.model.nodal_groups
+        self._bind()
+
+    def ask(self) -> bool:
+        """Whether the interval that ends now hides a touch."""
+        self._call("ask")
+        return bool(self.watch.hides)
+
+    def begin(self) -> None:
+        """An interval begins."""
+        if self.watch.watches:
+            self._renew(self._kept)
+            if self.snapshot is not None and not self.snapshot.is_copied:
+                self.snapshot.take()
+            self._call("begin")
+
+    def tally(self) -> None:
+        """Count the interval that ends now."""
+        self._call("tally")
+
+    def count_from_here(self) -> None:
+        """Count intervals from the present sample."""
+        self.phase[...] = 0
+        self.tally()
+        for name in ("steps", "spans"):
+            self.phase[name] = 0
+
+    def may_go(self, until: float, kept: Kept) -> bool:
+        """Whether samples until then need copies alone."""
+        is_able = self._is_plain and kept.is_copied and self.engine.addresses is not None
+        if self.snapshot is not None:
+            is_able = is_able and self.snapshot.is_copied
+        return is_able and self.engine.has_no_bend(until)
+
+    def go(self, times: np.ndarray, kept: Kept) -> tuple[int, float]:
+        """March through samples at times [s]; how many are done, and CPU time [s] of the steps.
+
+        The last may not be done: what it needs is asked of the engine. Raises SolverError.
+        """
+        begun, count = clock.process_time(), min(len(times), kept.room, MOST)
+        self._renew(kept)
+        self._times[:count] = times[:count]
+        self.job.most, self.job.first, self.job.total = count, kept.count, 0
+        status = self.engine.within_pause(lambda: self._call("march"))
+        kept.count += int(self.job.count)
+        spent, share = clock.process_time() - begun, 1.0
+        if self.job.total > 0:
+            share = float(self.job.stepping) / float(self.job.total)
+        if self.job.why == march.STEPPED:
+            self.engine.answer(status)
+        return int(self.job.count), spent * share
+
+    def _call(self, name: str) -> None:
+        self._entries[name](0.0, False, self._tables)
+
+    def _renew(self, kept: Kept | None) -> None:
+        """Copies of the arrays that there are now."""
+        if self._bound != self.engine.bindings or self._kept is not kept:
+            self._kept = kept
+            self._bind()
+
+    def _bind(self) -> None:
+        engine, state = self.engine, self.engine.state
+        self._bound = engine.bindings
+        if engine.addresses is not None:
+            self.job.step, self.job.present, self.job.of_sample = engine.addresses
+        snapshot: Pieces = ()
+        if self.snapshot is not None and self.snapshot.is_copied:
+            snapshot = self.snapshot.pieces()
+        rows = self._kept.pieces if self._kept is not None else ()
+        self._copies = {
+            "before": _table(engine.copied),
+            "rows": _table(rows, has_rows=True),
+            "snapshot": _table(snapshot),
+            "passed": _passed(engine.model),
+        }
+        for name, table in self._copies.items():
+            self._job[name] = len(table)
+        self._tables = Tables(
+            {
+                "job": self._job,
+                "times": self._times,
+                "clock": state.clock,
+                "sample_clock": engine.sample_clock,
+                "ledger": state.ledger,
+                "sample_ledger": engine.ledger,
+                "cards": state.cards,
+                "card_history": state.card_history,
+                "watch": self.watch_table,
+                "marks": self.marks,
+                "phase": self.phase,
+            }
+            | self._copies
+        )
+        if runs_plain():
+            self._entries = {name: getattr(march, name) for name in ENTRIES}
+            return
+        found = machine_codes(Path(march.__file__), ENTRIES, self._tables)
+        self._entries = dict(zip(ENTRIES, found, strict=True))
+
+
+def _table(pieces: Pieces, has_rows: bool = False) -> np.ndarray:
+    """Rows of COPY, of arrays (n,) or (number, n) in one piece or with strides.
+
+    With rows the copy has an axis more, the first, of samples.
+    """
+    found = []
+    for source, target in pieces:
+        row = target[0] if has_rows else target
+        source, row = np.atleast_2d(source), np.atleast_2d(row)
+        found.append(
+            (
+                target.ctypes.data,
+                row.strides[0],
+                source.ctypes.data,
+                source.strides[0],
+                source.shape[1] * source.itemsize,
+                source.shape[0],
+                target.strides[0] if has_rows else 0,
+            )
+        )
+    return np.array(found, march.COPY.dtype)
+
+
+def _passed(model: Model) -> np.ndarray:
+    """Rows of PASSED: times at which pairs passed, of every group that notes them."""
+    found = []
+    for group in model.contact_groups:
+        if "passed" in (group.history.dtype.names or ()) and group.history.shape[1]:
+            column, (half, stride) = group.history["passed"], group.history.strides
+            found.append((column.ctypes.data, stride, group.history.shape[1], half))
+    return np.array(found, march.PASSED.dtype)

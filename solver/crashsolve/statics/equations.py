@@ -1,0 +1,65 @@
+"""The equations of equilibrium, as the files that judge and follow equilibria see them.
+
+    g(q) = 0,   Phi(q) = 0,   (dg/dq - s D^T D) delta = -g + s D^T Phi
+
+`equilibrium.py` has them of a model. What hinges, segments, branches and the balance ask of them
+stands here: n free nodes, m rows of joints.
+"""
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from crashsolve.model.model import Model, State
+from crashsolve.statics.loading import Loading
+
+Tangent = tuple[np.ndarray, np.ndarray]
+
+
+class CurvesOfLaws(Protocol):
+    """Who has the curves that laws read."""
+
+    def curves(self) -> Any: ...
+
+
+class Equations(Protocol):
+    """What is asked of a quasi-static run."""
+
+    clock: Any
+    model: Model
+    state: State
+    nodes: Any  # of the last sample
+    rows: Any
+    ledger: np.ndarray
+    free: np.ndarray  # nodes (n,)
+    tangent: Tangent | None  # K (6 n, 6 n) and D (m, 6 n) of the last pass
+    known: Tangent | None  # of the last equilibrium
+
+    loading: Loading
+
+    @property
+    def yielding(self) -> CurvesOfLaws: ...
+
+    # samples
+    def rest(self, time: float, nodes: np.ndarray) -> np.ndarray: ...
+    def imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+    def elastic_tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray: ...
+
+    # Newton's method
+    def bordered(
+        self, columns: np.ndarray, g: np.ndarray, D: np.ndarray, phi: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]: ...
+    def condense(self, columns: np.ndarray, D: np.ndarray) -> np.ndarray: ...
+    def correction(self, time: float, known: Tangent | None = None) -> np.ndarray: ...
+    def cut(self, change: np.ndarray) -> float: ...
+    def finds(self, time: float) -> int: ...
+
+    # configurations
+    def change_from(self, start: np.ndarray) -> np.ndarray: ...
+    def keep(self) -> list[np.ndarray]: ...
+    def shift(self, nodes: np.ndarray, change: np.ndarray) -> None: ...
+    def size_of(self, change: np.ndarray) -> float: ...
+    def take_back(self, kept: list[np.ndarray]) -> None: ...
+
+    # messages
+    def out_of_balance(self) -> str: ...

@@ -1,0 +1,102 @@
+"""Tyres of wheels that stand: while an equilibrium is searched, their carcass is a spring.
+
+    q <- q - (x . s, y . s),   s the displacement of the wheel's point on the road, against the road
+
+A tyre slips by velocities, and without motion it bears nothing; a wheel that does not roll is held
+by the deflection q of its carcass all the same, up to friction. So q follows the displacements of
+the search for every tyre whose wheel and road begin at rest. A wheel that is free to roll turns
+until nothing holds it along the road. Consequence to test: a braked car on a slope begins at rest,
+with the deflections sigma F / C that bear it.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crashsolve.foundation.rows import as_rows
+from crashsolve.model.model import Group, Model
+
+
+class Footprint(NamedTuple):
+    """A standing tyre on one of its roads, in the configuration that was accepted last."""
+
+    group: Group
+    row: int
+    road: int
+    x: np.ndarray  # along the wheel, world axes
+    y: np.ndarray  # across it
+    foot: np.ndarray  # point on the road, world axes [m]
+    q: tuple[float, float]  # deflections [m]
+
+
+class Standing:
+    """All tyres that stand: their deflections, in the histories of their groups."""
+
+    def __init__(self, model: Model, nodes: np.ndarray, current: int) -> None:
+        """`nodes` with the velocities of the deck; `current` of the two histories is accepted."""
+        self.model, self.current = model, current
+        still = ~(nodes["v"].any(axis=1) | nodes["w"].any(axis=1))
+        self.patches = [
+            (group, row, road)
+            for group in model.groups
+            if hasattr(group.module, "patch_on")
+            for row, p in enumerate(group.parameters)
+            for road in range(int(p["roads"]))
+            if still[p["node"]] and still[p["road_node"][road]]
+        ]
+        self.nodes = nodes.copy()
+        self.prints: list[Footprint] = []
+
+    def begin(self, nodes: np.ndarray) -> None:
+        """Let all carcasses be at ease in this configuration. Writes: histories."""
+        for group, row, road in self.patches:
+            for name in ("q_x", "q_y", "store"):
+                group.history[name][:, row, road] = 0.0
+        self.accept(nodes)
+
+    def accept(self, nodes: np.ndarray) -> None:
+        """Go on from this configuration, of which there is a sample; nodes at rest."""
+        if not self.patches:
+            return
+        self.nodes = nodes.copy()
+        table, curves = as_rows(self.nodes), as_rows(self.model.curves)
+        self.prints = [self._print(*patch, table, curves) for patch in self.patches]
+
+    def _print(self, group: Group, row: int, road: int, nodes: Any, curves: Any) -> Footprint:
+        data = tuple(as_rows(part) for part in group.data) or None
+        at = group.module.patch_on(as_rows(group.parameters)[row], road, nodes, curves, data)
+        # what the sample found: no more than friction holds, and nothing off the road
+        found = group.history[1 - self.current]
+        q = float(found["q_x"][row, road]), float(found["q_y"][row, road])
+        hub = self.nodes["r"][group.parameters["node"][row]]
+        return Footprint(group, row, road, np.array(at.x), np.array(at.y), hub + at.foot, q)
+
+    def follow(self, nodes: np.ndarray) -> None:
+        """Deflections of another configuration, near the one accepted. Writes: histories."""
+        for group, row, road, x, y, foot, q in self.prints:
+            p = group.parameters[row]
+            s = self._moved(p["node"], foot, nodes) - self._moved(p["road_node"][road], foot, nodes)
+            now = group.history[self.current]
+            now["q_x"][row, road], now["q_y"][row, road] = q[0] - x @ s, q[1] - y @ s
+
+    def _moved(self, node: int, point: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+        """Position of a point of a body that was at `point` when it was accepted (3,) [m]."""
+        before = self.nodes[node]
+        A, B = before["A"].reshape(3, 3), nodes[node]["A"].reshape(3, 3)
+        return np.asarray(nodes[node]["r"] + B @ (A.T @ (point - before["r"])))
+
+    def keep(self) -> None:
+        """The run begins with what the last sample found. Writes: histories."""
+        for group, row, road in self.patches:
+            for name in ("q_x", "q_y", "store"):
+                now = group.history[name]
+                now[self.current, row, road] = now[1 - self.current, row, road]
+
+    def sliding(self) -> str:
+        """Names of tyres that slide all over, of the last sample."""
+        names = [
+            group.names[row]
+            for group, row, _ in self.patches
+            if group.output["sliding"][row] >= 1.0
+        ]
+        return ", ".join(dict.fromkeys(names))

@@ -1,0 +1,108 @@
+"""Claim: samples taken in compiled code are those that Python takes one by one, to the bit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.model.build import build
+from crashsolve.recording.between import Between
+from crashsolve.recording.changing import changing
+from crashsolve.recording.histories import Histories
+from crashsolve.recording.sampling import Schedule
+from crashsolve.system.engine import Engine
+
+# two balls fall upon each other and on a floor: touches within intervals, at their ends, and none
+DECK = """\
+control: {end_time: 0.3, integrator: METHOD}
+output: {history: {interval: INTERVAL}}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], position: [0, 0, 0.15], velocity: [0.1, 0, -2]}
+  b: {mass: 2, inertia: [1, 1, 1], position: [0.02, 0, 0.5], velocity: [0, 0, -1]}
+surfaces:
+  a: {type: sphere, body: a, radius: 0.1}
+  b: {type: sphere, body: b, radius: 0.1}
+  f: {type: plane}
+springs: {s: {type: linear, a: b, b: ground, stiffness: 300, length: 0.4}}
+loads: {g: {type: gravity, acceleration: [0, 0, -9.81]}}
+contacts:
+  floor: {a: [a, b], b: [f], normal: {type: kelvin_voigt, stiffness: 1e6, restitution: 0.5}}
+  pair: {a: [a], b: [b], normal: {type: kelvin_voigt, stiffness: 1e7, restitution: 0.9}}
+"""
+
+
+class Taken:
+    """A run from sample to sample, in blocks where that is possible or one by one."""
+
+    def __init__(self, deck: Path, in_blocks: bool) -> None:
+        read = read_deck(deck)
+        self.engine = Engine(*build(read))
+        self.histories, self.times = Histories(self.engine), [0.0]
+        self.between, self.blocks, marched = Between(self.engine, True, self.take), [], 0
+        self.engine.start()
+        self.engine.sample()
+        self.histories.take()
+        march, schedule, k = self.between.march, Schedule.of(read), 0
+        march.count_from_here()
+        self.between.begin()
+        while not schedule.is_end(k):
+            times, kept = schedule.times(k + 1, 50), self.histories.kept
+            if in_blocks and march.may_go(float(times[-1]), kept):
+                count, _ = march.go(times, kept)
+                self.times += times[:count].tolist()
+                marched, k = marched + count, k + count
+                self.hand_over()
+                if count:
+                    continue
+            k += 1
+            self.engine.reach(schedule.time(k))
+            self.between.fill(schedule.time(k))
+            self.engine.sample(schedule.time(k))
+            self.between.mark()
+            march.tally()
+            self.take(schedule.time(k))
+        self.hand_over(full=True)
+        self.marched, self.phase = marched, march.phase
+
+    def take(self, time: float) -> None:
+        self.times.append(time)
+        self.histories.take()
+        self.hand_over()
+
+    def hand_over(self, full: bool = False) -> None:
+        if full or self.histories.kept.is_full:
+            self.blocks.append(self.histories.values())
+
+    def rows(self, family: str) -> np.ndarray:
+        return np.concatenate([block[family] for block in self.blocks])
+
+
+@pytest.mark.parametrize("interval", ["1e-3", "0.011"])
+@pytest.mark.parametrize("method", ["rattle", "dormand_prince_5"])
+def test_blocks_of_samples_are_samples_one_by_one(
+    tmp_path: Path, method: str, interval: str
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(DECK.replace("METHOD", method).replace("INTERVAL", interval), "utf-8")
+    fast, slow = Taken(deck, True), Taken(deck, False)
+    count = round(0.3 / float(interval))
+    # most are taken in blocks; some wait for Python, where a touch hides between two samples
+    assert 0.6 * count < fast.marched < count and slow.marched == 0
+    assert fast.times == slow.times and len(fast.times) > count
+    for family in fast.histories.families:
+        np.testing.assert_array_equal(fast.rows(family.name), slow.rows(family.name), family.name)
+    assert fast.phase.tobytes() == slow.phase.tobytes()
+    assert fast.between.march.marks.tobytes() == slow.between.march.marks.tobytes()
+    ends = changing(fast.engine), changing(slow.engine)
+    for name, array in ends[0].items():
+        assert array.tobytes() == ends[1][name].tobytes(), name
+
+
+def test_samples_ahead_are_those_of_the_schedule() -> None:
+    schedule = Schedule(0.1, 1.0, 0.03).with_times({0.25, 0.7})
+    for first in (0, 3, 5, 25):
+        times = schedule.times(first, 12)
+        expected = [schedule.time(k) for k in range(first, first + len(times))]
+        assert times.tolist() == expected
+        assert len(times) == 12 or times[-1] == 1.0
