@@ -43,7 +43,7 @@ def settling(engine: Engine) -> list[str]:
     loaded = any(group.keyword == "loads" for group in model.groups)
     if not loaded or model.phases or model.control[0]["follows_path"]:
         return []
-    at_rest = ~(state.nodes["v"].any(axis=1) | state.nodes["w"].any(axis=1))
+    at_rest = np.asarray(~(state.nodes["v"].any(axis=1) | state.nodes["w"].any(axis=1)))
     moving = set()
     for group in model.contact_groups:
         for side, elements in (("a", group.elements_a), ("b", group.elements_b)):
