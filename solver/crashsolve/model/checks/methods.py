@@ -10,6 +10,7 @@ from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import ANY, CHOSEN, Family, FamilyError, families
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.model import Model
 
 
 def refuse_methods(scene: Scene) -> None:
@@ -44,7 +45,7 @@ def _folders(card: Any) -> Iterator[str]:
                 yield from _folders(part)
 
 
-def refuse_several(model: Any, deck: Any) -> None:
+def refuse_several(model: Model, deck: Any) -> None:
     """Raises DeckErrors for springs among several bodies beside what has blocks of its nodes.
 
     The matrix of all nodes has no blocks for the parts of one row.

@@ -7,22 +7,23 @@ import numpy as np
 
 from crashsolve.deck.family import families
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.model import Group
 
 # what every law of force keeps of a step
 KEPT = {"dissipated", "power", "unused"}
 
 
-def is_incremental(groups: list[Any]) -> bool:
+def is_incremental(groups: list[Group]) -> bool:
     """Whether there are path-dependent parts: steps from rest take them along it."""
     return any(g.keyword == "parts" and getattr(g.module, "STEPWISE", False) for g in groups)
 
 
-def follows_load_steps(group: Any) -> bool:
+def follows_load_steps(group: Group) -> bool:
     """Whether load steps, which have no length, take these path-dependent laws along their path."""
     return "at_rest" in (group.parameters.dtype.names or ())
 
 
-def refuse_motion(deck: Any, groups: list[Any]) -> None:
+def refuse_motion(deck: Any, groups: list[Group]) -> None:
     """Raises DeckErrors for the cards whose laws need the course of time."""
     if deck.control.solution != "quasi_static":
         return
@@ -36,7 +37,7 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
         raise DeckErrors(found)
 
 
-def _off_paths(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+def _off_paths(deck: Any, groups: list[Group]) -> Iterator[tuple[Any, str]]:
     """What cannot go along a path of equilibria yet."""
     beyond = "path: arc_length does not follow {} yet; say path: load"
     for entry in deck.entries["hinges"].values():
@@ -48,7 +49,7 @@ def _off_paths(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
                 yield entry, beyond.format(f"parts of type {g.type}")
 
 
-def _inconsistencies(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+def _inconsistencies(deck: Any, groups: list[Group]) -> Iterator[tuple[Any, str]]:
     """Entries that a quasi-static solution cannot have, and why."""
     yield from _with_velocities(deck)
     for entry in deck.entries["contacts"].values():
@@ -79,7 +80,7 @@ def _beside_steps_from_rest(deck: Any) -> Iterator[tuple[Any, str]]:
         yield entry, "a quasi-static solution with shells or fibre beams has no hinges yet"
 
 
-def _is_path_dependent(group: Any) -> bool:
+def _is_path_dependent(group: Group) -> bool:
     """Whether its law of force remembers more than losses, and quasi-static runs refuse that."""
     remembers = set(group.history.dtype.names or ()) - KEPT and not follows_load_steps(group)
     is_refused = hasattr(group.module, "force") and not families()[group.keyword].at_rest
